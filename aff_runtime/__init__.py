@@ -1,0 +1,1 @@
+"""Adaptive feed-forward beside the PI drives of a web line; it fails to zero."""

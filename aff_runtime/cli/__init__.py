@@ -1,0 +1,1 @@
+"""The aff-runtime command."""

@@ -1,0 +1,1 @@
+"""Site files: strict YAML, pydantic models, check."""

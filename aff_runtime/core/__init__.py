@@ -1,0 +1,1 @@
+"""The law, pure: phases, harmonic blocks, measured response, probe."""

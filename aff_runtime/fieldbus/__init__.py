@@ -1,0 +1,1 @@
+"""The wire: register codec and transports."""

@@ -1,0 +1,1 @@
+"""Time: absolute deadlines, real-time rights, the cycle, jitter statistics."""

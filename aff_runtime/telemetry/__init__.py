@@ -1,0 +1,1 @@
+"""Shared-memory ring, recorder and run files."""

@@ -1,0 +1,1 @@
+"""A model of a whole web line that speaks the same wire as the real one."""

@@ -1,0 +1,26 @@
+"""The seam between a simulated line and whatever serves it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol
+
+
+class SteppedLine(Protocol):
+    """A line that advances by one control sample at a time."""
+
+    @property
+    def sample_time_s(self) -> float:
+        """Control sample time, s."""
+        ...
+
+    def step(self, inputs: Mapping[str, float]) -> Mapping[str, float]:
+        """Advance one sample under ``inputs`` (SI) and return the measured channels (SI).
+
+        Inputs: ``line_speed_ref_m_s``, ``tension_ref_N`` and ``aff_<roller>_m_s`` per actuated
+        roller; a missing one keeps its last value (corrections start at 0, references at the
+        declaration's operating point). Outputs carry the declaration's channel names
+        (``unwind_tension_N``, ``unwind_angle_rad`` unwrapped, ...), sensor noise and
+        quantisation included, and ``true_<name>`` twins without them for judges.
+        """
+        ...

@@ -1,0 +1,1 @@
+"""The sim-plant command."""

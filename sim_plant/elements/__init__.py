@@ -1,0 +1,1 @@
+"""Balances only: span, roller, material roll, drive, load cell."""

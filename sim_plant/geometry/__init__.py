@@ -1,0 +1,1 @@
+"""Support functions, common tangents, moment arms: pure functions."""

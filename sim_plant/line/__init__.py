@@ -1,0 +1,1 @@
+"""Declared lines: loader, compiled kernel, frequency model, simulation."""

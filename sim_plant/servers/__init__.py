@@ -1,0 +1,1 @@
+"""The line in real time behind a PLC on a wire."""
