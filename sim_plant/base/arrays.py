@@ -99,9 +99,9 @@ class LineState(NamedTuple):
 
 def copy_state(state: LineState) -> LineState:
     """Return an independent copy."""
-    return LineState(*(np.array(part, copy=True) for part in state))
+    return LineState(**{name: part.copy() for name, part in state._asdict().items()})
 
 
 def copy_arrays(arrays: LineArrays) -> LineArrays:
     """Return an independent copy, to try an effect on."""
-    return LineArrays(*(np.array(part, copy=True) for part in arrays))
+    return LineArrays(**{name: part.copy() for name, part in arrays._asdict().items()})

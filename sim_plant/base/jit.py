@@ -38,7 +38,7 @@ def _cache_folder() -> str:
     return str(folder)
 
 
-numba.config.CACHE_DIR = _cache_folder()
+setattr(numba.config, "CACHE_DIR", _cache_folder())  # noqa: B010 - numba types it read-only
 
 
 def compiled(function: F) -> F:

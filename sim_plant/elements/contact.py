@@ -6,34 +6,7 @@ import math
 
 from sim_plant.base.arrays import Array
 from sim_plant.base.jit import compiled
-
-TWO_PI = 2.0 * math.pi
-
-
-@compiled
-def shape_at(
-    h_m: Array, dh_m: Array, rho_m: Array, psi_rad: float
-) -> tuple[float, float, float]:
-    """Return support deviation h, h' and h + h'' (deviation), m, at body angle ``psi_rad``.
-
-    Tables hold ``points + 1`` values over one turn. h is a cubic Hermite of h and h'; h' is its
-    exact derivative, so arm and length stay consistent; h + h'' is linear between nodes.
-    Never raises.
-    """
-    points = h_m.size - 1
-    step = TWO_PI / points
-    turn = psi_rad - TWO_PI * math.floor(psi_rad / TWO_PI)
-    cell = int(turn / step)
-    cell = min(cell, points - 1)
-    t = turn / step - cell
-    h0, h1 = h_m[cell], h_m[cell + 1]
-    g0, g1 = dh_m[cell] * step, dh_m[cell + 1] * step
-    c2 = 3.0 * (h1 - h0) - 2.0 * g0 - g1
-    c3 = g0 + g1 - 2.0 * (h1 - h0)
-    h = h0 + t * (g0 + t * (c2 + t * c3))
-    dh = (g0 + t * (2.0 * c2 + 3.0 * t * c3)) / step
-    rho = rho_m[cell] + t * (rho_m[cell + 1] - rho_m[cell])
-    return h, dh, rho
+from sim_plant.geometry.lookup import support_at
 
 
 @compiled
@@ -51,7 +24,7 @@ def body_at(
     if row < 0:
         return radius_m, 0.0, radius_m
     psi = sigma * phi_rad - 0.5 * math.pi - theta_rad
-    h, dh, rho = shape_at(h_m[row], dh_m[row], rho_m[row], psi)
+    h, dh, rho = support_at(h_m[row], dh_m[row], rho_m[row], psi)
     return radius_m + h, dh, radius_m + rho
 
 

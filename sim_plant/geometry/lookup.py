@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from math import floor, pi
 
-from numba import njit
-
+from sim_plant.base.jit import compiled
 from sim_plant.geometry.shapes import Floats
 
 _TWO_PI = 2.0 * pi
 
 
-@njit(cache=True, fastmath=False)
+@compiled
 def support_at(h: Floats, dh: Floats, rho: Floats, psi_rad: float) -> tuple[float, float, float]:
     """Return deviations of h, h' and h + h'', m, at ``psi_rad`` (any turn).
 
@@ -45,7 +44,7 @@ def support_at(h: Floats, dh: Floats, rho: Floats, psi_rad: float) -> tuple[floa
     return value, slope / step, value + bend / (step * step)
 
 
-@njit(cache=True, fastmath=False)
+@compiled
 def arc_at(arc: Floats, rho: Floats, psi_rad: float) -> float:
     """Return the deviation s of arc length S(psi) = R psi + s(psi), m; s is periodic.
 

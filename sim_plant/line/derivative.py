@@ -18,18 +18,16 @@ from sim_plant.line.layout import Layout
 def roll_inertia(p: LineArrays, fixed_kg_m2: float, radius_m: float) -> float:
     """Return core, drive and wound web together, kg m2   [source 2.3, 2.4]."""
     web = p.web[0]
-    return fixed_kg_m2 + wound_inertia(
-        web.density_kg_m3, web.width_m, radius_m, web.core_radius_m
-    )
+    return fixed_kg_m2 + wound_inertia(web.density_kg_m3, web.width_m, radius_m, web.core_radius_m)
 
 
 @compiled
 def mean_radius(lay: Layout, y: Array, kind: int, fixed_m: float) -> float:
     """Return the mean radius of a body now, m."""
     if kind == UNWIND:
-        return y[lay.radius]
+        return float(y[lay.radius])
     if kind == REWIND:
-        return y[lay.radius + 1]
+        return float(y[lay.radius + 1])
     return fixed_m
 
 

@@ -41,9 +41,7 @@ def rk4(p: LineArrays, lay: Layout, s: LineState, w: Work, dt_s: float) -> None:
         )  # fmt: skip
     sixth = dt_s / 6.0
     for j in range(size):
-        s.y[j] += sixth * (
-            w.rates[0, j] + 2.0 * (w.rates[1, j] + w.rates[2, j]) + w.rates[3, j]
-        )
+        s.y[j] += sixth * (w.rates[0, j] + 2.0 * (w.rates[1, j] + w.rates[2, j]) + w.rates[3, j])
 
 
 @compiled
@@ -78,7 +76,7 @@ def drive_reference(
         last = s.reference_m_s[d]
         wanted = min(max(wanted, last - step), last + step)
     s.reference_m_s[d] = wanted
-    return wanted
+    return float(wanted)
 
 
 @compiled
@@ -186,8 +184,8 @@ def run_frames(
 ) -> None:
     """Run ``out.shape[0]`` frames and log after each, through the same code as one frame.
 
-    Shapes: line_speed (f, 2) at start and end of the frame, tension_ref (f, l), aff (f, d), noise (f, c + d + ticks * d) or
-    (1, ...) to repeat, out (f, 3 c + 2 d + n + 2 + m): measured and true cell force, mean of the
+    Shapes: line_speed (f, 2) at start and end of the frame, tension_ref (f, l), aff (f, d),
+    noise (f, c + d + ticks * d) or (1, ...) to repeat, out (f, 3 c + 2 d + n + 2 + m): measured and true cell force, mean of the
     two tensions, measured and true drive speed, all angles, both radii, all tensions.
     """
     cells, drives, bodies = p.cells.size, p.drives.size, lay.n

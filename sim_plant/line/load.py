@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from pathlib import Path
 
@@ -58,7 +59,7 @@ def consistency(line: Declaration) -> list[str]:
     findings = [f"rollers: {n} appears twice" for n in sorted(set(names)) if names.count(n) > 1]
     if line.rollers[0].kind != "roll" or line.rollers[-1].kind != "roll":
         findings.append("rollers: the first and the last must be of kind roll")
-    expected = list(zip(names[:-1], names[1:], strict=True))
+    expected = list(itertools.pairwise(names))
     given = [(span.start, span.end) for span in line.spans]
     if given != expected:
         findings.append("spans: must join the rollers in web order, one span per neighbour pair")

@@ -32,13 +32,18 @@ def make_work(p: LineArrays, lay: Layout, state: LineState) -> Work:
     spans = lay.n - 1
     moving = np.zeros(spans)
     for i in range(spans):
-        rolls = p.bodies["kind"][i] >= 2 or p.bodies["kind"][i+1] >= 2
-        moving[i] = float(rolls or p.bodies["shape_row"][i] >= 0 or p.bodies["shape_row"][i + 1] >= 0)
+        rolls = p.bodies["kind"][i] >= 2 or p.bodies["kind"][i + 1] >= 2
+        moving[i] = float(
+            rolls or p.bodies["shape_row"][i] >= 0 or p.bodies["shape_row"][i + 1] >= 0
+        )
     contacts = np.zeros((spans, 5))
     for i in range(spans):
         dx = p.bodies["centre_x_m"][i + 1] - p.bodies["centre_x_m"][i]
         dy = p.bodies["centre_y_m"][i + 1] - p.bodies["centre_y_m"][i]
-        reach = p.bodies["sigma"][i + 1] * p.bodies["radius_m"][i + 1] - p.bodies["sigma"][i] * p.bodies["radius_m"][i]
+        reach = (
+            p.bodies["sigma"][i + 1] * p.bodies["radius_m"][i + 1]
+            - p.bodies["sigma"][i] * p.bodies["radius_m"][i]
+        )
         contacts[i, 0] = math.sqrt(dx * dx + dy * dy - reach * reach)
         contacts[i, 1], contacts[i, 2] = p.bodies["radius_m"][i], p.bodies["radius_m"][i + 1]
         # exact direction of the common tangent: n.(C_B - C_A) = -reach
