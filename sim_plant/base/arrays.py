@@ -1,0 +1,107 @@
+"""The line as structured arrays: what the compiled kernel steps and what effects act on.
+
+Every physical effect fills fields here; a field at its neutral value (0, or 1 for ratios and
+gains) is exactly absent. Index letters: n bodies in web order, m = n - 1 spans, d drives,
+c load cells, l tension loops, r torque-ripple terms, s shape tables.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+Records = np.ndarray[Any, np.dtype[Any]]
+
+IDLER, DRIVEN, UNWIND, REWIND = 0, 1, 2, 3
+"""Values of the field ``kind`` of a body."""
+
+
+def record_type(integers: str, floats: str) -> np.dtype[Any]:
+    """Return a structured type with these integer and float fields, in this order."""
+    return np.dtype([(n, np.int64) for n in integers.split()]
+                    + [(n, np.float64) for n in floats.split()])  # fmt: skip
+
+
+BODY = record_type(
+    "kind shape_row",  # shape_row: row of the shape tables, -1 for a true circle
+    "sigma centre_x_m centre_y_m "  # sigma: +1 counter-clockwise, -1 clockwise
+    "radius_m "  # mean radius (perimeter / 2 pi) at the start
+    "inertia_kg_m2 "  # rolls: core and drive only
+    "friction_constant_N_m friction_viscous_N_m_s "
+    "heavy_N_m heavy_angle_rad "  # m g e of an off-axis centre of gravity, its angle in the body
+    "slip_s_m slip_speed_m_s",  # share of speed lost per m/s above slip_speed
+)
+SPAN = record_type("", "EA_N free_strain")  # free strain (thermal, moisture) pulls nothing
+WEB = record_type(
+    "",
+    "viscosity_s "  # Kelvin-Voigt: T = EA (strain + viscosity * d strain/dt)
+    "maxwell_ratio maxwell_time_s "  # one Maxwell branch, stiffness over EA
+    "density_kg_m3 thickness_m width_m wound_in_strain core_radius_m "
+    "bounce_mass_kg bounce_Hz bounce_damping",  # unwind on a soft mandrel, mass 0 = rigid
+)
+DRIVE = record_type(
+    "body delay_ticks loop",  # loop: tension loop that trims this drive, or -1
+    "gain_rad_s damping draw "  # K_ref, zeta, reference = line speed * (1 + draw)
+    "radius_ratio "  # radius the drive believes over the true one
+    "limit_N_m slew_m_s2 "  # slew 0 = none
+    "shaft_stiffness_N_m shaft_damping_N_m_s shaft_backlash_rad "  # stiffness 0 = rigid
+    "motor_share "  # share of the body's fixed inertia on the motor side
+    "encoder_eccentricity encoder_angle_rad noise_rad_s lsb_rad_s",
+)
+CELL = record_type(
+    "body",
+    "corner_Hz gain offset_N noise_N lsb_N resonance_Hz resonance_damping "
+    "unbalance_kg_m unbalance_angle_rad hum_N hum_Hz hum_phase_rad",
+)
+LOOP = record_type("cell", "gain_m_s_N corner_rad_s sign")
+RIPPLE = record_type("drive", "order cos_N_m sin_N_m")
+# noisy 0: sensors answer with their mean, a run is noise-free
+TIMING = record_type("ticks_per_frame frames_per_loop substeps noisy", "drive_tick_s")
+
+
+class LineArrays(NamedTuple):
+    """Parameters of a line, SI. Fields may be changed in place before a run, never during one."""
+
+    bodies: Records  # (n,) BODY
+    spans: Records  # (m,) SPAN
+    web: Records  # (1,) WEB
+    drives: Records  # (d,) DRIVE
+    cells: Records  # (c,) CELL
+    loops: Records  # (l,) LOOP
+    ripples: Records  # (r,) RIPPLE
+    timing: Records  # (1,) TIMING
+    shape_h_m: Array  # (s, points + 1) support function minus mean radius
+    shape_dh_m: Array
+    shape_rho_m: Array  # h + h'' of the same deviation
+
+
+class LineState(NamedTuple):
+    """Everything that moves. ``y`` is the continuous state, see ``line/layout.py``."""
+
+    y: Array
+    phi_rad: Array  # (m,) span directions, refined from their last value
+    drive_integral: Array  # (d,)
+    torque_N_m: Array  # (d,)
+    reference_m_s: Array  # (d,) velocity reference in force
+    loop_integral: Array  # (l,)
+    loop_correction_m_s: Array  # (l,)
+    measured_N: Array  # (c,) latest load-cell words
+    true_N: Array  # (c,) filtered tension without noise and quantisation
+    measured_rad_s: Array  # (d,) latest speeds as recorded
+    delay_m_s: Array  # (d, ticks) ring buffer of corrections
+    counters: IntArray  # frame number, ring position
+    time_s: Array  # (1,)
+
+
+def copy_state(state: LineState) -> LineState:
+    """Return an independent copy."""
+    return LineState(**{name: part.copy() for name, part in state._asdict().items()})
+
+
+def copy_arrays(arrays: LineArrays) -> LineArrays:
+    """Return an independent copy, to try an effect on."""
+    return LineArrays(**{name: part.copy() for name, part in arrays._asdict().items()})

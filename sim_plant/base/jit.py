@@ -1,0 +1,46 @@
+"""One compiler setting for every compiled function of the plant.
+
+numba's disk cache looks only at the file of the cached function, so a change in a callee would go
+unseen. The cache folder is therefore named after a hash of all compiled sources.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def _source_hash() -> str:
+    root = Path(__file__).resolve().parent.parent
+    digest = hashlib.sha256(numba.__version__.encode())
+    for room in ("base", "geometry", "elements", "line"):
+        for path in sorted((root / room).glob("*.py")):
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _cache_folder() -> str:
+    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    folder = Path(base) / "sim_plant" / _source_hash()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        folder = Path(tempfile.gettempdir()) / f"sim_plant-{os.getuid()}" / _source_hash()
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    return str(folder)
+
+
+setattr(numba.config, "CACHE_DIR", _cache_folder())  # noqa: B010 - numba types it read-only
+
+
+def compiled(function: F) -> F:
+    """Compile ``function`` with numba, cached on disk, IEEE arithmetic, no GIL tricks."""
+    return cast(F, numba.njit(cache=True, fastmath=False, error_model="numpy")(function))

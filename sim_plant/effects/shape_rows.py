@@ -1,0 +1,44 @@
+"""Attach a shape to a body: one table row per shaped body, deviations add."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim_plant.base.arrays import LineArrays
+from sim_plant.geometry.shapes import Shape
+from sim_plant.geometry.table import tabulate
+
+
+def add_shape(arrays: LineArrays, body: int, shape: Shape) -> LineArrays:
+    """Return arrays in which ``body`` has the deviations of ``shape`` on top of its own.
+
+    The mean radius of the body stays what it was: only deviations are taken from ``shape``.
+    """
+    if not np.any(shape.deviation_m):
+        return arrays
+    table = tabulate(shape)
+    columns = (table.support_m, table.slope_m, table.curvature_m)
+    stacks = (arrays.shape_h_m, arrays.shape_dh_m, arrays.shape_rho_m)
+    row = int(arrays.bodies["shape_row"][body])
+    used = int(np.max(arrays.bodies["shape_row"])) + 1
+    grown = []
+    for stack, column in zip(stacks, columns, strict=True):
+        kept = stack if used else np.zeros((0, column.size))
+        if row >= 0:
+            kept = kept.copy()
+            kept[row] += column
+        else:
+            kept = np.vstack([kept, column[None, :]])
+        grown.append(np.ascontiguousarray(kept))
+    if row < 0:
+        arrays.bodies["shape_row"][body] = used
+    return arrays._replace(shape_h_m=grown[0], shape_dh_m=grown[1], shape_rho_m=grown[2])
+
+
+def add_heavy(arrays: LineArrays, body: int, heavy_N_m: float, angle_rad: float) -> None:
+    """Add a gravity imbalance m g e at a body angle, as a phasor, to the body's own."""
+    record = arrays.bodies[body : body + 1]
+    old = record["heavy_N_m"][0] * np.exp(1j * record["heavy_angle_rad"][0])
+    new = old + heavy_N_m * np.exp(1j * angle_rad)
+    record["heavy_N_m"] = abs(new)
+    record["heavy_angle_rad"] = np.angle(new)

@@ -1,0 +1,36 @@
+"""Torque balance of a body: friction, gravity on an off-axis centre of gravity."""
+
+from __future__ import annotations
+
+import math
+
+from sim_plant.base.jit import compiled
+
+STICTION_SPEED_RAD_S = 0.3
+GRAVITY_M_S2 = 9.80665
+
+
+@compiled
+def friction_torque(constant_N_m: float, viscous_N_m_s: float, omega_rad_s: float) -> float:
+    """Return the friction torque that opposes ``omega``, N m.
+
+    Equation: tau_f = c tanh(omega / 0.3 rad/s) + b omega   [source 2.32, 2.44 with + signs; the
+    tanh is the declaration's smooth sign]. Never raises.
+    """
+    return constant_N_m * math.tanh(omega_rad_s / STICTION_SPEED_RAD_S) + (
+        viscous_N_m_s * omega_rad_s
+    )
+
+
+@compiled
+def gravity_torque(
+    heavy_N_m: float, heavy_angle_rad: float, sigma: float, theta_rad: float
+) -> float:
+    """Return the torque of an off-axis centre of gravity in the sense of transport, N m.
+
+    Equation: -sigma m g e cos(gamma), gamma the global angle of the centre of gravity
+    [source 3.17, 4.37; sign and angle corrected]. ``heavy_N_m`` = m g e. Never raises.
+    """
+    if heavy_N_m == 0.0:
+        return 0.0
+    return -sigma * heavy_N_m * math.cos(sigma * (theta_rad + heavy_angle_rad))

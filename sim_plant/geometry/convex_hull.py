@@ -1,0 +1,70 @@
+"""Any set of points as a Shape: hull, exact Fourier data, smoothing that keeps convexity."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
+
+from sim_plant.geometry.shapes import MAX_ORDER, Floats, Shape
+
+Points = NDArray[np.complex128]
+
+
+def hull(points: Points) -> Points:
+    """Return the vertices of the convex hull, counterclockwise; a taut web touches no others."""
+    vertices = ConvexHull(np.column_stack([points.real, points.imag])).vertices
+    corners: Points = points[vertices]
+    return corners
+
+
+def shape_of_points(points: Points, max_order: int = MAX_ORDER) -> Shape:
+    """Return the smoothed shape of the convex hull of ``points``, x + j y.
+
+    The origin of ``points`` is the rotation centre.
+
+    A polygon's curvature measure h + h'' is a row of spikes: an edge of length l at the angle of
+    its normal. So its Fourier data are exact sums, not samples: with rho_n = 1/pi sum l e^(-j n
+    psi), h_n = rho_n / (1 - n^2); order 1 is the position and comes from the vertices.
+
+    A finite number of orders rings at corners, and ringing makes h + h'' negative. The data are
+    therefore weighted by a Jackson kernel, which is nowhere negative and needs no order above
+    ``max_order``: smoothing keeps convexity and perimeter exactly. At 256 orders it acts like a
+    Gaussian of 0.7 degrees standard deviation; order n loses (n * 0.7 deg)^2 / 2 of its
+    amplitude (1 % at n = 12), and a corner is rounded as a web of finite stiffness does.
+    """
+    corners = hull(points)
+    edges = np.roll(corners, -1) - corners
+    lengths = np.abs(edges)
+    normals = np.angle(-1j * edges)
+    deviation = np.empty(max_order, dtype=np.complex128)
+    deviation[0] = _first_order(corners, normals)
+    step = np.exp(-1j * normals)
+    spin = step.copy()
+    for order in range(2, max_order + 1):
+        spin *= step
+        deviation[order - 1] = np.dot(lengths, spin) / np.pi / (1 - order * order)
+    return Shape(
+        mean_radius_m=float(np.sum(lengths)) / (2.0 * np.pi),
+        deviation_m=deviation * jackson_weights(max_order),
+    )
+
+
+def _first_order(corners: Points, normals: Floats) -> complex:
+    """Return h_1 = 1/pi * integral of h e^(-j psi); corner k is touched between its two edges."""
+    before = np.roll(normals, 1)
+    span = np.mod(normals - before, 2.0 * np.pi)
+    swing = (np.exp(-2j * before) - np.exp(-2j * normals)) / 2j
+    total = np.sum(np.conj(corners) * span + corners * swing)
+    return complex(total / (2.0 * np.pi))
+
+
+def jackson_weights(max_order: int) -> Floats:
+    """Return the weights of orders 1..max_order of the non-negative kernel of least variance."""
+    count = max_order + 1
+    angle = np.pi / (count + 1)
+    n = np.arange(1, max_order + 1)
+    weights: Floats = ((count - n + 1) * np.cos(n * angle) + np.sin(n * angle) / np.tan(angle)) / (
+        count + 1
+    )
+    return weights

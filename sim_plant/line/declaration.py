@@ -1,0 +1,172 @@
+"""The declaration of a line, as its owner documents it: schema web-line-declaration/1.
+
+SI with units in the key names; angles in degrees where the key says so. ``tolerances`` and
+``origins`` map a dotted path (``web.EA_N``, ``rollers.R6.inertia_kg_m2``, wildcards allowed) to a
+relative tolerance and to where the number comes from. ``effects`` lists what is known to be wrong
+with the line. The nominal line is the one without them.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class Section(BaseModel):
+    """A part of a declaration: frozen, unknown keys refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Web(Section):
+    """The material."""
+
+    EA_N: Positive = Field(description="Young's modulus times cross section")
+    density_kg_m3: Positive
+    thickness_m: Positive
+    width_m: Positive
+    kelvin_voigt_eta_s: NotNegative = 0.0
+    tension_law: str = "T = EA*(strain + eta*dstrain/dt), never below 0"
+    wound_in_tension_N: NotNegative = Field(description="tension at which the roll was wound")
+
+
+class InitialRadii(Section):
+    """Roll radii at the start."""
+
+    unwind: Positive
+    rewind: Positive
+    core: Positive
+
+
+class Roller(Section):
+    """One body that the web wraps, in web order."""
+
+    name: str
+    kind: Literal["roll", "idler", "driven"]
+    radius_m: Positive
+    inertia_kg_m2: Positive
+    friction_constant_N_m: NotNegative
+    friction_viscous_N_m_s: NotNegative
+    rotation: Literal["ccw", "cw"]
+    wrap_angle_deg: float | None = None
+    center_x_m: Finite
+    center_y_m: Finite
+
+
+class SpanEntry(Section):
+    """One free span, tangent point to tangent point."""
+
+    start: str
+    end: str
+    length_m: Positive
+    direction_deg: Finite
+
+
+class CoreInertia(Section):
+    """Inertia of rolls without web."""
+
+    unwind_core_and_drive: Positive
+    rewind_core_and_drive: Positive
+
+
+class Drive(Section):
+    """Inner speed PI of one driven body."""
+
+    roller: str
+    K_ref_rad_s: Positive
+    zeta: Positive
+    speed_reference: str
+    inertia_used: str
+
+
+class TensionPi(Section):
+    """Outer tension loop."""
+
+    loop: str
+    acts_on: str
+    load_cell: str
+    gain_m_s_per_N: Positive
+    corner_rad_s: Positive
+    law: str
+
+
+class Control(Section):
+    """All loops."""
+
+    drives: tuple[Drive, ...]
+    drive_law: str
+    drive_sample_time_s: Positive
+    drive_torque_limit_N_m: Positive
+    pull_roll_draw: Finite = 0.0
+    tension_pi: tuple[TensionPi, ...]
+    tension_loop_sample_time_s: Positive
+
+
+class Sensor(Section):
+    """One recorded channel; which keys it has says what it measures."""
+
+    channel: str
+    roller: str
+    low_pass_Hz: Positive | None = None
+    low_pass_order: Literal[1] | None = None
+    noise_sd_N: NotNegative | None = None
+    lsb_N: NotNegative | None = None
+    noise_sd_rad_s: NotNegative | None = None
+    lsb_rad_s: NotNegative | None = None
+    scale_radius_m: Positive | None = None
+    lsb_rad: NotNegative | None = None
+    zero: str | None = None
+    lsb_m: NotNegative | None = None
+
+
+class EffectEntry(Section):
+    """An effect that the line is known to have."""
+
+    effect: str
+    location: str
+    parameters: dict[str, Any] = Field(default_factory=dict)
+
+
+class OperatingPoint(Section):
+    """Where the line runs when nobody says otherwise."""
+
+    line_speed_m_s: Finite = 1.016
+    tension_N: Positive = 88.9644
+
+
+class Declaration(Section):
+    """A whole line."""
+
+    schema_: Literal["web-line-declaration/1"] = Field(alias="schema")
+    sample_time_s: Positive
+    samples: int | None = None
+    note: str = ""
+    units: str = ""
+    web: Web
+    initial_radii_m: InitialRadii
+    rollers: tuple[Roller, ...] = Field(min_length=3)
+    spans: tuple[SpanEntry, ...]
+    geometry_note: str = ""
+    friction_law: str = ""
+    inertia_kg_m2: CoreInertia
+    control: Control
+    sensors: tuple[Sensor, ...]
+    sensor_note: str = ""
+    reference_columns: tuple[str, ...] = ()
+    operating_point: OperatingPoint = OperatingPoint()
+    tolerances: dict[str, NotNegative] = Field(default_factory=dict)
+    origins: dict[str, str] = Field(default_factory=dict)
+    effects: tuple[EffectEntry, ...] = ()
+    provenance: dict[str, Any] = Field(default_factory=dict)
+
+    def body(self, name: str) -> int:
+        """Return the index of roller ``name``; KeyError when there is none."""
+        for index, roller in enumerate(self.rollers):
+            if roller.name == name:
+                return index
+        raise KeyError(name)

@@ -1,0 +1,260 @@
+"""The line's equations: every balance once, on flat arrays."""
+
+from __future__ import annotations
+
+import math
+
+from sim_plant.base.arrays import REWIND, UNWIND, Array, LineArrays
+from sim_plant.base.jit import compiled
+from sim_plant.elements.contact import body_at, tangent
+from sim_plant.elements.load_cell import filter_rate, resonance_rates
+from sim_plant.elements.material_roll import radius_rate, wound_inertia
+from sim_plant.elements.roller import friction_torque, gravity_torque
+from sim_plant.elements.span import strain_rate, tension
+from sim_plant.line.layout import Layout
+
+
+@compiled
+def roll_inertia(p: LineArrays, fixed_kg_m2: float, radius_m: float) -> float:
+    """Return core, drive and wound web together, kg m2   [source 2.3, 2.4]."""
+    web = p.web[0]
+    return fixed_kg_m2 + wound_inertia(web.density_kg_m3, web.width_m, radius_m, web.core_radius_m)
+
+
+@compiled
+def mean_radius(lay: Layout, y: Array, kind: int, fixed_m: float) -> float:
+    """Return the mean radius of a body now, m."""
+    if kind == UNWIND:
+        return float(y[lay.radius])
+    if kind == REWIND:
+        return float(y[lay.radius + 1])
+    return fixed_m
+
+
+@compiled
+def growth(kind: int, thickness_m: float, omega_rad_s: float) -> float:
+    """Return dR/dt of a body, m/s: 0 unless it is a roll."""
+    if kind == UNWIND:
+        return radius_rate(thickness_m, omega_rad_s, -1.0)
+    if kind == REWIND:
+        return radius_rate(thickness_m, omega_rad_s, 1.0)
+    return 0.0
+
+
+@compiled
+def span_contacts(p: LineArrays, lay: Layout, y: Array, i: int, phi: Array, out: Array) -> None:
+    """Solve the common tangent of span ``i`` and write L, p_A, p_B, ldot_A, phidot to ``out``.
+
+    ``phi[i]`` is refined by Newton steps from its last value. ``out`` has shape (m, 5).
+    """
+    a, b = p.bodies[i], p.bodies[i + 1]
+    dx, dy = b.centre_x_m - a.centre_x_m, b.centre_y_m - a.centre_y_m
+    radius_a = mean_radius(lay, y, a.kind, a.radius_m)
+    radius_b = mean_radius(lay, y, b.kind, b.radius_m)
+    theta_a, theta_b = y[lay.theta + i], y[lay.theta + i + 1]
+    angle = phi[i]
+    p_a = p_b = dh_a = dh_b = rho_a = length = 0.0
+    for _ in range(8):
+        p_a, dh_a, rho_a = body_at(
+            radius_a, a.sigma, a.shape_row, p.shape_h_m, p.shape_dh_m, p.shape_rho_m,
+            theta_a, angle,
+        )  # fmt: skip
+        p_b, dh_b, _rho = body_at(
+            radius_b, b.sigma, b.shape_row, p.shape_h_m, p.shape_dh_m, p.shape_rho_m,
+            theta_b, angle,
+        )  # fmt: skip
+        residual, length = tangent(dx, dy, a.sigma, p_a, dh_a, b.sigma, p_b, dh_b, angle)
+        if abs(residual) < 1e-13:
+            break
+        angle -= residual / length
+    phi[i] = angle
+    omega_a, omega_b = y[lay.omega + i], y[lay.omega + i + 1]
+    thickness = p.web[0].thickness_m
+    turning = b.sigma * (dh_b * omega_b - growth(b.kind, thickness, omega_b))
+    turning -= a.sigma * (dh_a * omega_a - growth(a.kind, thickness, omega_a))
+    phidot = turning / length
+    out[i, 0] = length
+    out[i, 1] = p_a
+    out[i, 2] = p_b
+    out[i, 3] = rho_a * (omega_a - a.sigma * phidot)
+    out[i, 4] = phidot
+
+
+@compiled
+def web_share(slip_s_m: float, threshold_m_s: float, speed_m_s: float) -> float:
+    """Return the share of the body's speed that the web follows (1 without slip)."""
+    excess = abs(speed_m_s) - threshold_m_s
+    if slip_s_m == 0.0 or excess <= 0.0:
+        return 1.0
+    return 1.0 - slip_s_m * excess
+
+
+@compiled
+def span_tensions(
+    p: LineArrays, lay: Layout, y: Array, moving: Array, phi: Array, contacts: Array,
+    tensions: Array, dy: Array,
+) -> None:  # fmt: skip
+    """Write strain rates and material flow to ``dy`` and tensions (m,) from the state."""
+    web = p.web[0]
+    spans = lay.n - 1
+    upstream = web.wound_in_strain
+    first = p.bodies[0]
+    share_a = web_share(first.slip_s_m, first.slip_speed_m_s, contacts[0, 1] * y[lay.omega])
+    for i in range(spans):
+        if moving[i] != 0.0:
+            span_contacts(p, lay, y, i, phi, contacts)
+        speed_in = contacts[i, 1] * y[lay.omega + i]
+        speed_out = contacts[i, 2] * y[lay.omega + i + 1]
+        flow = contacts[i, 3] if moving[i] != 0.0 else speed_in
+        after = p.bodies[i + 1]
+        share_b = web_share(after.slip_s_m, after.slip_speed_m_s, speed_out)
+        rate_in = speed_in * share_a
+        if i == 0:
+            rate_in += y[lay.bounce + 1]
+            dy[lay.flow] = flow * share_a / (1.0 + upstream)
+        strain = y[lay.strain + i]
+        rate = strain_rate(
+            contacts[i, 0], strain, upstream, rate_in, speed_out * share_b, flow * share_a
+        )
+        dy[lay.strain + i] = rate
+        span = p.spans[i]
+        pull = tension(span.EA_N, strain - span.free_strain, web.viscosity_s, rate)
+        if web.maxwell_ratio != 0.0:
+            branch = y[lay.maxwell + i]
+            dy[lay.maxwell + i] = rate - branch / web.maxwell_time_s
+            pull = max(0.0, pull + span.EA_N * web.maxwell_ratio * branch)
+        tensions[i] = pull
+        upstream = strain
+        share_a = share_b
+    last = lay.n - 1
+    wander = contacts[spans - 1, 2] * p.bodies[last].sigma * contacts[spans - 1, 4]
+    speed_out = contacts[spans - 1, 2] * y[lay.omega + last]
+    dy[lay.flow + 1] = (speed_out - wander) * share_a / (1.0 + upstream)
+
+
+@compiled
+def ripple_torque(p: LineArrays, d: int, theta_rad: float) -> float:
+    """Return the torque ripple of drive ``d`` at this angle, N m."""
+    torque = 0.0
+    for r in range(p.ripples.size):
+        term = p.ripples[r]
+        if term.drive == d:
+            turn = term.order * theta_rad
+            torque += term.cos_N_m * math.cos(turn) + term.sin_N_m * math.sin(turn)
+    return torque
+
+
+@compiled
+def shaft_torque(
+    stiffness_N_m: float, damping_N_m_s: float, backlash_rad: float, twist: float, rate: float
+) -> float:
+    """Return the torque through a compliant shaft with backlash, N m."""
+    half = 0.5 * backlash_rad
+    if twist > half:
+        return stiffness_N_m * (twist - half) + damping_N_m_s * rate
+    if twist < -half:
+        return stiffness_N_m * (twist + half) + damping_N_m_s * rate
+    return 0.0
+
+
+@compiled
+def body_rates(
+    p: LineArrays, lay: Layout, y: Array, contacts: Array, tensions: Array, torques: Array,
+    dy: Array,
+) -> None:  # fmt: skip
+    """Write the torque balances: J dw/dt = p_exit T_down - p_entry T_up + tau - friction.
+
+    [source 2.9, 2.32, 3.17, 4.37: one sign convention, no dJ/dt term]. ``dy`` of the speeds
+    holds the torque until the inertia divides it.
+    """
+    last = lay.n - 1
+    for k in range(lay.n):
+        body = p.bodies[k]
+        omega = y[lay.omega + k]
+        torque = gravity_torque(
+            body.heavy_N_m, body.heavy_angle_rad, body.sigma, y[lay.theta + k]
+        ) - friction_torque(body.friction_constant_N_m, body.friction_viscous_N_m_s, omega)
+        if k > 0:
+            torque -= contacts[k - 1, 2] * tensions[k - 1]
+        if k < last:
+            torque += contacts[k, 1] * tensions[k]
+        dy[lay.theta + k] = omega
+        dy[lay.omega + k] = torque
+    shafts(p, lay, y, torques, dy)
+    for k in range(lay.n):
+        inertia = p.bodies[k].inertia_kg_m2
+        if k == 0:
+            inertia = roll_inertia(p, inertia, y[lay.radius])
+        elif k == last:
+            inertia = roll_inertia(p, inertia, y[lay.radius + 1])
+        dy[lay.omega + k] /= inertia
+
+
+@compiled
+def shafts(p: LineArrays, lay: Layout, y: Array, torques: Array, dy: Array) -> None:
+    """Add motor torques to the bodies, through their shafts where these are not rigid."""
+    for d in range(p.drives.size):
+        drive = p.drives[d]
+        k = drive.body
+        motor = torques[d] + ripple_torque(p, d, y[lay.theta + k])
+        if drive.shaft_stiffness_N_m == 0.0:
+            dy[lay.omega + k] += motor
+            continue
+        rate = y[lay.motor + d] - y[lay.omega + k]
+        through = shaft_torque(
+            drive.shaft_stiffness_N_m, drive.shaft_damping_N_m_s, drive.shaft_backlash_rad,
+            y[lay.twist + d], rate,
+        )  # fmt: skip
+        motor_inertia = drive.motor_share * p.bodies[k].inertia_kg_m2
+        full = p.bodies[k].inertia_kg_m2
+        if k == 0:
+            full = roll_inertia(p, full, y[lay.radius])
+        elif k == lay.n - 1:
+            full = roll_inertia(p, full, y[lay.radius + 1])
+        dy[lay.omega + k] = (dy[lay.omega + k] + through) * full / (full - motor_inertia)
+        dy[lay.motor + d] = (motor - through) / motor_inertia
+        dy[lay.twist + d] = rate
+
+
+@compiled
+def sensor_rates(p: LineArrays, lay: Layout, y: Array, tensions: Array, dy: Array) -> None:
+    """Write the load-cell filter and resonance rates."""
+    for c in range(p.cells.size):
+        cell = p.cells[c]
+        k = cell.body
+        pull = 0.5 * (tensions[k - 1] + tensions[k])
+        if cell.unbalance_kg_m != 0.0:
+            omega = y[lay.omega + k]
+            turn = y[lay.theta + k] + cell.unbalance_angle_rad
+            pull += cell.unbalance_kg_m * omega * omega * math.cos(turn)
+        if cell.resonance_Hz > 0.0:
+            at = lay.resonance + 2 * c
+            rate, acceleration = resonance_rates(
+                cell.resonance_Hz, cell.resonance_damping, pull, y[at], y[at + 1]
+            )
+            dy[at] = rate
+            dy[at + 1] = acceleration
+            pull = y[at]
+        dy[lay.cell + c] = filter_rate(cell.corner_Hz, pull, y[lay.cell + c])
+
+
+@compiled
+def derivative(
+    p: LineArrays, lay: Layout, y: Array, torques: Array, moving: Array, phi: Array,
+    contacts: Array, tensions: Array, dy: Array,
+) -> None:  # fmt: skip
+    """Write dy/dt of the whole line; work arrays are the caller's. Never raises."""
+    span_tensions(p, lay, y, moving, phi, contacts, tensions, dy)
+    body_rates(p, lay, y, contacts, tensions, torques, dy)
+    web = p.web[0]
+    dy[lay.radius] = growth(UNWIND, web.thickness_m, y[lay.omega])
+    dy[lay.radius + 1] = growth(REWIND, web.thickness_m, y[lay.omega + lay.n - 1])
+    if web.bounce_mass_kg > 0.0:
+        w = 2.0 * math.pi * web.bounce_Hz
+        dy[lay.bounce] = y[lay.bounce + 1]
+        dy[lay.bounce + 1] = (
+            tensions[0] / web.bounce_mass_kg
+            - w * w * y[lay.bounce]
+            - 2.0 * web.bounce_damping * w * y[lay.bounce + 1]
+        )
+    sensor_rates(p, lay, y, tensions, dy)

@@ -1,0 +1,229 @@
+"""The compiled step: one control frame at a time, for hardware in the loop and for whole runs."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from sim_plant.base.arrays import UNWIND, Array, LineArrays, LineState
+from sim_plant.base.jit import compiled
+from sim_plant.elements.drive import speed_pi
+from sim_plant.elements.load_cell import expected_quantise, quantise
+from sim_plant.elements.tension_loop import tension_pi
+from sim_plant.line.derivative import derivative, mean_radius, roll_inertia
+from sim_plant.line.layout import Layout
+
+
+class Work(NamedTuple):
+    """Scratch memory of the kernel; never carries information between frames."""
+
+    moving: Array  # (m,) 1 where the span's tangent moves
+    contacts: Array  # (m, 5) L, p_A, p_B, ldot_A, phidot
+    tensions: Array  # (m,)
+    rates: Array  # (4, size) Runge-Kutta slopes
+    trial: Array  # (size,)
+
+
+@compiled
+def rk4(p: LineArrays, lay: Layout, s: LineState, w: Work, dt_s: float) -> None:
+    """Advance the continuous state by ``dt_s`` with the classical fourth-order rule."""
+    size = s.y.size
+    for stage in range(4):
+        if stage == 0:
+            w.trial[:] = s.y
+        else:
+            reach = dt_s if stage == 3 else 0.5 * dt_s
+            for j in range(size):
+                w.trial[j] = s.y[j] + reach * w.rates[stage - 1, j]
+        derivative(
+            p, lay, w.trial, s.torque_N_m, w.moving, s.phi_rad, w.contacts, w.tensions,
+            w.rates[stage],
+        )  # fmt: skip
+    sixth = dt_s / 6.0
+    for j in range(size):
+        s.y[j] += sixth * (w.rates[0, j] + 2.0 * (w.rates[1, j] + w.rates[2, j]) + w.rates[3, j])
+
+
+@compiled
+def run_loops(p: LineArrays, s: LineState, tension_ref_N: Array, period_s: float) -> None:
+    """Run every tension loop on the latest load-cell words."""
+    for loop in range(p.loops.size):
+        law = p.loops[loop]
+        error = tension_ref_N[loop] - s.measured_N[law.cell]
+        correction, integral = tension_pi(
+            law.gain_m_s_N, law.corner_rad_s, law.sign, error, s.loop_integral[loop], period_s
+        )
+        s.loop_correction_m_s[loop] = correction
+        s.loop_integral[loop] = integral
+
+
+@compiled
+def drive_reference(
+    p: LineArrays, s: LineState, d: int, line_speed_m_s: float, aff_m_s: float
+) -> float:
+    """Return the velocity reference of drive ``d`` for this tick, m/s: sum, delay, rate limit."""
+    drive = p.drives[d]
+    correction = aff_m_s
+    if drive.loop >= 0:
+        correction += s.loop_correction_m_s[drive.loop]
+    ring = s.delay_m_s.shape[1]
+    at = s.counters[1] % ring
+    s.delay_m_s[d, at] = correction
+    delayed = s.delay_m_s[d, (at - drive.delay_ticks) % ring]
+    wanted = line_speed_m_s * (1.0 + drive.draw) + delayed
+    step = drive.slew_m_s2 * p.timing[0].drive_tick_s
+    if step > 0.0:
+        last = s.reference_m_s[d]
+        wanted = min(max(wanted, last - step), last + step)
+    s.reference_m_s[d] = wanted
+    return float(wanted)
+
+
+@compiled
+def drive_speed(p: LineArrays, lay: Layout, s: LineState, d: int, noise: float) -> float:
+    """Return the speed that drive ``d`` reads from its encoder, rad/s."""
+    drive = p.drives[d]
+    k = drive.body
+    stiff = drive.shaft_stiffness_N_m == 0.0
+    omega = s.y[lay.omega + k] if stiff else s.y[lay.motor + d]
+    if drive.encoder_eccentricity != 0.0:
+        turn = s.y[lay.theta + k] + drive.encoder_angle_rad
+        omega *= 1.0 + drive.encoder_eccentricity * math.cos(turn)
+    if p.timing[0].noisy == 0:
+        return expected_quantise(omega, drive.lsb_rad_s, drive.noise_rad_s)
+    return quantise(omega + drive.noise_rad_s * noise, drive.lsb_rad_s)
+
+
+@compiled
+def run_drives(
+    p: LineArrays, lay: Layout, s: LineState, line_speed_m_s: float, aff_m_s: Array, noise: Array
+) -> None:
+    """Run every drive's speed PI once and hold its torque; ``noise`` is (d,) standard normal."""
+    tick_s = p.timing[0].drive_tick_s
+    for d in range(p.drives.size):
+        drive = p.drives[d]
+        body = p.bodies[drive.body]
+        reference = drive_reference(p, s, d, line_speed_m_s, aff_m_s[d])
+        radius = mean_radius(lay, s.y, body.kind, body.radius_m) * drive.radius_ratio
+        inertia = body.inertia_kg_m2
+        if body.kind >= UNWIND:
+            inertia = roll_inertia(p, inertia, radius)
+        error = reference / radius - drive_speed(p, lay, s, d, noise[d])
+        torque, integral = speed_pi(
+            inertia, drive.gain_rad_s, drive.damping, error, s.drive_integral[d], tick_s,
+            drive.limit_N_m,
+        )  # fmt: skip
+        s.torque_N_m[d] = torque
+        s.drive_integral[d] = integral
+    s.counters[1] += 1
+
+
+@compiled
+def measure(p: LineArrays, lay: Layout, s: LineState, noise: Array) -> None:
+    """Sample load cells and speeds; ``noise`` is (c + d,) standard normal."""
+    cells = p.cells.size
+    for c in range(cells):
+        cell = p.cells[c]
+        true = cell.gain * s.y[lay.cell + c] + cell.offset_N
+        if cell.hum_N != 0.0:
+            turn = 2.0 * math.pi * cell.hum_Hz * s.time_s[0] + cell.hum_phase_rad
+            true += cell.hum_N * math.cos(turn)
+        s.true_N[c] = true
+        s.measured_N[c] = quantise(true + cell.noise_N * noise[c], cell.lsb_N)
+    for d in range(p.drives.size):
+        s.measured_rad_s[d] = drive_speed(p, lay, s, d, noise[cells + d])
+
+
+@compiled
+def advance_frame(
+    p: LineArrays,
+    lay: Layout,
+    s: LineState,
+    w: Work,
+    line_speed_m_s: float,
+    line_speed_end_m_s: float,
+    tension_ref_N: Array,
+    aff_m_s: Array,
+    noise: Array,
+) -> None:
+    """Advance one frame: tension loops when due, drive ticks, then measure.
+
+    The line-speed reference runs linearly from its start to its end value.
+    ``noise`` has (c + d + ticks * d) standard normals (zeros for a noise-free run). Never raises.
+    """
+    timing = p.timing[0]
+    frame_s = timing.ticks_per_frame * timing.drive_tick_s
+    if s.counters[0] % timing.frames_per_loop == 0:
+        run_loops(p, s, tension_ref_N, timing.frames_per_loop * frame_s)
+    drives = p.drives.size
+    sensors = p.cells.size + drives
+    dt = timing.drive_tick_s / timing.substeps
+    for tick in range(timing.ticks_per_frame):
+        at = sensors + tick * drives
+        share = tick / timing.ticks_per_frame
+        speed = line_speed_m_s + share * (line_speed_end_m_s - line_speed_m_s)
+        run_drives(p, lay, s, speed, aff_m_s, noise[at : at + drives])
+        for _ in range(timing.substeps):
+            rk4(p, lay, s, w, dt)
+    s.counters[0] += 1
+    s.time_s[0] = s.counters[0] * frame_s
+    measure(p, lay, s, noise[:sensors])
+
+
+@compiled
+def run_frames(
+    p: LineArrays,
+    lay: Layout,
+    s: LineState,
+    w: Work,
+    line_speed_m_s: Array,
+    tension_ref_N: Array,
+    aff_m_s: Array,
+    noise: Array,
+    out: Array,
+) -> None:
+    """Run ``out.shape[0]`` frames and log after each, through the same code as one frame.
+
+    Shapes: line_speed (f, 2) at start and end of the frame, tension_ref (f, l), aff (f, d),
+    noise (f, c + d + ticks * d) or (1, ...) to repeat, out (f, 3 c + 2 d + n + 2 + m): measured and true cell force, mean of the
+    two tensions, measured and true drive speed, all angles, both radii, all tensions.
+    """
+    cells, drives, bodies = p.cells.size, p.drives.size, lay.n
+    for f in range(out.shape[0]):
+        advance_frame(
+            p, lay, s, w, line_speed_m_s[f, 0], line_speed_m_s[f, 1], tension_ref_N[f],
+            aff_m_s[f], noise[f % noise.shape[0]],
+        )  # fmt: skip
+        log_frame(p, lay, s, w, cells, drives, bodies, out[f])
+
+
+@compiled
+def log_frame(
+    p: LineArrays,
+    lay: Layout,
+    s: LineState,
+    w: Work,
+    cells: int,
+    drives: int,
+    bodies: int,
+    row: Array,
+) -> None:
+    """Write one log row, see ``run_frames``."""
+    for c in range(cells):
+        k = p.cells[c].body
+        row[c] = s.measured_N[c]
+        row[cells + c] = s.true_N[c]
+        row[2 * cells + c] = 0.5 * (w.tensions[k - 1] + w.tensions[k])
+    at = 3 * cells
+    for d in range(drives):
+        row[at + d] = s.measured_rad_s[d]
+        row[at + drives + d] = s.y[lay.omega + p.drives[d].body]
+    at += 2 * drives
+    for k in range(bodies):
+        row[at + k] = s.y[lay.theta + k]
+    at += bodies
+    row[at] = s.y[lay.radius]
+    row[at + 1] = s.y[lay.radius + 1]
+    at += 2
+    for i in range(bodies - 1):
+        row[at + i] = w.tensions[i]

@@ -1,0 +1,62 @@
+"""From a file to a running line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sim_plant.line.build import build_arrays, timing_of
+from sim_plant.line.declaration import Declaration
+from sim_plant.line.load import load_declaration
+from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.with_effects import apply_effects
+
+
+def make_line(
+    declaration: Declaration,
+    *,
+    seed: int | None = 0,
+    sample_time_s: float | None = None,
+    speed_m_s: float | None = None,
+    tension_N: float | None = None,
+    substeps: int = 1,
+    effects: bool = True,
+) -> LineSimulation:
+    """Return a line with its declared effects, not settled yet."""
+    timing = timing_of(declaration, sample_time_s or declaration.sample_time_s)
+    arrays = build_arrays(declaration, timing, substeps)
+    if effects:
+        arrays = apply_effects(declaration, arrays, declaration.effects)
+    return LineSimulation(
+        declaration,
+        sample_time_s=sample_time_s,
+        seed=seed,
+        arrays=arrays,
+        line_speed_m_s=speed_m_s,
+        tension_N=tension_N,
+    )
+
+
+def open_line(
+    path: str | Path,
+    *,
+    seed: int | None = 0,
+    sample_time_s: float | None = None,
+    speed_m_s: float | None = None,
+    tension_N: float | None = None,
+) -> LineSimulation:
+    """Return the line in ``path``, settled at its operating point or at the one given.
+
+    Raises
+    ------
+    PlantError
+        When the declaration is wrong.
+    """
+    line = make_line(
+        load_declaration(path),
+        seed=seed,
+        sample_time_s=sample_time_s,
+        speed_m_s=speed_m_s,
+        tension_N=tension_N,
+    )
+    line.settle()
+    return line

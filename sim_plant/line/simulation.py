@@ -1,0 +1,290 @@
+"""A running line: settle it, step it sample by sample, or run a whole record."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import Array, LineArrays, LineState, copy_state
+from sim_plant.line.build import Timing, build_arrays, cell_sensors, start_state, timing_of
+from sim_plant.line.declaration import Declaration
+from sim_plant.line.kernel import Work, advance_frame, log_frame, measure, run_frames
+from sim_plant.line.layout import Layout
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Channel:
+    """How one recorded channel is read from a log row."""
+
+    name: str
+    column: int  # measured value in the log row
+    true_column: int
+    scale: float
+    lsb: float  # applied here for angles and radii; forces and speeds are quantised in the kernel
+
+
+def make_work(p: LineArrays, lay: Layout, state: LineState) -> Work:
+    """Return scratch memory with the contact data of spans that do not move already in place."""
+    spans = lay.n - 1
+    moving = np.zeros(spans)
+    for i in range(spans):
+        rolls = p.bodies["kind"][i] >= 2 or p.bodies["kind"][i + 1] >= 2
+        moving[i] = float(
+            rolls or p.bodies["shape_row"][i] >= 0 or p.bodies["shape_row"][i + 1] >= 0
+        )
+    contacts = np.zeros((spans, 5))
+    for i in range(spans):
+        dx = p.bodies["centre_x_m"][i + 1] - p.bodies["centre_x_m"][i]
+        dy = p.bodies["centre_y_m"][i + 1] - p.bodies["centre_y_m"][i]
+        reach = (
+            p.bodies["sigma"][i + 1] * p.bodies["radius_m"][i + 1]
+            - p.bodies["sigma"][i] * p.bodies["radius_m"][i]
+        )
+        contacts[i, 0] = math.sqrt(dx * dx + dy * dy - reach * reach)
+        contacts[i, 1], contacts[i, 2] = p.bodies["radius_m"][i], p.bodies["radius_m"][i + 1]
+        # exact direction of the common tangent: n.(C_B - C_A) = -reach
+        state.phi_rad[i] = math.atan2(dy, dx) - math.asin(reach / math.hypot(dx, dy))
+    return Work(
+        moving=moving,
+        contacts=contacts,
+        tensions=np.zeros(spans),
+        rates=np.zeros((4, lay.size)),
+        trial=np.zeros(lay.size),
+    )
+
+
+class LineSimulation:
+    """A line in closed loop, deterministic under its seed.
+
+    Implements ``sim_plant.base.ports.SteppedLine``. ``arrays`` may be changed (effects) before
+    ``settle``; ``seed=None`` runs without noise and with exact sensors.
+    """
+
+    def __init__(
+        self,
+        declaration: Declaration,
+        *,
+        sample_time_s: float | None = None,
+        seed: int | None = 0,
+        arrays: LineArrays | None = None,
+        substeps: int = 1,
+        line_speed_m_s: float | None = None,
+        tension_N: float | None = None,
+    ) -> None:
+        self.declaration = declaration
+        self.timing: Timing = timing_of(declaration, sample_time_s or declaration.sample_time_s)
+        self.arrays = arrays or build_arrays(declaration, self.timing, substeps)
+        point = declaration.operating_point
+        self._speed = point.line_speed_m_s if line_speed_m_s is None else line_speed_m_s
+        self._tension = np.full(
+            self.arrays.loops.size, point.tension_N if tension_N is None else tension_N
+        )
+        self._aff = np.zeros(self.arrays.drives.size)
+        directions = [span.direction_deg for span in declaration.spans]
+        self.layout, self.state = start_state(
+            self.arrays, directions, self._speed, float(self._tension[0])
+        )
+        self.work = make_work(self.arrays, self.layout, self.state)
+        self._rng = None if seed is None else np.random.default_rng(seed)
+        self._row = np.zeros(self._columns())
+        self.channels = channels_of(declaration, self.layout, self.arrays)
+        self._names = {r.name: k for k, r in enumerate(declaration.rollers)}
+        self._theta0 = self.angles().copy()
+        measure(self.arrays, self.layout, self.state, self._noise(1)[0])
+
+    @property
+    def sample_time_s(self) -> float:
+        """Control sample time, s."""
+        t = self.timing
+        return t.frames_per_sample * t.ticks_per_frame * t.drive_tick_s
+
+    def _columns(self) -> int:
+        p, n = self.arrays, self.layout.n
+        return 3 * p.cells.size + 2 * p.drives.size + n + 2 + n - 1
+
+    def _noise(self, frames: int) -> Array:
+        p = self.arrays
+        p.timing["noisy"] = 0 if self._rng is None else 1
+        width = p.cells.size + p.drives.size * (1 + self.timing.ticks_per_frame)
+        if self._rng is None:
+            return np.zeros((1, width))
+        return self._rng.standard_normal((frames, width))
+
+    def angles(self) -> Array:
+        """Return the angle of every body, rad, sense of transport (view of the state)."""
+        lay = self.layout
+        return self.state.y[lay.theta : lay.theta + lay.n]
+
+    def settle(self, duration_s: float = 40.0) -> None:
+        """Bring the line to its steady state at the present references, then rewind its rolls.
+
+        Runs without noise; angles, radii, time and counters are put back afterwards.
+        """
+        lay, start = self.layout, copy_state(self.state)
+        rng, self._rng = self._rng, None
+        p = self.arrays
+        frame_s = self.timing.ticks_per_frame * self.timing.drive_tick_s
+        for _ in range(4):
+            frames = round(duration_s / 4 / frame_s)
+            self._run(np.full((frames, 2), self._speed), np.tile(self._tension, (frames, 1)),
+                      np.tile(self._aff, (frames, 1)))  # fmt: skip
+            y = self.state.y
+            y[lay.radius : lay.radius + 2] = start.y[lay.radius : lay.radius + 2]
+        y = self.state.y
+        y[lay.theta : lay.theta + lay.n] = start.y[lay.theta : lay.theta + lay.n]
+        y[lay.flow : lay.flow + 2] = 0.0
+        self.state.time_s[0] = 0.0
+        self.state.counters[0] = 0
+        self._rng = rng
+        measure(p, lay, self.state, self._noise(1)[0])
+        log_frame(p, lay, self.state, self.work, p.cells.size, p.drives.size, lay.n,
+                  self._row)  # fmt: skip
+        self._theta0 = self.angles().copy()
+
+    def _run(self, speed: Array, tension: Array, aff: Array) -> Array:
+        out = np.empty((speed.shape[0], self._columns()))
+        run_frames(
+            self.arrays, self.layout, self.state, self.work,
+            speed, tension, aff, self._noise(speed.shape[0]), out,
+        )  # fmt: skip
+        if not np.isfinite(self.state.y).all():
+            raise PlantError("the simulated line diverged: a state is not finite")
+        return out
+
+    def step(self, inputs: Mapping[str, float]) -> Mapping[str, float]:
+        """Advance one control sample; see ``SteppedLine.step``."""
+        self._accept(inputs)
+        for _ in range(self.timing.frames_per_sample):
+            advance_frame(
+                self.arrays, self.layout, self.state, self.work,
+                self._speed, self._speed, self._tension, self._aff, self._noise(1)[0],
+            )  # fmt: skip
+        p = self.arrays
+        log_frame(p, self.layout, self.state, self.work, p.cells.size, p.drives.size,
+                  self.layout.n, self._row)  # fmt: skip
+        return self.readings()
+
+    def _accept(self, inputs: Mapping[str, float]) -> None:
+        for name, value in inputs.items():
+            if name == "line_speed_ref_m_s":
+                self._speed = value
+            elif name == "tension_ref_N":
+                self._tension[:] = value
+            elif name.startswith("aff_") and name.endswith("_m_s"):
+                self._aff[self.drive_index(name[4:-4])] = value
+            else:
+                raise PlantError(f"input {name!r} is unknown to this line")
+
+    def drive_index(self, roller: str) -> int:
+        """Return the drive number of ``roller``; PlantError when it is not driven."""
+        body = self._names.get(roller, -1)
+        where = np.flatnonzero(self.arrays.drives["body"] == body)
+        if where.size == 0:
+            raise PlantError(f"roller {roller!r} has no drive in this line")
+        return int(where[0])
+
+    def readings(self) -> dict[str, float]:
+        """Return the channels of the last sample: measured, and ``true_`` twins."""
+        found = {"line_speed_ref_m_s": self._speed, "tension_ref_N": float(self._tension[0])}
+        for channel in self.channels:
+            measured, true = channel_value(channel, self._row, self._theta0, self._rng is None)
+            found[channel.name] = measured
+            found["true_" + channel.name] = true
+        return found
+
+    def simulate(self, line_speed_m_s: Array, tension_N: Array, aff: Mapping[str, Array] | None
+                 = None) -> dict[str, Array]:  # fmt: skip
+        """Run a whole record under reference columns (samples,) and return channels (samples,).
+
+        Row k is sampled before reference row k acts, as in a record; the line speed is linear
+        between rows, the others hold. All frames go through the same compiled code as ``step``.
+        """
+        samples = line_speed_m_s.size
+        corrections = np.zeros((samples, self.arrays.drives.size))
+        for roller, values in (aff or {}).items():
+            corrections[:, self.drive_index(roller)] = values
+        repeat = self.timing.frames_per_sample
+        tension = np.repeat(tension_N[:, None], self.arrays.loops.size, axis=1)
+        first = self._row.copy()
+        log = self._run(
+            between_rows(line_speed_m_s, repeat),
+            np.repeat(tension, repeat, axis=0),
+            np.repeat(corrections, repeat, axis=0),
+        )
+        rows = np.vstack([first[None, :], log[repeat - 1 :: repeat]])
+        self._row = rows[-1].copy()
+        rows = rows[:-1]
+        exact = self._rng is None
+        found: dict[str, Array] = {}
+        for channel in self.channels:
+            measured, true = column_values(channel, rows, self._theta0, exact)
+            found[channel.name] = measured
+            found["true_" + channel.name] = true
+        spans = self.layout.n - 1
+        found["span_tension_N"] = rows[:, -spans:]
+        return found
+
+
+def between_rows(reference: Array, frames_per_row: int) -> Array:
+    """Return the reference at start and end of every frame, linear between rows, (frames, 2)."""
+    rows = np.arange(reference.size * frames_per_row + 1) / frames_per_row
+    fine = np.interp(rows, np.arange(reference.size), reference)
+    return np.column_stack((fine[:-1], fine[1:]))
+
+
+def channels_of(declaration: Declaration, lay: Layout, p: LineArrays) -> list[Channel]:
+    """Return how each declared sensor is read from a log row."""
+    cells, drives, n = p.cells.size, p.drives.size, lay.n
+    speeds = 3 * cells
+    angles = speeds + 2 * drives
+    cell_of = {s.channel: c for c, s in enumerate(cell_sensors(declaration))}
+    found = []
+    for sensor in declaration.sensors:
+        body = declaration.body(sensor.roller)
+        if sensor.channel in cell_of:
+            c = cell_of[sensor.channel]
+            entry = (c, cells + c, 1.0, 0.0)
+        elif sensor.lsb_m is not None:
+            at = angles + n + (0 if body == 0 else 1)
+            entry = (at, at, 1.0, sensor.lsb_m)
+        elif sensor.lsb_rad is not None:
+            entry = (angles + body, angles + body, 1.0, sensor.lsb_rad)
+        else:
+            where = np.flatnonzero(p.drives["body"] == body)
+            if where.size == 0:
+                raise PlantError(f"sensors.{sensor.channel}: {sensor.roller} has no drive")
+            d = int(where[0])
+            entry = (speeds + d, speeds + drives + d, sensor.scale_radius_m or 1.0, 0.0)
+        found.append(
+            Channel(
+                name=sensor.channel, column=entry[0], true_column=entry[1],
+                scale=entry[2], lsb=entry[3],
+            )
+        )  # fmt: skip
+    return found
+
+
+def column_values(
+    channel: Channel, rows: Array, theta0: Array, exact: bool
+) -> tuple[Array, Array]:
+    """Return measured and true values of one channel for log rows (samples, columns)."""
+    measured = rows[:, channel.true_column if exact else channel.column] * channel.scale
+    true = rows[:, channel.true_column] * channel.scale
+    if channel.name.endswith("_angle_rad"):
+        spans = theta0.size - 1
+        start = rows.shape[1] - spans - 2 - theta0.size
+        zero = theta0[channel.column - start]
+        measured, true = measured - zero, true - zero
+    if channel.lsb > 0.0 and not exact:
+        measured = channel.lsb * np.floor(measured / channel.lsb + 0.5)
+    return measured, true
+
+
+def channel_value(channel: Channel, row: Array, theta0: Array, exact: bool) -> tuple[float, float]:
+    """Return measured and true value of one channel for one log row."""
+    measured, true = column_values(channel, row[None, :], theta0, exact)
+    return float(measured[0]), float(true[0])
