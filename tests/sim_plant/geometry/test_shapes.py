@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 from scipy.special import ellipe
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.geometry.roll_profiles import flat_spot
 from sim_plant.geometry.shapes import Shape, circle, eccentric, ellipse, orders
 
 PSI = np.linspace(0.0, 2.0 * np.pi, 8192, endpoint=False)
@@ -65,6 +66,18 @@ def test_winding_adds_the_same_length_along_every_normal() -> None:
     shape = orders(0.1, [(2, 2e-3, 0.3), (3, 1e-3, 0.0)])
     grown = shape.at_radius(0.15).boundary(PSI) - shape.boundary(PSI)
     assert grown == pytest.approx(0.05 * np.exp(1j * PSI), abs=1e-15)
+
+
+def test_smoothing_rounds_corners_and_keeps_perimeter_and_convexity() -> None:
+    sharp = flat_spot(0.012, 0.2)
+    soft = sharp.smoothed(np.radians(2.0))
+    assert soft.perimeter_m == sharp.perimeter_m
+    assert soft.is_convex
+    # a Gaussian average of the support function
+    offsets = np.linspace(-0.3, 0.3, 4001)
+    weight = np.exp(-0.5 * (offsets / np.radians(2.0)) ** 2)
+    average = np.sum(sharp.evaluate(0.1 + offsets)[0] * weight) / np.sum(weight)
+    assert soft.evaluate(0.1)[0] == pytest.approx(average, abs=1e-10)
 
 
 def test_least_convex_radius_is_where_the_curvature_measure_touches_zero() -> None:
