@@ -75,7 +75,7 @@ class ModbusConnection(asyncio.Protocol):
         self.abort()
 
     def abort(self) -> None:
-        """Close at once with a reset."""
+        """Close at once, dropping what was not sent."""
         if self._transport is not None:
             self._transport.abort()
 

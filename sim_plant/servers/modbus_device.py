@@ -45,6 +45,7 @@ class ModbusDevice:
         """Return the answer's PDU (function code and data) to a request's PDU (not empty)."""
         self.requests += 1
         function = request[0]
+        response: ModbusPDU
         if busy:
             response = ExceptionResponse(function, BUSY)
         elif function not in self._functions:
@@ -81,7 +82,7 @@ class ModbusDevice:
 
     def _write_then_read(self, pdu: ReadWriteMultipleRegistersRequest) -> list[int] | None:
         """Write first, as the specification orders it; write nothing when the read would fail."""
-        if self._registers.read(pdu.read_address, pdu.read_count) is None:
+        if not self._registers.readable(pdu.read_address, pdu.read_count):
             return None
         if not self._registers.write(pdu.write_address, pdu.write_registers):
             return None

@@ -35,17 +35,18 @@ class Registers:
         """Forget everything the runtime wrote."""
         self.write_words = [0] * len(self.write_words)
 
+    def readable(self, address: int, count: int) -> bool:
+        """Return whether one block holds all these words; count it as foreign if not."""
+        held = self._block(address, count) is not None
+        self.foreign_reads += not held
+        return held
+
     def read(self, address: int, count: int) -> list[int] | None:
         """Return ``count`` words of one block (the write block reads back), or None."""
-        for start, words in (
-            (self._read_start, self.read_words),
-            (self._write_start, self.write_words),
-        ):
-            if start <= address and address + count <= start + len(words):
-                self.reads += 1
-                return words[address - start : address - start + count]
-        self.foreign_reads += 1
-        return None
+        if not self.readable(address, count):
+            return None
+        self.reads += 1
+        return self._block(address, count)
 
     def write(self, address: int, words: Sequence[int]) -> bool:
         """Write inside the write block; return False, changing nothing, anywhere else."""
@@ -56,3 +57,12 @@ class Registers:
         self.write_words[at : at + len(words)] = words
         self.writes += 1
         return True
+
+    def _block(self, address: int, count: int) -> list[int] | None:
+        for start, words in (
+            (self._read_start, self.read_words),
+            (self._write_start, self.write_words),
+        ):
+            if start <= address and address + count <= start + len(words):
+                return words[address - start : address - start + count]
+        return None
