@@ -88,7 +88,9 @@ class Plc:
         refusal, wanted = self._judge(now_s, write_words)
         if not refusal:
             self._held, self._held_at_s = wanted, now_s
-        share = max(0.0, 1.0 - (now_s - self._held_at_s) / self.map.fade_s)
+        since_s = now_s - self._held_at_s
+        faded = since_s > self.map.fade_s - _TIME_TOLERANCE_S
+        share = 0.0 if faded else 1.0 - since_s / self.map.fade_s
         words = {
             "plc_heartbeat": self._heartbeat,
             "status": int(self.status),
