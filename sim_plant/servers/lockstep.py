@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from aff_runtime.base.errors import WireError
 from aff_runtime.base.signals import Outcome
 from sim_plant.base.ports import SteppedLine
 from sim_plant.servers.faults import Fault, FaultBoard, FaultSpec
@@ -48,18 +47,10 @@ class LockstepPlant:
         for _ in range(samples):
             self.plant.step()
 
-    def transact_words(self, write_words: list[int]) -> list[int]:
-        """Write the write block, then return the read block.
-
-        Raises
-        ------
-        WireError
-            A fault stands in the way; the message is the outcome's name.
-        """
+    def transact_words(self, write_words: list[int]) -> list[int] | Outcome:
+        """Write the write block and return the read block, or the outcome that prevents it."""
         outcome, words = self.transact(write_words, 0)
-        if outcome is not Outcome.OK:
-            raise WireError(outcome.name)
-        return words
+        return words if outcome is Outcome.OK else outcome
 
     def transact(self, write_words: list[int], deadline_ns: int) -> tuple[Outcome, list[int]]:
         """Exchange the blocks as a word transport does; the deadline always suffices."""

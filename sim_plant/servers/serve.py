@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import signal
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -118,10 +119,11 @@ class PlantService:
             failure.result()
 
     def status(self) -> dict[str, Any]:
-        """Return what the plant does now, ready for JSON."""
+        """Return what the plant does now, ready for JSON; a number that is none is null."""
         plant, registers, plc_map = self.plant, self.plant.registers, self.plant.plc.map
         words = {name: plc_map.write_word(registers.write_words, name) for name in plc_map.write}
-        true_values = {n: v for n, v in plant.measured.items() if n.startswith("true_")}
+        values = {n: v if math.isfinite(v) else None for n, v in plant.measured.items()}
+        true_values = {n: v for n, v in values.items() if n.startswith("true_")}
         return {
             "time_s": plant.time_s,
             "applied_m_s": dict(plant.applied_m_s),
@@ -129,7 +131,7 @@ class PlantService:
             "counts_now": not plant.refusal,
             "refusal": plant.refusal,
             "true_tension_N": {n: v for n, v in true_values.items() if n.endswith("tension_N")},
-            "measured": {n: v for n, v in plant.measured.items() if n not in true_values},
+            "measured": {n: v for n, v in values.items() if n not in true_values},
             "status": _bit_names(plant.plc.status),
             "roll_id": plant.plc.roll_id,
             "aff": words | {"state_bits": _bit_names(StateBits(words["state"] & 0xFF))},

@@ -82,6 +82,9 @@ def test_the_socket_answers_lines_of_json_to_its_owner_alone(tmp_path):
             stream = client.makefile("rw")
             print("status", file=stream, flush=True)
             status = json.loads(stream.readline())
+            plant.fault("nan=unwind_tension_N")
+            print("status", file=stream, flush=True)
+            lying = json.loads(stream.readline())
             print("nonsense", file=stream, flush=True)
             assert "error" in json.loads(stream.readline())
             stream.close()
@@ -89,7 +92,8 @@ def test_the_socket_answers_lines_of_json_to_its_owner_alone(tmp_path):
     assert status["counts"]["foreign_writes"] == 0
     assert status["true_tension_N"].keys() == {"true_unwind_tension_N"}
     assert status["applied_m_s"] == {"unwind": 0.0, "swrap_follower": 0.0}
-    assert plant.port > 0
+    assert lying["measured"]["unwind_tension_N"] is None
+    assert lying["true_tension_N"]["true_unwind_tension_N"] > 0.0
 
 
 @pytest.mark.wire
