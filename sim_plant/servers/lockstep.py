@@ -18,7 +18,7 @@ _OUTCOME_BEFORE = {  # the request is not obeyed
 _OUTCOME_AFTER = {  # the request is obeyed, its answer is of no use
     Fault.DELAY: Outcome.TIMEOUT,
     Fault.PARTIAL: Outcome.TIMEOUT,
-    Fault.TID: Outcome.TIMEOUT,
+    Fault.TID: Outcome.BAD_REPLY,
     Fault.SHORT: Outcome.BAD_REPLY,
 }
 

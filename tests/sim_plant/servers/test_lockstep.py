@@ -80,7 +80,7 @@ def test_a_lost_wire_is_zero_at_the_plant_within_300_ms(fault, outcome):
     [
         ("delay=9", Outcome.TIMEOUT),
         ("partial", Outcome.TIMEOUT),
-        ("tid", Outcome.TIMEOUT),
+        ("tid", Outcome.BAD_REPLY),
         ("short", Outcome.BAD_REPLY),
     ],
 )
