@@ -178,7 +178,7 @@ class Probe:
 
     def _fit(self, j: int, provenance: Provenance) -> ProbeResult:
         name = self._probed[j].name
-        time_s = np.arange(self._samples) * self._site.cycle_s
+        time_s = np.arange(self._samples, dtype=np.float64) * self._site.cycle_s
         signal = np.asarray(self._record[j])
         angles = [np.asarray(column) for column in self._theta]
         keep = time_s >= self._p.fade_s + self._p.settle_s
