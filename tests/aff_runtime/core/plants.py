@@ -22,7 +22,7 @@ class LagDelay:
 
     def __init__(self, gain: float, delay: int = 0, lag: float = 0.0) -> None:
         self.gain, self.delay, self.lag = gain, delay, lag
-        self._pipe = deque([0.0] * (delay + 1))
+        self._pipe = deque([0.0] * delay)
         self.y = 0.0
 
     def step(self, u: float) -> float:

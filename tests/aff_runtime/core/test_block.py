@@ -54,7 +54,9 @@ def test_settle_s_is_the_time_to_two_percent(settle_s):
     assert plant.y == 0.0
 
 
-@pytest.mark.parametrize(("error_deg", "stable"), [(-80, True), (80, True), (110, False), (-110, False)])
+@pytest.mark.parametrize(
+    ("error_deg", "stable"), [(-80, True), (80, True), (110, False), (-110, False)]
+)
 def test_ninety_degrees_of_phase_error_part_converging_from_diverging(error_deg, stable):
     plant = LagDelay(50.0, delay=9)
     wrong = plant.at(FREQUENCY_HZ) * cmath.exp(1j * math.radians(error_deg))
@@ -68,7 +70,10 @@ def test_gain_matches_the_sources_symbols():
     block.turn(psi)
     block.adapt(error=error, response=cmath.rect(gain, phi), scale=1.0, rate_1_s=rate, dt_s=0.005)
     g1 = -2 * rate / gain
-    theta1, theta2 = g1 * error * math.sin(psi + phi) * 0.005, g1 * error * math.cos(psi + phi) * 0.005
+    theta1, theta2 = (
+        g1 * error * math.sin(psi + phi) * 0.005,
+        g1 * error * math.cos(psi + phi) * 0.005,
+    )
     assert block.weight == pytest.approx(complex(-theta2, theta1))
     assert block.output(1.0) == pytest.approx(-theta1 * math.sin(psi) - theta2 * math.cos(psi))
 

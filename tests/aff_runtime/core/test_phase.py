@@ -54,7 +54,9 @@ def test_one_torn_word_is_predicted_over():
     phase = RollPhase(ROLL, INDEX)
     theta, _ = run(phase, 5.0, 0.5)
     offset = phase.theta_rad - theta
-    theta, largest = run(phase, 5.0, CYCLE_S, start=theta, angle=lambda a: encoder(a) + 65536 * COUNT_RAD)
+    theta, largest = run(
+        phase, 5.0, CYCLE_S, start=theta, angle=lambda a: encoder(a) + 65536 * COUNT_RAD
+    )
     assert phase.quality is Quality.PREDICTED
     assert largest == pytest.approx(5.0 * CYCLE_S, rel=0.05)
     theta, _ = run(phase, 5.0, 0.1, start=theta)
@@ -114,7 +116,7 @@ def test_absurd_radius_is_ignored():
 
 def test_stale_samples_are_predicted_then_given_up():
     phase = RollPhase(ROLL, INDEX)
-    theta, _ = run(phase, 5.0, 0.5)
+    _ = run(phase, 5.0, 0.5)
     before = phase.theta_rad
     for _ in range(20):
         phase.step((NAN,) * 4, CYCLE_S, False)

@@ -4,6 +4,7 @@ import cmath
 import math
 import random
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 
@@ -14,11 +15,18 @@ from aff_runtime.core.params import BlockParams, ProbeParams
 from aff_runtime.core.probe import Probe, Stage
 from aff_runtime.core.response import Provenance, Response
 from tests.aff_runtime.core.plants import (
-    ACTUATOR, CYCLE_S, FREE, LagDelay, Line, site, snapshot, with_blocks,
+    ACTUATOR,
+    CYCLE_S,
+    FREE,
+    LagDelay,
+    Line,
+    site,
+    snapshot,
+    with_blocks,
 )  # fmt: skip
 
 RIPPLE = {("unwind", 1): 2.0 + 1j, ("unwind", 2): 1.0j, ("unwind", 3): 0.7, ("swrap", 1): 1.2}
-PARAMS = ProbeParams(actuators=("unwind",), amplitude=0.004, duration_s=25.0, f_max_Hz=6.0,
+PARAMS = ProbeParams(actuators=("unwind",), amplitude=0.01, duration_s=25.0, f_max_Hz=6.0,
                      grid_points=10, max_speed_m_s=2.0)  # fmt: skip
 ORIGIN = {n: Provenance(actuator=n, signal="tension_N") for n in ("unwind", "follower")}
 BLOCKS = BlockParams(roll="unwind", orders=(1, 2, 3, 4), settle_s=8.0, amp_limit=0.02)
@@ -29,7 +37,7 @@ def noise(sigma, seed=5):
     return lambda: rng.gauss(0, sigma)
 
 
-def probed(plant, params=PARAMS, sigma=0.25):
+def probed(plant, params=PARAMS, sigma=0.05):
     line = Line(plant, RIPPLE, seed_noise=noise(sigma))
     probe = Probe(site(with_blocks(BLOCKS)), params)
     line.run(probe, 32.0)
@@ -72,10 +80,10 @@ def test_excitation_never_exceeds_its_bound_and_starts_and_ends_at_zero():
         change = abs(step.value - sent[-2]) if len(sent) > 1 else 0.0
         assert change <= step.slew_bound * CYCLE_S + 1e-12 or step.value == 0.0
         line.advance(step.value)
-    assert max(map(abs, sent)) == pytest.approx(0.004)
+    assert max(map(abs, sent)) == pytest.approx(0.01)
     active = [v for v in sent if v != 0.0]
-    assert abs(active[0]) < 1e-5
-    assert abs(active[-1]) < 1e-5
+    assert abs(active[0]) < 2e-5
+    assert abs(active[-1]) < 2e-5
 
 
 def test_two_actuators_at_once_on_interleaved_tones():
@@ -87,7 +95,7 @@ def test_two_actuators_at_once_on_interleaved_tones():
     params = replace(PARAMS, actuators=("unwind", "follower"), grid_points=5)
     probe = Probe(site(with_blocks(BLOCKS), follower), params)
     permission = Permission(adapt=True, applied_ratio=(1.0, 1.0), limit_ratio=(1.0, 1.0))
-    line, quiet, sent = Line(LagDelay(0.0), RIPPLE), noise(0.1), (0.0, 0.0)
+    line, quiet, sent = Line(LagDelay(0.0), RIPPLE), noise(0.05), (0.0, 0.0)
     for _ in range(round(34 / CYCLE_S)):
         y, _, *rest = line.read()
         y1 = y + first.step(sent[0]) + cross.step(sent[1]) + quiet()
@@ -98,7 +106,7 @@ def test_two_actuators_at_once_on_interleaved_tones():
     for result, plant in zip(probe.result(ORIGIN), (first, second), strict=True):
         for p in result.response.points:
             error = cmath.rect(p.gain, p.phase_rad) / plant.at(p.frequency_Hz)
-            assert abs(error - 1) < 0.04
+            assert abs(error - 1) < 0.03
 
 
 def test_share_that_the_guard_lets_through_is_taken_into_account():
@@ -141,7 +149,7 @@ def test_spread_keeps_its_distance():
     tones = spread([1.0, 1.0, 1.05, 2.0], [1.0, 2.01], 0.1)
     everything = sorted([*tones, 1.0, 2.01])
     assert len(tones) == 4
-    assert all(b - a >= 0.1 - 1e-12 for a, b in zip(everything, everything[1:], strict=False))
+    assert all(b - a >= 0.1 - 1e-12 for a, b in pairwise(everything))
 
 
 def test_log_grid_has_equal_ratios():
