@@ -51,7 +51,7 @@ def one_channel(register: Register) -> WordCodec:
 
 
 def read_block(words: list[int]) -> list[int]:
-    return [7, 33, *words, 0, 5][:4] + [5] if len(words) == 2 else [7, 33, *words, 0, 5]
+    return [7, 33, *[*words, 0][:2], 5]
 
 
 def one_correction(kind: WordType, order: WordOrder, scale: float) -> tuple[WordCodec, int]:
@@ -100,9 +100,7 @@ def test_reading_inverts_an_independent_packing(
     kind: WordType, order: WordOrder, scale: float, data: st.DataObject
 ) -> None:
     counts = data.draw(COUNTS[kind])
-    codec = one_channel(
-        Register(name="x", address=2, type=kind, scale=scale, word_order=order)
-    )
+    codec = one_channel(Register(name="x", address=2, type=kind, scale=scale, word_order=order))
     assert codec.decode(read_block(to_words(kind, order, counts))) == (
         7, 33, 5, (counts * scale,)
     )  # fmt: skip

@@ -296,9 +296,7 @@ def test_numbers_without_sense_are_refused(bad: dict[str, float]) -> None:
     clock = VirtualClock()
     frames = ModbusFrames(device_id=1, read_start=0, read_count=1)
     with pytest.raises(ConfigError):
-        ModbusTcpTransport(
-            frames=frames, wire=FakeWire(clock, silence), clock=clock, **bad
-        )  # type: ignore[arg-type]
+        ModbusTcpTransport(frames=frames, wire=FakeWire(clock, silence), clock=clock, **bad)  # type: ignore[arg-type]
 
 
 HABITS = st.sampled_from(
