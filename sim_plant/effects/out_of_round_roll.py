@@ -10,7 +10,7 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
-from sim_plant.effects.phasor import amplitude, angle, component, phasor
+from sim_plant.effects.phasor import angle, component, phasor
 from sim_plant.effects.shape_rows import add_heavy, add_shape
 from sim_plant.geometry.roll_profiles import asymmetric, bulge, flat_spot, flattened_bulge
 from sim_plant.geometry.shapes import Shape, circle, ellipse, orders, require_convex
@@ -73,7 +73,7 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     """
     shape = profile(float(arrays.bodies["radius_m"][place]), parameters)
     web = arrays.web[0]
-    if float(parameters["gravity"]) != 0.0:
+    if float(parameters["gravity"]) != 0.0 and np.any(shape.deviation_m):
         mass = wound_mass(
             shape, core_radius_m=float(web["core_radius_m"]),
             density_kg_m3=float(web["density_kg_m3"]), width_m=float(web["width_m"]),
@@ -97,7 +97,7 @@ EFFECT = Effect(
     candidates="roll",
     accepts={
         "shape": Parameter(default="flat", unit="", role="option", tries=KINDS[:-1]),
-        "size_m": amplitude("m", 5e-3, 0.05),
+        "size_m": Parameter(default=0.0, unit="m", typical=5e-3, low=0.0, high=0.05),
         "angle_rad": angle(),
         "smoothing_rad": Parameter(
             default=0.0, unit="rad", typical=0.03, low=0.0, high=0.5, role="shape"
