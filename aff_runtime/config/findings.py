@@ -24,7 +24,16 @@ class Finding:
     def __str__(self) -> str:
         """Return ``file:line:column  path: text``, the form editors jump to."""
         where = f"{self.file}:{self.line}:{self.column}"
-        return f"{where}  {self.path}: {self.text}" if self.path else f"{where}  {self.text}"
+        said = f"{self.path}: {self.text}" if self.path else self.text
+        return f"{where}  {_printable(said)}"
+
+
+def _printable(text: str) -> str:
+    """Return text in which line breaks and control characters of the file are escaped."""
+    return "".join(
+        char if char.isprintable() else char.encode("unicode_escape").decode("ascii")
+        for char in text
+    )
 
 
 def in_file_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:

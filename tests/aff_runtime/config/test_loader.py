@@ -333,6 +333,19 @@ def test_error_signal_without_a_believable_range_is_refused(tmp_path):
         load_site(path)
 
 
+@pytest.mark.parametrize(
+    ("written", "shown"),
+    [(r'"a\nb"', r"a\nb"), (r'"\e[2J"', r"\x1b[2J"), (r'"\u2028"', r"\u2028")],
+)
+def test_control_characters_of_the_file_stay_out_of_the_message(written, shown, tmp_path):
+    path = edited(tmp_path, ("version: 1\n", f"version: {written}\n"))
+    with pytest.raises(ConfigError) as caught:
+        load_site(path)
+    assert str(caught.value).splitlines() == [
+        f"{path}:{place(path, 'version:', 9)}  version: {shown} is not a whole number. Allowed: 1."
+    ]
+
+
 def test_misspelling_is_said_once_not_also_as_missing(tmp_path):
     path = edited(tmp_path, ("settle_s: 6,", "setle_s: 6,"))
     with pytest.raises(ConfigError) as caught:
