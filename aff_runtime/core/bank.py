@@ -199,7 +199,11 @@ class Bank:
 
     def adopt(self, old: ActuatorLaw) -> None:
         """Take over weights, ripple, mean and gate; orders that ``old`` lacks start from zero."""
-        if not isinstance(old, Bank) or old._p.scales_with_speed != self._p.scales_with_speed:
+        if isinstance(old, Bank):
+            self._follow(old)
+
+    def _follow(self, old: Bank) -> None:
+        if old._p.scales_with_speed != self._p.scales_with_speed:
             return
         learned = {(slot.roll, slot.block.order): slot for slot in old._slots}
         for slot in self._slots:

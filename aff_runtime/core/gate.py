@@ -13,7 +13,7 @@ class SpeedGate:
     gate; a speed that is not a number closes it.
     """
 
-    __slots__ = ("_open", "_threshold_m_s", "moving", "share")
+    __slots__ = ("_threshold_m_s", "moving", "opened", "share")
 
     def __init__(self, active_above_m_s: float) -> None:
         self._threshold_m_s = active_above_m_s

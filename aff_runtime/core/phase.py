@@ -82,10 +82,11 @@ class RollPhase:
         self._last_model = math.nan
 
     def follow(self, old: RollPhase) -> None:
-        """Go on where ``old`` stands: wholly with equal settings, else with its angle and speed."""
+        """Go on where ``old`` stands; with other settings, from its angle and speed."""
         if old._p == self._p:
             for name in self.__slots__:
-                setattr(self, name, getattr(old, name))
+                if name not in {"_angle", "_speed", "_line_speed", "_radius"}:
+                    setattr(self, name, getattr(old, name))
             return
         self.theta_rad = old.theta_rad
         self.restart()

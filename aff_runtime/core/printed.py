@@ -78,11 +78,14 @@ class PrintedLaw:
     def adopt(self, old: ActuatorLaw) -> None:
         """Go on with the old phases and weights; start at zero after another law."""
         if isinstance(old, PrintedLaw):
-            learned = old.weights()
-            for theta, key in zip(self._theta, self._orders, strict=True):
-                weight = learned.get(key, 0j)
-                theta[:] = [weight.imag, -weight.real]
-            self._psi.update({k: v for k, v in old._psi.items() if k in self._psi})
+            self._follow(old)
+
+    def _follow(self, old: PrintedLaw) -> None:
+        learned = old.weights()
+        for theta, key in zip(self._theta, self._orders, strict=True):
+            weight = learned.get(key, 0j)
+            theta[:] = [weight.imag, -weight.real]
+        self._psi.update({k: v for k, v in old._psi.items() if k in self._psi})
 
     def objections(self) -> tuple[str, ...]:
         """Return nothing: the printed law asks for no response, which is its flaw."""
