@@ -1,0 +1,43 @@
+"""One finding of a configuration file: where, what was read, what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from aff_runtime.base.errors import ConfigError
+
+KeyPath: TypeAlias = tuple[str | int, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, order=True)
+class Finding:
+    """One line for the technician; lines and columns count from 1."""
+
+    file: str
+    line: int
+    column: int
+    path: str
+    text: str
+
+    def __str__(self) -> str:
+        """Return ``file:line:column  path: text``, the form editors jump to."""
+        where = f"{self.file}:{self.line}:{self.column}"
+        return f"{where}  {self.path}: {self.text}" if self.path else f"{where}  {self.text}"
+
+
+def dotted(path: KeyPath) -> str:
+    """Return ``("blocks", 0, "settle_s")`` as ``blocks[0].settle_s``."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            text += f".{part}" if text else part
+    return text
+
+
+def refuse(findings: Iterable[Finding]) -> ConfigError:
+    """Return the error that carries every finding, one per line, in file order."""
+    return ConfigError("\n".join(str(finding) for finding in sorted(findings)))
