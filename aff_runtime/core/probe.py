@@ -178,7 +178,7 @@ class Probe:
 
     def _fit(self, j: int, provenance: Provenance) -> ProbeResult:
         name = self._probed[j].name
-        time_s = np.arange(self._samples) * self._site.cycle_s
+        time_s = np.arange(self._samples, dtype=np.float64) * self._site.cycle_s
         signal = np.asarray(self._record[j])
         angles = [np.asarray(column) for column in self._theta]
         keep = time_s >= self._p.fade_s + self._p.settle_s
@@ -187,12 +187,14 @@ class Probe:
         keep &= np.isfinite(signal)
         for angle in angles:
             keep &= np.isfinite(angle)
+        if keep.sum() < MIN_GOOD_SHARE * planned:
+            raise RefusedError(f"{name}: too few good samples for a fit; probe again")
         tones = [self._sent(i, keep) for i in range(len(self._probed))]
         foreign = [tone for i, group in enumerate(tones) if i != j for tone in group]
         columns = 2 * (len(tones[j]) + len(foreign))
         columns += 2 * self._p.nuisance_orders * len(angles) + 3
-        if keep.sum() < max(MIN_GOOD_SHARE * planned, 2 * columns) or not tones[j]:
-            raise RefusedError(f"{name}: too few good samples for a fit; probe again")
+        if keep.sum() < 2 * columns or not tones[j]:
+            raise RefusedError(f"{name}: no tones, or too many for this duration")
         points = fit_tones(
             time_s=time_s[keep],
             signal=signal[keep],

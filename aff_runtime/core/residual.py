@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+ABSURD = 1e6  # no tension (N) or speed (m/s) error is that large; it would spoil the mean
+
 
 class Residual:
     """e = y_ref - y (or -y without a reference) minus its slow mean.
@@ -27,7 +29,7 @@ class Residual:
         """Return the error of a fresh finite sample, NaN for any other."""
         self._pending_s += dt_s
         error = (reference if math.isfinite(reference) else 0.0) - signal
-        if not (fresh and math.isfinite(error)):
+        if not (fresh and abs(error) < ABSURD):
             self.value = math.nan
             return self.value
         self.elapsed_s = self._pending_s

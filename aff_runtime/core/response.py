@@ -14,7 +14,7 @@ from aff_runtime.base.errors import ConfigError
 FORMAT = "aff-response-1"
 MAX_PHASE_ERROR_RAD = math.radians(60.0)
 BASE_ERROR_RAD = math.radians(3.0)
-SIGMAS = 3.0
+SIGMAS = 3.0 / math.sqrt(2.0)  # half the power of a complex error turns the phase
 OUTSIDE_RAD_PER_OCTAVE = math.radians(90.0)
 MIN_COHERENCE = 0.8
 BAND_SLACK = 1.02
