@@ -112,6 +112,11 @@ class Guard:
         self._latch(bit("INTERNAL_FAULT"))
 
     @property
+    def state(self) -> State:
+        """State of the guard."""
+        return self.standing.state
+
+    @property
     def quiet(self) -> bool:
         """Whether every output is closed and zero."""
         return all(envelope.level == 0.0 for envelope in self._envelopes)
