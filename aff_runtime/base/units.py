@@ -155,7 +155,7 @@ def read_number(value: object, unit: str) -> float:
 
 def _read_text(text: str, unit: str) -> float:
     match = _QUANTITY.fullmatch(text)
-    if match is None:
+    if match is None or _DECIMAL_COMMA.fullmatch(text) is not None:
         raise UnitError(_why_no_number(text, unit))
     number, written = float(match[1]), match[2]
     if not math.isfinite(number):

@@ -27,6 +27,14 @@ class Finding:
         return f"{where}  {self.path}: {self.text}" if self.path else f"{where}  {self.text}"
 
 
+class SiteFileError(ConfigError):
+    """A file is refused; ``findings`` says everything that is wrong, in file order."""
+
+    def __init__(self, findings: Iterable[Finding]) -> None:
+        self.findings = tuple(sorted(findings))
+        super().__init__("\n".join(str(finding) for finding in self.findings))
+
+
 def dotted(path: KeyPath) -> str:
     """Return ``("blocks", 0, "settle_s")`` as ``blocks[0].settle_s``."""
     text = ""
@@ -36,8 +44,3 @@ def dotted(path: KeyPath) -> str:
         else:
             text += f".{part}" if text else part
     return text
-
-
-def refuse(findings: Iterable[Finding]) -> ConfigError:
-    """Return the error that carries every finding, one per line, in file order."""
-    return ConfigError("\n".join(str(finding) for finding in sorted(findings)))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from aff_runtime.config.findings import Finding, refuse
+from aff_runtime.config.findings import Finding, SiteFileError
 from aff_runtime.config.messages import empty_keys, findings_of
 from aff_runtime.config.models import Site
 from aff_runtime.config.rules import actuators, channels, registers, rolls, timing
@@ -49,17 +49,17 @@ def read_site(path: Path | str) -> Reading:
     tree = read_marked(path)
     findings = empty_keys(tree)
     if findings:
-        raise refuse(findings)
+        raise SiteFileError(findings)
     findings = convert_scales(tree)
     try:
         site = Site.model_validate(tree.values)
     except ValidationError as error:
-        raise refuse([*findings, *findings_of(error, tree, Site)]) from error
+        raise SiteFileError([*findings, *findings_of(error, tree, Site)]) from error
     warnings: list[Finding] = []
     for rule in _RULES:
         for issue in rule(site):
             finding = tree.finding(issue.path, issue.text, at_key=issue.at_key)
             (warnings if issue.warning else findings).append(finding)
     if findings:
-        raise refuse(findings)
+        raise SiteFileError(findings)
     return Reading(site=site, warnings=tuple(sorted(warnings)), tree=tree)

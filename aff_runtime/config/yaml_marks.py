@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import yaml
 
 from aff_runtime.base.units import plain
-from aff_runtime.config.findings import Finding, KeyPath, dotted, refuse
+from aff_runtime.config.findings import Finding, KeyPath, SiteFileError, dotted
 
 Tree: TypeAlias = "dict[str, Tree] | tuple[Tree, ...] | str | int | float | bool | None"
 
@@ -79,10 +79,14 @@ def read_marked(path: Path | str) -> MarkedTree:
         raw = Path(path).read_bytes() if size <= MAX_BYTES else b""
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise refuse([_at(shown, 1, 1, f"cannot be read: {reason}. Check the path.")]) from error
+        raise SiteFileError(
+            [_at(shown, 1, 1, f"cannot be read: {reason}. Check the path.")]
+        ) from error
     if size > MAX_BYTES:
         limit = MAX_BYTES // 1024
-        raise refuse([_at(shown, 1, 1, f"is larger than {limit} kB. This is not a site file.")])
+        raise SiteFileError(
+            [_at(shown, 1, 1, f"is larger than {limit} kB. This is not a site file.")]
+        )
     return parse_marked(raw, shown)
 
 
@@ -91,15 +95,17 @@ def parse_marked(raw: bytes, file: str) -> MarkedTree:
     text = _decoded(raw, file)
     tabs = _tabs(text, file)
     if tabs:
-        raise refuse(tabs)
+        raise SiteFileError(tabs)
     root = _composed(text, file)
     maker = _Maker(file)
     values = maker.value(root, (), root)
     if maker.findings:
-        raise refuse(maker.findings)
+        raise SiteFileError(maker.findings)
     if not isinstance(values, dict):
         wrong = MarkedTree(file=file, values={}, marks=maker.marks)
-        raise refuse([wrong.finding((), "the file must be a mapping, such as `version: 1`.")])
+        raise SiteFileError(
+            [wrong.finding((), "the file must be a mapping, such as `version: 1`.")]
+        )
     return MarkedTree(file=file, values=values, marks=maker.marks)
 
 
@@ -120,7 +126,7 @@ def _decoded(raw: bytes, file: str) -> str:
         line = before.count(b"\n") + 1
         column = error.start - (before.rfind(b"\n") + 1) + 1
         text = f"byte 0x{raw[error.start]:02x} is not UTF-8. Save the file as UTF-8."
-        raise refuse([_at(file, line, column, text)]) from error
+        raise SiteFileError([_at(file, line, column, text)]) from error
 
 
 def _tabs(text: str, file: str) -> list[Finding]:
@@ -142,12 +148,12 @@ def _composed(text: str, file: str) -> yaml.Node:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark is not None else (1, 1)
         what = f"{error.problem or error.context}. Check brackets, quotes, colons and indentation."
-        raise refuse([_at(file, line, column, what)]) from error
+        raise SiteFileError([_at(file, line, column, what)]) from error
     except (yaml.YAMLError, ValueError) as error:
         what = f"is not YAML: {str(error).splitlines()[0]}."
-        raise refuse([_at(file, 1, 1, what)]) from error
+        raise SiteFileError([_at(file, 1, 1, what)]) from error
     if root is None:
-        raise refuse([_at(file, 1, 1, "the file is empty. Start from config/euclid.yaml.")])
+        raise SiteFileError([_at(file, 1, 1, "the file is empty. Start from config/euclid.yaml.")])
     return root
 
 
@@ -161,7 +167,7 @@ def _bounded(text: str, file: str) -> None:
         if depth > MAX_DEPTH or count > MAX_NODES:
             line, column = _where(event)
             what = f"nests deeper than {MAX_DEPTH} levels or holds over {MAX_NODES} values."
-            raise refuse([_at(file, line, column, what)])
+            raise SiteFileError([_at(file, line, column, what)])
 
 
 @dataclass(slots=True)
