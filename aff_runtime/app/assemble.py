@@ -1,9 +1,9 @@
 """The one place where rooms meet: from a parameter record to everything the cycle needs.
 
-    site file ─validate→ record ─┬→ register map → codec ┐
-                                 │      transport ───────┴→ gateway ┐
-                                 ├→ angles, blocks, responses → law ┼→ cycle
-                                 └→ limits, permissives → guard ────┘
+site file ─validate→ record ─┬→ register map → codec ┐
+                             │      transport ───────┴→ gateway ┐
+                             ├→ angles, blocks, responses → law ┼→ cycle
+                             └→ limits, permissives → guard ────┘
 """
 
 from __future__ import annotations
@@ -52,9 +52,7 @@ def assemble(record: Mapping[str, Any], clock: Clock) -> Assembly:
     gateway = WordGateway(transport(site, words, clock), WordCodec(words), clock)
     guard = Guard(guard_params(site))
     law = RecordedLaw(controller_of(site, record["responses"]))
-    return Assembly(
-        record=record, site=site, clock=clock, gateway=gateway, guard=guard, law=law
-    )
+    return Assembly(record=record, site=site, clock=clock, gateway=gateway, guard=guard, law=law)
 
 
 def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:

@@ -2,45 +2,18 @@
 
 from __future__ import annotations
 
-import fnmatch
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
-from aff_runtime.app.edit import Change, changes
+from aff_runtime.app.edit import changes
 from aff_runtime.app.file_watch import FileWatch
+from aff_runtime.app.pending import Pending
+from aff_runtime.app.processes import Processes
 from aff_runtime.app.validation import Validation, Verdict
 
-
-class Service(Protocol):
-    """What an edit needs of the supervisor."""
-
-    record: dict[str, Any]
-
-    def note(self, name: str, text: str) -> None:
-        """Put a line into the log and the record."""
-        ...
-
-    def is_live(self) -> bool:
-        """Return whether a correction may be going out."""
-        ...
-
-    def start_control(self) -> None:
-        """Start the control process."""
-        ...
-
-    def stop_control(self) -> None:
-        """Stop the control process."""
-        ...
-
-    def send_parameters(self, record: dict[str, Any]) -> None:
-        """Hand a new parameter record to the control process; ``adopted`` hears of the reply."""
-        ...
-
-    def config_differs(self) -> None:
-        """Put CONFIG_DIFFERS into the ring's events."""
-        ...
+ADOPT_PATIENCE_S = 2.0
 
 
 class EditSession:
@@ -52,10 +25,13 @@ class EditSession:
     findings : warnings about the running file.
     """
 
-    def __init__(self, service: Service, site: Path, verdict: Verdict) -> None:
-        self._service = service
+    def __init__(
+        self, processes: Processes, pending: Pending, site: Path, verdict: Verdict
+    ) -> None:
+        self._processes = processes
+        self._pending = pending
         self._site = site
-        self._watch = FileWatch(_watched(site, verdict.record or {}))
+        self._watch = FileWatch(_watched(site, processes.record))
         self._check: Validation | None = None
         self.findings = verdict.findings
         self.differs: tuple[str, ...] = ()
@@ -70,19 +46,8 @@ class EditSession:
 
     def look_again(self) -> None:
         """Check the file now; a check under way is of an older file."""
-        if self._check is not None:
-            self._check.abandon()
+        self.close()
         self._check = Validation(self._site)
-
-    def adopted(self, record: dict[str, Any], said: dict[str, Any]) -> None:
-        """Take the control process's word on a new parameter record."""
-        if said.get("ok"):
-            self._service.record = record
-            self.differs = ()
-            self._watch.watch(_watched(self._site, record))
-            self._service.note("CONFIG_APPLIED", record["config_hash"][:12])
-        else:
-            self._refuse((str(said.get("message", "refused")),))
 
     def close(self) -> None:
         """End a check under way."""
@@ -92,50 +57,72 @@ class EditSession:
 
     def _judge(self, verdict: Verdict) -> None:
         """Apply, restart idle or refuse, whichever the edit allows."""
-        record, running = verdict.record, self._service.record
+        record, running = verdict.record, self._processes.record
         if record is None:
             self._refuse(verdict.findings)
             return
-        self.findings = verdict.findings
         found = list(changes(_comparable(running), _comparable(record)))
         for change in found:
-            self._service.note("EDIT", str(change))
-        fixed = [change for change in found if not is_live_key(change.path, record["live"])]
+            self._processes.note("EDIT", str(change))
+        fixed = [change.path for change in found if not is_live_key(change.path, record["live"])]
         if not found:
+            self._processes.record = record
             self.differs = ()
-            self._service.record = {**record, "config_hash": running["config_hash"]}
+        elif self._processes.control is None:
+            self._accept(record)  # the next start takes it
         elif not fixed:
-            self._service.send_parameters(record)
-        elif self._service.is_live():
-            self._refuse(
-                tuple(f"{c.path}: may not change while armed; `aff-runtime stop`" for c in fixed)
-            )
+            self._hand_over(record)
+        elif self._processes.is_live():
+            self._refuse([f"{p}: may not change while armed; `aff-runtime stop`" for p in fixed])
         else:
-            self._service.note("CONFIG_APPLIED", "control process restarts idle")
-            self.differs = ()
-            self._service.stop_control()
-            self._service.record = record
-            self._watch.watch(_watched(self._site, record))
-            self._service.start_control()
+            self._processes.stop()
+            self._accept(record)
+            self._processes.start()
 
-    def _refuse(self, why: tuple[str, ...]) -> None:
+    def _hand_over(self, record: dict[str, Any]) -> None:
+        """Send the record to the control process, which takes it between two ticks."""
+        ident = self._pending.expect(
+            None, lambda said: self._adopted(record, said), ADOPT_PATIENCE_S
+        )
+        control = self._processes.control
+        message = {"do": "PARAMS", "record": record, "id": ident}
+        if control is None or not control.link.send(message):
+            text = "the control process did not take the edit; save the file again"
+            self._pending.resolve({"id": ident, "ok": False, "message": text})
+
+    def _adopted(self, record: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
+        """Take the control process's word on a new parameter record."""
+        if said.get("ok"):
+            self._accept(record)
+        else:
+            self._refuse([str(said.get("message", "refused"))])
+        return said
+
+    def _accept(self, record: dict[str, Any]) -> None:
+        """Take the record as the running one."""
+        self.differs = ()
+        self._processes.record = record
+        self._watch.watch(_watched(self._site, record))
+        self._processes.note("CONFIG_APPLIED", str(record["config_hash"])[:12])
+
+    def _refuse(self, why: Iterable[str]) -> None:
         """Keep what runs and say why."""
-        self.differs = why
-        for line in why:
-            self._service.note("CONFIG_DIFFERS", line)
-        self._service.config_differs()
+        self.differs = tuple(why)
+        for line in self.differs:
+            self._processes.note("CONFIG_DIFFERS", line)
+        if self._processes.control is not None:
+            self._processes.control.link.send({"do": "DIFFERS"})
 
 
 def is_live_key(path: str, live: Iterable[str]) -> bool:
     """Return whether the key at ``path`` may change while the correction is going out.
 
-    ``live`` holds patterns with ``*`` for any name and ``[*]`` for any position.
+    ``live`` holds patterns such as ``actuators.<name>.blocks[].settle_s``; a measured response
+    always may.
     """
-    plain = re.sub(r"\[\d+\]", "[*]", path)
-    return any(
-        fnmatch.fnmatchcase(plain, pattern.replace("[*]", "[[][*]]"))
-        for pattern in live
-    )
+    plain = re.sub(r"\[\d+\]", "[]", path)
+    patterns = (re.escape(pattern).replace("<name>", "[^.]+") for pattern in live)
+    return path.startswith("responses") or any(re.fullmatch(p, plain) for p in patterns)
 
 
 def _comparable(record: dict[str, Any]) -> dict[str, Any]:

@@ -55,9 +55,7 @@ class ControlOutside:
     rights : sentences about real-time rights, for the supervisor's log.
     """
 
-    def __init__(
-        self, assembly: Assembly, link: Link, ring: Path, meta: dict[str, Any]
-    ) -> None:
+    def __init__(self, assembly: Assembly, link: Link, ring: Path, meta: dict[str, Any]) -> None:
         self._site = assembly.site
         self._guard = assembly.guard
         self._law = assembly.law

@@ -7,6 +7,7 @@ from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.probe import Probe
 
+
 class RecordedLaw:
     """Steps a controller, and a probe in its place while there is one.
 
