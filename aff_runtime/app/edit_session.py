@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.edit import changes
+from aff_runtime.app.assemble import site_of
 from aff_runtime.app.file_watch import FileWatch
 from aff_runtime.app.pending import Pending
 from aff_runtime.app.processes import Processes
 from aff_runtime.app.validation import Validation, Verdict
+from aff_runtime.config.diff import diff_sites, may_apply_while_active
 
 ADOPT_PATIENCE_S = 2.0
 
@@ -33,6 +33,7 @@ class EditSession:
         self._site = site
         self._watch = FileWatch(_watched(site, processes.record))
         self._check: Validation | None = None
+        self._waiting: Verdict | None = None
         self.findings = verdict.findings
         self.differs: tuple[str, ...] = ()
 
@@ -43,6 +44,8 @@ class EditSession:
         if self._check is not None and (verdict := self._check.verdict()) is not None:
             self._check = None
             self._judge(verdict)
+        elif self._waiting is not None and not self._processes.is_live():
+            self._judge(self._waiting)
 
     def look_again(self) -> None:
         """Check the file now; a check under way is of an older file."""
@@ -56,24 +59,27 @@ class EditSession:
             self._check = None
 
     def _judge(self, verdict: Verdict) -> None:
-        """Apply, restart idle or refuse, whichever the edit allows."""
+        """Apply, restart idle or let wait, whichever the edit allows."""
+        self._waiting = None
         record, running = verdict.record, self._processes.record
         if record is None:
             self._refuse(verdict.findings)
             return
-        found = list(changes(_comparable(running), _comparable(record)))
+        found = diff_sites(site_of(running), site_of(record))
         for change in found:
             self._processes.note("EDIT", str(change))
-        fixed = [change.path for change in found if not is_live_key(change.path, record["live"])]
-        if not found:
-            self._processes.record = record
-            self.differs = ()
-        elif self._processes.control is None:
+        if self._processes.control is None:
             self._accept(record)  # the next start takes it
-        elif not fixed:
-            self._hand_over(record)
+        elif may_apply_while_active(found):
+            if found or record["responses"] != running["responses"]:
+                self._hand_over(record)
+            self.differs = ()
         elif self._processes.is_live():
-            self._refuse([f"{p}: may not change while armed; `aff-runtime stop`" for p in fixed])
+            self._waiting = verdict
+            waiting = [c.path for c in found if not c.may_change_while_active]
+            self._refuse(
+                f"{path}: may not change while armed; waits for bypass" for path in waiting
+            )
         else:
             self._processes.stop()
             self._accept(record)
@@ -112,22 +118,6 @@ class EditSession:
             self._processes.note("CONFIG_DIFFERS", line)
         if self._processes.control is not None:
             self._processes.control.link.send({"do": "DIFFERS"})
-
-
-def is_live_key(path: str, live: Iterable[str]) -> bool:
-    """Return whether the key at ``path`` may change while the correction is going out.
-
-    ``live`` holds patterns such as ``actuators.<name>.blocks[].settle_s``; a measured response
-    always may.
-    """
-    plain = re.sub(r"\[\d+\]", "[]", path)
-    patterns = (re.escape(pattern).replace("<name>", "[^.]+") for pattern in live)
-    return path.startswith("responses") or any(re.fullmatch(p, plain) for p in patterns)
-
-
-def _comparable(record: dict[str, Any]) -> dict[str, Any]:
-    """Return the part of a parameter record that an edit can change."""
-    return {**record["site"], "responses": record["responses"]}
 
 
 def _watched(site: Path, record: dict[str, Any]) -> list[Path]:

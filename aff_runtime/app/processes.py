@@ -10,13 +10,13 @@ from aff_runtime.app.control_child import ControlChild
 from aff_runtime.app.recorder_child import RecorderChild
 from aff_runtime.app.restart_policy import RestartPolicy
 from aff_runtime.app.run_options import RunOptions
-from aff_runtime.app.status import LIVE_STATES
 from aff_runtime.base.ports import Clock
-from aff_runtime.base.signals import State
+from aff_runtime.base.signals import StateBits
 from aff_runtime.telemetry.ring import RingReader
 
 STOP_PATIENCE_S = 3.0
 RECORDER_PATIENCE_S = 5.0
+LIVE_BITS = StateBits.ARMED | StateBits.ACTIVE | StateBits.FADING
 LOG = logging.getLogger("aff_runtime")
 
 
@@ -137,7 +137,7 @@ class Processes:
     def is_live(self) -> bool:
         """Return whether a correction may be going out."""
         latest = self.latest()
-        return latest is not None and State(int(latest["state"])) in LIVE_STATES
+        return latest is not None and bool(int(latest["state_bits"]) & LIVE_BITS)
 
     def bypass(self) -> None:
         """Take the correction back, by link and by signal: one of them works."""

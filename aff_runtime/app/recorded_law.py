@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from aff_runtime.base.ports import Law
+from math import nan
+
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.probe import Probe
+
+PROBE_COLUMNS = ("probe.stage", "probe.progress")
 
 
 class RecordedLaw:
@@ -53,18 +56,14 @@ class RecordedLaw:
         self.controller.step(snapshot, dt_s, still)
         return self.probe.step(snapshot, dt_s, permission)
 
-    @property
-    def _numbers(self) -> Law:
-        """The law whose numbers are worth recording."""
-        return self.controller if self.probe is None else self.probe
-
     def law_telemetry(self) -> tuple[float, ...]:
-        """Return the numbers of the law that makes the output."""
-        return self._numbers.telemetry()
+        """Return the numbers of the controller and where a probe stands (NaN without one)."""
+        probe = (nan, nan) if self.probe is None else self.probe.telemetry()
+        return (*self.controller.telemetry(), *probe)
 
     def law_telemetry_names(self) -> tuple[str, ...]:
         """Return their column names."""
-        return self._numbers.telemetry_names()
+        return (*self.controller.telemetry_names(), *PROBE_COLUMNS)
 
     def telemetry(self) -> tuple[float, ...]:
         """Return nothing: the cycle's columns are fixed, a law's are not."""

@@ -9,8 +9,6 @@ from typing import Any
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.signals import Outcome, State, Status
 
-LIVE_STATES = (State.ARMED, State.ACTIVE, State.FADING)
-
 
 def missing_permissive(status: int, need: Sequence[str]) -> str:
     """Return ``NAME=0`` of the first permissive that is not set, empty when all are."""

@@ -6,7 +6,6 @@ Exit code 0 whatever the verdict: ``{"record": {...} or null, "findings": [...]}
 
 from __future__ import annotations
 
-import hashlib
 import json
 import platform
 import sys
@@ -18,9 +17,8 @@ from aff_runtime.app.site_to_guard import guard_params
 from aff_runtime.app.site_to_law import site_params
 from aff_runtime.app.site_to_wire import register_map
 from aff_runtime.base.errors import AffError, ConfigError
-from aff_runtime.config.declared import walk
 from aff_runtime.config.loader import Reading, read_site
-from aff_runtime.config.models import Site
+from aff_runtime.config.revision import revision_hash
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.response import Response
 
@@ -54,19 +52,12 @@ def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
     return {
         "site": plain,
         "site_text": path.read_text(encoding="utf-8"),
-        "config_hash": config_hash(plain),
+        "config_hash": revision_hash(site),
         "permissives": [bit.name for bit in guard_params(site).permissives.all_bits],
         "responses": responses,
         "response_files": {name: str(file) for name, file in files.items()},
-        "live": [key for key, declared in walk(Site) if declared.live],
         "versions": _versions(),
     }
-
-
-def config_hash(plain: dict[str, Any]) -> str:
-    """Return the hash of a site's meaning: comments, order and units do not count."""
-    text = json.dumps(plain, sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
