@@ -59,7 +59,7 @@ def crossings_of(site: Site, actuator: Actuator) -> tuple[Crossing, ...]:
 def _crossing(site: Site, one: tuple[str, int], other: tuple[str, int]) -> Crossing | None:
     if one[0] == other[0]:
         return None
-    if site.rolls[one[0]].radius_m is not None:
+    if site.rolls[one[0]].radius_m is not None and site.rolls[other[0]].radius_m is None:
         one, other = other, one
     (name, n), (other_name, m) = one, other
     fixed_m = site.rolls[other_name].radius_m

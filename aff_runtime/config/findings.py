@@ -11,7 +11,7 @@ from aff_runtime.base.errors import ConfigError
 KeyPath: TypeAlias = tuple[str | int, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, order=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
     """One line for the technician; lines and columns count from 1."""
 
@@ -27,11 +27,16 @@ class Finding:
         return f"{where}  {self.path}: {self.text}" if self.path else f"{where}  {self.text}"
 
 
+def in_file_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Return findings by line and column; those of one place keep their order."""
+    return tuple(sorted(findings, key=lambda finding: (finding.line, finding.column)))
+
+
 class SiteFileError(ConfigError):
     """A file is refused; ``findings`` says everything that is wrong, in file order."""
 
     def __init__(self, findings: Iterable[Finding]) -> None:
-        self.findings = tuple(sorted(findings))
+        self.findings = in_file_order(findings)
         super().__init__("\n".join(str(finding) for finding in self.findings))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from aff_runtime.config.findings import Finding, SiteFileError
+from aff_runtime.config.findings import Finding, SiteFileError, in_file_order
 from aff_runtime.config.messages import empty_keys, findings_of
 from aff_runtime.config.models import Site
 from aff_runtime.config.rules import actuators, channels, registers, rolls, timing
@@ -62,4 +62,4 @@ def read_site(path: Path | str) -> Reading:
             (warnings if issue.warning else findings).append(finding)
     if findings:
         raise SiteFileError(findings)
-    return Reading(site=site, warnings=tuple(sorted(warnings)), tree=tree)
+    return Reading(site=site, warnings=in_file_order(warnings), tree=tree)

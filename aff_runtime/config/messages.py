@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from aff_runtime.base.units import UnitError, plain, read_number
+from aff_runtime.base.units import plain
 from aff_runtime.config.declared import Declared, declared_at, keys_of
 from aff_runtime.config.findings import Finding, KeyPath
 from aff_runtime.config.quantity import Section
@@ -75,14 +75,11 @@ def _said(one: dict[str, Any], path: KeyPath, tree: MarkedTree, root: type[Secti
 
 
 def _with_unit(given: object, written: str, declared: Declared) -> str:
-    if not isinstance(given, str):
-        unit = declared.allowed().split()[-1] if declared.unit and declared.leaf is float else ""
-        return f"{written or given} {unit}".strip()
-    try:
-        number = plain(read_number(given, declared.unit or ""))
-    except UnitError:
-        return written
-    return f"{written} (= {number} {declared.unit})"
+    unit = (declared.unit or "") if declared.leaf is float else ""
+    number = plain(float(given)) if isinstance(given, int | float) else str(given)
+    if written and written[-1].isalpha():
+        return f"{written} (= {number} {unit})"
+    return f"{written or number} {unit}".strip()
 
 
 def _literal(given: object, written: str, declared: Declared) -> str:
@@ -96,7 +93,8 @@ def _whole(given: object, written: str, declared: Declared) -> str:
     shown = written[:40] or "a section or list"
     if isinstance(given, float) and given.is_integer() and abs(given) < 1e15:
         return f"{shown} is not a whole number. Write {int(given)}."
-    return f"{shown} is not a whole number. Allowed: {declared.allowed()}."
+    allowed = ", ".join(declared.choices) or declared.allowed()
+    return f"{shown} is not a whole number. Allowed: {allowed}."
 
 
 def _text(given: object, written: str, declared: Declared) -> str:

@@ -9,7 +9,7 @@ from annotated_types import MaxLen, MinLen
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic.types import StringConstraints
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core import CoreSchema, PydanticCustomError
 from pydantic_core.core_schema import no_info_before_validator_function
 
 from aff_runtime.base.units import UnitError, accepted_units, read_number
@@ -59,8 +59,14 @@ class Whole:
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
-        """Take ints alone; no text, no 5.0, no true."""
-        return core_schema.int_schema(strict=True)
+        """Take ints alone; no text, no 5.0, no true; bounds and choices come after."""
+        return no_info_before_validator_function(self._read, handler(source))
+
+    @staticmethod
+    def _read(value: object) -> int:
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise PydanticCustomError("int_type", "a whole number is expected")
+        return value
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from aff_runtime.base.units import UnitError, read_number
-from aff_runtime.config.channel_units import unit_of_channel
+from aff_runtime.config.channel_units import ENDINGS, unit_of_channel
 from aff_runtime.config.findings import Finding, KeyPath
 from aff_runtime.config.yaml_marks import MarkedTree, Tree
 
 _OUTPUT_UNITS = {"velocity_reference": "m/s", "torque_reference": "N m"}
+_SAY = {
+    "read": f"The channel's name does not end with its SI unit: {ENDINGS}.",
+    "write": "The actuator of this name must say its output.",
+}
 
 
 def convert_scales(tree: MarkedTree) -> list[Finding]:
@@ -18,22 +22,21 @@ def convert_scales(tree: MarkedTree) -> list[Finding]:
         if not isinstance(table, dict):
             continue
         for name, entry in table.items():
-            unit = _unit(tree, path, name)
-            if unit is None or not isinstance(entry, dict):
+            scale = entry.get("scale") if isinstance(entry, dict) else None
+            if not isinstance(entry, dict) or not isinstance(scale, str):
                 continue
-            scale = entry.get("scale")
-            if isinstance(scale, str):
-                where: KeyPath = (*path, name, "scale")
-                try:
-                    entry["scale"] = _read(scale, unit)
-                except UnitError as error:
-                    findings.append(tree.finding(where, str(error)))
-                    entry["scale"] = 1.0
+            where: KeyPath = (*path, name, "scale")
+            unit = _unit(tree, path, name)
+            entry["scale"] = 1.0
+            if unit is None:
+                text = f'"{scale[:40]}" needs a unit to convert to. {_SAY[path[1]]}'
+                findings.append(tree.finding(where, text))
+                continue
+            try:
+                entry["scale"] = read_number(scale, unit)
+            except UnitError as error:
+                findings.append(tree.finding(where, str(error)))
     return findings
-
-
-def _read(text: str, unit: str) -> float:
-    return read_number(text, unit)
 
 
 def _unit(tree: MarkedTree, path: KeyPath, name: str) -> str | None:

@@ -131,7 +131,9 @@ class WriteBlock(Section):
     """What AFF writes each tick: one block without holes. Nothing else is ever written."""
 
     aff_heartbeat: WriteWord = key("Counter that AFF moves each tick; the PLC watches it.")
-    state: WriteWord = key("State bits of AFF.")
+    state: WriteWord = key(
+        "State bits of AFF: ready, armed, active, fading, bypass, saturated, fault."
+    )
     echo: WriteWord = key("Copy of the last plc_heartbeat; proof of the round trip.")
     alarm: WriteWord = key("Code of the present alarm, 0 when none.")
     limit: WriteWord = key("Limit in force of the first actuator, in counts of its correction.")
@@ -145,7 +147,7 @@ class Gateway(Section):
     """The connection to the PLC and the register map."""
 
     modbus_tcp: ModbusTcp = key("How the PLC is reached.")
-    address_base: Literal[0, 1] = key(
+    address_base: Annotated[Literal[0, 1], Whole("number of the first register")] = key(
         "0: register numbers are wire addresses. 1: the first register is number 1, 40001 or "
         "400001, as manuals write it. Values shifted by one register mean the other one is right."
     )

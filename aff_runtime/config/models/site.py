@@ -17,6 +17,7 @@ from aff_runtime.config.quantity import (
     Name,
     Section,
     Text,
+    Whole,
     key,
 )
 
@@ -45,7 +46,7 @@ class Line(Section):
 class Site(Section):
     """One line with its gateway, rolls, actuators and limits; every number in its key's unit."""
 
-    version: Literal[1] = key("Version of the file format.")
+    version: Annotated[Literal[1], Whole("format")] = key("Version of the file format.")
     line: Line = key("The line as a whole.")
     gateway: Gateway = key("The connection to the PLC and the register map.")
     permissives: Permissives = key("Status bits without which no correction goes out.")
