@@ -125,8 +125,8 @@ class ModbusTcpTransport:
 
     def close(self) -> None:
         """Release the connection."""
-        self._wire.close(abort=self._outstanding or self._link is _Link.CONNECTING)
-        self._link = _Link.DOWN
+        self._disconnect(abort=self._outstanding or self._link is _Link.CONNECTING)
+        self._act_at_ns = self._clock.now_ns()
 
     def _advance_connect(self) -> bool:
         """Move the connection one step; True when it is up."""
@@ -142,21 +142,22 @@ class ModbusTcpTransport:
         state = self._wire.connecting()
         if state is Connecting.UP:
             self._link = _Link.UP
-            self._misses = 0
-            self._sent = 0
-            self._filled = 0
-            self._outstanding = False
             self.connects += 1
             return True
         if state is Connecting.FAILED or now_ns >= self._act_at_ns:
             self._drop()
         return False
 
-    def _drop(self) -> None:
-        self._wire.close(abort=True)
+    def _disconnect(self, *, abort: bool) -> None:
+        self._wire.close(abort=abort)
         self._link = _Link.DOWN
-        self._outstanding = False
+        self._misses = 0
+        self._sent = 0
         self._filled = 0
+        self._outstanding = False
+
+    def _drop(self) -> None:
+        self._disconnect(abort=True)
         self._act_at_ns = self._clock.now_ns() + self._backoff_ns
         self._backoff_ns = min(2 * self._backoff_ns, self._backoff_max_ns)
 

@@ -192,6 +192,22 @@ def test_reset_forgets_the_turns_already_counted() -> None:
     assert restarted == -(2**31) * ANGLE_SCALE
 
 
+def test_a_device_without_alarm_limit_revision_and_copy_gets_four_words() -> None:
+    register = Register(name="u", address=103, type=WordType.I16, scale=0.001)
+    bare = euclid_map(
+        alarm=None,
+        limit=None,
+        config_revision=None,
+        corrections=(Correction(register=register, complement_address=None),),
+    )
+    words = WordCodec(bare).encode(command(heartbeat=1, corrections=(-0.001,)))
+    assert words == [1, 0, 0, 0xFFFF]
+
+
+def test_without_a_limit_in_force_the_limit_word_is_zero() -> None:
+    assert WordCodec(euclid_map()).encode(command(limits=()))[6] == 0
+
+
 def test_a_nan_on_the_wire_stays_nan() -> None:
     codec = one_channel(Register(name="x", address=2, type=WordType.F32))
     assert math.isnan(codec.decode(read_block([0x7FC0, 0x0000]))[3][0])

@@ -85,8 +85,11 @@ def test_an_exception_reply_gives_its_code(function: int) -> None:
         ("exception too long", READ, "0001 0000 0004 11 83 06 00"),
     ],
 )
-def test_a_reply_wrong_in_one_place_is_refused(fault: str, function: int, reply: str) -> None:
+def test_a_reply_wrong_in_one_place_is_refused_without_a_log_line(
+    fault: str, function: int, reply: str, caplog: pytest.LogCaptureFixture
+) -> None:
     assert frames().parse_reply(bytes.fromhex(reply), function) == (Outcome.BAD_REPLY, []), fault
+    assert caplog.records == []
 
 
 @pytest.mark.parametrize(

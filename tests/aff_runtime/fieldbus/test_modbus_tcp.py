@@ -273,6 +273,32 @@ def test_a_late_reply_from_before_the_id_wrapped_is_still_known() -> None:
     assert rig.tick() == (Outcome.OK, [1] * READ_COUNT)
 
 
+def test_id_zero_is_never_ours_even_after_a_wrap() -> None:
+    rig = Rig().connected()
+    rig.transport._tid = 0xFFFE
+    assert rig.outcomes(1) == [Outcome.OK]
+    rig.wire.answer = lambda request: [(MS, register_reply(request, [0] * READ_COUNT, tid=0))]
+    assert rig.tick()[0] is Outcome.BAD_REPLY
+
+
+def test_a_closed_transport_may_be_used_again_and_knows_nothing_of_before() -> None:
+    rig = Rig().connected()
+    rig.wire.answer = lambda request: [(MS, good(request)[:9])]
+    rig.tick()
+    rig.transport.close()
+    rig.wire.answer = lambda request: [(MS, good(request))]
+    assert rig.outcomes(2) == [Outcome.NOT_CONNECTED, Outcome.OK]
+
+
+def test_an_id_of_the_connection_before_is_foreign_to_the_new_one() -> None:
+    rig = Rig().connected()
+    rig.transport.close()
+    rig.wire.answer = lambda request: [
+        (MS, register_reply(request, [0] * READ_COUNT, tid=tid_of(request) - 1))
+    ]
+    assert rig.outcomes(2) == [Outcome.NOT_CONNECTED, Outcome.BAD_REPLY]
+
+
 def test_close_with_a_reply_outstanding_resets_and_else_says_goodbye() -> None:
     quiet = Rig().connected()
     quiet.transport.close()

@@ -98,3 +98,26 @@ def test_impossible_registers_are_refused(bad: dict[str, object]) -> None:
 def test_an_unsigned_correction_is_refused() -> None:
     with pytest.raises(ConfigError, match="has a sign"):
         Correction(register=Register(name="u", address=3), complement_address=4)
+
+
+def test_a_wrapping_correction_is_refused() -> None:
+    register = Register(name="u", address=3, type=WordType.I32, wraps=True)
+    with pytest.raises(ConfigError, match="cannot wrap"):
+        Correction(register=register, complement_address=None)
+
+
+def test_a_copy_off_the_wire_is_refused() -> None:
+    with pytest.raises(ConfigError, match="complement address 65536"):
+        correction("u", 3, 65536)
+
+
+@pytest.mark.parametrize("word", ["plc_heartbeat", "state"])
+def test_a_word_off_the_wire_is_refused(word: str) -> None:
+    with pytest.raises(ConfigError, match=r"outside 0\.\.65535"):
+        euclid_map(**{word: -1})
+
+
+def test_a_write_block_longer_than_a_frame_is_refused() -> None:
+    pairs = tuple(correction(f"u{n}", 103 + 2 * n, 104 + 2 * n) for n in range(60))
+    with pytest.raises(ConfigError, match="123 words"):
+        euclid_map(alarm=None, limit=None, config_revision=None, corrections=pairs)

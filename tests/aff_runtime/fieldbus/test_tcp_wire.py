@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import errno
 import select
 import socket
 from types import SimpleNamespace
@@ -22,6 +23,33 @@ def test_an_unconnected_wire_is_closed_and_refuses() -> None:
     assert not wire.send(b"x")
     assert wire.receive(memoryview(bytearray(4)), 10**9) == CLOSED
     wire.close(abort=False)
+
+
+def test_an_address_without_a_route_fails_at_once() -> None:
+    # TCP to the broadcast address is refused by the kernel itself
+    assert TcpWire("255.255.255.255", 9).start_connect() is False
+
+
+def test_no_free_descriptor_is_a_failed_attempt(monkeypatch: pytest.MonkeyPatch) -> None:
+    def exhausted(*_arguments: object) -> socket.socket:
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    wire = TcpWire("127.0.0.1", 9)
+    monkeypatch.setattr(socket, "socket", exhausted)
+    assert wire.start_connect() is False
+
+
+@pytest.mark.wire
+def test_a_broken_descriptor_is_a_closed_connection() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        wire = TcpWire("127.0.0.1", server.getsockname()[1])
+        assert wire.start_connect()
+        raw = wire._socket
+        assert raw is not None
+        raw.close()
+        assert not wire.send(b"x")
+        assert wire.receive(memoryview(bytearray(4)), 0) == CLOSED
+        wire.close(abort=True)
 
 
 @pytest.mark.wire

@@ -28,6 +28,7 @@ pytestmark = pytest.mark.wire
 GENEROUS_NS = 2_000_000_000  # for replies that must come, on a busy machine
 SHORT_NS = 15_000_000  # for replies that must not
 READ_COUNT = 20
+REPLY_BYTES = 9 + 2 * READ_COUNT
 PATIENCE = 2000
 
 
@@ -52,9 +53,10 @@ class Rig:
             device_id=3, read_start=0, read_count=READ_COUNT, write_start=100, write_count=2
         )
         self.clock = MonotonicClock()
+        self.wire = TcpWire("127.0.0.1", port)
         self.transport = ModbusTcpTransport(
             frames=frames,
-            wire=TcpWire("127.0.0.1", port),
+            wire=self.wire,
             clock=self.clock,
             function=function,
             backoff_min_s=0.01,
@@ -71,6 +73,15 @@ class Rig:
                 return result
             time.sleep(0.001)
         pytest.fail(f"never {wanted.name}")
+
+    def arrived(self) -> bytes | None:
+        """What the kernel holds for us: bytes, b"" for the end, None for nothing."""
+        raw = self.wire._socket
+        assert raw is not None
+        try:
+            return raw.recv(4096, socket.MSG_PEEK)
+        except BlockingIOError:
+            return None
 
 
 @pytest.fixture
@@ -140,7 +151,7 @@ def test_a_close_between_ticks_sends_nothing(rig: Rig, server: ScriptedServer) -
     server.respond = answer_and_close
     assert rig.tick()[0] is Outcome.OK
     seen = len(server.requests)
-    time.sleep(0.02)
+    wait_for(lambda: rig.arrived() == b"")
     assert rig.tick()[0] is Outcome.NOT_CONNECTED
     assert len(server.requests) == seen
     assert recovers(rig, server)
@@ -172,7 +183,7 @@ def test_a_late_reply_is_never_a_later_answer(rig: Rig, server: ScriptedServer) 
     assert [rig.tick(SHORT_NS)[0] for _ in range(2)] == [Outcome.TIMEOUT] * 2
     release.set()
     assert sent.wait(5.0)
-    time.sleep(0.02)
+    wait_for(lambda: len(rig.arrived() or b"") == REPLY_BYTES)
     assert answers_itself(rig, server)
     assert (rig.transport.discarded_replies, rig.transport.connects) == (1, 1)
 
@@ -202,7 +213,7 @@ def test_half_a_reply_is_completed_later_and_discarded(rig: Rig, server: Scripte
     assert rig.tick(SHORT_NS)[0] is Outcome.TIMEOUT
     release.set()
     assert sent.wait(5.0)
-    time.sleep(0.02)
+    wait_for(lambda: len(rig.arrived() or b"") == REPLY_BYTES - 17)
     assert answers_itself(rig, server)
     assert rig.transport.connects == 1
 
