@@ -8,6 +8,7 @@ from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.probe import Probe
 
+BRIDGED_S = 0.1
 PROBE_COLUMNS = ("probe.stage", "probe.progress")
 
 
@@ -24,7 +25,14 @@ class RecordedLaw:
     probe : measures the response; the controller follows the angles meanwhile and adapts nothing.
     """
 
-    __slots__ = ("_adopt_from", "controller", "is_stepping", "probe")
+    __slots__ = (
+        "_adopt_from",
+        "_was_permitted",
+        "_withheld_s",
+        "controller",
+        "is_stepping",
+        "probe",
+    )
 
     def __init__(
         self,
@@ -37,6 +45,8 @@ class RecordedLaw:
         self.probe = probe
         self.is_stepping = False
         self._adopt_from = adopt_from
+        self._withheld_s = 0.0
+        self._was_permitted = False
 
     def step(
         self, snapshot: Snapshot, dt_s: float, permission: Permission
@@ -54,7 +64,22 @@ class RecordedLaw:
             limit_ratio=permission.limit_ratio,
         )
         self.controller.step(snapshot, dt_s, still)
-        return self.probe.step(snapshot, dt_s, permission)
+        return self.probe.step(snapshot, dt_s, self._bridged(permission, dt_s))
+
+    def _bridged(self, permission: Permission, dt_s: float) -> Permission:
+        """Return ``permission`` without its short gaps: one late reply is no end of a probe.
+
+        The guard still decides what goes out, and a sample without a reading is not fitted.
+        """
+        self._withheld_s = 0.0 if permission.adapt else self._withheld_s + dt_s
+        self._was_permitted = permission.adapt or self._was_permitted
+        if permission.adapt or not self._was_permitted or self._withheld_s > BRIDGED_S:
+            return permission
+        return Permission(
+            adapt=True,
+            applied_ratio=permission.applied_ratio,
+            limit_ratio=permission.limit_ratio,
+        )
 
     def law_telemetry(self) -> tuple[float, ...]:
         """Return the numbers of the controller and where a probe stands (NaN without one)."""
