@@ -266,7 +266,6 @@ class Guard:
     def _latch(self, cause: int) -> None:
         """Fault at once, inside the tick; ``observe`` notes the event in the next one."""
         self._found_in_tick |= cause
-        self._arm_edge = False
         if self.standing.state not in _AT_REST:
             self.standing = Standing(state=State.FAULT)
             self._first_out = first_code(cause)

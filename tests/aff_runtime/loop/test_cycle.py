@@ -208,6 +208,22 @@ def test_a_broken_guard_is_replaced_by_a_straight_ramp_to_zero_for_good(
     heartbeats_go_on(rig, first)
 
 
+def test_a_link_that_fails_while_a_fault_is_told_still_ends_in_zero(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rig = Rig().active()
+    first = len(rig.plc.commands)
+
+    def deaf(text: str) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr(rig.memory, "fault_text", deaf)
+    rig.law.trouble = RuntimeError("law")
+    rig.run(60)
+    rig.assert_faded_from(first)
+    heartbeats_go_on(rig, first)
+
+
 def test_an_operator_interrupt_is_not_swallowed(monkeypatch: pytest.MonkeyPatch) -> None:
     rig = Rig().active()
     rig.law.trouble = KeyboardInterrupt()  # type: ignore[assignment]

@@ -76,10 +76,24 @@ def test_a_lost_supervisor_latches_fades_and_ends() -> None:
 
 
 def test_nothing_can_be_armed_on_the_way_down() -> None:
-    rig = Rig().active()
+    rig = Rig()
+    rig.run(2)
     rig.say(Stop(), Arm(), Shadow(on=True), Swap(law=Hum(0.04)))
+    rig.run(2)
+    rig.say(Arm())
     run_to_the_end(rig)
     assert rig.guard.state is State.BYPASS
+    assert rig.column("state").count(State.ACTIVE) == 0
+    assert all(command.corrections == (0.0,) for _, command in rig.plc.commands)
+
+
+def test_run_returns_after_a_stop_and_starts_its_grid_late_without_missed_ticks() -> None:
+    rig = Rig()
+    rig.clock.advance_ns(10**9)
+    rig.cycle.request_stop()
+    rig.cycle.run()
+    assert rig.column("missed_count")[-1] == 0
+    assert rig.plc.last.corrections == (0.0,)
 
 
 def test_a_law_that_takes_over_changes_places_without_a_step() -> None:

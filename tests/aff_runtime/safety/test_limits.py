@@ -95,10 +95,14 @@ def test_a_law_that_projects_its_weights_every_tick_does_not_collapse() -> None:
 
 def test_a_bound_smaller_than_the_value_does_not_help_a_law_past_the_limit() -> None:
     limiter = Limiter(BOUNDS, FADE_S)
+    out = []
     for k in range(1000):
         liar = ActuatorStep(value=0.3 * cos(k * 0.03), peak_bound=0.0, slew_bound=0.0)
         limiter.step(liar, 1.0, DT_S)
-        assert abs(limiter.output) <= BOUNDS.limit
+        out.append(abs(limiter.output))
+    assert max(out) <= BOUNDS.limit
+    at_the_limit = sum(value > 0.999 * BOUNDS.limit for value in out[200:]) / 800
+    assert at_the_limit < 0.6  # clipped it would be 89 % of the time
 
 
 @pytest.mark.parametrize(

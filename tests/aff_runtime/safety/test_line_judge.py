@@ -1,16 +1,19 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from aff_runtime.base.signals import Outcome, Snapshot, Status
 from aff_runtime.safety.causes import bit
 from aff_runtime.safety.line_judge import LineJudge
+from aff_runtime.safety.params import ChannelParams, GuardParams
 from tests.aff_runtime.safety.bench import ALL_WELL, PARAMS, PERIOD_NS
 
 
 class Line:
-    def __init__(self) -> None:
-        self.judge = LineJudge(PARAMS)
+    def __init__(self, params: GuardParams = PARAMS) -> None:
+        self.judge = LineJudge(params)
         self.now_ns = 0
 
     def see(
@@ -22,13 +25,14 @@ class Line:
         status: int = ALL_WELL,
         roll_id: int = 1,
         outcome: Outcome = Outcome.OK,
+        fresh: bool = True,
     ) -> int:
         self.now_ns += PERIOD_NS
         snapshot = Snapshot(
             tick=0,
             t_ns=self.now_ns,
             outcome=outcome,
-            fresh=outcome is Outcome.OK,
+            fresh=fresh and outcome is Outcome.OK,
             age_s=0.0,
             plc_heartbeat=0,
             status=status,
@@ -123,6 +127,21 @@ def test_a_radius_that_jumps_on_the_same_roll_is_a_cause_until_confirmed() -> No
     assert line.see(radius_m=0.3) == bit("RADIUS_JUMP")
     line.judge.confirm_rolls()
     assert line.see(radius_m=0.3) == 0
+
+
+def test_a_repeated_reading_of_a_slow_plc_does_not_count_as_a_new_one() -> None:
+    quick = ChannelParams(channel=0, name="unwind_tension_N", rate_max=150.0)
+    line = Line(replace(PARAMS, channels=(quick,)))
+    for k in range(20):  # 1 N per 10 ms, each reading seen twice
+        assert line.see(tension_N=90.0 + k) == 0
+        assert line.see(tension_N=90.0 + k, fresh=False) == 0
+    assert line.see(tension_N=113.0) == bit("SIGNAL_IMPLAUSIBLE")
+
+
+def test_without_the_enable_of_the_plc_only_the_needed_bits_count() -> None:
+    permissives = replace(PARAMS.permissives, enable_from_plc=False)
+    line = Line(replace(PARAMS, permissives=permissives))
+    assert line.see(status=ALL_WELL & ~Status.AFF_ENABLE_REQUEST) == 0
 
 
 def test_a_channel_beyond_the_readings_counts_as_not_a_number() -> None:
