@@ -129,7 +129,10 @@ def measure(p: LineArrays, lay: Layout, s: LineState, noise: Array) -> None:
             turn = 2.0 * math.pi * cell.hum_Hz * s.time_s[0] + cell.hum_phase_rad
             true += cell.hum_N * math.cos(turn)
         s.true_N[c] = true
-        s.measured_N[c] = quantise(true + cell.noise_N * noise[c], cell.lsb_N)
+        if p.timing[0].noisy == 0:
+            s.measured_N[c] = expected_quantise(true, cell.lsb_N, cell.noise_N)
+        else:
+            s.measured_N[c] = quantise(true + cell.noise_N * noise[c], cell.lsb_N)
     for d in range(p.drives.size):
         s.measured_rad_s[d] = drive_speed(p, lay, s, d, noise[cells + d])
 

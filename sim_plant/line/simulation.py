@@ -14,6 +14,7 @@ from sim_plant.line.build import Timing, build_arrays, cell_sensors, start_state
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.kernel import Work, advance_frame, log_frame, measure, run_frames
 from sim_plant.line.layout import Layout
+from sim_plant.line.start import start_at_rest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,6 +89,10 @@ class LineSimulation:
         self.layout, self.state = start_state(
             self.arrays, directions, self._speed, float(self._tension[0])
         )
+        start_at_rest(
+            declaration, self.arrays, self.layout, self.state, self._speed,
+            float(self._tension[0]),
+        )  # fmt: skip
         self.work = make_work(self.arrays, self.layout, self.state)
         self._rng = None if seed is None else np.random.default_rng(seed)
         self._row = np.zeros(self._columns())
