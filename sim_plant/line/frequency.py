@@ -135,7 +135,7 @@ class _Network:
         row = self.line.body(control.drives[drive].roller)
         held = hold_factor(self.s, sample_time_s, control.drive_sample_time_s)
         b[row] = self.torque_per_reference[drive] * held
-        return np.linalg.solve(self.A, b)
+        return np.asarray(np.linalg.solve(self.A, b), dtype=np.complex128)
 
     def read(self, sensor: Sensor, x: ComplexArray) -> complex:
         """Return the channel's phasor."""
@@ -162,7 +162,7 @@ def _add_bodies(A: ComplexArray, line: Declaration, rest: SteadyLine, s: complex
 
 
 def _add_spans(A: ComplexArray, line: Declaration, rest: SteadyLine, s: complex) -> None:
-    """Add the strain balances (source 2.20 corrected), small signals:
+    """Add the strain balances (source 2.20 corrected), in small signals.
 
     L s e / (1 + eps) = v_B - v_A (1 + eps)/(1 + up) - V_A/(1 + up) (e - e_up (1 + eps)/(1 + up)).
     """

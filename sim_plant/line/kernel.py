@@ -188,8 +188,9 @@ def run_frames(
     """Run ``out.shape[0]`` frames and log after each, through the same code as one frame.
 
     Shapes: line_speed (f, 2) at start and end of the frame, tension_ref (f, l), aff (f, d),
-    noise (f, c + d + ticks * d) or (1, ...) to repeat, out (f, 3 c + 2 d + n + 2 + m): measured and true cell force, mean of the
-    two tensions, measured and true drive speed, all angles, both radii, all tensions.
+    noise (f, c + d + ticks * d) or (1, ...) to repeat, out (f, 3 c + 2 d + n + 2 + m): measured
+    and true cell force, mean of the two tensions, measured and true drive speed, all angles, both
+    radii, all tensions (those of the last Runge-Kutta stage).
     """
     cells, drives, bodies = p.cells.size, p.drives.size, lay.n
     for f in range(out.shape[0]):

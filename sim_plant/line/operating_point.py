@@ -64,12 +64,13 @@ def steady_line(line: Declaration, line_speed_m_s: float, tension_N: float) -> S
 
     Equations: v_k / (1 + eps_k-1) is the same at every body (mass, source 2.20 at rest);
     R (T_down - T_up) = friction at every idler (source 2.32); a drive with a tension loop holds
-    its load cell at the reference, any other drive holds its speed.
+    its load cell at the reference, any other drive holds its speed. At standstill, where strain
+    is free, tension is even.
 
     Raises
     ------
     PlantError
-        When no steady state is found.
+        When there is no single steady state.
     """
     n, radius = len(line.rollers), radii_of(line)
     wound_in = line.web.wound_in_tension_N / line.web.EA_N

@@ -21,8 +21,8 @@ def start_at_rest(
 ) -> None:
     """Put speeds, strains and controller integrals of the declared steady state into ``state``.
 
-    Effects are not known here: they are left to ``LineSimulation.settle``. A line at standstill
-    has no unique steady state; its state stays as it is.
+    Effects are not known here: they are left to ``LineSimulation.settle``. The state of a line
+    without a single steady state stays as it is.
     """
     try:
         rest = steady_line(line, line_speed_m_s, tension_N)
