@@ -17,8 +17,8 @@ from sim_plant.geometry.shapes import Floats, Shape
 
 _POINTS = 16384
 BULGE_HALF_WIDTH_RAD = np.radians(30.0)
-ASYMMETRIC_RISE_RAD = np.radians(50.0)
-ASYMMETRIC_FALL_RAD = np.radians(20.0)
+ASYMMETRIC_RISE_RAD = np.radians(45.0)
+ASYMMETRIC_FALL_RAD = np.radians(30.0)
 
 
 def flat_spot(depth_m: float, radius_m: float, angle_rad: float = 0.0) -> Shape:
@@ -105,7 +105,7 @@ def wooden_insert(
 
 
 def insert_outline(inner_radius_m: float, flat_length_m: float, thickness_m: float) -> Points:
-    """Return the outline of the wooden insert, x + j y, flat side up (4.40 corrected)."""
+    """Return the outline of the wooden insert, x + j y, ccw, flat side up (4.40 corrected)."""
     half_flat = 0.5 * flat_length_m
     top = inner_radius_m + thickness_m
     side = np.linspace(0.0, 0.5 * np.pi, _POINTS // 4)
@@ -113,7 +113,7 @@ def insert_outline(inner_radius_m: float, flat_length_m: float, thickness_m: flo
     right = half_flat + x_side + 1j * top * np.sin(side)
     left = -half_flat - x_side + 1j * top * np.sin(side)
     below = inner_radius_m * np.exp(1j * np.linspace(np.pi, 2.0 * np.pi, _POINTS // 2))
-    return np.concatenate([right, left, below])
+    return np.concatenate([right, left[::-1], below])
 
 
 def _bump(height_m: float, radius_m: float, rise_rad: float, fall_rad: float) -> Shape:

@@ -1,0 +1,84 @@
+"""`sim-plant serve`: a line in real time behind a Modbus TCP server."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from aff_runtime.base.errors import PlantError
+
+if TYPE_CHECKING:
+    from sim_plant.servers.serve import ServeOptions
+
+DEFAULT_MAP = Path(__file__).parents[2] / "config" / "plc" / "gateway_block.yaml"
+
+Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhere else)
+
+
+def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
+    """Add the subcommand."""
+    parser = subparsers.add_parser("serve", help="serve a line on Modbus TCP in real time")
+    parser.add_argument("line", type=Path, metavar="LINE.yaml")
+    parser.add_argument("--modbus", default="127.0.0.1:5020", metavar="HOST:PORT")
+    parser.add_argument("--plc", type=Path, default=DEFAULT_MAP, metavar="MAP.yaml")
+    parser.add_argument("--speed-m-s", type=float, help="line speed, m/s (declaration's)")
+    parser.add_argument("--seed", type=int, default=0, help="of every random number")
+    parser.add_argument("--record", type=Path, metavar="FILE.csv.gz")
+    parser.add_argument("--control", type=Path, metavar="PATH", help="control socket to create")
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="SPEC",
+        help="NAME[=ARG][@START][:DURATION]",
+    )
+    parser.add_argument("--no-fc23", action="store_true", help="refuse function 23")
+    parser.add_argument("--no-realtime", action="store_true", help="do not ask for SCHED_FIFO")
+    parser.add_argument("--duration", type=float, metavar="S", help="stop after S seconds")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Serve until a signal or the duration."""
+    options = read_options(arguments)
+    from sim_plant.line import open_line  # noqa: PLC0415 (compiles the kernel: only when used)
+    from sim_plant.servers.map_file import load_plc_map  # noqa: PLC0415
+    from sim_plant.servers.serve import serve  # noqa: PLC0415
+
+    plc_map = load_plc_map(arguments.plc)
+    line = open_line(arguments.line, seed=arguments.seed, speed_m_s=arguments.speed_m_s)
+    serve(line, plc_map, options, lambda text: print(text, flush=True))
+    return 0
+
+
+def read_options(arguments: argparse.Namespace) -> ServeOptions:
+    """Return the service's options.
+
+    Raises
+    ------
+    PlantError
+        An address, a fault or the duration is misspelt.
+    """
+    from sim_plant.servers.faults import parse_fault  # noqa: PLC0415
+    from sim_plant.servers.serve import ServeOptions  # noqa: PLC0415
+
+    host, _, port = arguments.modbus.rpartition(":")
+    if not host or not port.isdecimal() or int(port) > 65535:
+        raise PlantError(
+            f"--modbus {arguments.modbus}: write HOST:PORT, for example 127.0.0.1:5020"
+        )
+    duration_s = arguments.duration
+    if duration_s is not None and not (math.isfinite(duration_s) and duration_s > 0.0):
+        raise PlantError(f"--duration {duration_s}: write seconds greater than 0")
+    return ServeOptions(
+        host=host,
+        port=int(port),
+        faults=tuple(parse_fault(text) for text in arguments.fault),
+        allow_fc23=not arguments.no_fc23,
+        record=arguments.record,
+        control=arguments.control,
+        duration_s=duration_s,
+        realtime=not arguments.no_realtime,
+    )

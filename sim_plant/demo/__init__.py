@@ -1,0 +1,1 @@
+"""The main job shown from outside: both programs as processes, then a judgement and a report."""

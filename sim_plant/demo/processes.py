@@ -1,0 +1,153 @@
+"""The plant and the runtime as two real processes, started and ended by their handles."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import PlantError
+
+PLANT = (sys.executable, "-m", "sim_plant.cli.main")
+RUNTIME = (sys.executable, "-m", "aff_runtime.cli.main")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bench:
+    """Paths and port of one session of plant and runtime."""
+
+    folder: Path
+    port: int
+    site: Path
+
+    @property
+    def plant_socket(self) -> Path:
+        """Control socket of the plant."""
+        return self.folder / "plant.sock"
+
+    @property
+    def runtime_dir(self) -> Path:
+        """Private directory of the runtime's sockets and shared memory."""
+        return self.folder / "run"
+
+
+def free_port() -> int:
+    """Return a TCP port that is free on loopback now."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+class Child:
+    """A process of ours with its output in a log file; ended by its own handle only."""
+
+    def __init__(self, name: str, command: Sequence[str], log: Path, ready: str = "") -> None:
+        self.name, self.log = name, log
+        self._stream = log.open("wb")
+        self.process = subprocess.Popen(
+            list(command),
+            stdout=subprocess.PIPE if ready else self._stream,
+            stderr=self._stream,
+            start_new_session=True,
+        )
+        if ready:
+            self.await_line(ready, 120.0)
+
+    def await_line(self, start: str, patience_s: float) -> str:
+        """Return the first output line that begins with ``start``.
+
+        Raises
+        ------
+        PlantError
+            When the process ends or stays silent; the message quotes its log.
+        """
+        clock = MonotonicClock()
+        end_ns = clock.now_ns() + int(patience_s * 1e9)
+        pipe = self.process.stdout
+        assert pipe is not None
+        while clock.now_ns() < end_ns:
+            if select.select([pipe], [], [], 0.2)[0]:
+                line = pipe.readline().decode(errors="replace")
+                if line.startswith(start):
+                    return line.strip()
+                if not line and self.process.poll() is not None:
+                    break
+        raise PlantError(f"{self.name} did not become ready: {self.tail()}")
+
+    def tail(self) -> str:
+        """Return the end of the log."""
+        self._stream.flush()
+        return self.log.read_text(errors="replace")[-1500:]
+
+    def stop(self, patience_s: float = 15.0) -> int:
+        """Ask the process to end; kill it when it does not. Return its exit code."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+            try:
+                self.process.wait(patience_s)
+            except subprocess.TimeoutExpired:
+                os.killpg(self.process.pid, signal.SIGKILL)
+                self.process.wait()
+        if self.process.stdout is not None:
+            self.process.stdout.close()
+        self._stream.close()
+        return int(self.process.returncode)
+
+    def __enter__(self) -> Child:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:  # fmt: skip
+        self.stop()
+
+
+def ask_plant(bench: Bench, line: str) -> dict[str, Any]:
+    """Send one command to the plant's control socket and return its answer."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as client:
+        client.settimeout(5.0)
+        client.connect(str(bench.plant_socket))
+        client.sendall(line.encode() + b"\n")
+        answer = b""
+        while not answer.endswith(b"\n"):
+            part = client.recv(65536)
+            if not part:
+                break
+            answer += part
+    return dict(json.loads(answer))
+
+
+def runtime_command(bench: Bench, *words: str, patience_s: float = 90.0) -> str:
+    """Run one ``aff-runtime`` command against the service and return what it printed.
+
+    Raises
+    ------
+    PlantError
+        When it exits with an error; the message is the command's own.
+    """
+    done = subprocess.run(
+        [*RUNTIME, *words, "--runtime-dir", str(bench.runtime_dir)],
+        capture_output=True, text=True, timeout=patience_s, check=False,
+    )  # fmt: skip
+    if done.returncode != 0:
+        raise PlantError(
+            f"aff-runtime {' '.join(words)}: exit {done.returncode}: "
+            f"{done.stderr.strip() or done.stdout.strip()}"
+        )
+    return done.stdout
+
+
+def runtime_status(bench: Bench) -> dict[str, Any]:
+    """Return the runtime's status as JSON."""
+    return dict(json.loads(runtime_command(bench, "status", "--json")))

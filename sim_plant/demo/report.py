@@ -1,0 +1,61 @@
+"""One self-contained HTML page and its JSON twin."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+from jinja2 import Environment, PackageLoader
+
+from sim_plant.base.arrays import Array
+from sim_plant.demo.figures import block_figure, spectrum_figure, tension_figure, timing_figure
+from sim_plant.demo.judge import Row, read_record, window
+from sim_plant.demo.session import Session
+
+
+def runtime_columns(folder: Path) -> dict[str, Array]:
+    """Return the runtime's recorded columns, all segments joined."""
+    parts = [read_record(path) for path in sorted(folder.glob("signals-*.csv.gz"))]
+    names = parts[0] if parts else {}
+    return {name: np.concatenate([part[name] for part in parts]) for name in names}
+
+
+def write_report(session: Session, rows: list[Row]) -> Path:
+    """Write ``report.html`` and ``report.json`` beside the records; return the page's path."""
+    out = session.plan.out.resolve()
+    before = window(session.record, *session.before_s)
+    after = window(session.record, *session.after_s)
+    rms = [
+        float(np.std(part[f"true_{name}"]))
+        for name in ("unwind_tension_N", "pullroll_tension_N")
+        for part in (before, after)
+    ]
+    columns = runtime_columns(session.run_folder)
+    template = Environment(
+        loader=PackageLoader("sim_plant.demo", "."), autoescape=True
+    ).get_template("report.html.j2")
+    page = template.render(
+        line=session.plan.line.name, speed_m_s=session.plan.line_speed_m_s,
+        seed=session.plan.seed, before=session.before_s, after=session.after_s, rms=rms,
+        rows=rows, tension=tension_figure(session), spectra=spectrum_figure(session),
+        blocks=block_figure(columns), timing=timing_figure(columns), probe=session.probe_text,
+    )  # fmt: skip
+    path = out / "report.html"
+    path.write_text(page, encoding="utf-8")
+    twin = {
+        "line_speed_m_s": session.plan.line_speed_m_s,
+        "seed": session.plan.seed,
+        "ripple_rms_N": dict(
+            zip(("unwind_before", "unwind_after", "pullroll_before", "pullroll_after"), rms,
+                strict=True)
+        ),
+        "orders": [
+            dataclasses.asdict(row) | {"reduction_dB": row.reduction_dB, "passed": row.passed}
+            for row in rows
+        ],
+        "exit_codes": session.exit_codes,
+    }  # fmt: skip
+    (out / "report.json").write_text(json.dumps(twin, indent=1) + "\n", encoding="utf-8")
+    return path

@@ -1,0 +1,177 @@
+"""The script of the demo: start both, watch PI alone, probe, arm, run, stop."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import Array
+from sim_plant.demo.judge import read_record
+from sim_plant.demo.processes import (
+    PLANT,
+    RUNTIME,
+    Bench,
+    Child,
+    ask_plant,
+    free_port,
+    runtime_command,
+    runtime_status,
+)
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """What to run and for how long, s."""
+
+    line: Path
+    site: Path
+    out: Path
+    line_speed_m_s: float
+    seed: int = 7
+    before_s: float = 20.0
+    learn_s: float = 45.0
+    after_s: float = 25.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Session:
+    """What came out of it."""
+
+    plan: Plan
+    record: dict[str, Array]  # the plant's own record, true values included
+    before_s: tuple[float, float]
+    after_s: tuple[float, float]
+    armed_at_s: float
+    run_folder: Path
+    probe_text: str
+    exit_codes: dict[str, int]
+
+
+def prepare(plan: Plan) -> Bench:
+    """Make a fresh output folder and a copy of the site file with a free port and our folders."""
+    folder = plan.out.resolve()
+    if folder.exists():
+        shutil.rmtree(folder)
+    (folder / "run").mkdir(parents=True, mode=0o700)
+    port = free_port()
+    text = plan.site.read_text(encoding="utf-8")
+    text, found = re.subn(r"port: \d+", f"port: {port}", text)
+    if found != 1:
+        raise PlantError(f"{plan.site}: expected one 'port:' of the gateway, found {found}")
+    site = folder / plan.site.name
+    site.write_text(text, encoding="utf-8")
+    return Bench(folder=folder, port=port, site=site)
+
+
+def run_session(plan: Plan, progress: Progress) -> Session:
+    """Run the whole script; both processes are ended whatever happens."""
+    bench = prepare(plan)
+    record_path = bench.folder / "plant.csv.gz"
+    progress("starting the plant (compiles its kernel the first time)")
+    plant_command = [
+        *PLANT, "serve", str(plan.line), "--modbus", f"127.0.0.1:{bench.port}",
+        "--speed-m-s", f"{plan.line_speed_m_s:.6f}", "--seed", str(plan.seed),
+        "--record", str(record_path), "--control", str(bench.plant_socket),
+    ]  # fmt: skip
+    runtime = [
+        *RUNTIME, "run", str(bench.site), "--runtime-dir", str(bench.runtime_dir),
+        "--record-dir", str(bench.folder / "runs"),
+    ]  # fmt: skip
+    codes: dict[str, int] = {}
+    with Child("plant", plant_command, bench.folder / "plant.log", ready="ready") as plant:
+        with Child("runtime", runtime, bench.folder / "runtime.log") as service:
+            try:
+                times, probe_text = _script(plan, bench, service, progress)
+            finally:
+                codes["runtime"] = service.stop()
+        codes["plant"] = plant.stop()
+    folders = sorted((bench.folder / "runs").glob("*/run.yaml"))
+    return Session(
+        plan=plan, record=read_record(record_path), before_s=(times[0], times[1]),
+        after_s=(times[3], times[4]), armed_at_s=times[2], run_folder=folders[-1].parent,
+        probe_text=probe_text, exit_codes=codes,
+    )  # fmt: skip
+
+
+def _script(
+    plan: Plan, bench: Bench, service: Child, progress: Progress
+) -> tuple[tuple[float, ...], str]:
+    """Return plant times (before start, before end, armed, after start, after end) and probe."""
+    _await_state(bench, service, {"FAULT", "OFF", "READY"}, 30.0)
+    progress(f"PI drives alone for {plan.before_s:.0f} s")
+    start = plant_time(bench)
+    _watch(bench, plan.before_s, progress)
+    before_end = plant_time(bench)
+    progress("probing the response of both actuators (a small excitation, line running)")
+    probe_text = runtime_command(bench, "probe", str(bench.site), patience_s=120.0)
+    runtime_command(bench, "arm")
+    armed = plant_time(bench)
+    _await_state(bench, service, {"ACTIVE"}, 10.0)
+    progress(f"armed; learning for {plan.learn_s:.0f} s")
+    _watch(bench, plan.learn_s, progress)
+    after_start = plant_time(bench)
+    progress(f"measuring for {plan.after_s:.0f} s")
+    _watch(bench, plan.after_s, progress)
+    after_end = plant_time(bench)
+    progress("fading out and stopping")
+    runtime_command(bench, "bypass")
+    pause(0.5)
+    return (start, before_end, armed, after_start, after_end), probe_text
+
+
+def pause(seconds: float) -> None:
+    """Wait on the monotonic clock."""
+    clock = MonotonicClock()
+    clock.sleep_until_ns(clock.now_ns() + int(seconds * 1e9))
+
+
+def plant_time(bench: Bench) -> float:
+    """Return the plant's own time, s."""
+    return float(ask_plant(bench, "status")["time_s"])
+
+
+def _await_state(bench: Bench, service: Child, states: set[str], patience_s: float) -> None:
+    clock = MonotonicClock()
+    end = clock.now_ns() + int(patience_s * 1e9)
+    last = "no answer"
+    while clock.now_ns() < end:
+        if service.process.poll() is not None:
+            raise PlantError(f"the runtime ended: {service.tail()}")
+        try:
+            status = runtime_status(bench)
+            last = f"{status.get('state')} ({status.get('blocked_by') or status.get('alarm')})"
+            if status.get("state") in states:
+                return
+        except PlantError as error:
+            last = str(error)
+        pause(0.3)
+    raise PlantError(f"the runtime did not reach {sorted(states)}: {last}\n{service.tail()}")
+
+
+def _watch(bench: Bench, seconds: float, progress: Progress) -> None:
+    """Wait and show the true tension ripple every two seconds, from the plant itself."""
+    clock = MonotonicClock()
+    end = clock.now_ns() + int(seconds * 1e9)
+    recent: list[tuple[float, float]] = []
+    shown = clock.now_ns()
+    while clock.now_ns() < end:
+        pause(0.05)
+        true = ask_plant(bench, "status")["true_tension_N"]
+        recent.append((true["true_unwind_tension_N"], true["true_pullroll_tension_N"]))
+        if clock.now_ns() - shown > 2_000_000_000:
+            shown = clock.now_ns()
+            ripple = np.std(np.array(recent[-80:]), axis=0)
+            left = (end - clock.now_ns()) * 1e-9
+            progress(
+                f"  unwind ripple {ripple[0]:6.3f} N rms   pull-roll ripple {ripple[1]:6.3f} N rms"
+                f"   {left:4.0f} s left"
+            )

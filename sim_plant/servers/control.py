@@ -1,0 +1,125 @@
+"""Line-based control of a running plant on a unix socket: look at it, set it, break it.
+
+status                      one JSON object: what is applied at the plant, true tensions, counts
+history N                   time and applied corrections of the last N samples
+set REFERENCE VALUE         line_speed_ref_m_s or tension_ref_N
+set STATUS_BIT 0|1          any bit of the status word
+fault SPEC                  as ``--fault``; a start counts from now
+clear [NAME]                end one fault, or all
+reset                       forget the largest correction seen
+
+Every command is answered by one line of JSON; an ``error`` key says what was wrong.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import stat
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.base.errors import AffError, PlantError
+from aff_runtime.base.signals import Status
+from sim_plant.servers.faults import Fault, parse_fault
+from sim_plant.servers.plant import REFERENCES, Plant
+
+
+class ControlSocket:
+    """Serves the commands to whoever may open the socket file (its owner alone)."""
+
+    def __init__(self, path: Path, plant: Plant, status: Callable[[], dict[str, Any]]) -> None:
+        self._path = path
+        self._plant = plant
+        self._status = status
+        self._server: asyncio.Server | None = None
+
+    async def open(self) -> None:
+        """Listen; a socket left behind by an earlier run is replaced.
+
+        Raises
+        ------
+        PlantError
+            The path cannot be used.
+        """
+        try:
+            if self._path.exists() and stat.S_ISSOCK(self._path.stat().st_mode):
+                self._path.unlink()
+            mask = os.umask(0o177)
+            try:
+                self._server = await asyncio.start_unix_server(self._serve, self._path)
+            finally:
+                os.umask(mask)
+        except OSError as error:
+            raise PlantError(f"cannot open control socket {self._path}: {error}") from error
+
+    async def close(self) -> None:
+        """Stop listening and remove the file."""
+        if self._server is not None:
+            self._server.close()
+            self._path.unlink(missing_ok=True)
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        try:
+            while line := await reader.readline():
+                answer = self.answer(line.decode("utf-8", errors="replace"))
+                writer.write(json.dumps(answer).encode() + b"\n")
+                await writer.drain()
+        except (OSError, ValueError, asyncio.CancelledError):
+            pass  # the client went away, its line was endless, or the plant stops
+        finally:
+            writer.close()
+
+    def answer(self, line: str) -> dict[str, Any]:
+        """Obey one command line."""
+        words = line.split()
+        commands: dict[str, Callable[[list[str]], dict[str, Any]]] = {
+            "status": lambda _: self._status(),
+            "history": self._history,
+            "set": self._set,
+            "fault": self._fault,
+            "clear": self._clear,
+            "reset": self._reset,
+        }
+        if not words or words[0] not in commands:
+            return {"error": f"unknown command; known are {', '.join(commands)}"}
+        try:
+            return commands[words[0]](words[1:])
+        except AffError as error:
+            return {"error": str(error)}
+        except (ValueError, IndexError) as error:
+            return {"error": f"{words[0]}: wrong or missing argument ({error})"}
+
+    def _history(self, arguments: list[str]) -> dict[str, Any]:
+        rows = self._plant.history(int(arguments[0]))
+        return {
+            "actuators": list(self._plant.applied_m_s),
+            "time_s": [time_s for time_s, _ in rows],
+            "applied_m_s": [applied for _, applied in rows],
+        }
+
+    def _set(self, arguments: list[str]) -> dict[str, Any]:
+        name, value = arguments
+        if name in REFERENCES:
+            self._plant.set_reference(name, float(value))
+        elif name in Status.__members__ and value in {"0", "1"}:
+            self._plant.plc.set_status(Status[name], value == "1")
+        else:
+            known = ", ".join((*REFERENCES, *Status.__members__))
+            raise PlantError(f"cannot set {name} to {value}; known are {known} (bits 0 or 1)")
+        return {"ok": True}
+
+    def _fault(self, arguments: list[str]) -> dict[str, Any]:
+        self._plant.faults.inject(parse_fault(arguments[0]))
+        return {"ok": True}
+
+    def _clear(self, arguments: list[str]) -> dict[str, Any]:
+        self._plant.faults.clear(Fault(arguments[0]) if arguments else None)
+        return {"ok": True}
+
+    def _reset(self, arguments: list[str]) -> dict[str, Any]:
+        del arguments
+        self._plant.reset_extremes()
+        return {"ok": True}

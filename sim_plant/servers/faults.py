@@ -1,0 +1,161 @@
+"""Faults that can be injected into the wire and the PLC, and the board that times them.
+
+Spelling: ``NAME[=ARGUMENT][@START][:DURATION]``, seconds of plant time; ``freeze@10:5`` freezes
+the words from 10 s to 15 s. Without a duration the fault lasts until it is cleared.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from aff_runtime.base.errors import PlantError
+from aff_runtime.base.signals import Status
+
+
+class Fault(StrEnum):
+    """Every fault, by the name that commands use."""
+
+    MUTE = "mute"  # requests are taken and neither obeyed nor answered
+    FREEZE = "freeze"  # answers keep the words of the first moment, heartbeat included
+    DROP = "drop"  # connections are aborted, at once and at every further request
+    REFUSE = "refuse"  # open connections are aborted and new ones refused
+    DELAY = "delay"  # =MS: every answer comes late by this many milliseconds
+    PARTIAL = "partial"  # the first half of each answer is sent
+    BUSY = "busy"  # exception 6 to everything
+    SWAP = "swap"  # 32-bit values in the other word order
+    NAN = "nan"  # [=CHANNEL]: not a number; all tensions without a channel
+    ABSURD = "absurd"  # [=CHANNEL]: a value far outside any line
+    STUCK = "stuck"  # [=CHANNEL]: the value of the first moment
+    SHORT = "short"  # well-framed answers that lack their last word
+    TID = "tid"  # answers carry another transaction id
+    RESTART = "restart"  # the PLC is gone for the duration (1 s) and starts afresh
+    SPLICE = "splice"  # roll_id + 1 and SPLICE_ACTIVE for the duration (2 s)
+    PERMISSIVE = "permissive"  # [=BIT]: a status bit is 0 (WEB_INTACT)
+
+
+_DEFAULT_DURATION_S = {Fault.DROP: 0.0, Fault.RESTART: 1.0, Fault.SPLICE: 2.0}
+_TAKES_CHANNEL = frozenset({Fault.NAN, Fault.ABSURD, Fault.STUCK})
+_NUMBER = r"\d+(?:\.\d*)?|\.\d+"
+_SPEC = re.compile(
+    r"(?P<name>[a-z]+)(=(?P<argument>[\w.]+))?"
+    rf"(@(?P<start>{_NUMBER}))?(:(?P<duration>{_NUMBER}))?"
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FaultSpec:
+    """One fault, its argument and its time window in plant seconds."""
+
+    fault: Fault
+    argument: str
+    start_s: float
+    duration_s: float
+
+    @property
+    def end_s(self) -> float:
+        """Return the time at which the fault ends, s; infinite when only clearing ends it."""
+        return self.start_s + self.duration_s
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FaultEdge:
+    """A fault that has just begun or ended."""
+
+    spec: FaultSpec
+    began: bool
+
+
+def parse_fault(text: str) -> FaultSpec:
+    """Read one fault as a user spells it.
+
+    Raises
+    ------
+    PlantError
+        The spelling, the name or the argument is unknown.
+    """
+    match = _SPEC.fullmatch(text)
+    if match is None:
+        raise PlantError(f"fault {text!r}: write NAME[=ARGUMENT][@START][:DURATION]")
+    try:
+        fault = Fault(match["name"])
+    except ValueError as error:
+        known = ", ".join(fault.value for fault in Fault)
+        raise PlantError(f"fault {text!r}: unknown name; known are {known}") from error
+    duration = match["duration"]
+    return FaultSpec(
+        fault=fault,
+        argument=_checked_argument(text, fault, match["argument"] or ""),
+        start_s=float(match["start"] or 0.0),
+        duration_s=float(duration) if duration else _DEFAULT_DURATION_S.get(fault, math.inf),
+    )
+
+
+def _checked_argument(text: str, fault: Fault, argument: str) -> str:
+    if fault is Fault.DELAY:
+        if re.fullmatch(_NUMBER, argument) is None:
+            raise PlantError(f"fault {text!r}: write delay=MILLISECONDS")
+    elif fault is Fault.PERMISSIVE:
+        argument = argument or "WEB_INTACT"
+        if argument not in Status.__members__:
+            known = ", ".join(Status.__members__)
+            raise PlantError(f"fault {text!r}: unknown status bit; known are {known}")
+    elif argument and fault not in _TAKES_CHANNEL:
+        raise PlantError(f"fault {text!r}: {fault.value} takes no argument")
+    return argument
+
+
+class FaultBoard:
+    """Knows which faults are active now; at most one of each kind."""
+
+    def __init__(self, specs: tuple[FaultSpec, ...] = ()) -> None:
+        self._now_s = 0.0
+        self._pending = list(specs)
+        self._active: dict[Fault, FaultSpec] = {}
+
+    def inject(self, spec: FaultSpec) -> None:
+        """Add a fault whose start counts from now."""
+        self._pending.append(replace(spec, start_s=self._now_s + spec.start_s))
+
+    def clear(self, fault: Fault | None = None) -> None:
+        """End one fault, or all, at the next step; forget those still to come."""
+        gone = set(Fault) if fault is None else {fault}
+        self._pending = [spec for spec in self._pending if spec.fault not in gone]
+        for kind in gone & self._active.keys():
+            self._active[kind] = replace(self._active[kind], duration_s=0.0)
+
+    def active(self, fault: Fault) -> bool:
+        """Return whether ``fault`` is active now."""
+        return fault in self._active
+
+    def argument(self, fault: Fault) -> str:
+        """Return the argument of an active fault, else an empty text."""
+        spec = self._active.get(fault)
+        return spec.argument if spec else ""
+
+    def names(self) -> list[str]:
+        """Return the names of the active faults."""
+        return [fault.value for fault in self._active]
+
+    def advance(self, now_s: float) -> list[FaultEdge]:
+        """Move to ``now_s`` and return what ended and what began, in this order."""
+        self._now_s = now_s
+        ended = [spec for spec in self._active.values() if spec.end_s <= now_s]
+        begun = [spec for spec in self._pending if spec.start_s <= now_s]
+        if begun:
+            self._pending = [spec for spec in self._pending if spec.start_s > now_s]
+        begun_kinds = {spec.fault for spec in begun}
+        ended += [
+            spec
+            for spec in self._active.values()
+            if spec.fault in begun_kinds and spec not in ended
+        ]
+        for spec in ended:
+            del self._active[spec.fault]
+        for spec in begun:
+            self._active[spec.fault] = spec
+        return [FaultEdge(spec=spec, began=False) for spec in ended] + [
+            FaultEdge(spec=spec, began=True) for spec in begun
+        ]

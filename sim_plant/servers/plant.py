@@ -1,0 +1,164 @@
+"""Line and PLC as one machine that advances by one control sample; the clock is elsewhere."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Mapping
+from itertools import islice
+
+from aff_runtime.base.errors import PlantError
+from aff_runtime.base.signals import Status
+from sim_plant.base.ports import SteppedLine
+from sim_plant.servers.faults import Fault, FaultBoard, FaultEdge
+from sim_plant.servers.plc import Plc
+from sim_plant.servers.registers import Registers
+
+REFERENCES = ("line_speed_ref_m_s", "tension_ref_N")
+_HISTORY_SCANS = 20_000
+_ABSURD_SI = 1.0e6
+
+
+class Plant:
+    """One line under one PLC.
+
+    Time is plant time: the number of samples stepped times the sample time. A PLC that could not
+    be run for a while has not lived through that while either.
+
+    Attributes
+    ----------
+    registers, plc, faults : the parts, for servers and scenarios.
+    time_s, scans : plant time and number of samples so far.
+    measured : the line's last outputs, faults included.
+    applied_m_s : correction added at the plant per actuator in the coming sample.
+    max_abs_applied_m_s : largest |correction| per actuator since the last ``reset_extremes``.
+    refusal : why the last correction did not count.
+    observers : called after each sample with the plant.
+    edge_observers : called when a fault begins or ends.
+
+    Raises
+    ------
+    PlantError
+        The map asks for a channel that the line does not measure.
+    """
+
+    def __init__(self, line: SteppedLine, plc: Plc, faults: FaultBoard | None = None) -> None:
+        self._line = line
+        self.plc = plc
+        self.faults = faults or FaultBoard()
+        self.registers = Registers(plc.map)
+        self.time_s = 0.0
+        self.scans = 0
+        self.refusal = ""
+        self.observers: list[Callable[[Plant], None]] = []
+        self.edge_observers: list[Callable[[FaultEdge], None]] = []
+        self._inputs: dict[str, float] = {}
+        self._stuck: dict[str, float] = {}
+        self._dropped = Status(0)
+        names = [row.item.name for row in plc.map.corrections]
+        self.applied_m_s: Mapping[str, float] = dict.fromkeys(names, 0.0)
+        self._history: deque[tuple[float, tuple[float, ...]]] = deque(maxlen=_HISTORY_SCANS)
+        self.reset_extremes()
+        self.measured: Mapping[str, float] = {}
+        self.step()
+
+    @property
+    def sample_time_s(self) -> float:
+        """Return the line's control sample time, s."""
+        return self._line.sample_time_s
+
+    def set_reference(self, name: str, value: float) -> None:
+        """Give the line another reference (``REFERENCES``, SI) from the next sample on.
+
+        Raises
+        ------
+        PlantError
+            The name is no reference or the value is not finite.
+        """
+        if name not in REFERENCES or not math.isfinite(value):
+            raise PlantError(f"cannot set {name} = {value}; references are {REFERENCES}")
+        self._inputs[name] = value
+
+    def reset_extremes(self) -> None:
+        """Start the search for the largest correction again."""
+        self.max_abs_applied_m_s = dict.fromkeys(self.applied_m_s, 0.0)
+
+    def history(self, scans: int) -> list[tuple[float, tuple[float, ...]]]:
+        """Return time and applied corrections of the last ``scans`` samples, oldest first."""
+        skip = max(0, len(self._history) - max(0, scans))
+        return list(islice(self._history, skip, None))
+
+    def step(self) -> None:
+        """Advance line and PLC by one sample."""
+        measured = dict(self._line.step(self._inputs))
+        for name in REFERENCES:
+            if name in self._inputs:
+                measured.setdefault(name, self._inputs[name])
+        self.scans += 1
+        self.time_s = self.scans * self.sample_time_s
+        edges = self.faults.advance(self.time_s)
+        for edge in edges:
+            self._take(edge)
+        self._distort(measured)
+        self.measured = measured
+        self._scan()
+        for edge in edges:
+            for edge_observer in self.edge_observers:
+                edge_observer(edge)
+        for observer in self.observers:
+            observer(self)
+
+    def _scan(self) -> None:
+        try:
+            scan = self.plc.scan(self.time_s, self.measured, self.registers.write_words)
+        except KeyError as error:
+            known = sorted(name for name in self.measured if not name.startswith("true_"))
+            raise PlantError(
+                f"the PLC's map asks for {error}; the line measures {known}"
+            ) from error
+        self.refusal = scan.refusal
+        self.applied_m_s = scan.corrections_m_s
+        for name, value in scan.corrections_m_s.items():
+            self._inputs[f"aff_{name}_m_s"] = value
+            self.max_abs_applied_m_s[name] = max(self.max_abs_applied_m_s[name], abs(value))
+        self._history.append((self.time_s, tuple(scan.corrections_m_s.values())))
+        if not self.faults.active(Fault.FREEZE):
+            words = scan.read_words
+            self.registers.publish(
+                self.plc.map.swap_read(words) if self.faults.active(Fault.SWAP) else words
+            )
+
+    def _take(self, edge: FaultEdge) -> None:
+        if edge.spec.fault is Fault.RESTART:
+            self.registers.clear_writes()
+            if not edge.began:
+                self.plc.restart()
+        elif edge.spec.fault is Fault.SPLICE:
+            self.plc.set_status(Status.SPLICE_ACTIVE, edge.began)
+            self.plc.roll_id = (self.plc.roll_id + edge.began) & 0xFFFF
+        elif edge.spec.fault is Fault.PERMISSIVE:
+            bit = Status[edge.spec.argument]
+            if edge.began:
+                self._dropped = self.plc.status & bit
+                self.plc.set_status(bit, False)
+            else:
+                self.plc.set_status(self._dropped, True)
+        elif edge.spec.fault is Fault.STUCK and edge.began:
+            self._stuck = dict(self.measured)
+
+    def _distort(self, measured: dict[str, float]) -> None:
+        for fault in (Fault.STUCK, Fault.ABSURD, Fault.NAN):
+            if not self.faults.active(fault):
+                continue
+            for name in self._struck(fault):
+                if fault is Fault.STUCK:
+                    measured[name] = self._stuck.get(name, measured[name])
+                else:
+                    measured[name] = math.nan if fault is Fault.NAN else _ABSURD_SI
+
+    def _struck(self, fault: Fault) -> list[str]:
+        channel = self.faults.argument(fault)
+        names = [item.name for item in self.plc.map.channels]
+        if channel:
+            return [name for name in names if name == channel]
+        return [name for name in names if name.endswith("_tension_N")]

@@ -1,0 +1,145 @@
+"""The PLC's program: heartbeat, status bits and its half of safety; no I/O and no clock.
+
+A correction that fails any rule of ``_judge`` or ``_decode`` stops counting, for every actuator:
+the value held then ramps linearly to zero within ``fade_s`` of the last scan that accepted one.
+Nothing latches, except that after a watchdog trip or a start a scan with a moving heartbeat and
+neither ACTIVE nor FADING must come before the next correction counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from aff_runtime.base.signals import StateBits, Status
+from sim_plant.servers.plc_map import PlcMap
+
+_COUNTS = StateBits.ACTIVE | StateBits.FADING
+_TIME_TOLERANCE_S = 1e-9
+_LIMIT_TOLERANCE = 1.0 + 1e-9
+ALL_WELL = (
+    Status.LINE_RUN
+    | Status.AFF_ENABLE_REQUEST
+    | Status.REMOTE
+    | Status.WEB_INTACT
+    | Status.TENSION_VALID
+    | Status.ESTOP_OK
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scan:
+    """What one scan of the PLC decided.
+
+    Attributes
+    ----------
+    corrections_m_s : correction that the PLC adds to each actuator's speed reference.
+    read_words : the read block as the wire shows it from now on.
+    refusal : why the runtime's correction does not count; empty while it counts.
+    """
+
+    corrections_m_s: Mapping[str, float]
+    read_words: list[int]
+    refusal: str
+
+
+class Plc:
+    """One PLC: call ``scan`` once per cycle.
+
+    Attributes
+    ----------
+    status : status bits shown to the runtime; a scenario sets and clears them.
+    roll_id : counts splices; retentive over a restart.
+    trips : number of watchdog trips since construction.
+    """
+
+    def __init__(self, plc_map: PlcMap, *, status: Status = ALL_WELL) -> None:
+        self.map = plc_map
+        self.status = status
+        self.roll_id = 1
+        self.trips = 0
+        self._actuators = tuple(row.item.name for row in plc_map.corrections)
+        self.restart()
+
+    def restart(self) -> None:
+        """Start the program again: heartbeat from zero, output zero, nothing accepted yet."""
+        self._heartbeat = 0
+        self._aff_heartbeat: int | None = None
+        self._heard_at_s: float | None = None
+        self._needs_rearm = True
+        self._held = dict.fromkeys(self._actuators, 0.0)
+        self._held_at_s = 0.0
+
+    def set_status(self, bit: Status, on: bool) -> None:
+        """Set or clear one status bit."""
+        self.status = self.status | bit if on else self.status & ~bit
+
+    def scan(
+        self, now_s: float, measured: Mapping[str, float], write_words: Sequence[int]
+    ) -> Scan:
+        """Run one cycle at ``now_s`` (s, never falling).
+
+        Parameters
+        ----------
+        measured : SI value per channel of the map.
+        write_words : the write block as the wire left it.
+        """
+        self._heartbeat = (self._heartbeat + 1) & 0xFFFF
+        refusal, wanted = self._judge(now_s, write_words)
+        if not refusal:
+            self._held, self._held_at_s = wanted, now_s
+        since_s = now_s - self._held_at_s
+        faded = since_s > self.map.fade_s - _TIME_TOLERANCE_S
+        share = 0.0 if faded else 1.0 - since_s / self.map.fade_s
+        words = {
+            "plc_heartbeat": self._heartbeat,
+            "status": int(self.status),
+            "roll_id": self.roll_id,
+        }
+        return Scan(
+            corrections_m_s={name: held * share for name, held in self._held.items()},
+            read_words=self.map.encode_read(words, measured),
+            refusal=refusal,
+        )
+
+    def _judge(self, now_s: float, block: Sequence[int]) -> tuple[str, dict[str, float]]:
+        alive = self._heartbeat_moves(now_s, block)
+        counts = bool(StateBits(self.map.write_word(block, "state") & 0xFF) & _COUNTS)
+        if alive and not counts:
+            self._needs_rearm = False
+        missing = (self.map.permissives | Status.AFF_ENABLE_REQUEST) & ~self.status
+        refusal = ""
+        if not alive:
+            refusal = "watchdog: aff_heartbeat does not move"
+        elif not counts:
+            refusal = "state: neither ACTIVE nor FADING"
+        elif self._needs_rearm:
+            refusal = "rearm: ACTIVE before a state without it was seen"
+        elif missing:
+            refusal = f"permissive: {'|'.join(bit.name or '' for bit in missing)}=0"
+        return (refusal, {}) if refusal else self._decode(block)
+
+    def _decode(self, block: Sequence[int]) -> tuple[str, dict[str, float]]:
+        wanted: dict[str, float] = {}
+        for row in self.map.corrections:
+            value_m_s, intact = self.map.decode_correction(block, row)
+            if not intact:
+                return f"complement: {row.item.name}", wanted
+            if not abs(value_m_s) <= row.limit_m_s * _LIMIT_TOLERANCE:
+                return f"limit: {row.item.name}", wanted
+            wanted[row.item.name] = min(max(value_m_s, -row.limit_m_s), row.limit_m_s)
+        return "", wanted
+
+    def _heartbeat_moves(self, now_s: float, block: Sequence[int]) -> bool:
+        heartbeat = self.map.write_word(block, "aff_heartbeat")
+        if self._aff_heartbeat is not None and heartbeat != self._aff_heartbeat:
+            self._heard_at_s = now_s
+        self._aff_heartbeat = heartbeat
+        if self._heard_at_s is None:
+            return False
+        if now_s - self._heard_at_s <= self.map.watchdog_s + _TIME_TOLERANCE_S:
+            return True
+        self._heard_at_s = None
+        self._needs_rearm = True
+        self.trips += 1
+        return False

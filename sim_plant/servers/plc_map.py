@@ -1,0 +1,82 @@
+"""The PLC's own register map: where each word lives; shares no code with the runtime's map."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from aff_runtime.base.signals import Status
+from sim_plant.servers.words import RegisterItem
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CorrectionItem:
+    """One correction the PLC takes: its word, its ones complement copy, the PLC's own limit."""
+
+    item: RegisterItem
+    complement_address: int
+    limit_m_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlcMap:
+    """Where every word of the PLC lives (wire addresses) and how its safety half is set.
+
+    Attributes
+    ----------
+    read, write : single u16 words by name (heartbeats, status, state, ...).
+    channels : measured channels in the read block.
+    corrections : one per actuator, in the write block.
+    read_start, read_count, write_start, write_count : the two contiguous blocks.
+    watchdog_s, fade_s : age of the runtime's heartbeat that trips; time of the ramp to zero.
+    permissives : status bits that must all be set for a correction to count.
+    """
+
+    read: Mapping[str, int]
+    write: Mapping[str, int]
+    channels: tuple[RegisterItem, ...]
+    corrections: tuple[CorrectionItem, ...]
+    low_first: bool
+    read_start: int
+    read_count: int
+    write_start: int
+    write_count: int
+    watchdog_s: float
+    fade_s: float
+    permissives: Status
+
+    def encode_read(self, words: Mapping[str, int], values_si: Mapping[str, float]) -> list[int]:
+        """Return the read block for the u16 ``words`` and the channels' ``values_si``."""
+        block = [0] * self.read_count
+        for name, address in self.read.items():
+            block[address - self.read_start] = words[name] & 0xFFFF
+        for item in self.channels:
+            at = item.address - self.read_start
+            encoded = item.to_words(values_si[item.name], low_first=self.low_first)
+            block[at : at + item.length] = encoded
+        return block
+
+    def swap_read(self, block: Sequence[int]) -> list[int]:
+        """Return the read block with the two words of every 32-bit channel exchanged."""
+        swapped = list(block)
+        for item in self.channels:
+            if item.length == 2:
+                at = item.address - self.read_start
+                swapped[at], swapped[at + 1] = block[at + 1], block[at]
+        return swapped
+
+    def write_word(self, block: Sequence[int], name: str) -> int:
+        """Return one u16 word of the write block."""
+        return block[self.write[name] - self.write_start]
+
+    def decode_correction(
+        self, block: Sequence[int], correction: CorrectionItem
+    ) -> tuple[float, bool]:
+        """Return a correction in m/s and whether its complement matches."""
+        item = correction.item
+        at = item.address - self.write_start
+        copy_at = correction.complement_address - self.write_start
+        words = block[at : at + item.length]
+        copies = block[copy_at : copy_at + item.length]
+        intact = all(word ^ copy == 0xFFFF for word, copy in zip(words, copies, strict=True))
+        return item.from_words(words, low_first=self.low_first), intact

@@ -1,0 +1,68 @@
+"""The PLC's two register blocks as the wire sees them, and who tried to write elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sim_plant.servers.plc_map import PlcMap
+
+
+class Registers:
+    """Holding registers: a read block that the PLC publishes, a write block for the runtime.
+
+    Attributes
+    ----------
+    read_words, write_words : the two blocks now.
+    reads, writes : accesses that were granted.
+    foreign_reads, foreign_writes : accesses outside the blocks, refused.
+    """
+
+    def __init__(self, plc_map: PlcMap) -> None:
+        self._read_start = plc_map.read_start
+        self._write_start = plc_map.write_start
+        self.read_words = [0] * plc_map.read_count
+        self.write_words = [0] * plc_map.write_count
+        self.reads = 0
+        self.writes = 0
+        self.foreign_reads = 0
+        self.foreign_writes = 0
+
+    def publish(self, read_words: Sequence[int]) -> None:
+        """Show these words on the wire from now on."""
+        self.read_words = list(read_words)
+
+    def clear_writes(self) -> None:
+        """Forget everything the runtime wrote."""
+        self.write_words = [0] * len(self.write_words)
+
+    def readable(self, address: int, count: int) -> bool:
+        """Return whether one block holds all these words; count it as foreign if not."""
+        held = self._block(address, count) is not None
+        self.foreign_reads += not held
+        return held
+
+    def read(self, address: int, count: int) -> list[int] | None:
+        """Return ``count`` words of one block (the write block reads back), or None."""
+        if not self.readable(address, count):
+            return None
+        self.reads += 1
+        return self._block(address, count)
+
+    def write(self, address: int, words: Sequence[int]) -> bool:
+        """Write inside the write block; return False, changing nothing, anywhere else."""
+        at = address - self._write_start
+        if at < 0 or at + len(words) > len(self.write_words):
+            self.foreign_writes += 1
+            return False
+        self.write_words[at : at + len(words)] = words
+        self.writes += 1
+        return True
+
+    def _block(self, address: int, count: int) -> list[int] | None:
+        for start, words in (
+            (self._read_start, self.read_words),
+            (self._write_start, self.write_words),
+        ):
+            if start <= address and address + count <= start + len(words):
+                return words[address - start : address - start + count]
+        return None

@@ -1,0 +1,174 @@
+"""Puts a line, its PLC, the wire, the clock and the control socket together and runs them."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import signal
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.base.signals import StateBits, Status
+from sim_plant.base.ports import SteppedLine
+from sim_plant.servers.control import ControlSocket
+from sim_plant.servers.faults import FaultBoard, FaultSpec
+from sim_plant.servers.modbus_device import ModbusDevice
+from sim_plant.servers.modbus_server import ModbusServer
+from sim_plant.servers.plant import Plant
+from sim_plant.servers.plc import Plc
+from sim_plant.servers.plc_map import PlcMap
+from sim_plant.servers.realtime import RealTimeStepper, ask_for_realtime
+from sim_plant.servers.recorder import PlantRecorder
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ServeOptions:
+    """How to serve a plant.
+
+    Attributes
+    ----------
+    host, port : where the Modbus server listens.
+    faults : faults scheduled in plant time.
+    allow_fc23 : False imitates a device without function 23.
+    record, control : paths of the record and of the control socket, if wanted.
+    duration_s : real time after which to stop; None runs until a signal.
+    realtime : ask for real-time rights.
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 5020
+    faults: tuple[FaultSpec, ...] = ()
+    allow_fc23: bool = True
+    record: Path | None = None
+    control: Path | None = None
+    duration_s: float | None = None
+    realtime: bool = True
+    max_connections: int = 4
+    idle_timeout_s: float = 60.0
+
+
+class PlantService:
+    """One plant being served; ``run`` is its whole life."""
+
+    def __init__(self, line: SteppedLine, plc_map: PlcMap, options: ServeOptions) -> None:
+        self._options = options
+        self.plant = Plant(line, Plc(plc_map), FaultBoard(options.faults))
+        self.device = ModbusDevice(self.plant.registers, allow_fc23=options.allow_fc23)
+        self.server = ModbusServer(
+            self.device,
+            self.plant.faults,
+            host=options.host,
+            port=options.port,
+            max_connections=options.max_connections,
+            idle_timeout_s=options.idle_timeout_s,
+        )
+        self.stepper = RealTimeStepper(self.plant.step, self.plant.sample_time_s)
+        self.plant.edge_observers.append(self.server.take_edge)
+        self._scheduler = "not asked"
+        self._stop = asyncio.Event()
+
+    def stop(self) -> None:
+        """Ask ``run`` to return."""
+        self._stop.set()
+
+    async def run(self, announce: Callable[[str], None]) -> None:
+        """Serve until stopped; ``announce`` gets the ready line.
+
+        Raises
+        ------
+        AffError
+            An address, a path or the line cannot be used.
+        """
+        options = self._options
+        recorder = PlantRecorder(options.record, self.plant) if options.record else None
+        control = (
+            ControlSocket(options.control, self.plant, self.status) if options.control else None
+        )
+        try:
+            if recorder:
+                self.plant.observers.append(recorder.take)
+            await self.server.open()
+            if control:
+                await control.open()
+            if options.realtime:
+                self._scheduler = "granted" if ask_for_realtime() else "refused"
+            failure = self.stepper.start()
+            announce(
+                f"ready modbus {self.server.host}:{self.server.port} "
+                f"sample_time_s {self.plant.sample_time_s:g} realtime {self._scheduler}"
+            )
+            await self._until_stopped(failure)
+        finally:
+            self.stepper.stop()
+            await self.server.close()
+            if control:
+                await control.close()
+            if recorder:
+                recorder.close()
+
+    async def _until_stopped(self, failure: asyncio.Future[None]) -> None:
+        stopped = asyncio.ensure_future(self._stop.wait())
+        ends: set[asyncio.Future[Any]] = {stopped, failure}
+        done, _ = await asyncio.wait(
+            ends, timeout=self._options.duration_s, return_when=asyncio.FIRST_COMPLETED
+        )
+        stopped.cancel()
+        if failure in done:
+            failure.result()
+
+    def status(self) -> dict[str, Any]:
+        """Return what the plant does now, ready for JSON; a number that is none is null."""
+        plant, registers, plc_map = self.plant, self.plant.registers, self.plant.plc.map
+        words = {name: plc_map.write_word(registers.write_words, name) for name in plc_map.write}
+        values = {n: v if math.isfinite(v) else None for n, v in plant.measured.items()}
+        true_values = {n: v for n, v in values.items() if n.startswith("true_")}
+        return {
+            "time_s": plant.time_s,
+            "applied_m_s": dict(plant.applied_m_s),
+            "max_abs_applied_m_s": dict(plant.max_abs_applied_m_s),
+            "counts_now": not plant.refusal,
+            "refusal": plant.refusal,
+            "true_tension_N": {n: v for n, v in true_values.items() if n.endswith("tension_N")},
+            "measured": {n: v for n, v in values.items() if n not in true_values},
+            "status": _bit_names(plant.plc.status),
+            "roll_id": plant.plc.roll_id,
+            "aff": words | {"state_bits": _bit_names(StateBits(words["state"] & 0xFF))},
+            "faults": plant.faults.names(),
+            "counts": {
+                "scans": plant.scans,
+                "late_samples": self.stepper.late_samples,
+                "skipped_samples": self.stepper.skipped_samples,
+                "watchdog_trips": plant.plc.trips,
+                "requests": self.device.requests,
+                "exceptions": self.device.exceptions,
+                "reads": registers.reads,
+                "writes": registers.writes,
+                "foreign_reads": registers.foreign_reads,
+                "foreign_writes": registers.foreign_writes,
+                "connections": self.server.connections,
+                "accepted": self.server.accepted,
+                "turned_away": self.server.turned_away,
+            },
+            "realtime": self._scheduler,
+        }
+
+
+def _bit_names(bits: Status | StateBits) -> list[str]:
+    return [bit.name for bit in bits if bit.name]
+
+
+def serve(
+    line: SteppedLine, plc_map: PlcMap, options: ServeOptions, announce: Callable[[str], None]
+) -> None:
+    """Serve until SIGTERM, SIGINT or the duration; see ``PlantService.run``."""
+
+    async def main() -> None:
+        service = PlantService(line, plc_map, options)
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGTERM, signal.SIGINT):
+            loop.add_signal_handler(number, service.stop)
+        await service.run(announce)
+
+    asyncio.run(main())

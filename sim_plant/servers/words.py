@@ -1,0 +1,77 @@
+"""How one number of the PLC sits in 16-bit words: type, scale, word order, clipping."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+WordType = Literal["u16", "i16", "u32", "i32", "f32"]
+
+_FORMAT: dict[WordType, str] = {"u16": ">H", "i16": ">h", "u32": ">I", "i32": ">i", "f32": ">f"}
+_RANGE: dict[WordType, tuple[int, int]] = {
+    "u16": (0, 0xFFFF),
+    "i16": (-0x8000, 0x7FFF),
+    "u32": (0, 0xFFFF_FFFF),
+    "i32": (-0x8000_0000, 0x7FFF_FFFF),
+}
+_LARGEST_F32 = struct.unpack(">f", b"\x7f\x7f\xff\xff")[0]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RegisterItem:
+    """One named number of the map.
+
+    Attributes
+    ----------
+    name : name of the channel or of the actuator.
+    address : wire address of its first word, zero based.
+    type : u16, i16, u32, i32 or f32.
+    scale : SI units per count.
+    wraps : True for a counter that rolls over instead of clipping at the end of its range.
+    """
+
+    name: str
+    address: int
+    type: WordType = "u16"
+    scale: float = 1.0
+    wraps: bool = False
+
+    @property
+    def length(self) -> int:
+        """Return the number of 16-bit words."""
+        return 1 if self.type in {"u16", "i16"} else 2
+
+    def to_words(self, value_si: float, *, low_first: bool = False) -> tuple[int, ...]:
+        """Return ``value_si`` quantised to counts and clipped to the type's range.
+
+        NaN becomes the quiet NaN of f32 and, as many devices do it, the end of the range that
+        nobody measures: the smallest signed or the largest unsigned count.
+        """
+        packed = struct.pack(_FORMAT[self.type], self._counts(value_si))
+        words = struct.unpack(f">{len(packed) // 2}H", packed)
+        return words[::-1] if low_first else words
+
+    def from_words(self, words: Sequence[int], *, low_first: bool = False) -> float:
+        """Return the SI value held by ``words`` (``length`` of them)."""
+        ordered = tuple(reversed(words)) if low_first else tuple(words)
+        packed = struct.pack(f">{len(ordered)}H", *ordered)
+        counts: float = struct.unpack(_FORMAT[self.type], packed)[0]
+        return counts * self.scale
+
+    def _counts(self, value_si: float) -> float:
+        if self.type == "f32":
+            counts = value_si / self.scale
+            return counts if math.isnan(counts) else _clip(counts, -_LARGEST_F32, _LARGEST_F32)
+        low, high = _RANGE[self.type]
+        if math.isnan(value_si):
+            return low if low < 0 else high
+        if self.wraps and math.isfinite(value_si):
+            return (round(value_si / self.scale) - low) % (high - low + 1) + low
+        return round(_clip(value_si / self.scale, low, high))
+
+
+def _clip(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)

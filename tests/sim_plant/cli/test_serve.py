@@ -1,0 +1,81 @@
+"""The command in a process of its own, with a fake line in place of the compiled one."""
+
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from sim_plant.cli.main import build_parser, main
+from sim_plant.cli.serve import read_options
+from sim_plant.servers.faults import Fault
+from tests.sim_plant.servers.fake_line import REPOSITORY
+
+PROGRAM = """
+import sys
+import sim_plant.line
+from tests.sim_plant.servers.fake_line import FakeLine
+def open_line(path, *, seed, speed_m_s):
+    assert (str(path), seed, speed_m_s) == ("line.yaml", 7, 1.5)
+    return FakeLine(0.02)
+sim_plant.line.open_line = open_line
+from sim_plant.cli.main import main
+sys.exit(main(sys.argv[1:]))
+"""
+ARGUMENTS = ["serve", "line.yaml", "--seed", "7", "--speed-m-s", "1.5", "--no-realtime"]
+
+
+def options(*words):
+    return read_options(build_parser().parse_args(["serve", "line.yaml", *words]))
+
+
+def test_the_defaults_are_loopback_and_no_faults():
+    chosen = options()
+    assert (chosen.host, chosen.port, chosen.faults) == ("127.0.0.1", 5020, ())
+    assert chosen.allow_fc23
+    assert chosen.realtime
+
+
+def test_words_of_the_command_become_options():
+    chosen = options(
+        "--modbus", "localhost:6000", "--fault", "mute@1", "--fault", "busy", "--no-fc23",
+        "--duration", "3",
+    )  # fmt: skip
+    assert (chosen.host, chosen.port, chosen.duration_s) == ("localhost", 6000, 3.0)
+    assert [spec.fault for spec in chosen.faults] == [Fault.MUTE, Fault.BUSY]
+    assert not chosen.allow_fc23
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--modbus", "5020"], "write HOST:PORT"),
+        (["--modbus", "h:70000"], "write HOST:PORT"),
+        (["--fault", "melt"], "unknown name"),
+        (["--duration", "-1"], "write seconds"),
+        (["--duration", "nan"], "write seconds"),
+    ],
+)
+def test_a_misspelt_option_exits_with_code_2_and_says_what_to_write(capsys, words, said):
+    assert main(["serve", "line.yaml", *words]) == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.wire
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_the_command_says_ready_and_stops_cleanly_on_a_signal(number):
+    with subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, *ARGUMENTS, "--modbus", "127.0.0.1:0"],
+        cwd=REPOSITORY,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        try:
+            ready = process.stdout.readline()
+            process.send_signal(number)
+            out, err = process.communicate(timeout=20)
+        finally:
+            process.kill()
+    assert ready.startswith("ready modbus 127.0.0.1:")
+    assert (process.returncode, out, err) == (0, "", "")

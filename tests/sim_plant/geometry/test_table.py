@@ -1,0 +1,70 @@
+import numpy as np
+import pytest
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.geometry.lookup import arc_at, support_at
+from sim_plant.geometry.roll_profiles import flat_spot
+from sim_plant.geometry.shapes import Shape, circle, ellipse
+from sim_plant.geometry.table import tabulate
+
+ANGLES = np.random.default_rng(3).uniform(-400.0, 400.0, 3000)
+
+
+@pytest.mark.parametrize(
+    ("shape", "h_m", "slope_m", "rho_m"),
+    [
+        (ellipse(0.205, 0.199), 1e-14, 1e-13, 1e-10),
+        (flat_spot(0.012, 0.2032), 1e-11, 1e-8, 3e-5),
+    ],
+    ids=["ellipse", "flat spot"],
+)
+def test_lookup_agrees_with_the_fourier_sum(
+    shape: Shape, h_m: float, slope_m: float, rho_m: float
+) -> None:
+    table = tabulate(shape)
+    found = np.array(
+        [support_at(table.support_m, table.slope_m, table.curvature_m, x) for x in ANGLES]
+    )
+    h, slope, rho = shape.evaluate(ANGLES)
+    radius_m = shape.mean_radius_m
+    assert np.max(np.abs(found[:, 0] + radius_m - h)) < h_m
+    assert np.max(np.abs(found[:, 1] - slope)) < slope_m
+    assert np.max(np.abs(found[:, 2] + radius_m - rho)) < rho_m
+
+
+def test_arc_lookup_integrates_the_curvature_measure() -> None:
+    shape = flat_spot(0.012, 0.2032)
+    table = tabulate(shape)
+    psi = np.linspace(0.0, 2.0 * np.pi, 200001)
+    outline = shape.boundary(psi)
+    chords = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(outline)))])
+    picks = np.arange(0, psi.size, 2503)
+    found = np.array([arc_at(table.arc_m, table.curvature_m, psi[k]) for k in picks])
+    assert found + shape.mean_radius_m * psi[picks] == pytest.approx(chords[picks], abs=1e-8)
+
+
+def test_lookup_is_periodic_and_safe_at_the_seam() -> None:
+    table = tabulate(ellipse(0.205, 0.199), points=1024)
+    seam = [
+        support_at(table.support_m, table.slope_m, table.curvature_m, psi)
+        for psi in (0.0, 2.0 * np.pi, -1e-18, np.nextafter(2.0 * np.pi, 0.0))
+    ]
+    assert np.ptp(np.array(seam), axis=0) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_columns_are_contiguous_and_close_on_themselves() -> None:
+    table = tabulate(flat_spot(0.012, 0.2032))
+    for column in (table.support_m, table.slope_m, table.curvature_m, table.arc_m):
+        assert column.shape == (4097,)
+        assert column.flags.c_contiguous
+        assert column[0] == column[-1]
+
+
+def test_circle_has_no_deviation() -> None:
+    table = tabulate(circle(0.1), points=64)
+    assert not np.any([table.support_m, table.slope_m, table.curvature_m, table.arc_m])
+
+
+def test_table_too_coarse_for_the_orders_is_refused() -> None:
+    with pytest.raises(PlantError, match="cannot hold 256 orders"):
+        tabulate(flat_spot(0.012, 0.2032), points=512)

@@ -1,0 +1,102 @@
+"""A plant service in a thread of its own, and a bare socket client, for tests on the wire."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+
+from sim_plant.servers.control import ControlSocket
+from sim_plant.servers.serve import PlantService, ServeOptions
+from tests.sim_plant.servers.fake_line import FakeLine, default_map
+
+SAMPLE_TIME_s = 0.01
+PATIENCE_s = 10.0
+
+
+class Served:
+    """A running service; commands go the way of the control socket, in the service's thread."""
+
+    def __init__(self, service: PlantService, loop: asyncio.AbstractEventLoop) -> None:
+        self.service = service
+        self.loop = loop
+        self.port = service.server.port
+        self._control = ControlSocket(None, service.plant, service.status)
+
+    def command(self, line: str) -> dict[str, Any]:
+        async def answer() -> dict[str, Any]:
+            return self._control.answer(line)
+
+        return asyncio.run_coroutine_threadsafe(answer(), self.loop).result(PATIENCE_s)
+
+    def fault(self, spec: str) -> None:
+        """Inject a fault and return when it acts."""
+        assert self.command(f"fault {spec}") == {"ok": True}
+        wait_until(lambda: self.command("status")["faults"])
+
+    def client(self) -> socket.socket:
+        return socket.create_connection(("127.0.0.1", self.port), timeout=PATIENCE_s)
+
+
+@contextlib.contextmanager
+def served(**options: Any) -> Iterator[Served]:
+    ready = threading.Event()
+    box: dict[str, Any] = {}
+
+    async def main() -> None:
+        chosen = ServeOptions(port=0, realtime=False, **options)
+        box["service"] = PlantService(FakeLine(SAMPLE_TIME_s), default_map(), chosen)
+        box["loop"] = asyncio.get_running_loop()
+        await box["service"].run(lambda line: (box.update(line=line), ready.set()))
+
+    thread = threading.Thread(target=asyncio.run, args=(main(),))
+    thread.start()
+    assert ready.wait(PATIENCE_s)
+    try:
+        yield Served(box["service"], box["loop"])
+    finally:
+        box["loop"].call_soon_threadsafe(box["service"].stop)
+        thread.join(PATIENCE_s)
+    assert not thread.is_alive()
+
+
+def wait_until(condition, what: str = "condition") -> None:
+    give_up = time.monotonic() + PATIENCE_s
+    while not condition():
+        assert time.monotonic() < give_up, f"{what} never came true"
+        time.sleep(0.005)
+
+
+def receive(client: socket.socket, count: int) -> bytes:
+    data = b""
+    while len(data) < count and (part := client.recv(count - len(data))):
+        data += part
+    return data
+
+
+def ask(client: socket.socket, request: str, count: int) -> bytes:
+    client.sendall(bytes.fromhex(request))
+    return receive(client, count)
+
+
+def closed(client: socket.socket) -> bool:
+    """Whether the server ends this connection."""
+    with contextlib.suppress(ConnectionError):
+        return client.recv(1) == b""
+    return True
+
+
+def silent(client: socket.socket, for_s: float = 0.1) -> bool:
+    """Whether nothing comes for a while."""
+    client.settimeout(for_s)
+    try:
+        client.recv(1)
+    except TimeoutError:
+        return True
+    finally:
+        client.settimeout(PATIENCE_s)
+    return False

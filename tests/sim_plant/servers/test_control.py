@@ -1,0 +1,115 @@
+import asyncio
+import json
+import socket
+import stat
+
+import pytest
+
+from aff_runtime.base.errors import PlantError
+from aff_runtime.base.signals import Status
+from sim_plant.servers.control import ControlSocket
+from sim_plant.servers.plant import Plant
+from sim_plant.servers.plc import Plc
+from tests.sim_plant.servers.fake_line import FakeLine, default_map
+from tests.sim_plant.servers.served import PATIENCE_s, served
+
+
+@pytest.fixture
+def control():
+    plant = Plant(FakeLine(), Plc(default_map()))
+    return ControlSocket(None, plant, lambda: {"time_s": plant.time_s}), plant
+
+
+def test_references_and_status_bits_can_be_set(control):
+    socket_, plant = control
+    assert socket_.answer("set line_speed_ref_m_s 0.25") == {"ok": True}
+    assert socket_.answer("set WEB_INTACT 0") == {"ok": True}
+    plant.step()
+    assert plant.measured["line_speed_m_s"] == 0.25
+    assert not plant.plc.status & Status.WEB_INTACT
+
+
+def test_history_gives_times_and_corrections_oldest_first(control):
+    socket_, plant = control
+    for _ in range(3):
+        plant.step()
+    assert socket_.answer("history 2") == {
+        "actuators": ["unwind", "swrap_follower"],
+        "time_s": pytest.approx([0.015, 0.020]),
+        "applied_m_s": [(0.0, 0.0), (0.0, 0.0)],
+    }
+
+
+def test_faults_are_injected_and_cleared(control):
+    socket_, plant = control
+    socket_.answer("fault mute")
+    socket_.answer("fault busy")
+    plant.step()
+    assert plant.faults.names() == ["mute", "busy"]
+    socket_.answer("clear mute")
+    plant.step()
+    assert plant.faults.names() == ["busy"]
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("", "unknown command"),
+        ("stop", "unknown command"),
+        ("set", "set: wrong or missing argument"),
+        ("set speed 1", "known are line_speed_ref_m_s"),
+        ("set WEB_INTACT 2", "bits 0 or 1"),
+        ("set tension_ref_N nan", "references are"),
+        ("set tension_ref_N ten", "wrong or missing"),
+        ("fault", "wrong or missing"),
+        ("fault melt", "unknown name"),
+        ("clear melt", "melt"),
+        ("history all", "wrong or missing"),
+    ],
+)
+def test_a_wrong_command_is_answered_with_what_is_wrong(control, line, said):
+    assert said in control[0].answer(line)["error"]
+
+
+@pytest.mark.wire
+def test_the_socket_answers_lines_of_json_to_its_owner_alone(tmp_path):
+    path = tmp_path / "control"
+    with served(control=path) as plant:
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600
+        with socket.socket(socket.AF_UNIX) as client:
+            client.settimeout(PATIENCE_s)
+            client.connect(str(path))
+            stream = client.makefile("rw")
+            print("status", file=stream, flush=True)
+            status = json.loads(stream.readline())
+            plant.fault("nan=unwind_tension_N")
+            print("status", file=stream, flush=True)
+            lying = json.loads(stream.readline())
+            print("nonsense", file=stream, flush=True)
+            assert "error" in json.loads(stream.readline())
+            stream.close()
+    assert not path.exists()
+    assert status["counts"]["foreign_writes"] == 0
+    assert status["true_tension_N"].keys() == {"true_unwind_tension_N"}
+    assert status["applied_m_s"] == {"unwind": 0.0, "swrap_follower": 0.0}
+    assert lying["measured"]["unwind_tension_N"] is None
+    assert lying["true_tension_N"]["true_unwind_tension_N"] > 0.0
+
+
+@pytest.mark.wire
+def test_a_socket_left_behind_is_replaced_and_a_file_is_not(tmp_path, control):
+    path = tmp_path / "control"
+
+    async def open_and_close():
+        opened = ControlSocket(path, control[1], dict)
+        await opened.open()
+        await opened.close()
+
+    with socket.socket(socket.AF_UNIX) as old:
+        old.bind(str(path))
+    asyncio.run(open_and_close())
+    assert not path.exists()
+    path.write_text("precious", encoding="ascii")
+    with pytest.raises(PlantError, match="cannot open control socket"):
+        asyncio.run(open_and_close())
+    assert path.read_text(encoding="ascii") == "precious"
