@@ -1,0 +1,104 @@
+"""One adaptive harmonic block: the source's law with its sign and phase put right."""
+
+from __future__ import annotations
+
+import cmath
+
+SETTLE_EXPONENT = 4.0  # exp(-4) = 1.8 %, the source of "settled" in settle_s
+MEMORY_SHARE = 0.3  # adaptation rate times memory of the response stays below this
+MAX_STEP = 0.1  # share of the remaining error that one sample may remove
+
+
+class HarmonicBlock:
+    r"""Cancels one order of one roll in one measured signal.
+
+    Derivation. The source writes (5.6) u = -theta_1 sin(psi) - theta_2 cos(psi) with psi = w t,
+    adapted by (5.5) theta_1' = g1 e sin(psi), theta_2' = g1 e cos(psi), e = y_r - y, and (5.7)
+    the same with psi + phi. Here psi = n theta(roll) is a measured angle, and with the complex
+    weight w = -theta_2 + j theta_1 the output is
+
+        u = s Re(w e^{j psi}),    s = 1, or the roll's speed so that w is in metres.
+
+    P is the closed-loop response from u to y at that frequency, so in steady state
+    y - y_r = Re((s P w + D) e^{j psi}), D being the disturbance. The mean of 2 e e^{-j psi}
+    over a turn is therefore -(s P w + D). Asking for w' = -lam (w + D/(s P)) gives
+
+        w' = (2 lam / (s |P|)) e e^{-j (psi + phi)},    phi = arg P,
+
+    which decays as exp(-lam t) for every phase of P. In the source's symbols that is
+    theta_1' = g1 e sin(psi + phi), theta_2' = g1 e cos(psi + phi) with g1 = -2 lam / |P|: for
+    phi = arg P the gain of (5.7) is NEGATIVE (or positive with phi = arg(-P)); (5.10) as printed
+    has g1 > 0 on Re P > 0 and diverges, (5.14) has Re P < 0 and converges only while
+    |arg(-P)| < 90 degrees. lam = 4 / settle_s, hence exp(-4) = 1.8 % after ``settle_s``.
+
+    The mean assumes that P is flat over the adaptation bandwidth. P(jw + s) is about
+    P(jw) (1 + s m) with m = -j dlnP/dw, the memory of the response; lam |m| is kept below 0.3.
+    """
+
+    __slots__ = ("amp_limit", "carrier", "clamped", "order", "rate_1_s", "settle_s", "weight")
+
+    def __init__(self, order: int, settle_s: float, amp_limit: float) -> None:
+        self.order = order
+        self.settle_s = settle_s
+        self.amp_limit = amp_limit
+        self.weight = 0j
+        self.carrier = 1 + 0j
+        self.rate_1_s = 0.0
+        self.clamped = False
+
+    def turn(self, theta_rad: float) -> None:
+        """Set the carrier to the roll's angle (already led by the transport of the command)."""
+        self.carrier = cmath.rect(1.0, self.order * theta_rad)
+
+    def output(self, scale: float) -> float:
+        """Return s Re(w e^{j psi}), the output (5.6)."""
+        return scale * (self.weight * self.carrier).real
+
+    def amplitude(self, scale: float) -> float:
+        """Return the amplitude of the output at ``scale``, in the output's unit."""
+        return abs(scale) * abs(self.weight)
+
+    def adaptation_rate(self, memory_s: float) -> float:
+        """Return lam, 1/s: what ``settle_s`` asks, bounded by the memory of the response."""
+        rate = SETTLE_EXPONENT / self.settle_s
+        return min(rate, MEMORY_SHARE / memory_s) if memory_s > 0.0 else rate
+
+    def adapt(
+        self, *, error: float, response: complex, scale: float, rate_1_s: float, dt_s: float
+    ) -> None:
+        """Advance the weight by ``dt_s`` under ``error`` = y_ref - y; see the derivation.
+
+        Does nothing when the step would not be a finite number.
+        """
+        drive = response * scale
+        size = drive.real * drive.real + drive.imag * drive.imag
+        if not size > 0.0:
+            return
+        share = min(rate_1_s * dt_s, MAX_STEP)
+        step = (2.0 * share * error / size) * (self.carrier * drive).conjugate()
+        if not cmath.isfinite(step):
+            return
+        self.weight += step
+        self.rate_1_s = abs(step) / dt_s
+
+    def hold(self) -> None:
+        """Leave the weight as it is in this tick."""
+        self.rate_1_s = 0.0
+
+    def scale_weights(self, ratio: float) -> None:
+        """Shorten the weight to ``ratio`` (0..1) of itself; its direction stays."""
+        if 0.0 <= ratio < 1.0:
+            self.weight *= ratio
+
+    def reset(self) -> None:
+        """Forget what was learned."""
+        self.weight = 0j
+        self.rate_1_s = 0.0
+        self.clamped = False
+
+    def limit(self, scale: float) -> None:
+        """Project the weight onto its amplitude limit at ``scale``; call once per tick."""
+        amplitude = self.amplitude(scale)
+        self.clamped = amplitude > self.amp_limit
+        if self.clamped:
+            self.weight *= self.amp_limit / amplitude

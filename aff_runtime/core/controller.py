@@ -1,0 +1,148 @@
+"""The law of the whole site: angles of all rolls, one law per actuator."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
+from aff_runtime.core.bank import Bank
+from aff_runtime.core.law import ActuatorLaw, Inputs
+from aff_runtime.core.params import ActuatorParams, LawKind, SiteParams
+from aff_runtime.core.phase import RollPhase
+from aff_runtime.core.printed import PrintedLaw
+from aff_runtime.core.response import Response
+
+
+class RollPhases:
+    """Angles of every roll of a site, and which of them a new roll id concerns."""
+
+    def __init__(self, site: SiteParams) -> None:
+        """Resolve channel names; ConfigError names a roll whose channel does not exist."""
+        index = {name: i for i, name in enumerate(site.channels)}
+        try:
+            self.by_name = {roll.name: RollPhase(roll, index) for roll in site.rolls}
+        except KeyError as error:
+            raise ConfigError(f"a roll reads channel {error}, which the gateway lacks") from error
+        self.spliced = tuple(roll.name for roll in site.rolls if roll.resets_on_splice)
+        self.roll_id: int | None = None
+
+    def step(self, snapshot: Snapshot, dt_s: float) -> bool:
+        """Advance all angles; True when a new roll was put in."""
+        new_roll = False
+        if snapshot.fresh:
+            new_roll = self.roll_id is not None and snapshot.roll_id != self.roll_id
+            self.roll_id = snapshot.roll_id
+        if new_roll:
+            for name in self.spliced:
+                self.by_name[name].restart()
+        for phase in self.by_name.values():
+            phase.step(snapshot.values, dt_s, snapshot.fresh)
+        return new_roll
+
+
+class Controller:
+    """Implements ``base.ports.Law`` for every actuator of the site file, in its order."""
+
+    def __init__(self, site: SiteParams, responses: Mapping[str, Response]) -> None:
+        """Build all laws; ``responses`` by actuator, a missing one adapts nothing.
+
+        Raises
+        ------
+        ConfigError
+            When an actuator names a channel or a roll that does not exist.
+        """
+        self._site = site
+        self._phases = RollPhases(site)
+        index = {name: i for i, name in enumerate(site.channels)}
+        for actuator in site.actuators:
+            _check(actuator, index, self._phases.by_name)
+        self._laws = [self._law(a, responses.get(a.name)) for a in site.actuators]
+        self._signals = [index[a.signal] for a in site.actuators]
+        self._references = [index[a.reference] if a.reference else -1 for a in site.actuators]
+        self._line_speed = index.get(site.line_speed or "", -1)
+        self._inputs = Inputs()
+
+    def _law(self, params: ActuatorParams, response: Response | None) -> ActuatorLaw:
+        phases = self._phases.by_name
+        if params.law is LawKind.PRINTED:
+            return PrintedLaw(params, phases=phases)
+        return Bank(params, phases=phases, response=response, cycle_s=self._site.cycle_s)
+
+    def step(
+        self, snapshot: Snapshot, dt_s: float, permission: Permission
+    ) -> tuple[ActuatorStep, ...]:
+        """Advance by ``dt_s`` and return one step per actuator; see ``base.ports.Law``."""
+        if self._phases.step(snapshot, dt_s):
+            for law in self._laws:
+                for roll in self._phases.spliced:
+                    law.reset_roll(roll)
+        values = snapshot.values
+        inputs = self._inputs
+        inputs.dt_s = dt_s
+        inputs.fresh = snapshot.fresh
+        inputs.adapt = permission.adapt
+        inputs.line_speed_m_s = values[self._line_speed] if self._line_speed >= 0 else math.nan
+        steps: list[ActuatorStep] = []
+        for i, law in enumerate(self._laws):
+            reference = self._references[i]
+            inputs.signal = values[self._signals[i]]
+            inputs.reference = values[reference] if reference >= 0 else math.nan
+            inputs.limit_ratio = permission.limit_ratio[i]
+            inputs.applied_ratio = permission.applied_ratio[i]
+            steps.append(law.step(inputs))
+        return tuple(steps)
+
+    def arming_objections(self) -> Mapping[str, tuple[str, ...]]:
+        """Return, per actuator, why it may not arm at the present speed and radius."""
+        named = zip(self._site.actuators, self._laws, strict=True)
+        return {actuator.name: law.objections() for actuator, law in named}
+
+    def ripple(self) -> tuple[tuple[float, float], ...]:
+        """Return ripple before and now per actuator, in its signal's unit; NaN when unknown."""
+        return tuple(law.ripple() for law in self._laws)
+
+    def adopt(self, old: Controller) -> None:
+        """Go on where another controller stands: angles and weights (bumpless retuning)."""
+        for name, phase in old._phases.by_name.items():
+            if name in self._phases.by_name:
+                self._phases.by_name[name].follow(phase)
+        self._phases.roll_id = old._phases.roll_id
+        before = {a.name: law for a, law in zip(old._site.actuators, old._laws, strict=True)}
+        for actuator, law in zip(self._site.actuators, self._laws, strict=True):
+            if actuator.name in before:
+                law.adopt(before[actuator.name])
+
+    def telemetry(self) -> tuple[float, ...]:
+        """Return angle, speed, source and quality per roll, then every law's numbers."""
+        row: list[float] = []
+        for phase in self._phases.by_name.values():
+            row += (
+                math.remainder(phase.theta_rad, math.tau),
+                phase.omega_rad_s,
+                float(phase.source),
+                float(phase.quality),
+            )
+        for law in self._laws:
+            row += law.telemetry()
+        return tuple(row)
+
+    def telemetry_names(self) -> tuple[str, ...]:
+        """Return the columns of ``telemetry``."""
+        columns = ("theta_rad", "omega_rad_s", "source", "quality")
+        names = [f"{roll}.{column}" for roll in self._phases.by_name for column in columns]
+        for actuator, law in zip(self._site.actuators, self._laws, strict=True):
+            names += [f"{actuator.name}.{name}" for name in law.telemetry_names()]
+        return tuple(names)
+
+
+def _check(
+    actuator: ActuatorParams, index: Mapping[str, int], rolls: Mapping[str, RollPhase]
+) -> None:
+    for channel in (actuator.signal, actuator.reference):
+        if channel is not None and channel not in index:
+            raise ConfigError(f"actuator {actuator.name} reads {channel}, which the gateway lacks")
+    for block in actuator.blocks:
+        if block.roll not in rolls:
+            raise ConfigError(f"actuator {actuator.name} names roll {block.roll}, not declared")

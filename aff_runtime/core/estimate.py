@@ -1,0 +1,125 @@
+"""Least squares on a probe's record: P at every tone, its error, the delay, the sign."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.core.response import ResponsePoint
+
+Floats = npt.NDArray[np.float64]
+MAX_DELAY_S = 1.0
+DELAY_STEPS = 501
+SIDE_BINS = (1.5, 2.5, 3.5)
+SIGN_BAND = 3.0
+CLEAR_SIGN = 0.2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tone:
+    """One tone that went out: output = amplitude cos(omega t + phase)."""
+
+    omega_rad_s: float
+    phase_rad: float
+    amplitude: float
+
+
+def fit_tones(
+    *,
+    time_s: Floats,
+    signal: Floats,
+    angles_rad: Sequence[Floats],
+    nuisance_orders: int,
+    own: Sequence[Tone],
+    foreign: Sequence[Tone],
+) -> tuple[ResponsePoint, ...]:
+    """Return P at every tone of ``own``.
+
+    Columns of the regression: every tone (of other actuators too), orders 1..``nuisance_orders``
+    on each roll's angle, and a parabola for drift. The standard error of a tone comes from the
+    residual beside it, so coloured noise and unmodelled ripple count where they are.
+
+    Parameters
+    ----------
+    time_s, signal : one entry per good sample; ``angles_rad`` likewise, per roll.
+    own, foreign : tones of the actuator in question and of the others.
+    """
+    middle = 0.5 * (time_s[0] + time_s[-1])
+    span_s = float(time_s[-1] - time_s[0])
+    drift = (time_s - middle) / span_s
+    columns: list[Floats] = [np.ones_like(drift), drift, drift**2]
+    for tone in (*own, *foreign):
+        argument = tone.omega_rad_s * time_s + tone.phase_rad
+        columns += [np.cos(argument), -np.sin(argument)]
+    for angle in angles_rad:
+        for n in range(1, nuisance_orders + 1):
+            columns += [np.cos(n * angle), np.sin(n * angle)]
+    design = np.column_stack(columns)
+    solution = np.linalg.lstsq(design, signal, rcond=1e-9)[0]
+    residual = signal - design @ solution
+    points: list[ResponsePoint] = []
+    for k, tone in enumerate(own):
+        seen = complex(solution[3 + 2 * k], solution[4 + 2 * k])
+        error = _noise_beside(residual, time_s, tone.omega_rad_s, span_s)
+        gain = abs(seen) / tone.amplitude
+        if gain > 0.0:
+            points.append(
+                ResponsePoint(
+                    frequency_Hz=tone.omega_rad_s / math.tau,
+                    gain=gain,
+                    phase_rad=math.atan2(seen.imag, seen.real),
+                    relative_error=error / abs(seen),
+                    coherence=abs(seen) ** 2 / (abs(seen) ** 2 + error**2),
+                )
+            )
+    return tuple(points)
+
+
+def _noise_beside(residual: Floats, time_s: Floats, omega: float, span_s: float) -> float:
+    """Return one standard error of a complex amplitude from the residual's spectrum nearby."""
+    power = 0.0
+    for side in (*SIDE_BINS, *(-s for s in SIDE_BINS)):
+        probe = np.exp(-1j * (omega + math.tau * side / span_s) * time_s)
+        power += abs(2.0 / len(residual) * complex(residual @ probe)) ** 2
+    return math.sqrt(power / (2.0 * len(SIDE_BINS)))
+
+
+def fit_delay(points: Sequence[ResponsePoint]) -> float:
+    """Return the delay (s) after whose removal the phase turns least from point to point.
+
+    Lags count as delay where they look like one; the rest stays in the points.
+    """
+    if len(points) < 3:
+        return 0.0
+    ordered = sorted(points, key=lambda point: point.frequency_Hz)
+    omega = np.array([math.tau * p.frequency_Hz for p in ordered])
+    phase = np.array([p.phase_rad for p in ordered])
+    error = np.array([p.relative_error for p in ordered])
+    weight = 1.0 / (0.05**2 + error[1:] ** 2 + error[:-1] ** 2)
+    delays = np.linspace(0.0, MAX_DELAY_S, DELAY_STEPS)
+    turned = np.diff(phase[None, :] + delays[:, None] * omega[None, :], axis=1)
+    turned = np.angle(np.exp(1j * turned))
+    cost = (weight * turned**2).sum(axis=1)
+    return float(delays[int(np.argmin(cost))])
+
+
+def measured_sign(points: Sequence[ResponsePoint], delay_s: float) -> tuple[int, float]:
+    """Return the sign of P (+1, -1, 0 for undecided) and the mean cosine it rests on.
+
+    Low frequencies decide (up to three times the lowest): delay removed, the mean of
+    cos(arg P), weighted by quality, must exceed 0.2.
+    """
+    if not points:
+        return 0, 0.0
+    lowest = min(p.frequency_Hz for p in points)
+    total = weight = 0.0
+    for p in points:
+        if p.frequency_Hz <= SIGN_BAND * lowest:
+            total += p.coherence * math.cos(p.phase_rad + math.tau * p.frequency_Hz * delay_s)
+            weight += p.coherence
+    mean = total / weight if weight > 0.0 else 0.0
+    return (0 if abs(mean) < CLEAR_SIGN else int(math.copysign(1.0, mean))), mean

@@ -1,0 +1,79 @@
+"""What an order does in the error: its amplitude before and now, and where it is going."""
+
+from __future__ import annotations
+
+import math
+from enum import IntEnum
+
+TURNS = 2.0
+MIN_TAU_S = 0.5
+SLOW = 3.0
+ROSE = 1.3
+FELL = 0.95
+SETTLED = 0.3
+
+
+class Trend(IntEnum):
+    """State of a block, for telemetry."""
+
+    IDLE = 0
+    CONVERGING = 1
+    SETTLED = 2
+    STALLED = 3
+    DIVERGING = 4
+    HELD_PHASE = 5
+    HELD_FREQUENCY = 6
+    CLAMPED = 7
+    FROZEN = 8
+
+
+class OrderMonitor:
+    """Lock-in on one order: 2 e e^{-j psi}, averaged over about two turns of the roll.
+
+    ``before`` follows the ripple while no correction goes out and stands still after that;
+    NaN until two turns were seen.
+    """
+
+    __slots__ = ("_age", "_phasor", "_slow", "before", "now")
+
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything, as after a splice."""
+        self._phasor = 0j
+        self._slow = 0.0
+        self._age = 0.0
+        self.before = math.nan
+        self.now = math.nan
+
+    def step(
+        self, *, error: float, carrier: complex, omega_rad_s: float, dt_s: float, correcting: bool
+    ) -> None:
+        """Take one good sample; ``omega_rad_s`` is the speed of the roll, not of the order."""
+        omega = abs(omega_rad_s)
+        if not omega > 0.0:
+            return
+        tau_s = max(MIN_TAU_S, TURNS * math.tau / omega)
+        self._age = min(self._age + dt_s / tau_s, SLOW)
+        share = dt_s / tau_s
+        self._phasor += min(1.0, share / min(self._age, 1.0)) * (
+            2.0 * error * carrier.conjugate() - self._phasor
+        )
+        amplitude = abs(self._phasor)
+        self._slow += min(1.0, share / self._age) * (amplitude - self._slow)
+        if self._age < 1.0:
+            return
+        self.now = amplitude
+        if not correcting or not math.isfinite(self.before):
+            self.before = amplitude
+
+    def trend(self) -> Trend:
+        """Return where the order is going, from now against before and against its slow mean."""
+        if not (math.isfinite(self.now) and math.isfinite(self.before)):
+            return Trend.IDLE
+        if self.now > ROSE * self.before and self.now > FELL * self._slow:
+            return Trend.DIVERGING
+        if self.now <= SETTLED * self.before:
+            return Trend.SETTLED
+        return Trend.CONVERGING if self.now < FELL * self._slow else Trend.STALLED

@@ -1,0 +1,148 @@
+"""Settings of the law in SI: what the site file says, as frozen records."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+
+class OutputKind(StrEnum):
+    """What the actuator's correction adds to."""
+
+    VELOCITY_REFERENCE = "velocity_reference"
+    TORQUE_REFERENCE = "torque_reference"
+
+
+class LawKind(StrEnum):
+    """Which law drives an actuator."""
+
+    PLAIN = "plain"
+    PRINTED = "printed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RollParams:
+    """Where the angle of one roll comes from; channels are names in the site's channel table.
+
+    Attributes
+    ----------
+    angle : encoder channel, rad; preferred source.
+    angle_modulus_rad : the channel wraps by this much (2^32 counts in rad); None never wraps.
+    speed : roll speed channel, integrated when there is no encoder.
+    speed_is_surface : True when ``speed`` is m/s at the surface, False when it is rad/s.
+    line_speed : line speed channel, m/s, over the radius: the last resort.
+    radius : radius channel, m (a roll that shrinks or grows); None for ``radius_m``.
+    radius_m : fixed radius, m.
+    radius_min_m, radius_max_m : a measured radius outside is ignored.
+    resets_on_splice : a new roll id makes what was learned on this roll meaningless.
+    max_omega_rad_s, max_acceleration_rad_s2 : an angle that moves faster is a glitch.
+    """
+
+    name: str
+    angle: str | None = None
+    angle_modulus_rad: float | None = None
+    speed: str | None = None
+    speed_is_surface: bool = True
+    line_speed: str | None = None
+    radius: str | None = None
+    radius_m: float | None = None
+    radius_min_m: float = 0.02
+    radius_max_m: float = 2.0
+    resets_on_splice: bool = False
+    max_omega_rad_s: float = 200.0
+    max_acceleration_rad_s2: float = 50.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockParams:
+    """Harmonic blocks of one roll on one actuator.
+
+    ``settle_s`` is the time in which a block reduces its order to 2 %; ``amp_limit`` bounds each
+    block in the actuator's unit (m/s or N m).
+    """
+
+    roll: str
+    orders: tuple[int, ...]
+    settle_s: float
+    amp_limit: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ActuatorParams:
+    """One correction output and the blocks that make it.
+
+    Attributes
+    ----------
+    signal, reference : channels of the error y_ref - y; without reference the slow mean of the
+        signal stands in for it.
+    active_above_m_s : below this speed the output fades out and nothing adapts.
+    transport_s : time a command needs to act beyond half a cycle; the carrier leads by both.
+    speed_scaled : weights in metres that multiply the roll's speed; None: on for velocity outputs.
+    mean_tau_s : time constant of the mean that is taken out of the error.
+    printed_gain : g1 of (5.10), (5.14) for ``LawKind.PRINTED`` (output unit per signal unit, 1/s).
+    """
+
+    name: str
+    signal: str
+    reference: str | None = None
+    output: OutputKind = OutputKind.VELOCITY_REFERENCE
+    active_above_m_s: float = 0.1
+    transport_s: float = 0.0
+    speed_scaled: bool | None = None
+    mean_tau_s: float = 10.0
+    law: LawKind = LawKind.PLAIN
+    printed_gain: float = 0.0
+    blocks: tuple[BlockParams, ...] = ()
+
+    @property
+    def scales_with_speed(self) -> bool:
+        """Whether weights multiply the roll's speed."""
+        if self.speed_scaled is None:
+            return self.output is OutputKind.VELOCITY_REFERENCE
+        return self.speed_scaled
+
+    @property
+    def unit(self) -> str:
+        """Unit of the output as a name suffix."""
+        return "m_s" if self.output is OutputKind.VELOCITY_REFERENCE else "N_m"
+
+    @property
+    def orders(self) -> tuple[tuple[str, int], ...]:
+        """Every (roll, order) of this actuator, in the order of the site file."""
+        return tuple((b.roll, n) for b in self.blocks for n in b.orders)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SiteParams:
+    """What the law needs of the site; ``channels`` is the order of the snapshot's values."""
+
+    cycle_s: float
+    channels: tuple[str, ...]
+    rolls: tuple[RollParams, ...]
+    actuators: tuple[ActuatorParams, ...]
+    line_speed: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProbeParams:
+    """How the response is measured.
+
+    ``amplitude`` bounds the whole excitation of each actuator in its unit. Tones stand
+    ``offset_Hz`` beside every configured order, on a log grid of ``grid_points`` over the band
+    that the orders sweep (to the smallest radius at ``max_speed_m_s``, up to ``f_max_Hz``) and at
+    ``extra_frequencies_Hz``. ``duration_s`` counts fades of ``fade_s`` and a wait of ``settle_s``
+    for transients; ``listen_s`` comes before.
+    """
+
+    actuators: tuple[str, ...]
+    amplitude: float
+    duration_s: float = 25.0
+    offset_Hz: float = 0.15
+    extra_frequencies_Hz: tuple[float, ...] = field(default=())
+    grid_points: int = 12
+    max_speed_m_s: float = 0.0
+    f_max_Hz: float = 10.0
+    fade_s: float = 1.0
+    settle_s: float = 3.0
+    listen_s: float = 2.0
+    nuisance_orders: int = 8

@@ -1,0 +1,254 @@
+"""The angle of one roll: encoder first, roll speed next, line speed over radius last."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from enum import IntEnum
+
+from aff_runtime.core.params import RollParams
+
+JUMP_RAD = 0.2
+JITTER_S = 0.05
+OMEGA_TAU_S = 0.05
+PREDICT_MAX_S = 0.5
+AGREEING_SAMPLES = 4
+STUCK_CHECK_RAD = 0.5
+STUCK_SHARE = 0.3
+CREDIBLE_SHARE = 0.7
+
+
+class Source(IntEnum):
+    """Where the angle comes from."""
+
+    NONE = 0
+    ENCODER = 1
+    ROLL_SPEED = 2
+    LINE_SPEED = 3
+
+
+class Quality(IntEnum):
+    """How far the angle can be trusted; only GOOD and PREDICTED may drive adaptation."""
+
+    LOST = 0
+    PREDICTED = 1
+    GOOD = 2
+
+
+class RollPhase:
+    """Continuous angle and speed of one roll.
+
+    ``theta_rad`` is the angle now; it never jumps by more than a plausible motion, whatever the
+    sources do: encoder wraps are unfolded, single glitches are predicted over, and after a reset
+    or a change of source an offset keeps it continuous. ``lead(lead_s)`` gives the angle at which
+    a command acts. Call ``step`` once per tick.
+    """
+
+    __slots__ = (
+        "_agreeing", "_angle", "_candidate", "_candidate_gap_s", "_candidate_span_rad",
+        "_candidate_span_s", "_encoder_ok", "_encoder_sum_rad", "_gap_s", "_last_model",
+        "_line_speed", "_model_sum_rad", "_modulus", "_p", "_radius", "_raw", "_raw_gap_s",
+        "_seeded", "_speed", "_theta_at_raw", "_tracked", "omega_rad_s", "quality", "radius_m",
+        "source", "theta_rad",
+    )  # fmt: skip
+
+    def __init__(self, params: RollParams, channels: Mapping[str, int]) -> None:
+        self._p = params
+        self._angle = _index(params.angle, channels)
+        self._speed = _index(params.speed, channels)
+        self._line_speed = _index(params.line_speed, channels)
+        self._radius = _index(params.radius, channels)
+        self._modulus = params.angle_modulus_rad or 0.0
+        self.radius_m = params.radius_m if params.radius_m is not None else math.nan
+        self.theta_rad = 0.0
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget speed and encoder reference (a new roll); the angle goes on from where it is."""
+        self.omega_rad_s = 0.0
+        self.source = Source.NONE
+        self.quality = Quality.LOST
+        self._raw = math.nan
+        self._raw_gap_s = 0.0
+        self._theta_at_raw = self.theta_rad
+        self._tracked = self.theta_rad
+        self._gap_s = 0.0
+        self._seeded = False
+        self._candidate = math.nan
+        self._candidate_gap_s = self._candidate_span_rad = self._candidate_span_s = 0.0
+        self._agreeing = 0
+        self._encoder_ok = True
+        self._encoder_sum_rad = self._model_sum_rad = 0.0
+        self._last_model = math.nan
+
+    def follow(self, old: RollPhase) -> None:
+        """Go on where ``old`` stands; with other settings, from its angle and speed."""
+        if old._p == self._p:
+            for name in self.__slots__:
+                if name not in {"_angle", "_speed", "_line_speed", "_radius"}:
+                    setattr(self, name, getattr(old, name))
+            return
+        self.theta_rad = old.theta_rad
+        self.restart()
+        self.omega_rad_s = old.omega_rad_s
+        self.quality = Quality.PREDICTED
+
+    def lead(self, lead_s: float) -> float:
+        """Return the angle ``lead_s`` from now, rad."""
+        return self.theta_rad + self.omega_rad_s * lead_s
+
+    def step(self, values: Sequence[float], dt_s: float, fresh: bool) -> None:
+        """Advance by ``dt_s``; ``values`` count only when ``fresh``."""
+        if not 0.0 < dt_s < math.inf:
+            return
+        self._gap_s += dt_s
+        self._raw_gap_s += dt_s
+        self._candidate_gap_s += dt_s
+        if not fresh:
+            self._predict(dt_s)
+            return
+        self._read_radius(values)
+        model, model_source = self._model_omega(values)
+        angle = values[self._angle] if self._angle >= 0 else math.nan
+        if math.isfinite(angle) and self._take_angle(angle, model, dt_s):
+            self._last_model = model
+            return
+        if math.isfinite(model) and (self._angle < 0 or not self._seeded or self._lost(angle)):
+            self._integrate(model, model_source, dt_s)
+        else:
+            self._predict(dt_s)
+        self._last_model = model
+
+    def _lost(self, angle: float) -> bool:
+        """Whether the encoder is out of service, rather than glitching for one sample."""
+        return not self._encoder_ok or not math.isfinite(angle) or self._agreeing > 1
+
+    def _predict(self, dt_s: float) -> None:
+        step_rad = self.omega_rad_s * dt_s
+        self.theta_rad += step_rad
+        late = self._gap_s > PREDICT_MAX_S or not self._seeded
+        self.quality = Quality.LOST if late else Quality.PREDICTED
+
+    def _integrate(self, omega: float, source: Source, dt_s: float) -> None:
+        before = self._last_model if math.isfinite(self._last_model) else omega
+        self.theta_rad += 0.5 * (before + omega) * dt_s
+        if self._encoder_ok:
+            self._raw = math.nan  # an encoder that returns continues from here, without a jump
+        keep = math.exp(-self._gap_s / OMEGA_TAU_S) if self._seeded else 0.0
+        self.omega_rad_s = omega + (self.omega_rad_s - omega) * keep
+        self._tracked = self.theta_rad
+        self._accepted(source)
+
+    def _accepted(self, source: Source) -> None:
+        self._seeded = True
+        self._gap_s = 0.0
+        self.source = source
+        self.quality = Quality.GOOD
+
+    def _read_radius(self, values: Sequence[float]) -> None:
+        if self._radius >= 0:
+            radius = values[self._radius]
+            if self._p.radius_min_m <= radius <= self._p.radius_max_m:
+                self.radius_m = radius
+
+    def _model_omega(self, values: Sequence[float]) -> tuple[float, Source]:
+        """Return the roll's speed from the best speed channel, rad/s, NaN when there is none."""
+        if self._speed >= 0:
+            omega = values[self._speed]
+            if self._p.speed_is_surface:
+                omega /= self.radius_m if self.radius_m > 0.0 else math.nan
+            if abs(omega) <= self._p.max_omega_rad_s:
+                return omega, Source.ROLL_SPEED
+        if self._line_speed >= 0 and self.radius_m > 0.0:
+            omega = values[self._line_speed] / self.radius_m
+            if abs(omega) <= self._p.max_omega_rad_s:
+                return omega, Source.LINE_SPEED
+        return math.nan, Source.NONE
+
+    def _turned(self, now: float, before: float) -> float:
+        """Return the motion between two encoder readings, unfolding one wrap."""
+        turned = now - before
+        return math.remainder(turned, self._modulus) if self._modulus > 0.0 else turned
+
+    def _take_angle(self, angle: float, model: float, dt_s: float) -> bool:
+        """Follow the encoder; False when this sample (or the encoder) is not to be believed."""
+        if not math.isfinite(self._raw) or self._raw_gap_s > PREDICT_MAX_S:
+            return self._try_rebase(angle, dt_s)
+        gap_s = self._raw_gap_s
+        turned = self._turned(angle, self._raw)
+        expected = self.omega_rad_s * gap_s
+        acceleration = self._p.max_acceleration_rad_s2
+        tolerance = JUMP_RAD + JITTER_S * abs(self.omega_rad_s) + 0.5 * acceleration * gap_s**2
+        tolerance = min(tolerance, self._p.max_omega_rad_s * gap_s + JUMP_RAD)
+        if self._encoder_ok and abs(turned - expected) > tolerance:
+            return self._try_rebase(angle, dt_s)
+        self._judge_encoder(turned, model, gap_s)
+        if not self._encoder_ok:
+            # the reference goes along, so that a recovered encoder continues without a jump
+            self._hold_reference(angle, self.theta_rad + (model * dt_s))
+            return False
+        self._hold_reference(angle, self._theta_at_raw + turned)
+        self.theta_rad = self._theta_at_raw
+        self._track(gap_s)
+        self._agreeing = 0
+        self._accepted(Source.ENCODER)
+        return True
+
+    def _hold_reference(self, angle: float, theta_rad: float) -> None:
+        self._raw = angle
+        self._raw_gap_s = 0.0
+        self._theta_at_raw = theta_rad
+
+    def _track(self, gap_s: float) -> None:
+        """Critically damped alpha-beta filter of the speed."""
+        keep = math.exp(-gap_s / OMEGA_TAU_S)
+        self._tracked += self.omega_rad_s * gap_s
+        miss = self.theta_rad - self._tracked
+        self._tracked += (1.0 - keep * keep) * miss
+        self.omega_rad_s += (1.0 - keep) ** 2 * miss / gap_s
+
+    def _judge_encoder(self, turned: float, model: float, gap_s: float) -> None:
+        """Compare the encoder with the speed channel over half a radian: a frozen one is out."""
+        if not math.isfinite(model):
+            self._encoder_ok = True
+            return
+        self._encoder_sum_rad += turned
+        self._model_sum_rad += model * gap_s
+        if abs(self._model_sum_rad) < STUCK_CHECK_RAD:
+            return
+        share = self._encoder_sum_rad / self._model_sum_rad
+        if share < STUCK_SHARE:
+            self._encoder_ok = False
+        elif share > CREDIBLE_SHARE:
+            self._encoder_ok = True
+        self._encoder_sum_rad = self._model_sum_rad = 0.0
+
+    def _try_rebase(self, angle: float, dt_s: float) -> bool:
+        """Accept a new encoder origin after samples that agree with each other; no phase jump."""
+        turned = self._turned(angle, self._candidate)
+        gap_s = self._candidate_gap_s
+        if math.isfinite(turned) and abs(turned) <= self._p.max_omega_rad_s * gap_s:
+            self._agreeing += 1
+            self._candidate_span_rad += turned
+            self._candidate_span_s += gap_s
+        else:
+            self._agreeing = 1
+            self._candidate_span_rad = self._candidate_span_s = 0.0
+        self._candidate = angle
+        self._candidate_gap_s = 0.0
+        if self._agreeing < AGREEING_SAMPLES:
+            return False
+        self.omega_rad_s = self._candidate_span_rad / self._candidate_span_s
+        self.theta_rad += self.omega_rad_s * dt_s
+        self._hold_reference(angle, self.theta_rad)
+        self._tracked = self.theta_rad
+        self._agreeing = 0
+        self._candidate = math.nan
+        self._encoder_sum_rad = self._model_sum_rad = 0.0
+        self._encoder_ok = True
+        self._accepted(Source.ENCODER)
+        return True
+
+
+def _index(name: str | None, channels: Mapping[str, int]) -> int:
+    return -1 if name is None else channels[name]

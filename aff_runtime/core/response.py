@@ -1,0 +1,194 @@
+"""The measured response P(f) of one actuator to one signal, and the trust in its phase."""
+
+from __future__ import annotations
+
+import cmath
+import json
+import math
+from bisect import bisect_right
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+
+from aff_runtime.base.errors import ConfigError
+
+FORMAT = "aff-response-1"
+MAX_PHASE_ERROR_RAD = math.radians(60.0)
+BASE_ERROR_RAD = math.radians(3.0)
+SIGMAS = 3.0 / math.sqrt(2.0)  # half the power of a complex error turns the phase
+OUTSIDE_RAD_PER_OCTAVE = math.radians(90.0)
+MIN_COHERENCE = 0.8
+BAND_SLACK = 1.02
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ResponsePoint:
+    """One measured frequency.
+
+    ``gain`` in signal unit per output unit, ``phase_rad`` of P (all delays included),
+    ``relative_error`` one standard error of P over |P|, ``coherence`` 0..1.
+    """
+
+    frequency_Hz: float
+    gain: float
+    phase_rad: float
+    relative_error: float
+    coherence: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Provenance:
+    """Where a response comes from; texts and numbers for people and audits."""
+
+    actuator: str
+    signal: str
+    measured_at: str = ""
+    config_hash: str = ""
+    version: str = ""
+    line_speed_m_s: float = math.nan
+    radius_m: float = math.nan
+
+
+class Response:
+    """P(f) between and around measured points.
+
+    P relates the value a law returns in tick k to the signal in the snapshot of tick k, so it
+    holds every delay of the way. Between points log gain and phase are linear in frequency, the
+    phase after taking out ``delay_s``; outside the nearest point stands in, and the bound of the
+    phase error grows by 90 degrees per octave.
+    """
+
+    __slots__ = ("_f", "_log_gain", "_phase", "delay_s", "points", "provenance")
+
+    def __init__(
+        self, *, points: Iterable[ResponsePoint], delay_s: float, provenance: Provenance
+    ) -> None:
+        """Order the points; ConfigError when there is none or one is not a positive number."""
+        self.points = tuple(sorted(points, key=lambda point: point.frequency_Hz))
+        if not self.points:
+            raise ConfigError("a response needs at least one point; run the probe")
+        for p in self.points:
+            name = f"response point at {p.frequency_Hz} Hz"
+            numbers = (p.frequency_Hz, p.gain, p.phase_rad, p.relative_error, p.coherence, delay_s)
+            if not (all(map(math.isfinite, numbers)) and p.frequency_Hz > 0.0 and p.gain > 0.0):
+                raise ConfigError(f"{name} is unusable; probe again")
+        self.delay_s = delay_s
+        self.provenance = provenance
+        self._f = [p.frequency_Hz for p in self.points]
+        self._log_gain = [math.log(p.gain) for p in self.points]
+        self._phase: list[float] = []
+        for p in self.points:
+            phase = p.phase_rad + math.tau * p.frequency_Hz * delay_s
+            before = self._phase[-1] if self._phase else 0.0
+            self._phase.append(before + math.remainder(phase - before, math.tau))
+
+    @property
+    def band_Hz(self) -> tuple[float, float]:
+        """Lowest and highest measured frequency."""
+        return self._f[0], self._f[-1]
+
+    def _between(self, frequency_Hz: float) -> tuple[int, float]:
+        """Return the segment and the place in it, 0..1; clamped to the band."""
+        last = len(self._f) - 1
+        if last == 0 or frequency_Hz <= self._f[0]:
+            return 0, 0.0
+        if frequency_Hz >= self._f[last]:
+            return last - 1, 1.0
+        i = bisect_right(self._f, frequency_Hz) - 1
+        return i, (frequency_Hz - self._f[i]) / (self._f[i + 1] - self._f[i])
+
+    def _lerp(self, table: list[float], i: int, share: float) -> float:
+        return table[i] if share == 0.0 else table[i] + share * (table[i + 1] - table[i])
+
+    def at(self, frequency_Hz: float) -> complex:
+        """Return P at a frequency; its conjugate at the negative one (a roll that reverses)."""
+        f = abs(frequency_Hz)
+        i, share = self._between(f)
+        phase = self._lerp(self._phase, i, share) - math.tau * f * self.delay_s
+        gain = math.exp(self._lerp(self._log_gain, i, share))
+        return cmath.rect(gain, phase if frequency_Hz >= 0.0 else -phase)
+
+    def memory_s(self, frequency_Hz: float) -> float:
+        """Return |dlnP/dw|, s: how long P remembers near a frequency, group delay included."""
+        if len(self._f) == 1:
+            return abs(self.delay_s)
+        i, _ = self._between(abs(frequency_Hz))
+        width = math.tau * (self._f[i + 1] - self._f[i])
+        if width <= 0.0:
+            return abs(self.delay_s)
+        slope = (self._phase[i + 1] - self._phase[i]) / width - self.delay_s
+        return math.hypot(slope, (self._log_gain[i + 1] - self._log_gain[i]) / width)
+
+    def phase_error_bound_rad(self, frequency_Hz: float) -> float:
+        """Return a bound of the error of arg P: noise, interpolation, distance from the band."""
+        f = abs(frequency_Hz)
+        if not f > 0.0:
+            return math.pi
+        i, share = self._between(f)
+        nearby = self.points[i : i + 2]
+        noise = max(point.relative_error for point in nearby)
+        bound = BASE_ERROR_RAD + SIGMAS * noise
+        if len(nearby) > 1:
+            bound += share * (1.0 - share) * abs(self._phase[i + 1] - self._phase[i])
+        outside = max(self._f[0] / f, f / self._f[-1], 1.0)
+        bound += OUTSIDE_RAD_PER_OCTAVE * math.log2(outside)
+        return min(bound, math.pi)
+
+    def to_json(self) -> str:
+        """Return the response as text, one point per line item, readable back by ``from_json``."""
+        provenance = {
+            k: None if isinstance(v, float) and math.isnan(v) else v
+            for k, v in asdict(self.provenance).items()
+        }
+        return json.dumps(
+            {
+                "format": FORMAT,
+                "delay_s": self.delay_s,
+                "provenance": provenance,
+                "points": [asdict(point) for point in self.points],
+            },
+            indent=1,
+            allow_nan=False,
+        )
+
+    @classmethod
+    def from_json(cls, text: str) -> Response:
+        """Read ``to_json``'s text; ConfigError says what is wrong with any other."""
+        try:
+            data = json.loads(text)
+            if data["format"] != FORMAT:
+                raise ConfigError(f"response format {data['format']!r}, need {FORMAT!r}")
+            kept = {k: v for k, v in data["provenance"].items() if v is not None}
+            points = [ResponsePoint(**{k: float(v) for k, v in p.items()}) for p in data["points"]]
+            return cls(
+                points=points, delay_s=float(data["delay_s"]), provenance=Provenance(**kept)
+            )
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise ConfigError(f"not a response file: {error}; run the probe again") from error
+
+
+def arming_objections(
+    response: Response | None, wanted_Hz: Iterable[tuple[str, float]]
+) -> tuple[str, ...]:
+    """Return why an actuator may not arm, one sentence each; empty when it may.
+
+    ``wanted_Hz`` names every enabled order and its present frequency.
+    """
+    if response is None:
+        return ("no measured response; run the probe",)
+    found: list[str] = []
+    low, high = response.band_Hz
+    for name, signed_Hz in wanted_Hz:
+        f = abs(signed_Hz)
+        if not f > 0.0:
+            found.append(f"{name}: its roll does not turn, or its angle is not known")
+            continue
+        if not low / BAND_SLACK <= f <= high * BAND_SLACK:
+            found.append(f"{name}: {f:.2f} Hz is outside the probed {low:.2f}..{high:.2f} Hz")
+        bound = response.phase_error_bound_rad(f)
+        if bound > MAX_PHASE_ERROR_RAD:
+            degrees = math.degrees(bound)
+            found.append(f"{name}: phase error at {f:.2f} Hz may reach {degrees:.0f} deg")
+        nearest = min(response.points, key=lambda point: abs(point.frequency_Hz - f))
+        if nearest.coherence < MIN_COHERENCE:
+            found.append(f"{name}: coherence {nearest.coherence:.2f} near {f:.2f} Hz is too low")
+    return tuple(found)
