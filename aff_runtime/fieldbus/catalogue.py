@@ -1,0 +1,77 @@
+"""Every way to reach a PLC, one row each; nothing is found by searching."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from aff_runtime.base.ports import Clock, WordTransport
+from aff_runtime.fieldbus.loopback import Answer, LoopbackTransport
+from aff_runtime.fieldbus.modbus_frames import ModbusFrames, WireFunction
+from aff_runtime.fieldbus.modbus_tcp import ModbusTcpTransport
+from aff_runtime.fieldbus.registers import RegisterMap
+from aff_runtime.fieldbus.replay import ReplayTransport, read_rows
+from aff_runtime.fieldbus.tcp_wire import TcpWire
+
+
+def modbus_tcp(
+    *,
+    host: str,
+    port: int,
+    device_id: int,
+    register_map: RegisterMap,
+    clock: Clock,
+    function: WireFunction = WireFunction.FC23,
+) -> WordTransport:
+    """Return a Modbus TCP client; the name is resolved here, the connection is made by ticks.
+
+    Raises
+    ------
+    WireError
+        When the host name cannot be resolved.
+    ConfigError
+        When a number does not fit the protocol.
+    """
+    frames = ModbusFrames(
+        device_id=device_id,
+        read_start=register_map.read_start,
+        read_count=register_map.read_count,
+        write_start=register_map.write_start,
+        write_count=register_map.write_count,
+    )
+    wire = TcpWire(host, port)
+    return ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=function)
+
+
+def loopback(*, answer: Answer) -> WordTransport:
+    """Return an in-process transport around ``answer``."""
+    return LoopbackTransport(answer)
+
+
+def replay(*, path: Path) -> WordTransport:
+    """Return a transport that replays the recording at ``path``.
+
+    Raises
+    ------
+    ConfigError
+        When the recording cannot be read.
+    """
+    return ReplayTransport(read_rows(path))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Adapter:
+    """One row: the name in the site file, what it is, and how to make one."""
+
+    name: str
+    text: str
+    build: Callable[..., WordTransport]
+
+
+ADAPTERS: tuple[Adapter, ...] = (
+    Adapter(name="modbus_tcp", text="Modbus TCP client, FC23 or FC16 + FC3", build=modbus_tcp),
+    Adapter(name="loopback", text="a function in this process, in lockstep", build=loopback),
+    Adapter(name="replay", text="recorded read blocks, tick by tick", build=replay),
+)
+BY_NAME = {adapter.name: adapter for adapter in ADAPTERS}

@@ -1,0 +1,176 @@
+"""One non-blocking TCP connection: connect, send, wait no longer than told, receive."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import select
+import socket
+import struct
+from enum import IntEnum
+from typing import Final, Protocol
+
+from aff_runtime.base.errors import WireError
+
+CLOSED: Final = -1
+_NS_PER_MS: Final = 1_000_000
+_SELECT_LIMIT: Final = 1024
+_RESET_ON_CLOSE: Final = struct.pack("ii", 1, 0)
+
+
+class Connecting(IntEnum):
+    """How far a connection attempt is."""
+
+    PENDING = 0
+    UP = 1
+    FAILED = 2
+
+
+class Wire(Protocol):
+    """A byte stream that never blocks longer than it is told and never raises."""
+
+    def start_connect(self) -> bool:
+        """Begin a connection attempt; False when it failed at once."""
+        ...
+
+    def connecting(self) -> Connecting:
+        """Return the state of the attempt, without waiting."""
+        ...
+
+    def send(self, frame: bytes) -> bool:
+        """Hand over the whole frame; False when the connection did not take it."""
+        ...
+
+    def receive(self, into: memoryview, wait_ns: int) -> int:
+        """Wait at most ``wait_ns`` and read once; bytes read, 0 for none yet, -1 for closed."""
+        ...
+
+    def close(self, *, abort: bool) -> None:
+        """Close; ``abort`` drops unsent and unacknowledged bytes instead of delivering them."""
+        ...
+
+
+class TcpWire:
+    """``Wire`` over a TCP socket.
+
+    TCP_QUICKACK is re-armed after each send and receive: without it a server that sends its
+    reply in two segments with Nagle on waits for our delayed acknowledgement every cycle.
+
+    Parameters
+    ----------
+    host, port : the server; a name is resolved here, once.
+
+    Raises
+    ------
+    WireError
+        When the name cannot be resolved.
+    """
+
+    def __init__(self, host: str, port: int) -> None:
+        try:
+            found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+        except (OSError, UnicodeError) as error:
+            raise WireError(
+                f"{host}:{port} cannot be resolved ({error}); write its IP address or check DNS"
+            ) from error
+        family, kind, protocol, _, address = found[0]
+        self._family = family
+        self._kind = kind
+        self._protocol = protocol
+        self._address: tuple[str | int, ...] | tuple[int, bytes] = address
+        self._socket: socket.socket | None = None
+        self._poll = select.poll()
+
+    def start_connect(self) -> bool:
+        """Begin a connection attempt; False when it failed at once."""
+        self.close(abort=True)
+        try:
+            fresh = socket.socket(self._family, self._kind, self._protocol)
+        except OSError:
+            return False
+        self._socket = fresh
+        try:
+            fresh.setblocking(False)
+            fresh.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            started = fresh.connect_ex(self._address) in (0, errno.EINPROGRESS)
+        except OSError:
+            started = False
+        if not started or fresh.fileno() >= _SELECT_LIMIT:
+            self.close(abort=True)
+            return False
+        self._poll = select.poll()
+        self._poll.register(fresh.fileno(), select.POLLIN)
+        return True
+
+    def connecting(self) -> Connecting:
+        """Return the state of the attempt, without waiting."""
+        current = self._socket
+        if current is None:
+            return Connecting.FAILED
+        try:
+            _, writable, _ = select.select((), (current,), (), 0.0)
+            if not writable:
+                return Connecting.PENDING
+            if current.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR) != 0:
+                return Connecting.FAILED
+            # a loopback port nobody listens on can be joined to itself
+            if current.getsockname() == current.getpeername():
+                return Connecting.FAILED
+            current.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
+        except OSError:
+            return Connecting.FAILED
+        return Connecting.UP
+
+    def send(self, frame: bytes) -> bool:
+        """Hand over the whole frame; False when the connection did not take it."""
+        current = self._socket
+        if current is None:
+            return False
+        try:
+            taken = current.send(frame)
+            current.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
+        except OSError:
+            return False
+        return taken == len(frame)
+
+    def receive(self, into: memoryview, wait_ns: int) -> int:
+        """Wait at most ``wait_ns`` and read once; bytes read, 0 for none yet, -1 for closed.
+
+        A wait of a millisecond or more is cut to whole milliseconds, the unit of ``poll``, so
+        that it never ends late; the caller asks again for the rest.
+        """
+        current = self._socket
+        if current is None:
+            return CLOSED
+        try:
+            if wait_ns > 0 and not self._readable(current, wait_ns):
+                return 0
+            count = current.recv_into(into)
+            if count == 0:
+                return CLOSED
+            current.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
+        except BlockingIOError:
+            return 0
+        except OSError:
+            return CLOSED
+        return count
+
+    def close(self, *, abort: bool) -> None:
+        """Close; ``abort`` drops unsent and unacknowledged bytes instead of delivering them.
+
+        A plain close would let the kernel deliver an old command long after, when the cable is
+        back.
+        """
+        current, self._socket = self._socket, None
+        if current is None:
+            return
+        with contextlib.suppress(OSError):
+            if abort:
+                current.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _RESET_ON_CLOSE)
+        with contextlib.suppress(OSError):
+            current.close()
+
+    def _readable(self, current: socket.socket, wait_ns: int) -> bool:
+        if wait_ns >= _NS_PER_MS:
+            return bool(self._poll.poll(wait_ns // _NS_PER_MS))
+        return bool(select.select((current,), (), (), wait_ns * 1e-9)[0])

@@ -1,0 +1,128 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from aff_runtime.base.clock import VirtualClock
+from aff_runtime.base.signals import Outcome, Snapshot
+from aff_runtime.fieldbus.codec import WordCodec
+from aff_runtime.fieldbus.gateway import WordGateway
+from aff_runtime.fieldbus.loopback import LoopbackTransport
+from tests.aff_runtime.fieldbus.euclid_map import ANGLE_SCALE, command, euclid_map
+
+PERIOD_NS = 5_000_000
+ANGLE = 6
+
+
+def block(heartbeat: int, *, status: int = 45, speed: int = 1016, angle: int = 0) -> list[int]:
+    words = [heartbeat, status, 0, 0, 0, speed, 10000, 0, 12, 0, 0, 0, 0, 0, 0]
+    words[11], words[12] = (angle >> 16) & 0xFFFF, angle & 0xFFFF
+    return words
+
+
+class Rig:
+    def __init__(self) -> None:
+        self.clock = VirtualClock()
+        self.said: list[int] | Outcome = Outcome.NOT_CONNECTED
+        self.heard: list[int] = []
+        self.gateway = WordGateway(
+            LoopbackTransport(self._answer), WordCodec(euclid_map()), self.clock
+        )
+        self.ticks = 0
+
+    def _answer(self, words: list[int]) -> list[int] | Outcome:
+        self.heard = words
+        return self.said
+
+    def tick(self, said: list[int] | Outcome) -> Snapshot:
+        self.said = said
+        self.clock.advance_ns(PERIOD_NS)
+        self.ticks += 1
+        deadline_ns = self.clock.now_ns() + PERIOD_NS
+        return self.gateway.exchange(command(heartbeat=self.ticks), self.ticks, deadline_ns)
+
+
+def test_the_command_goes_out_and_the_reading_comes_in_with_its_time() -> None:
+    rig = Rig()
+    snapshot = rig.tick(block(5))
+    assert rig.heard[0] == 1
+    assert (snapshot.tick, snapshot.t_ns) == (1, PERIOD_NS)
+    assert (snapshot.plc_heartbeat, snapshot.status, snapshot.roll_id) == (5, 45, 12)
+    assert snapshot.values[2] == pytest.approx(1.016)
+
+
+def test_fresh_means_the_heartbeat_moved_not_that_the_server_answered() -> None:
+    rig = Rig()
+    beats = [5, 6, 6, 6, 7, 65535, 0]
+    snapshots = [rig.tick(block(beat)) for beat in beats]
+    assert [s.fresh for s in snapshots] == [False, True, False, False, True, True, True]
+    assert [round(s.age_s * 1e3) for s in snapshots] == [5, 0, 5, 10, 0, 0, 0]
+
+
+@pytest.mark.parametrize(
+    "outcome", [Outcome.TIMEOUT, Outcome.NOT_CONNECTED, Outcome.EXCEPTION, Outcome.BAD_REPLY]
+)
+def test_without_a_good_reply_there_are_no_values_and_age_grows(outcome: Outcome) -> None:
+    rig = Rig()
+    rig.tick(block(5))
+    rig.tick(block(6))
+    snapshots = [rig.tick(outcome) for _ in range(3)]
+    assert [s.outcome for s in snapshots] == [outcome] * 3
+    assert all(math.isnan(value) for s in snapshots for value in s.values)
+    assert len(snapshots[0].values) == 8
+    assert not any(s.fresh for s in snapshots)
+    assert [round(s.age_s * 1e3) for s in snapshots] == [5, 10, 15]
+    last = snapshots[-1]
+    assert (last.plc_heartbeat, last.status, last.roll_id) == (6, 45, 12)
+
+
+@pytest.mark.parametrize("count", [0, 14, 16])
+def test_a_block_of_the_wrong_size_is_a_bad_reply(count: int) -> None:
+    rig = Rig()
+    rig.tick(block(5))
+    snapshot = rig.tick(([6] * 20)[:count])
+    assert (snapshot.outcome, snapshot.fresh, snapshot.plc_heartbeat) == (
+        Outcome.BAD_REPLY, False, 5,
+    )  # fmt: skip
+    assert math.isnan(snapshot.values[0])
+
+
+def test_the_first_reply_of_a_new_connection_is_no_data() -> None:
+    rig = Rig()
+    rig.tick(block(5))
+    rig.tick(block(6))
+    rig.tick(Outcome.NOT_CONNECTED)
+    first = rig.tick(block(9, status=0, speed=0))
+    second = rig.tick(block(10))
+    assert (first.outcome, first.fresh, first.status) == (Outcome.NOT_CONNECTED, False, 45)
+    assert math.isnan(first.values[2])
+    assert (second.outcome, second.fresh) == (Outcome.OK, True)
+    assert second.values[2] == pytest.approx(1.016)
+
+
+def test_a_plc_that_answers_with_a_frozen_heartbeat_after_reconnect_stays_stale() -> None:
+    rig = Rig()
+    rig.tick(block(5))
+    rig.tick(Outcome.NOT_CONNECTED)
+    snapshots = [rig.tick(block(77)) for _ in range(4)]
+    assert not any(s.fresh for s in snapshots)
+    assert round(snapshots[-1].age_s * 1e3) == 30
+
+
+def test_an_angle_keeps_turning_through_a_missed_reply_and_restarts_after_a_reconnect() -> None:
+    rig = Rig()
+    rig.tick(block(1, angle=0x7FFFFFFF))
+    rig.tick(Outcome.TIMEOUT)
+    over = rig.tick(block(2, angle=0x80000001))
+    rig.tick(Outcome.NOT_CONNECTED)
+    rig.tick(block(3, angle=0x80000002))
+    again = rig.tick(block(4, angle=0x80000003))
+    assert over.values[ANGLE] == (2**31 + 1) * ANGLE_SCALE
+    assert again.values[ANGLE] == (3 - 2**31) * ANGLE_SCALE
+
+
+def test_closing_the_gateway_closes_the_wire() -> None:
+    rig = Rig()
+    rig.gateway.close()
+    assert rig.tick(block(1)).outcome is Outcome.NOT_CONNECTED
