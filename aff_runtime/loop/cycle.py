@@ -1,0 +1,259 @@
+"""The cycle: read, judge, think, bound, tell, listen. One page, one thread, one wire."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import nan
+
+from aff_runtime.base.events import BY_NAME
+from aff_runtime.base.ports import Clock, Gateway, Law
+from aff_runtime.base.signals import (
+    ActuatorStep,
+    Command,
+    Outcome,
+    Permission,
+    Snapshot,
+    StateBits,
+)
+from aff_runtime.loop.orders import Orders
+from aff_runtime.loop.record import TickTiming, build_record
+from aff_runtime.loop.seams import GuardPort, Outside
+from aff_runtime.loop.stats import CycleStats
+from aff_runtime.loop.ticker import Ticker
+
+_INTERNAL_FAULT = BY_NAME["INTERNAL_FAULT"].code
+_WORD = 0xFFFF
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CycleSettings:
+    """Fixed for the life of the process.
+
+    Attributes
+    ----------
+    period_ns : cycle time, ns.
+    io_deadline_ns : time for the wire in each tick, from its start, ns.
+    fade_s : within this time the cycle itself takes the output to zero if the guard is lost, s.
+    channel_count, output_count, law_columns : sizes of a record.
+    overruns_in_a_row : this many late ticks in a row are an overrun.
+    advice_every_ticks : ticks between two questions to the law's side.
+    zero_commands : commands with zero that are sent before the cycle returns.
+    config_revision : shown to the PLC.
+    """
+
+    period_ns: int
+    io_deadline_ns: int
+    fade_s: float
+    channel_count: int
+    output_count: int
+    law_columns: int
+    overruns_in_a_row: int = 3
+    advice_every_ticks: int = 20
+    zero_commands: int = 5
+    config_revision: int = 0
+
+
+class Cycle:
+    """Runs gateway, guard and law on the grid of a clock until told to stop.
+
+    Whatever is raised in a tick is caught in ``_attempt``, becomes INTERNAL_FAULT, and the output
+    fades to zero while heartbeats go on. If the guard itself fails, the cycle ramps the output
+    down on its own and keeps it at zero until the process ends.
+    """
+
+    def __init__(
+        self,
+        *,
+        settings: CycleSettings,
+        clock: Clock,
+        gateway: Gateway,
+        guard: GuardPort,
+        law: Law,
+        outside: Outside,
+    ) -> None:
+        self._settings = settings
+        self._clock = clock
+        self._gateway = gateway
+        self._guard = guard
+        self._orders = Orders(
+            guard=guard, law=law, outside=outside, advice_every_ticks=settings.advice_every_ticks
+        )
+        self._outside = outside
+        self._ticker = Ticker(clock, settings.period_ns)
+        self.stats = CycleStats()
+        zeros = (0.0,) * settings.output_count
+        self._blank = _blank_snapshot(settings.channel_count)
+        self._snapshot = self._blank
+        self._permission = Permission(
+            adapt=False, applied_ratio=zeros, limit_ratio=(1.0,) * settings.output_count
+        )
+        self._steps: tuple[ActuatorStep, ...] | None = None
+        self._corrections: tuple[float, ...] = zeros
+        self._limits: tuple[float, ...] = zeros
+        self._bits = int(StateBits.FAULT)
+        self._alarm = BY_NAME["POWER_UP"].code
+        self._orders.config_revision = settings.config_revision
+        self._tick = self._periods = self._periods_total = self._late_in_a_row = 0
+        self._wake_ns = self._started_ns = self._io_ns = 0
+        self._guard_lost = self._wire_worked = False
+        self._last_fault = ""
+        self._ramp_from = zeros
+        self._ramp_left = 1.0
+        self._zeros_sent = self._echo = 0
+
+    def run(self) -> None:
+        """Tick until stopped; returns after the fade and a few commands with zero."""
+        self._ticker.start()
+        while self.tick():
+            pass
+
+    def request_stop(self) -> None:
+        """Stop from a signal handler; the output fades first."""
+        self._orders.stop_wanted = True
+
+    def tick(self) -> bool:
+        """Wait for the next tick and do it; False when the cycle has ended."""
+        self._periods = self._ticker.wait()
+        self._begin()
+        self._attempt(self._think)
+        if self._guard_lost or not self._attempt(self._bound):
+            self._guard_lost = True
+            self._ramp_down()
+        self._attempt(self._tell)
+        self._attempt(self._listen)
+        return not self._has_stopped()
+
+    def _begin(self) -> None:
+        self._tick += 1
+        self._periods_total += self._periods
+        self._wake_ns = self._ticker.wake_ns
+        self._started_ns = self._clock.now_ns()
+        self._late_in_a_row = self._late_in_a_row + 1 if self._ticker.late else 0
+        self._snapshot = self._blank
+        self._steps = None
+
+    def _think(self) -> None:
+        """Send the last command, read, judge, and let the law think."""
+        self._snapshot = self._gateway.exchange(
+            self._command(), self._tick, self._started_ns + self._settings.io_deadline_ns
+        )
+        read_ns = self._clock.now_ns()
+        self._io_ns = read_ns - self._started_ns
+        if self._snapshot.outcome is Outcome.OK:
+            self._wire_worked = True
+            self._echo = self._snapshot.plc_heartbeat
+        overrun = self._late_in_a_row >= self._settings.overruns_in_a_row
+        self._permission = self._guard.observe(
+            self._snapshot, read_ns, overrun, self._orders.supervisor_alive
+        )
+        self._steps = self._orders.law.step(self._snapshot, self._dt_s, self._permission)
+
+    def _bound(self) -> None:
+        self._corrections, self._bits, self._alarm = self._guard.limit(self._steps, self._dt_s)
+        self._ramp_from = self._corrections
+        self._limits = self._guard.limits
+
+    def _tell(self) -> None:
+        """Keep the record and the events, and tell the service manager."""
+        tick_ns = self._clock.now_ns() - self._started_ns
+        self.stats.add(wake_ns=self._wake_ns, io_ns=self._io_ns, tick_ns=tick_ns)
+        self._outside.publish(self._record(tick_ns))
+        for tick, code in self._guard.drain_events():
+            self._outside.event(tick, self._started_ns, code)
+        self._outside.tick_done(self._wire_worked)
+
+    def _listen(self) -> None:
+        self._orders.listen(self._tick)
+
+    def _attempt(self, work: Callable[[], None]) -> bool:
+        """Do one part of the tick; the only place where something unexpected is caught."""
+        try:
+            work()
+        except Exception as error:
+            self._note_fault(error)
+            return False
+        return True
+
+    def _note_fault(self, error: Exception) -> None:
+        try:
+            self._guard.internal_fault()
+            text = repr(error)
+            if text != self._last_fault:
+                self._last_fault = text
+                self._outside.fault_text("".join(traceback.format_exception(error)))
+        except Exception:
+            self._guard_lost = True
+
+    def _ramp_down(self) -> None:
+        """Without a guard: straight to zero within the fade time, and stay there."""
+        self._ramp_left = max(0.0, self._ramp_left - self._dt_s / self._settings.fade_s)
+        self._corrections = tuple(value * self._ramp_left for value in self._ramp_from)
+        self._bits = int(StateBits.FAULT | (StateBits.FADING if self._ramp_left > 0.0 else 0))
+        self._alarm = _INTERNAL_FAULT
+
+    def _has_stopped(self) -> bool:
+        """Fade, then a few commands with zero, then the end."""
+        if not self._orders.stopping:
+            return False
+        is_quiet = self._ramp_left <= 0.0 if self._guard_lost else self._guard.quiet
+        self._zeros_sent += is_quiet
+        return self._zeros_sent > self._settings.zero_commands
+
+    @property
+    def _dt_s(self) -> float:
+        return self._periods * self._settings.period_ns * 1e-9
+
+    def _command(self) -> Command:
+        return Command(
+            heartbeat=self._tick & _WORD,
+            state_bits=self._bits,
+            echo=self._echo,
+            corrections=self._corrections,
+            alarm=self._alarm,
+            limits=self._limits,
+            config_revision=self._orders.config_revision & _WORD,
+        )
+
+    def _record(self, tick_ns: int) -> tuple[float, ...]:
+        steps = self._steps
+        count = self._settings.output_count
+        if steps is not None and len(steps) == count:
+            wanted = tuple(step.value for step in steps)
+        else:
+            wanted = (nan,) * count
+        return build_record(
+            snapshot=self._snapshot,
+            state=self._guard.state,
+            state_bits=self._bits,
+            alarm=self._alarm,
+            wanted=wanted,
+            corrections=self._corrections,
+            permission=self._permission,
+            timing=TickTiming(
+                tick=self._tick,
+                time_s=self._periods_total * self._settings.period_ns * 1e-9,
+                periods=self._periods,
+                wake_ns=self._wake_ns,
+                io_ns=self._io_ns,
+                tick_ns=tick_ns,
+                missed=self._ticker.missed,
+            ),
+            law_values=self._orders.law.telemetry(),
+            law_columns=self._settings.law_columns,
+        )
+
+
+def _blank_snapshot(channel_count: int) -> Snapshot:
+    return Snapshot(
+        tick=0,
+        t_ns=0,
+        outcome=Outcome.BAD_REPLY,
+        fresh=False,
+        age_s=nan,
+        plc_heartbeat=0,
+        status=0,
+        roll_id=0,
+        values=(nan,) * channel_count,
+    )

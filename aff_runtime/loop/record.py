@@ -1,0 +1,96 @@
+"""One row per tick: what was read, wanted, sent, and how long it took."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import nan
+
+from aff_runtime.base.signals import Permission, Snapshot, State
+
+_HEAD = (
+    "time_s",
+    "tick",
+    "periods_count",
+    "state",
+    "state_bits",
+    "alarm",
+    "outcome",
+    "fresh",
+    "age_s",
+    "plc_heartbeat",
+    "status",
+    "roll_id",
+)
+_TIMING = ("wake_us", "io_us", "tick_us", "missed_count")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TickTiming:
+    """Time of one tick: ``time_s`` is whole periods since the start of the cycle."""
+
+    tick: int
+    time_s: float
+    periods: int
+    wake_ns: int
+    io_ns: int
+    tick_ns: int
+    missed: int
+
+
+def record_columns(
+    channels: Sequence[str], outputs: Sequence[str], law_names: Sequence[str]
+) -> tuple[str, ...]:
+    """Return the columns of ``build_record``; ``outputs`` are names with unit (unwind_m_s)."""
+    return (
+        *_HEAD,
+        *channels,
+        *(f"wanted_{output}" for output in outputs),
+        *(f"correction_{output}" for output in outputs),
+        *(f"applied_ratio_{output}" for output in outputs),
+        *(f"limit_ratio_{output}" for output in outputs),
+        *_TIMING,
+        *law_names,
+    )
+
+
+def build_record(
+    *,
+    snapshot: Snapshot,
+    state: State,
+    state_bits: int,
+    alarm: int,
+    wanted: tuple[float, ...],
+    corrections: tuple[float, ...],
+    permission: Permission,
+    timing: TickTiming,
+    law_values: tuple[float, ...],
+    law_columns: int,
+) -> tuple[float, ...]:
+    """Return one row; a law with more or fewer numbers than ``law_columns`` is cut or filled."""
+    missing = (nan,) * (law_columns - len(law_values))
+    return (
+        timing.time_s,
+        timing.tick,
+        timing.periods,
+        state,
+        state_bits,
+        alarm,
+        snapshot.outcome,
+        snapshot.fresh,
+        snapshot.age_s,
+        snapshot.plc_heartbeat,
+        snapshot.status,
+        snapshot.roll_id,
+        *snapshot.values,
+        *wanted,
+        *corrections,
+        *permission.applied_ratio,
+        *permission.limit_ratio,
+        timing.wake_ns * 1e-3,
+        timing.io_ns * 1e-3,
+        timing.tick_ns * 1e-3,
+        timing.missed,
+        *law_values[:law_columns],
+        *missing,
+    )

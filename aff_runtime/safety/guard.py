@@ -1,0 +1,292 @@
+"""The guard: whether a correction may go out, how much of it, and when it must be zero."""
+
+from __future__ import annotations
+
+from aff_runtime.base.events import BY_CODE, BY_NAME
+from aff_runtime.base.signals import (
+    ActuatorStep,
+    Outcome,
+    Permission,
+    Snapshot,
+    State,
+)
+from aff_runtime.safety.causes import FADING, HOLDING, LATCHING, bit, first_code
+from aff_runtime.safety.envelope import Envelope
+from aff_runtime.safety.freshness import Freshness, FreshnessJudge
+from aff_runtime.safety.lease import Lease
+from aff_runtime.safety.limits import Limiter, makes_sense
+from aff_runtime.safety.line_judge import LineJudge
+from aff_runtime.safety.params import GuardParams
+from aff_runtime.safety.state_machine import Inputs, Standing, advance
+from aff_runtime.safety.state_word import state_word
+
+_POWER_UP = BY_NAME["POWER_UP"].code
+_BYPASSED = BY_NAME["BYPASSED"].code
+_PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
+_AT_REST = (State.FAULT, State.BYPASS)
+
+
+class Guard:
+    """Stands between any law and the wire; one ``observe`` and one ``limit`` per tick.
+
+    Pure: time is an argument, nothing is logged, nothing raises, nothing blocks.
+
+    Attributes
+    ----------
+    objections : the law side's reasons against arming, in words; set from outside.
+    ripple_rose : the monitor's word that ripple grew since the output opened; judged while it is.
+    standing : state and whether the operator's word to be armed holds.
+    """
+
+    def __init__(self, params: GuardParams) -> None:
+        self.params = params
+        self.objections: tuple[str, ...] = ()
+        self.ripple_rose = False
+        self.standing = Standing()
+        self._freshness = FreshnessJudge(params.freshness)
+        self._line = LineJudge(params)
+        self._lease = Lease(params.lease_ticks)
+        self._envelopes = tuple(
+            Envelope(soft_start_s=actuator.soft_start_s, fade_s=params.fade_s)
+            for actuator in params.actuators
+        )
+        self._limiters = tuple(Limiter(actuator, params.fade_s) for actuator in params.actuators)
+        self._steps: tuple[ActuatorStep | None, ...] = (None,) * len(params.actuators)
+        self._arm_edge = self._bypass_edge = self._shadow_edge = False
+        self._shadow = self._fade_once = False
+        self._causes = self._found_in_tick = 0
+        self._first_out = _POWER_UP
+        self._comm_warn = True
+        self._observed_ns: int | None = None
+        self._tick = 0
+        self._events: list[tuple[int, int]] = [(0, _POWER_UP)]
+
+    # --- the operator -----------------------------------------------------------------------
+
+    def arm(self) -> str:
+        """Ask for an armed output at the next tick; return what stands against it now, or ''."""
+        self._arm_edge = True
+        self.ripple_rose = False
+        if self.standing.state is State.FAULT:
+            self._line.confirm_rolls()
+            self._causes &= ~bit("RADIUS_JUMP")
+        return self.first_blocking()
+
+    def bypass(self) -> None:
+        """Take the correction back now; works in every state and outlives pending requests."""
+        self._bypass_edge = True
+        self._arm_edge = False
+
+    def shadow(self, on: bool) -> None:
+        """Compute without transmitting, or end that; an armed output is given up either way."""
+        self._shadow = self._shadow_edge = on
+        self._arm_edge = False
+
+    # --- the assembly -----------------------------------------------------------------------
+
+    def adopt(self, params: GuardParams) -> bool:
+        """Take new settings between two ticks; False and no change when the outputs differ."""
+        if [a.name for a in params.actuators] != [a.name for a in self.params.actuators]:
+            return False
+        self.params = params
+        self._freshness.params = params.freshness
+        self._line.adopt(params)
+        for index, actuator in enumerate(params.actuators):
+            self._envelopes[index].soft_start_s = actuator.soft_start_s
+            self._envelopes[index].fade_s = params.fade_s
+            self._limiters[index].adopt(actuator, params.fade_s)
+        return True
+
+    def fade_once(self) -> None:
+        """Fade to zero and come back by itself; for an exchange that cannot be bumpless."""
+        self._fade_once = True
+
+    def internal_fault(self) -> None:
+        """Latch INTERNAL_FAULT now: something unexpected happened in this tick."""
+        self._latch(bit("INTERNAL_FAULT"))
+
+    @property
+    def state(self) -> State:
+        """State of the guard."""
+        return self.standing.state
+
+    @property
+    def quiet(self) -> bool:
+        """Whether every output is closed and zero."""
+        return all(envelope.level == 0.0 for envelope in self._envelopes)
+
+    @property
+    def limits(self) -> tuple[float, ...]:
+        """Limit in force per actuator, in its SI unit."""
+        return tuple(limiter.limit for limiter in self._limiters)
+
+    def first_blocking(self) -> str:
+        """Return ``blocked by <reason>`` for the first thing against an armed output, or ''."""
+        reason = self._first_reason()
+        return f"blocked by {reason}" if reason else ""
+
+    def drain_events(self) -> list[tuple[int, int]]:
+        """Return (tick, event code) of everything since the last call."""
+        events, self._events = self._events, []
+        return events
+
+    # --- the cycle --------------------------------------------------------------------------
+
+    def observe(
+        self, snapshot: Snapshot, now_ns: int, overrun: bool, supervisor_alive: bool
+    ) -> Permission:
+        """Judge one tick's readings and return what the law may do.
+
+        Parameters
+        ----------
+        snapshot : the readings of this tick.
+        now_ns : monotonic time, ns; a gap longer than ``fault_after_s`` is an overrun.
+        overrun : the cycle overran too often.
+        supervisor_alive : False latches SUPERVISOR_LOST.
+        """
+        self._tick = snapshot.tick
+        freshness = self._freshness.judge(snapshot, now_ns)
+        self._comm_warn = freshness is not Freshness.GOOD or snapshot.outcome is not Outcome.OK
+        causes = self._found_in_tick | self._line.judge(snapshot, now_ns)
+        causes |= self._causes_of_time(now_ns, freshness, overrun, supervisor_alive)
+        self._found_in_tick = 0
+        self._note_events(causes)
+        self._causes = causes
+        self._advance()
+        return Permission(
+            adapt=self.standing.state is State.ACTIVE
+            and not self._comm_warn
+            and not causes & (HOLDING | FADING),
+            applied_ratio=tuple(
+                envelope.level * limiter.scale
+                for envelope, limiter in zip(self._envelopes, self._limiters, strict=True)
+            ),
+            limit_ratio=tuple(limiter.wanted_scale for limiter in self._limiters),
+        )
+
+    def limit(
+        self, steps: tuple[ActuatorStep, ...] | None, dt_s: float
+    ) -> tuple[tuple[float, ...], int, int]:
+        """Bound the law's wish and return (corrections, state bits, alarm code) for the wire.
+
+        Parameters
+        ----------
+        steps : one per actuator; None or another number of them does not renew the lease.
+        dt_s : whole periods since the last call, s.
+        """
+        dt_s = dt_s if dt_s > 0.0 else 0.0
+        self._take(steps)
+        for index, limiter in enumerate(self._limiters):
+            may_open = self.standing.state is State.ACTIVE and self._line.gates[index]
+            level = self._envelopes[index].step(may_open, dt_s)
+            limiter.step(self._steps[index], level, dt_s)
+        corrections = tuple(limiter.output for limiter in self._limiters)
+        word = state_word(
+            self.standing,
+            quiet=self.quiet,
+            saturated=any(limiter.saturated for limiter in self._limiters),
+            comm_warn=self._comm_warn,
+        )
+        return corrections, word, self._alarm()
+
+    # --- inside -----------------------------------------------------------------------------
+
+    def _take(self, steps: tuple[ActuatorStep, ...] | None) -> None:
+        """Judge the law's wishes before any output moves; a wish without sense becomes zero."""
+        if steps is None or len(steps) != len(self._limiters):
+            if self._lease.tick(renewed=False):
+                self._latch(bit("LEASE_EXPIRED"))
+            return
+        self._lease.tick(renewed=True)
+        self._steps = steps
+        for step in steps:
+            if not makes_sense(step):
+                self._latch(bit("INTERNAL_FAULT"))
+                self._steps = tuple(wish if makes_sense(wish) else None for wish in steps)
+                return
+
+    def _causes_of_time(
+        self, now_ns: int, freshness: Freshness, overrun: bool, supervisor_alive: bool
+    ) -> int:
+        causes = 0
+        previous_ns, self._observed_ns = self._observed_ns, now_ns
+        gap_s = 0.0 if previous_ns is None else (now_ns - previous_ns) * 1e-9
+        if overrun or gap_s > self.params.freshness.fault_after_s:
+            causes |= bit("OVERRUN")
+        if freshness is Freshness.STALE:
+            causes |= bit("PLC_STALE")
+        if not supervisor_alive:
+            causes |= bit("SUPERVISOR_LOST")
+        if self.ripple_rose and self.standing.state is State.ACTIVE:
+            causes |= bit("RIPPLE_ROSE")
+        return causes
+
+    def _note_events(self, causes: int) -> None:
+        rising = causes & ~self._causes
+        if not self.standing.armed:
+            rising &= ~_PERMISSIVE_LOST
+        while rising:
+            code = first_code(rising)
+            self._events.append((self._tick, code))
+            rising &= rising - 1
+        if self._bypass_edge:
+            self._events.append((self._tick, _BYPASSED))
+
+    def _advance(self) -> None:
+        before = self.standing.state
+        latching = self._causes & LATCHING
+        quiet = self.quiet
+        self.standing = advance(
+            self.standing,
+            Inputs(
+                arm_edge=self._arm_edge,
+                bypass_edge=self._bypass_edge,
+                shadow=self._shadow,
+                shadow_edge=self._shadow_edge,
+                latching=latching != 0,
+                blocked=self._is_blocked(),
+                moving=self._line.moving,
+                quiet=quiet,
+            ),
+        )
+        is_news = before is not State.FAULT or self._first_out == _POWER_UP
+        if self.standing.state is State.FAULT and latching and is_news:
+            self._first_out = first_code(latching)
+        # An early press of "arm" waits for the end of a fade, but never outlives a new cause.
+        waits = before in _AT_REST and self.standing.state is before and not quiet
+        self._arm_edge = self._arm_edge and waits and not latching and not self._bypass_edge
+        self._bypass_edge = self._shadow_edge = False
+        self._fade_once = self._fade_once and not quiet
+
+    def _is_blocked(self) -> bool:
+        """Objections keep an output closed; an open one they leave to the law."""
+        objects = self.standing.state is not State.ACTIVE and len(self.objections) > 0
+        return objects or self._fade_once or self._causes & FADING != 0
+
+    def _latch(self, cause: int) -> None:
+        """Fault at once, inside the tick; ``observe`` notes the event in the next one."""
+        self._found_in_tick |= cause
+        if self.standing.state not in _AT_REST:
+            self.standing = Standing(state=State.FAULT)
+            self._first_out = first_code(cause)
+
+    def _first_reason(self) -> str:
+        latching = self._causes & LATCHING
+        if latching:
+            name = BY_CODE[first_code(latching)].name
+            return f"{name} ({self._line.unbelievable})" if self._line.unbelievable else name
+        if self._causes & _PERMISSIVE_LOST:
+            return self._line.first_missing()
+        if self._causes & FADING:
+            return BY_CODE[first_code(self._causes & FADING)].name
+        if self.objections:
+            return self.objections[0]
+        return "SHADOW=1" if self._shadow else ""
+
+    def _alarm(self) -> int:
+        state = self.standing.state
+        if state is State.FAULT:
+            return self._first_out
+        if state is State.BYPASS:
+            return _BYPASSED
+        return first_code(self._causes & FADING) if self.standing.armed else 0
