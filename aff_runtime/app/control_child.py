@@ -75,6 +75,10 @@ class ControlChild:
             return False
         return True
 
+    def kill(self) -> None:
+        """End a process that never began to tick."""
+        self._process.kill()
+
     def close(self) -> None:
         """Release the link of a process that has ended."""
         self.link.close()

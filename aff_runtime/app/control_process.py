@@ -49,8 +49,6 @@ def _run(start: dict[str, Any], link: Link, ring: Path) -> int:
     clock = MonotonicClock()
     record = start["record"]
     assembly = assemble(record, clock)
-    if start.get("shadow"):
-        assembly.guard.shadow(True)
     rights = ask(RealtimeRequest(cpus=_own_processor()))
     meta = {
         "config_hash": record["config_hash"],
@@ -68,6 +66,7 @@ def _run(start: dict[str, Any], link: Link, ring: Path) -> int:
     signal.signal(signal.SIGUSR1, lambda *_: outside.bypass_by_signal())
     signal.signal(signal.SIGTERM, lambda *_: cycle.request_stop())
     cycle.run()
+    outside.close()
     assembly.gateway.close()
     _release(rights)
     return 0

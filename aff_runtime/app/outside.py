@@ -67,13 +67,15 @@ class ControlOutside:
         )
         self._clock = MonotonicClock()
         self._bypass_signal = False
+        self._shadow_wanted = bool(meta["shadow"])
         self._tick = 0
+        self._record: Sequence[float] = ()
+        self._ring_columns: tuple[str, ...] = ()
         self._blocked = ""
         self._arm_question: int | None = None
         self._arm_tick = 0
         self._probe: ProbeRun | None = None
         self._next_law: RecordedLaw | None = None
-        self._responses: dict[str, str] = dict(assembly.record["responses"])
         self._revision = assembly.record["config_hash"]
         self._ring = self._new_ring()
 
@@ -81,11 +83,16 @@ class ControlOutside:
         """Take the correction back; called by a signal handler."""
         self._bypass_signal = True
 
+    def close(self) -> None:
+        """Remove the ring; the supervisor may be gone and cannot."""
+        self._ring.remove()
+
     # --- what the cycle tells -----------------------------------------------------------------
 
     def publish(self, record: Sequence[float]) -> None:
         """Keep one record in the ring."""
         self._tick = int(record[1])
+        self._record = record
         if self._next_law is not None and self._next_law.is_stepping:
             self._exchange_law(self._next_law)
         self._ring.write((*record, *self._law.law_telemetry()))
@@ -131,6 +138,9 @@ class ControlOutside:
         if self._bypass_signal:
             self._bypass_signal = False
             messages.append(Bypass())
+        if self._shadow_wanted and self._tick % ARM_PATIENCE_TICKS == 0:
+            self._shadow_wanted = self._guard.state is not State.SHADOW
+            messages.append(Shadow(on=True))  # again, until the PLC is there
         self._answer_arm()
         if self._probe is not None:
             messages += self._watch_probe(self._probe)
@@ -141,7 +151,7 @@ class ControlOutside:
         if said is not None:
             try:
                 messages += self._obey(said)
-            except AffError as error:
+            except (AffError, ValueError, KeyError, TypeError) as error:
                 self._reply(said, ok=False, message=str(error))
         return messages
 
@@ -171,6 +181,7 @@ class ControlOutside:
 
     def _shadow(self, said: dict[str, Any]) -> list[Message]:
         """Begin or end shadow operation."""
+        self._shadow_wanted = False
         self._reply(said, ok=True)
         return [Shadow(on=bool(said.get("on", True)))]
 
@@ -207,7 +218,7 @@ class ControlOutside:
         present = self._law.controller
         law = RecordedLaw(controller_of(site, record["responses"]), adopt_from=present)
         loses = set(present.telemetry_names()) - set(law.controller.telemetry_names())
-        self._site, self._responses = site, dict(record["responses"])
+        self._site = site
         self._revision = record["config_hash"]
         self._next_law = law
         self._reply(said, ok=True)
@@ -234,6 +245,7 @@ class ControlOutside:
             [str(name) for name in said["actuators"]] or list(self._site.actuators),
             was_armed=was_armed,
             config_hash=self._revision,
+            version=str(self._meta["versions"].get("aff-runtime", "")),
         )
         law = RecordedLaw(self._law.controller, probe=self._probe.probe)
         self._next_law = law
@@ -247,7 +259,7 @@ class ControlOutside:
         if run.failure(self._guard.first_blocking()):
             self._link.send({"did": "PROBED", "error": run.failure(self._guard.first_blocking())})
         else:
-            run.fit_in_child(self._link)
+            run.fit_in_child(self._link, dict(zip(self._ring_columns, self._record, strict=False)))
         self._probe = None
         law = RecordedLaw(self._law.controller)
         self._next_law = law
@@ -266,9 +278,8 @@ class ControlOutside:
         """Create the ring for the present columns and tell the supervisor."""
         outputs = [f"{name}_{_suffix(a.unit)}" for name, a in self._site.actuators.items()]
         columns = record_columns(tuple(self._site.gateway.read.channels), outputs, ())
-        ring = RingWriter(
-            self._ring_path, (*columns, *self._law.law_telemetry_names()), meta=self._meta
-        )
+        self._ring_columns = (*columns, *self._law.law_telemetry_names())
+        ring = RingWriter(self._ring_path, self._ring_columns, meta=self._meta)
         self._link.send({"did": "RING", "rights": self._meta["rights"]})
         return ring
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from math import nan
 from typing import Any
 
 from aff_runtime.app.link import Link
@@ -30,11 +31,18 @@ class ProbeRun:
     """
 
     def __init__(
-        self, site: Site, actuators: Sequence[str], *, was_armed: bool, config_hash: str
+        self,
+        site: Site,
+        actuators: Sequence[str],
+        *,
+        was_armed: bool,
+        config_hash: str,
+        version: str,
     ) -> None:
         settings = probe_params(site, actuators)
         self._site = site
         self._config_hash = config_hash
+        self._version = version
         self._settings = settings
         self.probe = Probe(site_params(site), settings)
         self.was_armed = was_armed
@@ -63,39 +71,53 @@ class ProbeRun:
         reason = self.probe.reason or self._failure or "aborted"
         return f"READY: {blocked}" if blocked else reason
 
-    def fit_in_child(self, link: Link) -> None:
+    def fit_in_child(self, link: Link, readings: Mapping[str, float]) -> None:
         """Fit in a forked child: least squares would hold up ten ticks here.
 
         The child gets ordinary priority (reset on fork), sends the result over the link and ends.
+
+        Parameters
+        ----------
+        link : to the supervisor.
+        readings : newest value per channel, for the provenance.
         """
         signal.signal(signal.SIGCHLD, signal.SIG_IGN)
         if os.fork() == 0:
-            self._fit_and_exit(link)
+            self._fit_and_exit(link, readings)
 
-    def _fit_and_exit(self, link: Link) -> None:
+    def _fit_and_exit(self, link: Link, readings: Mapping[str, float]) -> None:
         """Send the result and leave without running anybody's clean-up."""
         try:
             with contextlib.suppress(OSError):
                 os.sched_setaffinity(0, range(os.cpu_count() or 1))
-            link.send({"did": "PROBED", "results": self.results()})
+            link.send({"did": "PROBED", "results": self.results(readings)})
         except AffError as error:
             link.send({"did": "PROBED", "error": str(error)})
         finally:
             os._exit(0)
 
-    def results(self) -> list[dict[str, Any]]:
+    def results(self, readings: Mapping[str, float]) -> list[dict[str, Any]]:
         """Return one row of plain values per actuator, with the response file's text."""
-        names = self._settings.actuators
         about = {
             name: Provenance(
                 actuator=name,
                 signal=self._site.actuators[name].error.signal,
                 measured_at=wall_time_iso(),
                 config_hash=self._config_hash,
+                version=self._version,
+                line_speed_m_s=readings.get(self._site.line.speed, nan),
+                radius_m=self._radius_m(name, readings),
             )
-            for name in names
+            for name in self._settings.actuators
         }
         return [_plain(result) for result in self.probe.result(about)]
+
+    def _radius_m(self, actuator: str, readings: Mapping[str, float]) -> float:
+        """Return the present radius of the first roll that the actuator works on."""
+        roll = self._site.rolls[self._site.actuators[actuator].blocks[0].roll]
+        if roll.radius_m is not None:
+            return roll.radius_m
+        return readings.get(roll.radius or "", nan)
 
 
 def _plain(result: ProbeResult) -> dict[str, Any]:

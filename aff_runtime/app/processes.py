@@ -16,6 +16,7 @@ from aff_runtime.telemetry.ring import RingReader
 
 STOP_PATIENCE_S = 3.0
 RECORDER_PATIENCE_S = 5.0
+START_PATIENCE_NS = 15_000_000_000
 LIVE_BITS = StateBits.ARMED | StateBits.ACTIVE | StateBits.FADING
 LOG = logging.getLogger("aff_runtime")
 
@@ -46,6 +47,7 @@ class Processes:
         self._recorder: RecorderChild | None = None
         self._old_recorders: list[RecorderChild] = []
         self._restart_at_ns: int | None = None
+        self._started_at_ns = 0
         self._on_change = on_change
         self.record = record
         self.control: ControlChild | None = None
@@ -56,6 +58,7 @@ class Processes:
     def start(self) -> None:
         """Start the control process; its first words tell when there is a ring."""
         self._restart_at_ns = None
+        self._started_at_ns = self._clock.now_ns()
         self.blocked = ""
         self.control = ControlChild(
             self.record, self._options.paths.ring, shadow=self._options.shadow
@@ -86,7 +89,11 @@ class Processes:
         due_ns = self._restart_at_ns
         if due_ns is not None and self._clock.now_ns() >= due_ns:
             self.start()
-        if self.control is None or (how := self.control.ended()) is None:
+        if self.control is None:
+            return False
+        if self.ring is None and self._clock.now_ns() > self._started_at_ns + START_PATIENCE_NS:
+            self.control.kill()
+        if (how := self.control.ended()) is None:
             return False
         self.note("CONTROL_DIED", f"control process {self.control.pid}: {how}")
         for message in self.control.replies():

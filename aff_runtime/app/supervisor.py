@@ -99,8 +99,8 @@ class Supervisor:
         if self._processes.gave_up:
             self._stop(EXIT_ALARM)
         self._edits.step()
-        if self._told_ready and self._processes.control is None:
-            self._notifier.tick_done(True)  # zero goes out while there is no control process
+        if self._told_ready and self._processes.ring is None:
+            self._notifier.tick_done(True)  # nothing goes out before the first tick
 
     def _hear_control(self) -> None:
         """Take what the control process says."""

@@ -10,6 +10,7 @@ from typing import Any
 from aff_runtime.app.status import headline
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.cli.service import connect
+from aff_runtime.core.monitor import Trend
 
 WIDTH, HEIGHT = 80, 24
 BAR = 14
@@ -96,15 +97,27 @@ def _correction_rows(signals: Mapping[str, float | None]) -> list[str]:
 
 
 def _block_rows(signals: Mapping[str, float | None]) -> list[str]:
-    """Return one row per block: everything that the law says of it."""
-    blocks: dict[str, list[str]] = {}
-    for name, value in signals.items():
-        if name.count(".") >= 2:
-            block, column = name.rsplit(".", 1)
-            blocks.setdefault(block, []).append(f"{column} {_shown(value)}")
-    return [f"{block:26} {'  '.join(columns)}" for block, columns in blocks.items()]
+    """Return one row per block: amplitude, phase, ripple before and now, what it does."""
+    rows = []
+    for name, ripple in signals.items():
+        if not name.endswith(".ripple"):
+            continue
+        block = name.removesuffix(".ripple")
+        said = {
+            column.rsplit(".", 1)[1]: value
+            for column, value in signals.items()
+            if column.startswith(block + ".")
+        }
+        amplitude = next((v for k, v in said.items() if k.startswith("amplitude_")), None)
+        state = said.get("state")
+        doing = "" if state is None else Trend(int(state)).name
+        rows.append(
+            f"{block:33} {_shown(amplitude):>10} {_shown(said.get('phase_deg')):>8} deg "
+            f"{_shown(said.get('ripple_before')):>7}>{_shown(ripple):<7} {doing}"
+        )
+    return rows
 
 
 def _shown(value: float | None, factor: float = 1.0) -> str:
-    """Return a number in five digits, a dash when there is none."""
-    return "-" if value is None else f"{value * factor + 0.0:.5g}"
+    """Return a number in four digits, a dash when there is none."""
+    return "-" if value is None else f"{value * factor + 0.0:.4g}"

@@ -29,26 +29,25 @@ class Plc:
         self.words = [0] * 10
         self.heartbeat = 0
         self.start_s = time.monotonic()
-        self.delay = deque([0.0] * 6, maxlen=6)
+        self.delays = [deque([0.0] * 6, maxlen=6) for _ in range(2)]
 
     def read_block(self) -> list[int]:
         if not self.frozen:
             self.heartbeat = (self.heartbeat + 1) & 0xFFFF
         turns = TURNS_HZ * (time.monotonic() - self.start_s)
-        ripple = 3.0 * math.cos(math.tau * turns)
-        tension = 90.0 + ripple + GAIN_N_PER_M_S * self.delay[0] + 1e-3 * (self.heartbeat % 7)
-        counts = int(turns * 4096) & 0xFFFFFFFF
-        milli = int(tension * 1000)
-        high, low = milli >> 16, milli & 0xFFFF
+        ripple = 3.0 * math.cos(math.tau * turns) + 1e-3 * (self.heartbeat % 7)
+        milli = [int(1e3 * (90.0 + ripple + GAIN_N_PER_M_S * d[0])) for d in self.delays]
+        (high, low), (high_2, low_2) = ((m >> 16, m & 0xFFFF) for m in milli)
+        angle = divmod(int(turns * 4096) & 0xFFFFFFFF, 0x10000)
         return [
             *(self.heartbeat, self.status, high, low, 9000, 1000, 8000, 1000, 1),
-            *(high, low, counts >> 16, counts & 0xFFFF, counts >> 16, counts & 0xFFFF),
+            *(high_2, low_2, *angle, *angle),
         ]
 
     def take(self, words: list[int]) -> None:
         self.words = words
-        correction = words[3] - 0x10000 if words[3] & 0x8000 else words[3]
-        self.delay.append(correction * 1e-5)
+        for delay, word in zip(self.delays, (words[3], words[8]), strict=True):
+            delay.append((word - 0x10000 if word & 0x8000 else word) * 1e-5)
 
     def answer(self, pdu: bytes) -> bytes:
         function = pdu[0]
