@@ -66,6 +66,7 @@ def _run(start: dict[str, Any], link: Link, ring: Path) -> int:
     signal.signal(signal.SIGUSR1, lambda *_: outside.bypass_by_signal())
     signal.signal(signal.SIGTERM, lambda *_: cycle.request_stop())
     cycle.run()
+    outside.close()
     assembly.gateway.close()
     _release(rights)
     return 0

@@ -83,6 +83,10 @@ class ControlOutside:
         """Take the correction back; called by a signal handler."""
         self._bypass_signal = True
 
+    def close(self) -> None:
+        """Remove the ring; the supervisor may be gone and cannot."""
+        self._ring.remove()
+
     # --- what the cycle tells -----------------------------------------------------------------
 
     def publish(self, record: Sequence[float]) -> None:

@@ -64,6 +64,7 @@ class RingWriter:
             view, offset_bytes=events_at, n_values=len(EVENT_COLUMNS), capacity=event_capacity
         )
         self.write = self._signals.write
+        self._path = path
         fresh.rename(path)
 
     def event(self, tick: int, t_ns: int, code: int, argument: float = 0.0) -> None:
@@ -74,6 +75,13 @@ class RingWriter:
         """Drop the lock: readers finish what is there and end."""
         fcntl.flock(self._fd, fcntl.LOCK_UN)  # the mapping holds a copy of the descriptor
         os.close(self._fd)
+
+    def remove(self) -> None:
+        """Remove the file unless another writer has taken its place, and close."""
+        with contextlib.suppress(OSError):
+            if self._path.stat().st_ino == os.fstat(self._fd).st_ino:
+                self._path.unlink()
+        self.close()
 
 
 class RingReader:
@@ -107,6 +115,10 @@ class RingReader:
             n_values=len(EVENT_COLUMNS),
             capacity=self.header["event_capacity"],
         )
+
+    def fileno(self) -> int:
+        """Return the descriptor of the file."""
+        return self._fd
 
     def status(self) -> dict[str, float] | None:
         """Return the newest record by column name, or None before the first tick."""

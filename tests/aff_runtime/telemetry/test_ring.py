@@ -83,3 +83,13 @@ def test_a_second_writer_leaves_the_first_readers_mapping_intact(tmp_path: Path)
     assert RingReader(tmp_path / "ring").status() == {"time_s": 2.0}
     first.close()
     second.close()
+
+
+def test_removal_takes_the_own_file_and_leaves_a_successors(tmp_path: Path) -> None:
+    path = tmp_path / "ring"
+    first = RingWriter(path, ["time_s"], meta={})
+    second = RingWriter(path, ["time_s"], meta={})
+    first.remove()
+    assert path.exists()
+    second.remove()
+    assert not path.exists()
