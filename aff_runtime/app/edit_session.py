@@ -34,8 +34,14 @@ class EditSession:
         self._watch = FileWatch(_watched(site, processes.record))
         self._check: Validation | None = None
         self._waiting: Verdict | None = None
+        self._handing_over = False
         self.findings = verdict.findings
         self.differs: tuple[str, ...] = ()
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a check or a hand-over is under way."""
+        return self._check is not None or self._handing_over
 
     def step(self) -> None:
         """Look at the file; take the verdict of a check that has ended."""
@@ -87,6 +93,7 @@ class EditSession:
 
     def _hand_over(self, record: dict[str, Any]) -> None:
         """Send the record to the control process, which takes it between two ticks."""
+        self._handing_over = True
         ident = self._pending.expect(
             None, lambda said: self._adopted(record, said), ADOPT_PATIENCE_S
         )
@@ -98,6 +105,7 @@ class EditSession:
 
     def _adopted(self, record: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
         """Take the control process's word on a new parameter record."""
+        self._handing_over = False
         if said.get("ok"):
             self._accept(record)
         else:

@@ -27,9 +27,10 @@ class ProbeSession:
         self._processes = processes
         self._edits = edits
         self._caller = caller
+        self._answer: dict[str, Any] | None = None
 
     def finish(self, message: dict[str, Any]) -> None:
-        """Write what was measured, or say why there is nothing; answer the caller."""
+        """Write what was measured, or note why there is nothing."""
         error = str(message.get("error", ""))
         written: list[dict[str, Any]] = []
         if not error:
@@ -39,12 +40,18 @@ class ProbeSession:
                 error = f"{failure.filename}: {failure.strerror}; the response is not kept"
         if error:
             self._processes.note("PROBE", error)
-            self._caller.reply(
-                {"ok": False, "message": error, "exit_code": RefusedError.exit_code}
-            )
+            code = RefusedError.exit_code
+            self._answer = {"ok": False, "message": error, "exit_code": code}
             return
         self._edits.look_again()
-        self._caller.reply({"ok": True, "results": written})
+        self._answer = {"ok": True, "results": written}
+
+    def has_answered(self) -> bool:
+        """Answer the caller once the running law has the new responses; True when done."""
+        if self._answer is None or (self._answer["ok"] and self._edits.is_busy):
+            return False
+        self._caller.reply(self._answer)
+        return True
 
     def _keep(self, result: dict[str, Any]) -> dict[str, Any]:
         """Replace one response file at once; return the result with its path."""

@@ -113,7 +113,10 @@ class Processes:
     def take_ring(self) -> None:
         """Follow the ring that the control process has just made; begin a new record."""
         self._release_ring()
-        self.ring = RingReader(self._options.paths.ring)
+        try:
+            self.ring = RingReader(self._options.paths.ring)
+        except OSError:
+            return  # it ended before we looked
         recording = self.record["site"]["recording"]
         directory = self._options.record_directory
         if directory is None:
@@ -125,7 +128,7 @@ class Processes:
             "segment_s": recording["segment_s"],
             "site_text": self.record["site_text"],
         }
-        self._recorder = RecorderChild(self._options.paths.ring, directory, context)
+        self._recorder = RecorderChild(self.ring, directory, context)
 
     def note(self, name: str, text: str) -> None:
         """Put a line into the log and into the record's events."""

@@ -11,13 +11,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.telemetry.ring import RingReader
+
 
 class RecorderChild:
     """A started recorder: takes notes, reports about itself; its death disturbs nobody."""
 
-    def __init__(self, ring: Path, directory: Path, context: Mapping[str, Any]) -> None:
+    def __init__(self, ring: RingReader, directory: Path, context: Mapping[str, Any]) -> None:
+        # By descriptor: the file may be removed or replaced before the recorder has started.
+        name = f"/dev/fd/{ring.fileno()}"
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "aff_runtime.telemetry.recorder", str(ring), str(directory)],
+            [sys.executable, "-m", "aff_runtime.telemetry.recorder", name, str(directory)],
+            pass_fds=[ring.fileno()],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         )

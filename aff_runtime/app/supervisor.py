@@ -99,6 +99,8 @@ class Supervisor:
         if self._processes.gave_up:
             self._stop(EXIT_ALARM)
         self._edits.step()
+        if self._probe is not None and self._probe.has_answered():
+            self._probe = None
         if self._told_ready and self._processes.ring is None:
             self._notifier.tick_done(True)  # nothing goes out before the first tick
 
@@ -114,7 +116,6 @@ class Supervisor:
                 self._processes.blocked = str(message["text"])
             elif did == "PROBED" and self._probe is not None:
                 self._probe.finish(message)
-                self._probe = None
             elif did == "LOG":
                 LOG.warning("control: %s", message.get("text", ""))
             else:
@@ -210,6 +211,7 @@ class Supervisor:
         """Tell the caller of a probe that it came to nothing."""
         if self._probe is not None:
             self._probe.finish({"error": reason})
+            self._probe.has_answered()
             self._probe = None
 
     def _status(self) -> dict[str, Any]:

@@ -116,6 +116,10 @@ class RingReader:
             capacity=self.header["event_capacity"],
         )
 
+    def fileno(self) -> int:
+        """Return the descriptor of the file."""
+        return self._fd
+
     def status(self) -> dict[str, float] | None:
         """Return the newest record by column name, or None before the first tick."""
         record = self.signals.latest()
