@@ -38,9 +38,9 @@ class Plan:
     out: Path
     line_speed_m_s: float
     seed: int = 7
-    before_s: float = 20.0
-    learn_s: float = 45.0
-    after_s: float = 25.0
+    before_s: float = 16.0
+    learn_s: float = 36.0
+    after_s: float = 20.0
     relearn_s: float = 12.0
 
 
