@@ -76,7 +76,7 @@ def test_opposite_imbalances_cancel(arrays):
 
 @pytest.mark.parametrize("angle_rad", [0.0, 0.7])
 def test_a_flat_spot_lacks_web_so_the_roll_is_heavy_opposite(arrays, angle_rad):
-    """First moment of the outline as a polygon; the bare circle segment, 7 % off by its corners."""
+    """First moment of the outline as a polygon; rounded corners take 5 % off a bare segment."""
     depth, web = 0.012, LINE.web
     radius = float(arrays.bodies["radius_m"][0])
     shaped = put(out_of_round_roll, arrays, 0, size_m=depth, angle_rad=angle_rad)
