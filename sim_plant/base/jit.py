@@ -47,7 +47,7 @@ def compiled(function: F) -> F:
     Array reference counts are left out (``_nrt``): they took two thirds of the kernel's time.
     Compiled code works on arrays of its caller only; an allocation in it does not compile.
     """
-    return cast(
-        F,
-        numba.njit(cache=True, fastmath=False, error_model="numpy", _nrt=False)(function),
-    )
+    options: dict[str, Any] = {
+        "cache": True, "fastmath": False, "error_model": "numpy", "_nrt": False,
+    }  # fmt: skip
+    return cast(F, numba.njit(**options)(function))

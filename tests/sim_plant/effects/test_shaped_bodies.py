@@ -7,7 +7,7 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.effects import eccentric_roller, out_of_round_roll, unbalanced_roller
-from sim_plant.effects.out_of_round_roll import KINDS, shape_of, sum_orders
+from sim_plant.effects.out_of_round_roll import KINDS
 from sim_plant.effects.shape_rows import add_heavy
 from sim_plant.elements.contact import body_at
 from sim_plant.geometry.roll_profiles import flat_spot
@@ -111,21 +111,30 @@ def test_a_flat_spot_shortens_the_arm_where_it_is(arrays):
 
 
 @pytest.mark.parametrize("kind", [k for k in KINDS if k != "orders"])
-def test_every_named_shape_is_a_circle_at_size_0_and_convex_above(kind):
-    assert not np.any(shape_of(kind, 0.0, 0.2, 0.3).deviation_m)
-    shape = shape_of(kind, 2e-3, 0.2, 0.3)
-    assert np.any(shape.deviation_m)
-    assert shape.is_convex
+def test_every_named_shape_is_absent_at_size_0_and_keeps_the_mean_radius_above(arrays, kind):
+    absent = put(out_of_round_roll, arrays, 0, shape=kind, angle_rad=0.3)
+    assert absent.bodies["shape_row"][0] == -1
+    shaped = put(out_of_round_roll, absent, 0, shape=kind, size_m=2e-3, angle_rad=0.3)
+    radius = float(shaped.bodies["radius_m"][0])
+    assert np.ptp(shaped.shape_h_m[0]) > 2e-4
+    assert np.mean(shaped.shape_h_m[0, :-1]) == pytest.approx(0.0, abs=1e-9)
+    assert np.min(shaped.shape_rho_m[0]) > -radius - 1e-9  # convex: a taut web touches it all
 
 
-def test_orders_are_cosine_and_sine_of_the_body_angle():
-    shape = sum_orders(0.2, [(1, 1e-4, 0.0), (2, 0.0, 2e-4), (3, 3e-5, -1e-5)])
-    psi = np.linspace(0.0, 6.0, 25)
-    expected = 0.2 + 1e-4 * np.cos(psi) + 2e-4 * np.sin(2 * psi)
-    expected += 3e-5 * np.cos(3 * psi) - 1e-5 * np.sin(3 * psi)
-    assert shape.evaluate(psi)[0] == pytest.approx(expected, abs=1e-15)
+def test_orders_are_cosine_and_sine_of_the_body_angle(arrays):
+    shaped = put(
+        out_of_round_roll, arrays, 0, shape="orders",
+        cos1_m=1e-4, sin2_m=2e-4, cos3_m=3e-5, sin3_m=-1e-5,
+    )  # fmt: skip
+    radius = float(shaped.bodies["radius_m"][0])
+    sigma = float(shaped.bodies["sigma"][0])
+    for theta in np.linspace(0.0, 6.0, 25):
+        psi = sigma * 0.4 - 0.5 * math.pi - theta
+        expected = radius + 1e-4 * math.cos(psi) + 2e-4 * math.sin(2 * psi)
+        expected += 3e-5 * math.cos(3 * psi) - 1e-5 * math.sin(3 * psi)
+        assert arm(shaped, 0, theta, 0.4) == pytest.approx(expected, abs=1e-11)
 
 
-def test_an_unknown_shape_is_refused():
+def test_an_unknown_shape_is_refused(arrays):
     with pytest.raises(PlantError, match="read 'square'; expected one of"):
-        shape_of("square", 1e-3, 0.2, 0.0)
+        put(out_of_round_roll, arrays, 0, shape="square", size_m=1e-3)

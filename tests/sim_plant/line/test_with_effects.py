@@ -1,9 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import copy_arrays
-from sim_plant.base.effects import Effect
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import EffectEntry
@@ -22,7 +23,7 @@ def entry(effect="eccentric_roller", location="R6", **parameters):
 
 
 def at(place):
-    return Effect(name="any", place=place, parameters={}, apply=lambda a, *_: a, text="")
+    return replace(BY_NAME["eccentric_roller"], place=place)
 
 
 @pytest.mark.parametrize(
