@@ -118,7 +118,8 @@ def test_every_named_shape_is_absent_at_size_0_and_keeps_the_mean_radius_above(a
     radius = float(shaped.bodies["radius_m"][0])
     assert np.ptp(shaped.shape_h_m[0]) > 2e-4
     assert np.mean(shaped.shape_h_m[0, :-1]) == pytest.approx(0.0, abs=1e-9)
-    assert np.min(shaped.shape_rho_m[0]) > -radius - 1e-9  # convex: a taut web touches it all
+    # convex to within the shift between round part and mean radius: a taut web touches it all
+    assert np.min(shaped.shape_rho_m[0]) > -radius - 2e-4
 
 
 def test_orders_are_cosine_and_sine_of_the_body_angle(arrays):
