@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.base.arrays import LineArrays
+from sim_plant.base.arrays import REWIND, UNWIND, LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.effects.phasor import angle, component, phasor
 from sim_plant.effects.shape_rows import add_heavy, add_shape
@@ -67,13 +67,15 @@ def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
-    """Give body ``place`` the profile, and the gravity torque of its displaced mass.
+    """Give body ``place`` the profile, on a roll also the gravity torque of the displaced web.
 
-    Moment arm p(theta) of the exact identity in ``physics.md`` [source 4.46 corrected].
+    Moment arm p(theta) of the exact identity of ``docs/adr/0003`` [source 4.46 corrected].
     """
-    shape = profile(float(arrays.bodies["radius_m"][place]), parameters)
+    body = arrays.bodies[place]
+    shape = profile(float(body["radius_m"]), parameters)
     web = arrays.web[0]
-    if float(parameters["gravity"]) != 0.0 and np.any(shape.deviation_m):
+    wound = int(body["kind"]) in {UNWIND, REWIND}  # only there is the shape one of wound web
+    if wound and float(parameters["gravity"]) != 0.0 and np.any(shape.deviation_m):
         mass = wound_mass(
             shape, core_radius_m=float(web["core_radius_m"]),
             density_kg_m3=float(web["density_kg_m3"]), width_m=float(web["width_m"]),

@@ -1,13 +1,18 @@
+import inspect
+import pkgutil
+
 import numpy as np
 import pytest
 
+import sim_plant.effects
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.effects import Effect, Parameter
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.line.locations import candidate_locations
 from tests.sim_plant.effects.running import effect, euclid, run
 
-SHORT = {"seconds": 1.0, "settle_s": 2.0}
+WAVE_M_S = 0.005 * np.sin(2.0 * np.pi * 1.5 * 0.005 * np.arange(200))
+SHORT = {"seconds": 1.0, "settle_s": 2.0, "aff": {"unwind": WAVE_M_S}}
 NAMES = set(
     """eccentric_roller out_of_round_roll unbalanced_roller bearing_drag web_modulus splice slip
     viscoelastic_web wound_in_strain load_cell_filter load_cell_resonance rate_limit mains_hum
@@ -32,6 +37,20 @@ def bare() -> dict[str, np.ndarray]:  # type: ignore[type-arg]
 def test_every_effect_is_there_once() -> None:
     assert set(BY_NAME) == NAMES
     assert len(CATALOGUE) == len(NAMES)
+
+
+def test_every_effect_file_has_one_row_under_its_own_name() -> None:
+    files = {
+        name for _f, name, _p in pkgutil.iter_modules(sim_plant.effects.__path__)
+        if hasattr(__import__(f"sim_plant.effects.{name}", fromlist=["EFFECT"]), "EFFECT")
+    }  # fmt: skip
+    assert files == set(BY_NAME)
+
+
+def test_every_row_explains_itself() -> None:
+    for row in CATALOGUE:
+        assert len(row.text) > 20
+        assert inspect.getdoc(row.apply)
 
 
 @pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
