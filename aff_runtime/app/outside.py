@@ -17,6 +17,7 @@ from aff_runtime.app.link import Link, LinkClosedError
 from aff_runtime.app.probe_run import ProbeRun
 from aff_runtime.app.recorded_law import RecordedLaw
 from aff_runtime.app.site_to_guard import guard_params
+from aff_runtime.app.status import explain
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.events import BY_NAME
@@ -189,7 +190,8 @@ class ControlOutside:
         if state in ARMED:
             self._reply(ident, ok=True, state=state.name)
         elif waited > ARM_PATIENCE_TICKS or (waited > ARM_LEAST_TICKS and state not in AT_REST):
-            text = f"READY: {self._guard.first_blocking() or 'state ' + state.name}"
+            blocked = self._guard.first_blocking().removeprefix("blocked by ")
+            text = "READY: " + (f"blocked by {explain(blocked)}" if blocked else state.name)
             self._reply(ident, ok=False, message=text, state=state.name)
         else:
             return
