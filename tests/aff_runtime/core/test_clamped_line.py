@@ -40,9 +40,7 @@ class Rig:
         site = load_site(CONFIG / "euclid.yaml")
         self.site = _only_follower(site_params(site))
         line = open_line(CONFIG / "lines" / "euclid_ripple.yaml", seed=7)
-        self.plant = LockstepPlant(
-            line, Plc(load_plc_map(CONFIG / "plc" / "gateway_block.yaml"))
-        )
+        self.plant = LockstepPlant(line, Plc(load_plc_map(CONFIG / "plc" / "gateway_block.yaml")))
         self.clock = VirtualClock()
         wire = LoopbackTransport(self.plant.transact_words)
         self.gateway = WordGateway(wire, WordCodec(register_map(site)), self.clock)
