@@ -14,9 +14,9 @@ WORDS = {
     Trend.SETTLED: "settled",
     Trend.STALLED: "stalled",
     Trend.DIVERGING: "RISING",
-    Trend.HELD_PHASE: "HELD phase unsure",
-    Trend.HELD_FREQUENCY: "HELD frequency",
-    Trend.CLAMPED: "CLAMPED at limit",
+    Trend.HELD_PHASE: "HELD phase",
+    Trend.HELD_FREQUENCY: "HELD Hz",
+    Trend.CLAMPED: "CLAMPED",
     Trend.FROZEN: "frozen",
 }
 AMPLITUDE = "amplitude_"

@@ -67,24 +67,24 @@ def lines(answer: Mapping[str, Any]) -> Iterator[str]:
 
 
 def block_lines(blocks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield the blocks as a table, not wider than 80 characters; nothing without blocks."""
-    if not blocks:
-        return
-    unit = str(blocks[0]["unit"])
-    shown_unit, factor = ("mm/s", 1e3) if unit == "m/s" else (unit, 1.0)
-    ripple_unit = blocks[0]["ripple_unit"]
-    yield (
-        f"{'block':26} {'Hz':>6} {shown_unit + '|limit':>11} {'deg':>4} "
-        f"{ripple_unit + ' before>now':>15}  state"
-    )
+    """Yield the blocks as one table per actuator, not wider than 80 characters."""
+    actuator = None
+    factor = 1.0
     for block in blocks:
-        name = f"{block['actuator']}: {block['name']}"
-        share = f"{_short(block['amplitude'], factor)}|{_short(block['limit'], factor)}"
+        if block["actuator"] != actuator:
+            actuator = block["actuator"]
+            unit, factor = ("mm/s", 1e3) if block["unit"] == "m/s" else (block["unit"], 1.0)
+            ripple_unit = f"{block['ripple_unit']} before>now"
+            yield (
+                f"{str(actuator)[:26]:26} {'Hz':>5} {unit + '|limit':>11} {'deg':>4} "
+                f"{ripple_unit:>14}  state"
+            )
+        amplitude = f"{_short(block['amplitude'], factor)}|{_short(block['limit'], factor)}"
         ripple = f"{_short(block['ripple_before'])}>{_short(block['ripple'])}"
         phase = "-" if block["phase_deg"] is None else f"{block['phase_deg']:.0f}"
         yield (
-            f"{name[:26]:26} {_short(block['frequency_Hz']):>6} {share:>11} {phase:>4} "
-            f"{ripple:>15}  {block['state']}"
+            f"  {block['name'][-24:]:24} {_short(block['frequency_Hz']):>5} {amplitude:>11} "
+            f"{phase:>4} {ripple:>14}  {block['state']}"
         )
 
 

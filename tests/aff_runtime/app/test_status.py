@@ -121,7 +121,7 @@ def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
     assert block == {
         "actuator": "unwind",
         "name": "unwind_2x",
-        "state": "CLAMPED at limit",
+        "state": "CLAMPED",
         "amplitude": 0.004,
         "unit": "m/s",
         "limit": 0.02,

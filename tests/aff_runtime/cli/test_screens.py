@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from aff_runtime.base.events import BY_NAME
-from aff_runtime.cli.status import is_alarm, lines
+from aff_runtime.cli.status import block_lines, is_alarm, lines
 from aff_runtime.cli.top import screen
 
 
@@ -13,7 +13,7 @@ def block(order: int) -> dict[str, Any]:
     return {
         "actuator": "unwind",
         "name": f"swrap_follower_with_a_long_name_{order}x",
-        "state": "HELD phase unsure",
+        "state": "HELD phase",
         "frequency_Hz": 1.05234 * order,
         "amplitude": 0.00123456,
         "unit": "m/s",
@@ -68,11 +68,13 @@ def test_half_of_the_wish_going_out_fills_half_of_the_bar() -> None:
 
 
 def test_a_block_is_told_with_units_and_its_state_in_a_word() -> None:
-    heads, row, other = [r for r in lines(answer(2)) if r.startswith(("block", "unwind: "))]
-    assert "mm/s|limit" in heads
-    assert "N before>now" in heads
-    assert row.split()[2:] == ["1.05", "1.23|20", "-122", "13.5>0.0123", "HELD", "phase", "unsure"]
-    assert "13.5>-" in other
+    table = list(block_lines(answer(2)["blocks"]))
+    assert table[0].split() == ["unwind", "Hz", "mm/s|limit", "deg", "N", "before>now", "state"]
+    name, *rest = table[1].split()
+    assert name.endswith("_1x")
+    assert rest == ["1.05", "1.23|20", "-122", "13.5>0.0123", "HELD", "phase"]
+    assert "13.5>-" in table[2]
+    assert max(map(len, table)) <= 80
 
 
 def test_the_alarm_code_is_for_alarms_only() -> None:
