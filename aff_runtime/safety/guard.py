@@ -24,6 +24,7 @@ _POWER_UP = BY_NAME["POWER_UP"].code
 _BYPASSED = BY_NAME["BYPASSED"].code
 _PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
 _AT_REST = (State.FAULT, State.BYPASS)
+_ZEROS_TOLD = 3  # commands with zero that still say FADING: the PLC holds what it last accepted
 
 
 class Guard:
@@ -57,6 +58,7 @@ class Guard:
         self._causes = self._found_in_tick = 0
         self._first_out = _POWER_UP
         self._comm_warn = True
+        self._zeros = _ZEROS_TOLD
         self._observed_ns: int | None = None
         self._tick = 0
         self._events: list[tuple[int, int]] = [(0, _POWER_UP)]
@@ -181,9 +183,11 @@ class Guard:
             level = self._envelopes[index].step(may_open, dt_s)
             limiter.step(self._steps[index], level, dt_s)
         corrections = tuple(limiter.output for limiter in self._limiters)
+        told_zero = self.quiet and self._zeros >= _ZEROS_TOLD
+        self._zeros = min(self._zeros + 1, _ZEROS_TOLD) if self.quiet else 0
         word = state_word(
             self.standing,
-            quiet=self.quiet,
+            told_zero=told_zero,
             saturated=any(limiter.saturated for limiter in self._limiters),
             comm_warn=self._comm_warn,
         )
