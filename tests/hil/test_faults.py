@@ -20,24 +20,9 @@ pytestmark = [pytest.mark.hil, pytest.mark.wire, pytest.mark.timeout(90)]
 ATTEMPTS = 4
 HELD_UP_SAMPLES = 4  # 20 ms: a pause of the machine on top of the fault is a second fault
 QUIET_S = 0.4
-HERE = (
-    "mute",
-    "frozen heartbeat",
-    "restarting",
-    "dropped connections",
-    "exception 6",
-    "late replies",
-    "half replies",
-    "swapped words",
-    "absurd tension",
-    "NaN tension",
-    "stuck tension",
-    "absurd speed",
-    "web lost",
-)
 
 
-@pytest.mark.parametrize("name", HERE)
+@pytest.mark.parametrize("name", TROUBLES)
 def test_fault_takes_the_correction_to_zero_and_only_an_edge_brings_it_back(
     line: LiveLine, name: str
 ):

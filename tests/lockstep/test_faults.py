@@ -79,9 +79,7 @@ def test_nan_in_a_float_register_takes_the_correction_to_zero(responses, tmp_pat
         replace(c, type=WordType.F32, scale=1.0) if c.name.endswith("_tension_N") else c
         for c in words.channels
     )
-    setup = Setup(
-        responses=responses, plc_map=plc_map, words=replace(words, channels=floats)
-    )
+    setup = Setup(responses=responses, plc_map=plc_map, words=replace(words, channels=floats))
     _assert_goes_to_zero_and_comes_back(_at_work(setup), TROUBLES["NaN tension"])
 
 
