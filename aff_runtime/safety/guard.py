@@ -20,6 +20,7 @@ _BYPASSED = BY_NAME["BYPASSED"].code
 _PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
 _OF_START = bit("PLC_STALE") | bit("OVERRUN")  # no news until there was a connection
 _AT_REST = (State.FAULT, State.BYPASS)
+_ZEROS_TOLD = 3  # commands with zero that still say FADING: the PLC holds what it last accepted
 
 
 class Guard:
@@ -55,6 +56,7 @@ class Guard:
         self._comm_warn = True
         self._was_connected = False
         self._plc_reset = PlcReset()
+        self._zeros = _ZEROS_TOLD
         self._observed_ns: int | None = None
         self._tick = 0
         self._events: list[tuple[int, int]] = [(0, _POWER_UP)]
@@ -188,9 +190,11 @@ class Guard:
             level = self._envelopes[index].step(may_open, dt_s)
             limiter.step(self._steps[index], level, dt_s)
         corrections = tuple(limiter.output for limiter in self._limiters)
+        told_zero = self.quiet and self._zeros >= _ZEROS_TOLD
+        self._zeros = min(self._zeros + 1, _ZEROS_TOLD) if self.quiet else 0
         word = state_word(
             self.standing,
-            quiet=self.quiet,
+            told_zero=told_zero,
             saturated=any(limiter.saturated for limiter in self._limiters),
             comm_warn=self._comm_warn,
         )
