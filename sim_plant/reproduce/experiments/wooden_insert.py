@@ -1,0 +1,98 @@
+"""(4.40), Fig. 4.9 and 4.10: the wooden insert, as printed and corrected, and its cubic profile."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.geometry.convex_hull import shape_of_points
+from sim_plant.geometry.extrema import radius_cubic
+from sim_plant.geometry.roll_profiles import insert_outline
+from sim_plant.reproduce.drawing import Panel, draw
+from sim_plant.reproduce.entry import Experiment, Result, judge
+from sim_plant.reproduce.euclid import INCH_M
+
+R_IN, FLAT_IN, THICK_IN = 5.5, 3.0, 0.5
+
+
+def printed_y_in(x_in: Array) -> Array:
+    """Return the upper edge of (4.40) to the letter, NaN where its root has no real value."""
+    half, top = 0.5 * FLAT_IN, R_IN + THICK_IN
+    shift = np.where(x_in < -half, -half, half)
+    inside = 1.0 - ((x_in + shift) / (R_IN - half)) ** 2
+    with np.errstate(invalid="ignore"):
+        side = top * np.sqrt(inside)
+    return np.where(np.abs(x_in) <= half, top, side)
+
+
+def polar_radius_in(points: Array, angle: Array) -> Array:
+    """Return r at polar angles by interpolation in the outline (x + j y given as angles, radii)."""
+    return np.interp(angle, points[0], points[1], period=2.0 * np.pi)
+
+
+def run() -> Result:
+    """Draw both, find the extrema, and measure how close the cubic comes."""
+    top = np.linspace(-0.5, 0.5, 400) * FLAT_IN + 1j * (R_IN + THICK_IN)
+    outline = np.concatenate((insert_outline(R_IN, FLAT_IN, THICK_IN), top))
+    outline = outline[np.argsort(np.mod(np.angle(outline), 2.0 * np.pi))]
+    angles, radii = np.angle(outline), np.abs(outline)
+    order = np.argsort(angles)
+    polar = np.vstack((angles[order], radii[order]))
+    grid = np.linspace(-np.pi, np.pi, 7201)
+    radius = polar_radius_in(polar, grid)
+    corner = float(np.arctan2(R_IN + THICK_IN, 0.5 * FLAT_IN))
+    extrema = [
+        (0.5 * np.pi, R_IN + THICK_IN), (corner, float(np.hypot(6.0, 1.5))), (0.0, R_IN),
+        (1.5 * np.pi, R_IN), (np.pi, R_IN), (np.pi - corner, float(np.hypot(6.0, 1.5))),
+    ]  # fmt: skip
+    cubic, _ = radius_cubic(extrema, grid)
+    error = np.abs(cubic - radius)
+    flat = np.abs(grid - 0.5 * np.pi) < 0.5 * np.pi - corner
+    feature = float(np.hypot(6.0, 1.5)) - R_IN
+    edge = float(printed_y_in(np.array([1.5 + 1e-9]))[0])
+    x = np.linspace(-R_IN, R_IN, 1201)
+    hull = shape_of_points(outline * INCH_M)
+    psi = np.linspace(0.0, 2.0 * np.pi, 1000)
+    touched = hull.boundary(psi) / INCH_M
+    panels = [
+        Panel(curves={"(4.40) as printed": (x, printed_y_in(x)),
+                      "corrected": (outline.real, outline.imag),
+                      "web on it": (touched.real, touched.imag)},
+              x="x [in]", y="y [in]", title="Fig. 4.9", equal=True),
+        Panel(curves={"insert": (np.degrees(grid), radius),
+                      "cubic (4.20)": (np.degrees(grid), cubic)},
+              x="angle [deg]", y="radius [in]", title="Fig. 4.10"),
+    ]  # fmt: skip
+    bend = least_curvature(extrema)
+    share = 100.0 * float(np.max(error)) / feature
+    return Result(
+        rows=(
+            judge("y at the edge of the flat by (4.40) as printed", "6.0 in", edge, "in",
+                  abs(edge - 6.0) < 1e-3, "the centres of the two side arcs are interchanged; "
+                  "at x = -r the printed root has no real value"),
+            judge("cubic against profile, largest error on the flat", "closely approximates",
+                  float(np.max(error[flat])), "in", float(np.max(error[flat])) < 0.02,
+                  f"of a feature of {feature:.2f} in"),
+            judge("cubic against profile, largest error on the sides", "closely approximates",
+                  float(np.max(error[~flat])), "in", float(np.max(error[~flat])) < 0.02,
+                  f"{share:.0f} % of the feature"),
+            judge("least curvature of the cubic profile times R", "convex shaped roll", bend, "-",
+                  bend > 0.0, "negative curvature: no web can follow it; the hull is touched"),
+        ),
+        figures=(draw(panels),),
+    )  # fmt: skip
+
+
+def least_curvature(extrema: list[tuple[float, float]]) -> float:
+    """Return the least curvature of the cubic outline times R, from finite differences."""
+    phi = np.linspace(0.0, 2.0 * np.pi, 20001)
+    radius, slope = radius_cubic(extrema, phi)
+    bend = np.gradient(slope, phi)
+    curvature = (radius**2 + 2.0 * slope**2 - radius * bend) / (radius**2 + slope**2) ** 1.5
+    return float(np.min(curvature)) * R_IN
+
+
+EXPERIMENTS = (
+    Experiment(identity="4.40", chapter=4, title="The wooden insert and its profile",
+               where="(4.40), Fig. 4.9, 4.10", run=run),
+)  # fmt: skip
