@@ -70,7 +70,9 @@ def draw(panels: Sequence[Panel], columns: int = 2) -> str:
     return svg(figure)
 
 
-def bars(groups: Mapping[str, Sequence[float]], names: Sequence[str], y: str, log: bool = False) -> str:  # noqa: E501
+def bars(
+    groups: Mapping[str, Sequence[float]], names: Sequence[str], y: str, log: bool = False
+) -> str:
     """Return grouped bars: ``groups`` by label, one bar for each of ``names``."""
     figure = Figure(figsize=(11.2, 3.1), layout="constrained")
     axis = figure.subplots()

@@ -68,12 +68,12 @@ class Experiment:
     run: Callable[[], Result]
 
 
-def judge(
-    quantity: str, claim: str, ours: float, unit: str, holds: bool, why: str
-) -> Row:
+def judge(quantity: str, claim: str, ours: float, unit: str, holds: bool, why: str) -> Row:
     """Return a row that agrees when ``holds``."""
     verdict: Verdict = "agree" if holds else "disagree"
-    return Row(quantity=quantity, claim=claim, ours=float(ours), unit=unit, verdict=verdict, why=why)
+    return Row(
+        quantity=quantity, claim=claim, ours=float(ours), unit=unit, verdict=verdict, why=why
+    )
 
 
 def beyond(quantity: str, ours: float, unit: str, why: str, claim: str = "none") -> Row:

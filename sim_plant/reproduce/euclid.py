@@ -118,7 +118,9 @@ def spectrum(signal: Array, sample_time_s: float, highest_Hz: float) -> tuple[Ar
     return frequency[keep], amplitude[keep]
 
 
-def peak_near(frequency_Hz: Array, amplitude: Array, around_Hz: float, width: float = 0.12) -> float:
+def peak_near(
+    frequency_Hz: Array, amplitude: Array, around_Hz: float, width: float = 0.12
+) -> float:
     """Return the frequency of the largest amplitude within ``width`` (relative) of a frequency."""
     inside = np.flatnonzero(np.abs(frequency_Hz - around_Hz) <= width * around_Hz)
     return float(frequency_Hz[inside[int(np.argmax(amplitude[inside]))]])

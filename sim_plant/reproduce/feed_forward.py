@@ -98,4 +98,6 @@ def orders_after(
 
 def decibels(before: Array, after: Array) -> list[float]:
     """Return attenuation, dB, order by order."""
-    return [float(v) for v in 20.0 * np.log10(np.maximum(before, 1e-12) / np.maximum(after, 1e-12))]
+    return [
+        float(v) for v in 20.0 * np.log10(np.maximum(before, 1e-12) / np.maximum(after, 1e-12))
+    ]

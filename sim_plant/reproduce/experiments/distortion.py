@@ -44,6 +44,7 @@ def run() -> Result:
     edges = time[:: time.size // SEGMENTS][:SEGMENTS]
     curves, drifts = {"record": (time, coast.speed_rad_s)}, {}
     for name, (constant, viscous) in models.items():
+
         def simulate(drift: Array, c: float = constant, b: float = viscous) -> Array:
             return drifting(coast, c, b, drift)
 

@@ -51,7 +51,9 @@ def stiff_lead(arrays: LineArrays) -> LineArrays:
 LEAD = 10
 
 
-def ripple(speed_m_s: float, coupled: bool, offset_m: float = ECCENTRICITY_M) -> tuple[Array, Array, Array]:  # noqa: E501
+def ripple(
+    speed_m_s: float, coupled: bool, offset_m: float = ECCENTRICITY_M
+) -> tuple[Array, Array, Array]:
     """Return complex orders 1-4 of the unwind tension on the lead's angle, the record and time."""
     wrong = effect("eccentric_roller", "swrap_lead", eccentricity_m=offset_m, angle_rad=0.3,
                    mass_kg=MASS_KG)  # fmt: skip

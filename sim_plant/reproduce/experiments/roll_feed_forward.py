@@ -61,6 +61,7 @@ def line_of(case: Case) -> LineSimulation:
 
 def loops(web: str) -> dict[str, Loop | None]:
     """Return PI alone and the three laws."""
+
     def loop(law: Law, on_time: bool) -> Loop:
         return Loop(roller="unwind", law=law, error=_error, angle="unwind_angle_rad",
                     psi_rate_rad_s=_turning if on_time else None)  # fmt: skip
@@ -114,7 +115,9 @@ def run_case(case: Case) -> Result:
     )  # fmt: skip
 
 
-def _rows(case: Case, gains: dict[str, list[float]], before: Array, errors: list[float]) -> list[Row]:  # noqa: E501
+def _rows(
+    case: Case, gains: dict[str, list[float]], before: Array, errors: list[float]
+) -> list[Row]:
     printed, angle, ours = gains["printed (5.14)"], gains["on roll angle"], gains["ours"]
     phases = " ".join(f"{e:+.0f}" for e in errors)
     rows = [
