@@ -7,10 +7,10 @@ import sys
 from collections.abc import Callable, Sequence
 
 from aff_runtime.base.errors import AffError
-from sim_plant.cli import identify, reproduce, serve
+from sim_plant.cli import demo, identify, reproduce, serve
 
 # a new subcommand is one more module in this row
-COMMANDS = (serve, identify, reproduce)
+COMMANDS = (demo, identify, reproduce, serve)
 
 
 def build_parser() -> argparse.ArgumentParser:

@@ -27,21 +27,29 @@ class Work(NamedTuple):
 @compiled
 def rk4(p: LineArrays, lay: Layout, s: LineState, w: Work, dt_s: float) -> None:
     """Advance the continuous state by ``dt_s`` with the classical fourth-order rule."""
-    size = s.y.size
-    for stage in range(4):
-        if stage == 0:
-            w.trial[:] = s.y
-        else:
-            reach = dt_s if stage == 3 else 0.5 * dt_s
-            for j in range(size):
-                w.trial[j] = s.y[j] + reach * w.rates[stage - 1, j]
-        derivative(
-            p, lay, w.trial, s.torque_N_m, w.moving, s.phi_rad, w.contacts, w.tensions,
-            w.rates[stage],
-        )  # fmt: skip
+    y, trial, half = s.y, w.trial, 0.5 * dt_s
+    k1, k2, k3, k4 = w.rates[0], w.rates[1], w.rates[2], w.rates[3]
+    slope(p, lay, s, w, y, k1)
+    for j in range(y.size):
+        trial[j] = y[j] + half * k1[j]
+    slope(p, lay, s, w, trial, k2)
+    for j in range(y.size):
+        trial[j] = y[j] + half * k2[j]
+    slope(p, lay, s, w, trial, k3)
+    for j in range(y.size):
+        trial[j] = y[j] + dt_s * k3[j]
+    slope(p, lay, s, w, trial, k4)
     sixth = dt_s / 6.0
-    for j in range(size):
-        s.y[j] += sixth * (w.rates[0, j] + 2.0 * (w.rates[1, j] + w.rates[2, j]) + w.rates[3, j])
+    for j in range(y.size):
+        y[j] += sixth * (k1[j] + 2.0 * (k2[j] + k3[j]) + k4[j])
+
+
+@compiled
+def slope(p: LineArrays, lay: Layout, s: LineState, w: Work, y: Array, dy: Array) -> None:
+    """Write dy/dt at the trial state ``y``."""
+    derivative(
+        p, lay, y, s.torque_N_m, w.moving, s.phi_rad, w.contacts, w.tensions, dy
+    )  # fmt: skip
 
 
 @compiled
@@ -67,9 +75,10 @@ def drive_reference(
     if drive.loop >= 0:
         correction += s.loop_correction_m_s[drive.loop]
     ring = s.delay_m_s.shape[1]
-    at = s.counters[1] % ring
+    at = s.counters[1]
     s.delay_m_s[d, at] = correction
-    delayed = s.delay_m_s[d, (at - drive.delay_ticks) % ring]
+    past = at - drive.delay_ticks
+    delayed = s.delay_m_s[d, past if past >= 0 else past + ring]
     wanted = line_speed_m_s * (1.0 + drive.draw) + delayed
     step = drive.slew_m_s2 * p.timing[0].drive_tick_s
     if step > 0.0:
@@ -115,13 +124,14 @@ def run_drives(
         )  # fmt: skip
         s.torque_N_m[d] = torque
         s.drive_integral[d] = integral
-    s.counters[1] += 1
+    s.counters[1] = (s.counters[1] + 1) % s.delay_m_s.shape[1]
 
 
 @compiled
 def measure(p: LineArrays, lay: Layout, s: LineState, noise: Array) -> None:
     """Sample load cells and speeds; ``noise`` is (c + d,) standard normal."""
     cells = p.cells.size
+    noisy = p.timing[0].noisy != 0
     for c in range(cells):
         cell = p.cells[c]
         true = cell.gain * s.y[lay.cell + c] + cell.offset_N
@@ -129,7 +139,10 @@ def measure(p: LineArrays, lay: Layout, s: LineState, noise: Array) -> None:
             turn = 2.0 * math.pi * cell.hum_Hz * s.time_s[0] + cell.hum_phase_rad
             true += cell.hum_N * math.cos(turn)
         s.true_N[c] = true
-        s.measured_N[c] = quantise(true + cell.noise_N * noise[c], cell.lsb_N)
+        if noisy:
+            s.measured_N[c] = quantise(true + cell.noise_N * noise[c], cell.lsb_N)
+        else:
+            s.measured_N[c] = expected_quantise(true, cell.lsb_N, cell.noise_N)
     for d in range(p.drives.size):
         s.measured_rad_s[d] = drive_speed(p, lay, s, d, noise[cells + d])
 
@@ -185,9 +198,9 @@ def run_frames(
     """Run ``out.shape[0]`` frames and log after each, through the same code as one frame.
 
     Shapes: line_speed (f, 2) at start and end of the frame, tension_ref (f, l), aff (f, d),
-    noise (f, c + d + ticks * d) or (1, ...) to repeat.
-    out (f, 3 c + 2 d + n + 2 + m): measured and true cell force, mean of the
-    two tensions, measured and true drive speed, all angles, both radii, all tensions.
+    noise (f, c + d + ticks * d) or (1, ...) to repeat, out (f, 3 c + 2 d + n + 2 + m): measured
+    and true cell force, mean of the two tensions, measured and true drive speed, all angles, both
+    radii, all tensions (those of the last Runge-Kutta stage).
     """
     cells, drives, bodies = p.cells.size, p.drives.size, lay.n
     for f in range(out.shape[0]):

@@ -5,16 +5,18 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+import numpy.typing as npt
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from sim_plant.base.arrays import Array
-
 COLOURS = ("#5f6368", "#b3261e", "#b06000", "#1a7f37", "#0b57d0", "#7b1fa2")
 _MOST_POINTS = 1500
+
+Curve = npt.NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,7 +29,7 @@ class Panel:
     points : labels drawn as points.
     """
 
-    curves: Mapping[str, tuple[Array, Array]]
+    curves: Mapping[str, tuple[Curve, Curve]]
     x: str
     y: str
     title: str = ""

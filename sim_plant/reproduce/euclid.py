@@ -102,7 +102,7 @@ def steady(simulation: LineSimulation, duration_s: float, speed_m_s: float,
     """Return the record of ``duration_s`` at constant references, with ``time_s``."""
     rows = round(duration_s / simulation.sample_time_s)
     found = simulation.simulate(np.full(rows, speed_m_s), np.full(rows, tension_N))
-    found["time_s"] = simulation.sample_time_s * np.arange(rows)
+    found["time_s"] = times(rows, simulation.sample_time_s)
     return found
 
 
@@ -113,7 +113,7 @@ def spectrum(signal: Array, sample_time_s: float, highest_Hz: float) -> tuple[Ar
     flat = signal - np.polyval(np.polyfit(time, signal, 1), time)
     padded = 8 * signal.size
     amplitude = np.abs(np.fft.rfft(flat * window, padded)) * 2.0 / window.sum()
-    frequency = np.fft.rfftfreq(padded, sample_time_s)
+    frequency = np.asarray(np.fft.rfftfreq(padded, sample_time_s), dtype=np.float64)
     keep = frequency <= highest_Hz
     return frequency[keep], amplitude[keep]
 
@@ -135,3 +135,8 @@ def turned(omega_rad_s: Array, sample_time_s: float) -> Array:
     """Return the angle since the first row, from speeds (trapezia)."""
     steps = 0.5 * sample_time_s * (omega_rad_s[1:] + omega_rad_s[:-1])
     return np.concatenate(([0.0], np.cumsum(steps)))
+
+
+def times(rows: int, sample_time_s: float) -> Array:
+    """Return the instants of a record, from 0 on."""
+    return np.asarray(sample_time_s * np.arange(rows), dtype=np.float64)

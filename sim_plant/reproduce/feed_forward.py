@@ -12,7 +12,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.base.order_tracking import order_amplitudes
 from sim_plant.line.simulation import LineSimulation
-from sim_plant.reproduce.euclid import TENSION_N, set_torque
+from sim_plant.reproduce.euclid import TENSION_N, set_torque, times
 
 Readings = Mapping[str, float]
 
@@ -59,7 +59,7 @@ def run(
     dt = line.sample_time_s
     rows = round(duration_s / dt)
     table = np.empty((rows, len(keep)))
-    readings = line.readings()
+    readings: Readings = line.readings()
     psi, output, done = 0.0, 0.0, rows
     inputs = {"tension_ref_N": TENSION_N}
     for k in range(rows):
@@ -84,7 +84,7 @@ def run(
             done = k
             break
     record = {name: table[:done, i] for i, name in enumerate(keep)}
-    record["time_s"] = dt * np.arange(done)
+    record["time_s"] = times(done, dt)
     return record
 
 

@@ -57,7 +57,7 @@ def measure_response(
     amplitude_m_s: float = 2e-4,
     duration_s: float = 40.0,
 ) -> PlantResponse:
-    """Return P from corrections at ``roller`` to ``channel`` with radii, PI and delays as they are.
+    """Return P from corrections at ``roller`` to ``channel``, PI and delays as they are.
 
     All frequencies at once with spread phases; the same run without them is subtracted, so
     ripple and drift cancel, and least squares reads the phasors after 10 s.

@@ -60,9 +60,10 @@ def run() -> Result:
     peak, drift = float(np.max(np.abs(e_lead))), abs(float(e_roll[-1]))
     return Result(
         rows=(
-            judge("largest e_theta of the S-wrap lead", "0.004 rad, << 1", peak, "rad", peak < 0.05,
+            judge("largest e_theta of the S-wrap lead", "0.004 rad, << 1", peak, "rad",
+                  peak < 0.05,
                   "a speed loop holds it; 0.5 mm off centre, 30 kg"),
-            judge("unwind: drift of theta from v/R in 60 s", "e_theta << 1 in general (5.3)", drift,
+            judge("unwind: drift of theta from v/R in 60 s", "e_theta << 1 (5.3)", drift,
                   "rad", drift < 0.05,
                   f"wound-in strain half of the line's: strain difference times angle gives "
                   f"{formula:.2f} rad; a law on v/R loses its phase, one on the angle does not"),

@@ -1,4 +1,4 @@
-"""(4.14)-(4.34): convex roll by extrema and cubic, penalty formulation, beside the exact tangent."""
+"""(4.14)-(4.34): convex roll by cubics and penalty minimisation, beside the exact tangent."""
 
 from __future__ import annotations
 

@@ -20,6 +20,7 @@ from sim_plant.line.dancer_section import (
 )
 from sim_plant.reproduce.drawing import Panel, draw
 from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond
+from sim_plant.reproduce.euclid import times
 
 V_IN, V_OUT, EPS_UP, EA_N = 1.0, 1.004, 0.005, 9300.0
 FREQUENCIES_HZ = (0.5, 1.0, 2.0, 4.0, 8.0)
@@ -86,7 +87,8 @@ def dancer_run(kind: str) -> Result:
     frequency = np.array(FREQUENCIES_HZ)
     ratio = 20.0 * np.log10(np.abs(np.array(fixed)) / np.abs(np.array(found)))
     panel = Panel(
-        curves={"simulated": (frequency, np.abs(found)), "linear model": (frequency, np.abs(model)),
+        curves={"simulated": (frequency, np.abs(found)),
+                "linear model": (frequency, np.abs(model)),
                 "axis fixed": (frequency, np.abs(fixed))},
         x="frequency [Hz]", y="tension over outlet speed [N s/m]", log="xy",
         points=("simulated",), title=f"{kind} dancer",
@@ -120,7 +122,7 @@ def without_dancer(web: DancerWeb, strain: float, frequency_Hz: float) -> comple
 
 
 def accumulator_run() -> Result:
-    """A splice: the inlet stops for two seconds and the carriage feeds the line."""
+    """Stop the inlet for a splice: the carriage feeds the line."""
     v = 2.0
     a = Accumulator(EA_N=EA_N, strain_upstream=EPS_UP, spans=10, mass_kg=50.0,
                     damping_N_s_m=2000.0)  # fmt: skip
@@ -134,7 +136,7 @@ def accumulator_run() -> Result:
     states = accumulator_section.simulate(
         a, np.array([strain, 1.5, 0.0]), speeds, lift, 8.0, STEP_S
     )
-    time = STEP_S * np.arange(len(states))
+    time = times(len(states), STEP_S)
     pull = EA_N * states[:, 0]
     used = float(states[0, 1] - states[:, 1].min())
     expected = v * 3.0 / a.spans

@@ -10,6 +10,7 @@ from sim_plant.identify.roller_run import simulate_roller, with_sensor
 from sim_plant.identify.validation import model_distortion, norms
 from sim_plant.reproduce.drawing import Panel, draw
 from sim_plant.reproduce.entry import Experiment, Result, beyond, judge
+from sim_plant.reproduce.euclid import times
 
 J, C, B = 0.35, 0.15, 0.01
 DT_S, NOISE_RAD_S, SEGMENTS, TOLERANCE = 0.02, 0.01, 8, 0.3
@@ -40,7 +41,7 @@ def run() -> Result:
     b_only, _ = viscous_only([coast], J)
     models = {"b alone (2.30)": (0.0, b_only), "c and b (2.32)": (C, B)}
     rows = []
-    time = DT_S * np.arange(coast.speed_rad_s.size)
+    time = times(coast.speed_rad_s.size, DT_S)
     edges = time[:: time.size // SEGMENTS][:SEGMENTS]
     curves, drifts = {"record": (time, coast.speed_rad_s)}, {}
     for name, (constant, viscous) in models.items():

@@ -56,8 +56,9 @@ def run() -> Result:
                "(4.37) takes d_ex as arm of the tension", claim="d_ex is the arm length"),
         beyond("std of dl/dt over std of p", float(np.std(flat.flow) / np.std(flat.exact)), "-",
                "tables of dl/dt and dL/dt cancel each other: noise of (4.36), (4.50)"),
-        judge("(4.50) on a plane through (0,0,0.5), (1,0,0.75), (1,1,1) at (0.25, 0.5)", "plane through P1-P3",
-              printed_plane(), "-", abs(printed_plane() - exact_plane()) < 1e-9,
+        judge("(4.50) at (0.25, 0.5), plane through (0,0,0.5), (1,0,0.75), (1,1,1)",
+              "the plane's height", printed_plane(), "-",
+              abs(printed_plane() - exact_plane()) < 1e-9,
               f"n.(X - P1) = 0 gives {exact_plane():.4f}; no table is needed: "
               "delta l (i, j) = S(j) - S(i)"),
     ]  # fmt: skip

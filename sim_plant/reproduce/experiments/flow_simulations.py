@@ -12,7 +12,15 @@ from sim_plant.geometry.roll_profiles import wooden_insert
 from sim_plant.geometry.shapes import Shape
 from sim_plant.reproduce.drawing import Panel, bars, draw
 from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, judge
-from sim_plant.reproduce.euclid import FPM_M_S, INCH_M, TENSION_N, body, nominal, open_euclid
+from sim_plant.reproduce.euclid import (
+    FPM_M_S,
+    INCH_M,
+    TENSION_N,
+    body,
+    nominal,
+    open_euclid,
+    times,
+)
 from sim_plant.reproduce.experiments.supply import Supply, supply_of
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -50,14 +58,14 @@ def simulate(extra: Array, shape: Shape | None, turn_rad: float) -> tuple[Array,
         line.state.y[slot] = (_at(table, here + omega * DT_S) - _at(table, here)) / DT_S
         tension[k] = line.step(inputs)["true_unwind_tension_N"]
         angle[k] = line.angles()[unwind]
-    return DT_S * np.arange(rows), tension, angle
+    return times(rows, DT_S), tension, angle
 
 
 def orders_of(record: tuple[Array, Array, Array]) -> ComplexArray:
     """Return complex orders 1-4 of the tension after the start is forgotten."""
     time, tension, angle = record
     late = time >= FORGET_S
-    return order_amplitudes(tension[late], angle[late], ORDERS)
+    return np.asarray(order_amplitudes(tension[late], angle[late], ORDERS), np.complex128)
 
 
 def _integral(curve: Array) -> Array:
@@ -132,13 +140,14 @@ def run() -> Result:
         rows=(
             judge("peripheral speed: H1-H4 over exact, largest", "larger oscillations (Fig. 4.11)",
                   float(np.max(np.array(spectra["peripheral speed (4.11)"]) / exact)), "-",
-                  bool(np.max(outer) > 1.0), "length variation that nothing compensates; the web even goes slack"),
+                  bool(np.max(outer) > 1.0), "length variation that nothing compensates;"
+                  " the web even goes slack"),
             judge("arc length: error of H1", "better correlation (Fig. 4.17)",
                   100.0 * float(arc[0]), "%", bool(arc[0] < outer[0]),
                   "better than peripheral speed, yet not exact"),
             judge("arc length: error of H4", "appropriate simulation", 100.0 * float(arc[3]), "%",
-                  bool(arc[3] < 0.01), "wander of the next contact point left out: n R_B / L of the supply, less of "
-                  "the ripple, which the arm of the tension makes too"),
+                  bool(arc[3] < 0.01), "the next contact point wanders, n R_B / L of the supply;"
+                  " less of the ripple, which the arm of the tension makes too"),
             beyond("exact identity: H1", exact[0], "N", "moment arm alone"),
             beyond("exact identity: H2", exact[1], "N", ""),
         ),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from sim_plant.reproduce.drawing import Panel, draw
@@ -27,11 +29,10 @@ def run_all() -> Result:
     curves: dict[str, list[float]] = {f"{n}, H{o}": [] for n in ("basic", "ours") for o in ORDERS}
     for speed in SPEEDS_M_S:
         turn_Hz = speed / (2.0 * np.pi * RADIUS_M)
+        orders = np.array([0.7, 0.9, 1.0, 1.15, 1.4, 1.7, 2.0, 2.3])
         plant = measure_response(
-            lambda speed=speed: open_euclid(radius_m=RADIUS_M, speed_m_s=speed, settle_s=20.0),
-            "unwind", "unwind_tension_N", turn_Hz * np.array([0.7, 0.9, 1.0, 1.15, 1.4, 1.7, 2.0,
-                                                              2.3]),
-            speed, TENSION_N, duration_s=25.0,
+            partial(open_euclid, radius_m=RADIUS_M, speed_m_s=speed, settle_s=20.0), "unwind",
+            "unwind_tension_N", turn_Hz * orders, speed, TENSION_N, duration_s=25.0,
         )  # fmt: skip
         laws = {
             "none": None,

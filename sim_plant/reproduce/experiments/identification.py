@@ -14,7 +14,15 @@ from sim_plant.identify.idler_friction import (
 from sim_plant.identify.roller_run import run_up_and_coast, simulate_roller, with_sensor
 from sim_plant.reproduce.drawing import Panel, draw
 from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, judge
-from sim_plant.reproduce.euclid import FPM_M_S, LBF_FT_N_M, LBF_N, nominal, open_euclid, steady
+from sim_plant.reproduce.euclid import (
+    FPM_M_S,
+    LBF_FT_N_M,
+    LBF_N,
+    nominal,
+    open_euclid,
+    steady,
+    times,
+)
 
 SPEEDS_FPM = (100.0, 150.0, 200.0, 250.0, 300.0, 350.0)
 TABLE_OMEGA = np.array([13.33, 20.0, 26.66, 33.33, 40.0, 46.66])
@@ -34,11 +42,11 @@ def driven() -> Result:
     fit = fit_driven_roller([run])
     (coast,) = coast_downs(run)
     keep = coast.speed_rad_s > 1.5
-    time = 0.01 * np.arange(coast.speed_rad_s.size)
+    time = times(coast.speed_rad_s.size, 0.01)
     start = float(coast.speed_rad_s[0])
     viscous = response(coast, truth[0], 0.0, fit.viscous_only_N_m_s, start)
-    full = response(coast, *(e.value for e in (fit.inertia_kg_m2, fit.constant_N_m,
-                                               fit.viscous_N_m_s)), start)  # fmt: skip
+    full = response(coast, fit.inertia_kg_m2.value, fit.constant_N_m.value,
+                    fit.viscous_N_m_s.value, start)  # fmt: skip
     gain = fit.viscous_only_residual_rad_s / fit.residual_rad_s
     off = fit.nominal_inertia_kg_m2 / truth[0] - 1.0
     panel = Panel(
@@ -107,7 +115,7 @@ def table() -> Result:
 
 
 def idlers() -> Result:
-    """The procedure of (2.34)-(2.45) on simulated multi-speed records with sensor noise."""
+    """Follow (2.34)-(2.45) on simulated multi-speed records with sensor noise."""
     roller = nominal().rollers[1]
     points = []
     for number, fpm in enumerate(SPEEDS_FPM):

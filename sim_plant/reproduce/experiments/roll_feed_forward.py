@@ -8,10 +8,19 @@ from functools import cache, partial
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.line.frequency import response as frequency_response
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, bars, draw
 from sim_plant.reproduce.entry import Disagreement, Experiment, Result, Row, beyond, judge
-from sim_plant.reproduce.euclid import FPM_M_S, INCH_M, TENSION_N, effect, open_euclid, spectrum
+from sim_plant.reproduce.euclid import (
+    FPM_M_S,
+    INCH_M,
+    TENSION_N,
+    declaration,
+    effect,
+    open_euclid,
+    spectrum,
+)
 from sim_plant.reproduce.feed_forward import Law, Loop, Readings, decibels, orders_after, run
 from sim_plant.reproduce.plant_response import PlantResponse, measure_response
 from sim_plant.reproduce.source_laws import PhasedAff, PrintedAff
@@ -21,7 +30,7 @@ RECORD_S, LATE_S, ORDERS = 90.0, 62.0, (1, 2, 3, 4)
 TENSION, ANGLE = "true_unwind_tension_N", "true_unwind_angle_rad"
 PRINTED_GAIN, RATE_1_S = 0.002, 0.2
 """One gain for all shapes and webs, as in the source: (m/s)/(N s); and 1/s of our law."""
-PROBE_HZ = np.geomspace(0.2, 9.0, 24)
+PROBE_HZ = np.sort(np.append(np.geomspace(0.2, 9.0, 24), 0.39789 * np.array(ORDERS)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,9 +119,21 @@ def run_case(case: Case) -> Result:
                          difference=float(sum(a != b for a, b in zip(simulated, foretold,
                                                                      strict=True))),
                          unit="orders", limit=0.0),
+            Disagreement(what="P at H1-H4, complex", first="simulation, sum of sines",
+                         second="frequency domain", difference=_response_gap(case.web, turn_Hz),
+                         unit="relative", limit=0.05),
         ),
         figures=(draw([panel]), bars(gains, [f"H{n}" for n in ORDERS], "attenuation [dB]")),
     )  # fmt: skip
+
+
+def _response_gap(web: str, turn_Hz: float) -> float:
+    """Return the largest relative difference of both responses at orders 1-4."""
+    frequency = turn_Hz * np.array(ORDERS)
+    model = frequency_response(declaration(web, RADIUS_M), "unwind", "unwind_tension_N",
+                               frequency, SPEED_M_S)  # fmt: skip
+    simulated = np.array([response(web).at(float(f)) for f in frequency])
+    return float(np.max(np.abs(simulated / model - 1.0)))
 
 
 def _rows(

@@ -118,12 +118,13 @@ def on_speed(kind: str) -> Result:
     ]  # fmt: skip
     if kind == "torque":
         rows.append(
-            judge("median spectrum outside H1 over PI alone", "slight increase over the whole spectrum", rise,
-                  "-", rise > 1.05, "the source blames its drive's torque tracking; an ideal "
-                  "torque input shows none")
+            judge("median spectrum outside H1 over PI alone",
+                  "slight increase over the whole spectrum", rise, "-", rise > 1.05,
+                  "the source blames its drive's torque tracking; an ideal torque input shows none")
         )  # fmt: skip
     else:
-        rows.append(judge("median spectrum outside H1 over PI alone", "no increase", rise, "-", rise < 1.1,
+        rows.append(judge("median spectrum outside H1 over PI alone", "no increase", rise, "-",
+                          rise < 1.1,
                           "velocity reference goes through the same PI"))  # fmt: skip
     return Result(rows=tuple(rows), figures=(figure(SPEED, "speed [m/s]", kind),))
 

@@ -9,7 +9,7 @@ from sim_plant.identify.validation import norms
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, draw
 from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, judge
-from sim_plant.reproduce.euclid import FPM_M_S, INCH_M, LBF_N, effect, open_euclid
+from sim_plant.reproduce.euclid import FPM_M_S, INCH_M, LBF_N, effect, open_euclid, times
 
 STEP_S, START_N, STEP_N = 5.0, 10.0 * LBF_N, 20.0 * LBF_N
 DURATION_S = 25.0
@@ -18,7 +18,7 @@ RADIUS_M = 6.375 * INCH_M
 
 def run_step(line: LineSimulation, speed_m_s: float) -> tuple[Array, Array]:
     """Return time and unwind tension for a step of the reference by 20 lbf."""
-    time = line.sample_time_s * np.arange(round(DURATION_S / line.sample_time_s))
+    time = times(round(DURATION_S / line.sample_time_s), line.sample_time_s)
     reference = np.where(time >= STEP_S, START_N + STEP_N, START_N)
     record = line.simulate(np.full(time.size, speed_m_s), reference)
     return time, record["true_unwind_tension_N"]

@@ -9,7 +9,7 @@ from sim_plant.elements.web_climate import mass_per_length
 from sim_plant.line.climate_section import WarmSpan, pull_N, simulate
 from sim_plant.reproduce.drawing import Panel, draw
 from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond
-from sim_plant.reproduce.euclid import FPM_M_S, open_euclid, steady
+from sim_plant.reproduce.euclid import FPM_M_S, open_euclid, steady, times
 
 V_IN, V_OUT, EPS_UP, OVEN_K, STEP_S = 1.0, 1.004, 0.005, 30.0, 2e-3
 SPAN = WarmSpan(EA_N=9300.0, strain_upstream=EPS_UP, length_m=2.0, expansion_1_K=6e-5,
@@ -23,7 +23,7 @@ def run() -> Result:
     strain = (1.0 + EPS_UP) * V_OUT / V_IN - 1.0
     states = simulate(SPAN, np.array([strain, 0.0]), lambda _t: (V_IN, V_OUT),
                       lambda t: OVEN_K if t > 2.0 else 0.0, 20.0, STEP_S)  # fmt: skip
-    time = STEP_S * np.arange(len(states))
+    time = times(len(states), STEP_S)
     pull = np.array([pull_N(SPAN, float(e), float(w)) for e, w in states])
     drop = float(pull[0] - pull[-1])
     warming = OVEN_K / (1.0 + SPAN.exchange_s * V_IN / SPAN.length_m)
@@ -61,9 +61,9 @@ def run() -> Result:
             beyond("the same with the cold web's density", wrong, "kg/s",
                    "mass appears from nothing: density change belongs in the flow"),
             beyond("tension change of the heated span in the Euclid line", change_N[HEATED], "N",
-                   "no speed is held at its ends: idlers turn at the warm web's pace, tension stays"),
+                   "no speed is held at its ends: idlers turn with the warm web"),
             beyond("tension change in the next span", change_N[HEATED + 1], "N",
-                   "the web has cooled; the drives' speeds still set the strain of the zone's end"),
+                   "the web has cooled; the drives still set the strain at the end"),
         ),
         disagreements=(
             Disagreement(what="tension loss at rest", first="simulation",

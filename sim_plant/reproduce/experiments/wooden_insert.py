@@ -1,4 +1,4 @@
-"""(4.40), Fig. 4.9 and 4.10: the wooden insert, as printed and corrected, and its cubic profile."""
+"""(4.40), Fig. 4.9 and 4.10: the wooden insert, printed and corrected, and its cubic profile."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ def printed_y_in(x_in: Array) -> Array:
     inside = 1.0 - ((x_in + shift) / (R_IN - half)) ** 2
     with np.errstate(invalid="ignore"):
         side = top * np.sqrt(inside)
-    return np.where(np.abs(x_in) <= half, top, side)
+    return np.asarray(np.where(np.abs(x_in) <= half, top, side))
 
 
 def polar_radius_in(points: Array, angle: Array) -> Array:
-    """Return r at polar angles by interpolation in the outline (x + j y given as angles, radii)."""
-    return np.interp(angle, points[0], points[1], period=2.0 * np.pi)
+    """Return r at polar angles by interpolation in an outline (rows: angles, radii)."""
+    return np.asarray(np.interp(angle, points[0], points[1], period=2.0 * np.pi))
 
 
 def run() -> Result:
@@ -51,7 +51,7 @@ def run() -> Result:
     feature = float(np.hypot(6.0, 1.5)) - R_IN
     edge = float(printed_y_in(np.array([1.5 + 1e-9]))[0])
     x = np.linspace(-R_IN, R_IN, 1201)
-    hull = shape_of_points(outline * INCH_M)
+    hull = shape_of_points(np.asarray(outline * INCH_M, dtype=np.complex128))
     psi = np.linspace(0.0, 2.0 * np.pi, 1000)
     touched = hull.boundary(psi) / INCH_M
     panels = [

@@ -65,7 +65,7 @@ def run() -> Result:
         rows.append(
             judge(f"{name}: inertia", "(4.39)", ours.inertia_kg_m2, "kg m2",
                   abs(inertia - ours.inertia_kg_m2) < 1e-8,
-                  f"mass {ours.mass_kg:.4f} kg, centre of gravity {1e3 * ours.offset_m:.4f} mm off")
+                  f"mass {ours.mass_kg:.4f} kg, centre of gravity {1e3 * ours.offset_m:.4f} mm")
         )  # fmt: skip
         phi = np.linspace(0.0, 2.0 * np.pi, 400)
         outline: Array = np.array([radius(float(p)) for p in phi])

@@ -1,4 +1,4 @@
-"""Linear dancer: rest, what is conserved, and its frequency response against hand-made matrices."""
+"""Linear dancer: rest, conservation, frequency response against hand-made matrices."""
 
 import numpy as np
 import pytest

@@ -1,0 +1,84 @@
+"""What a site file says and implies, found without any I/O but reading it (``check``)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from aff_runtime.config.facts import Facts, facts_of
+from aff_runtime.config.findings import Finding, SiteFileError, dotted
+from aff_runtime.config.loader import read_site
+from aff_runtime.config.models import Site
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Report:
+    """What is wrong, what deserves a look, what follows; site and facts only without errors."""
+
+    file: str
+    errors: tuple[Finding, ...]
+    warnings: tuple[Finding, ...] = ()
+    site: Site | None = None
+    facts: Facts | None = None
+
+    @property
+    def ok(self) -> bool:
+        """Return whether the file may be used."""
+        return not self.errors
+
+    @property
+    def exit_code(self) -> int:
+        """Return 0 when the file may be used, else 2."""
+        return 0 if self.ok else SiteFileError.exit_code
+
+    def lines(self) -> list[str]:
+        """Return the report as text, one line each."""
+        lines = [f"error    {finding}" for finding in self.errors]
+        lines += [f"warning  {finding}" for finding in self.warnings]
+        if self.facts is not None:
+            lines += _fact_lines(self.facts)
+        verdict = "ok" if self.ok else f"refused, {len(self.errors)} error(s)"
+        lines.append(f"{self.file}: {verdict}, {len(self.warnings)} warning(s)")
+        return lines
+
+
+def check_site(path: Path | str, speeds_m_s: Sequence[float] = ()) -> Report:
+    """Check a site file; never raises for what the file says.
+
+    Parameters
+    ----------
+    path : the site file; response and record files are not looked at.
+    speeds_m_s : line speeds at which frequencies are shown, above 0; none: the highest speed.
+
+    Raises
+    ------
+    ValueError : a speed is not a finite number above 0.
+    """
+    if any(not math.isfinite(speed) or speed <= 0 for speed in speeds_m_s):
+        raise ValueError("speeds must be finite and above 0 m/s")
+    try:
+        reading = read_site(path)
+    except SiteFileError as error:
+        return Report(file=str(path), errors=error.findings)
+    return Report(
+        file=str(path),
+        errors=(),
+        warnings=reading.warnings,
+        site=reading.site,
+        facts=facts_of(reading.site, tuple(speeds_m_s)),
+    )
+
+
+def _fact_lines(facts: Facts) -> Iterator[str]:
+    yield f"revision {facts.revision[:12]}, PLC word 0x{facts.revision[-4:]}"
+    for title, (first, words) in (("read", facts.read_block), ("write", facts.write_block)):
+        yield f"{title:5} block: wire {first}..{first + words - 1}, {words} words"
+    yield f"words per tick: {facts.words_per_tick}"
+    for row in facts.rows:
+        yield f"wire {row.address:5} {row.type}  {dotted(row.path)}"
+    yield from (str(order) for order in facts.orders)
+    yield from (str(limit) for limit in facts.limits)
+    yield from (f"crossing on {name}: {crossing}" for name, crossing in facts.crossings)
+    yield from (f"default  {line}" for line in facts.defaults)

@@ -1,0 +1,65 @@
+"""From the site file to a `Site`, or to everything that is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from aff_runtime.config.findings import Finding, SiteFileError, in_file_order
+from aff_runtime.config.messages import empty_keys, findings_of
+from aff_runtime.config.models import Site
+from aff_runtime.config.rules import actuators, channels, registers, rolls, timing
+from aff_runtime.config.rules.issue import Issue
+from aff_runtime.config.scales import convert_scales
+from aff_runtime.config.yaml_marks import MarkedTree, read_marked
+
+_RULES: tuple[Callable[[Site], Iterator[Issue]], ...] = (
+    channels.issues,
+    registers.issues,
+    actuators.issues,
+    rolls.issues,
+    timing.issues,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """A valid site file, what deserves a look in it, and where every key stands."""
+
+    site: Site
+    warnings: tuple[Finding, ...]
+    tree: MarkedTree
+
+
+def load_site(path: Path | str) -> Site:
+    """Read and check a site file; SI numbers inside, no other I/O.
+
+    Raises
+    ------
+    ConfigError : all findings, one per line: ``file:line:column  path: what, what to do``.
+    """
+    return read_site(path).site
+
+
+def read_site(path: Path | str) -> Reading:
+    """Read and check a site file; like `load_site`, with warnings and marks."""
+    tree = read_marked(path)
+    findings = empty_keys(tree)
+    if findings:
+        raise SiteFileError(findings)
+    findings = convert_scales(tree)
+    try:
+        site = Site.model_validate(tree.values)
+    except ValidationError as error:
+        raise SiteFileError([*findings, *findings_of(error, tree, Site)]) from error
+    warnings: list[Finding] = []
+    for rule in _RULES:
+        for issue in rule(site):
+            finding = tree.finding(issue.path, issue.text, at_key=issue.at_key)
+            (warnings if issue.warning else findings).append(finding)
+    if findings:
+        raise SiteFileError(findings)
+    return Reading(site=site, warnings=in_file_order(warnings), tree=tree)

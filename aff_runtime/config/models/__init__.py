@@ -1,0 +1,39 @@
+"""The site file as frozen models; one file per section."""
+
+from aff_runtime.config.models.actuators import Actuator, Block, ErrorSignal
+from aff_runtime.config.models.gateway import (
+    Channel,
+    Correction,
+    Gateway,
+    ModbusTcp,
+    ReadBlock,
+    ReadWord,
+    WriteBlock,
+    WriteWord,
+)
+from aff_runtime.config.models.guard import Freshness, Permissives, PlausibleRange
+from aff_runtime.config.models.rolls import Roll
+from aff_runtime.config.models.service import Probe, Recording
+from aff_runtime.config.models.site import Line, Site
+
+__all__ = [
+    "Actuator",
+    "Block",
+    "Channel",
+    "Correction",
+    "ErrorSignal",
+    "Freshness",
+    "Gateway",
+    "Line",
+    "ModbusTcp",
+    "Permissives",
+    "PlausibleRange",
+    "Probe",
+    "ReadBlock",
+    "ReadWord",
+    "Recording",
+    "Roll",
+    "Site",
+    "WriteBlock",
+    "WriteWord",
+]

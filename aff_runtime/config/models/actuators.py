@@ -1,0 +1,152 @@
+"""Section ``actuators``: where corrections go in, their limits and their harmonic blocks."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from aff_runtime.config.quantity import (
+    Few,
+    Flag,
+    MetresPerSecond,
+    MetresPerSecond2,
+    Name,
+    NewtonMetres,
+    NewtonMetresPerSecond,
+    Seconds,
+    Section,
+    Text,
+    Whole,
+    key,
+)
+
+Order = Annotated[int, Whole("periods per turn"), Field(ge=1, le=64)]
+
+
+class ErrorSignal(Section):
+    """What the actuator is to keep quiet."""
+
+    signal: Name = key("Channel whose ripple is cancelled: a tension (_N) or a speed (_m_s).")
+    reference: Name | None = key(
+        "Channel of its set point, in the same unit. Absent: the slow mean of the signal.",
+        default=None,
+    )
+
+
+class Block(Section):
+    """Harmonic blocks of one roll on one actuator."""
+
+    roll: Name = key("Roll whose angle drives the blocks.")
+    orders: Annotated[tuple[Order, ...], *Few] = key(
+        "Harmonics to cancel, periods per turn (1..64). Add one at a time; take one out that "
+        "status shows as held. At least 20 samples per turn of the highest are needed.",
+        live=True,
+    )
+    settle_s: Seconds = key(
+        "Time in which the ripple settles. Start at 60; shorten until it stops improving, then "
+        "double it. Too short amplifies noise and hunts.",
+        live=True,
+        ge=1,
+        le=300,
+    )
+    amp_limit_m_s: MetresPerSecond | None = key(
+        "Largest amplitude of each order, for velocity_reference. Raise it when BLOCK_CLAMPED "
+        "shows and the cause is known.",
+        default=None,
+        live=True,
+        gt=0,
+        le=1,
+    )
+    amp_limit_N_m: NewtonMetres | None = key(
+        "Largest amplitude of each order, for torque_reference.",
+        default=None,
+        live=True,
+        gt=0,
+        le=10000,
+    )
+    enabled: Flag = key(
+        "false: these blocks fade out and stop learning, the rest goes on.",
+        default=True,
+        live=True,
+    )
+
+    @property
+    def amp_limit(self) -> float:
+        """Return the amplitude limit in the actuator's SI unit, 0 when none is given."""
+        return self.amp_limit_m_s or self.amp_limit_N_m or 0.0
+
+
+class Actuator(Section):
+    """One drive whose reference takes a correction."""
+
+    output: Literal["velocity_reference", "torque_reference"] = key(
+        "Which reference of the drive takes the correction. It must go in after the ramp "
+        "generator: a ramp bends a sine."
+    )
+    error: ErrorSignal = key("What is to be kept quiet.")
+    limit_m_s: MetresPerSecond | None = key(
+        "Largest correction in all, for velocity_reference. The PLC enforces the same or less.",
+        default=None,
+        live=True,
+        gt=0,
+        le=1,
+    )
+    limit_N_m: NewtonMetres | None = key(
+        "Largest correction in all, for torque_reference. The PLC enforces the same or less.",
+        default=None,
+        live=True,
+        gt=0,
+        le=10000,
+    )
+    slew_m_s2: MetresPerSecond2 | None = key(
+        "Fastest change of the correction, for velocity_reference. Lower it when the drive "
+        "grows noisy; high orders then shrink.",
+        default=None,
+        live=True,
+        gt=0,
+        le=100,
+    )
+    slew_N_m_s: NewtonMetresPerSecond | None = key(
+        "Fastest change of the correction, for torque_reference.",
+        default=None,
+        live=True,
+        gt=0,
+        le=1000000,
+    )
+    soft_start_s: Seconds = key(
+        "Time in which the correction comes in after arming. Lengthen it when arming is felt in "
+        "the web.",
+        default=1.5,
+        live=True,
+        ge=0.1,
+        le=30,
+    )
+    active_above_m_s: MetresPerSecond = key(
+        "Line speed below which the correction fades and learning holds. Raise it when the "
+        "start or stop of the line disturbs what was learned.",
+        default=0.1,
+        live=True,
+        ge=0.01,
+        le=50,
+    )
+    response: Text = key(
+        "File of the measured loop response, relative to the folder of the site file; "
+        "`aff-runtime probe` writes it. Without it nothing arms."
+    )
+    blocks: Annotated[tuple[Block, ...], *Few] = key("Which rolls and orders to cancel.")
+
+    @property
+    def limit(self) -> float:
+        """Return the total limit in the actuator's SI unit, 0 when none is given."""
+        return self.limit_m_s or self.limit_N_m or 0.0
+
+    @property
+    def slew(self) -> float:
+        """Return the slew limit in the actuator's SI unit per second, 0 when none is given."""
+        return self.slew_m_s2 or self.slew_N_m_s or 0.0
+
+    @property
+    def unit(self) -> str:
+        """Return the SI unit of the correction: ``m/s`` or ``N m``."""
+        return "m/s" if self.output == "velocity_reference" else "N m"

@@ -1,0 +1,171 @@
+"""Section ``gateway``: the connection to the PLC and its register map."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+from aff_runtime.config.quantity import (
+    Few,
+    Flag,
+    Milliseconds,
+    Name,
+    Register,
+    Section,
+    SiPerCount,
+    Text,
+    Whole,
+    key,
+)
+
+WordType = Literal["u16", "i16", "u32", "i32"]
+
+
+class ModbusTcp(Section):
+    """How the PLC or gateway is reached."""
+
+    host: Text = key("Address of the PLC or gateway. Change it when the network plan changes.")
+    port: Annotated[int, Whole("TCP port")] = key(
+        "TCP port of its Modbus server. Change it only when the device says another.",
+        default=502,
+        ge=1,
+        le=65535,
+    )
+    device_id: Annotated[int, Whole("unit identifier")] = key(
+        "Modbus unit identifier. Change it behind a serial gateway or when the device "
+        "answers to one number alone.",
+        default=1,
+        ge=0,
+        le=255,
+    )
+    deadline_ms: Milliseconds = key(
+        "Longest wait for the reply of one tick; a later reply counts as lost. Raise it when "
+        "status shows timeouts on a healthy network; it must stay below cycle_ms.",
+        default=3.0,
+        ge=0.5,
+        le=50,
+    )
+    function: Literal["fc23", "fc3_fc16"] = key(
+        "Function codes: fc23 reads and writes in one request; fc3_fc16 uses two, for a "
+        "device that lacks fc23 (it answers with exception 1).",
+        default="fc23",
+    )
+
+
+class ReadWord(Section):
+    """A status word that the PLC writes and AFF reads."""
+
+    register_number: Register = key(
+        "Number of the register, counted as address_base says.", alias="register", ge=0, le=465536
+    )
+    type: Literal["u16"] = key("Word type; these words are always u16.", default="u16")
+
+
+class Channel(Section):
+    """A measured value; the name of the key ends with its SI unit."""
+
+    register_number: Register = key(
+        "Number of its (first) register, counted as address_base says.",
+        alias="register",
+        ge=0,
+        le=465536,
+    )
+    type: WordType = key(
+        "How the device stores it: u16 or i16 in one word, u32 or i32 in two. Wrong sign or "
+        "jumps at 32768 mean u16 and i16 are mixed up."
+    )
+    scale: SiPerCount = key(
+        "SI units in one count, from the device manual; may be text with a unit (`0.1 mm`). "
+        "Change it when the value differs from the drive's display by a fixed factor. "
+        "Negative when the device counts against the web direction.",
+        ge=-1e6,
+        le=1e6,
+    )
+    wraps: Flag = key(
+        "true when the count starts over after its largest value (encoder angles).", default=False
+    )
+
+
+class ReadBlock(Section):
+    """What AFF reads each tick, in one block of at most 125 words."""
+
+    plc_heartbeat: ReadWord = key("Counter that the PLC moves each scan; proof of life.")
+    status: ReadWord = key("Status bits of the PLC: permissives, enable request, splice.")
+    roll_id: ReadWord = key("Counter of splices; a new number resets what resets_on: splice.")
+    channels: Annotated[Mapping[Name, Channel], *Few] = key(
+        "Measured values by name. The end of the name is the SI unit: _N, _m_s, _m, _rad, "
+        "_rad_s, _N_m."
+    )
+
+
+class WriteWord(Section):
+    """A u16 word that AFF alone writes."""
+
+    register_number: Register = key(
+        "Number of the register, counted as address_base says.", alias="register", ge=0, le=465536
+    )
+
+
+class Correction(Section):
+    """The correction of one actuator, with its ones complement as proof of integrity."""
+
+    register_number: Register = key(
+        "Register of the correction.", alias="register", ge=0, le=465536
+    )
+    complement: Register = key(
+        "Register of its ones complement; the PLC drops the correction when the two differ.",
+        ge=0,
+        le=465536,
+    )
+    type: Literal["i16"] = key("Word type; corrections are always i16.", default="i16")
+    scale: SiPerCount = key(
+        "Correction in one count: m/s for velocity_reference, N m for torque_reference; may be "
+        "text with a unit. Make it finer when check says that a limit is under 5 counts, "
+        "coarser when the limit does not fit the word. The PLC must use the same number.",
+        ge=1e-9,
+        le=100,
+    )
+
+
+class WriteBlock(Section):
+    """What AFF writes each tick: one block without holes. Nothing else is ever written."""
+
+    aff_heartbeat: WriteWord = key("Counter that AFF moves each tick; the PLC watches it.")
+    state: WriteWord = key(
+        "State bits of AFF: ready, armed, active, fading, bypass, saturated, fault."
+    )
+    echo: WriteWord = key("Copy of the last plc_heartbeat; proof of the round trip.")
+    alarm: WriteWord = key("Code of the present alarm, 0 when none.")
+    limit: WriteWord = key("Limit in force of the first actuator, in counts of its correction.")
+    config_revision: WriteWord = key("Low 16 bits of the site file's hash.")
+    corrections: Annotated[Mapping[Name, Correction], *Few] = key(
+        "One correction per actuator, by the actuator's name."
+    )
+
+
+class Gateway(Section):
+    """The connection to the PLC and the register map."""
+
+    modbus_tcp: ModbusTcp = key("How the PLC is reached.")
+    address_base: Annotated[Literal[0, 1], Whole("number of the first register")] = key(
+        "0: register numbers are wire addresses. 1: the first register is number 1, 40001 or "
+        "400001, as manuals write it. Values shifted by one register mean the other one is right."
+    )
+    word_order: Literal["high_first", "low_first"] = key(
+        "Which word of a 32-bit value comes first. Absurd 32-bit values mean the other one."
+    )
+    read: ReadBlock = key("What AFF reads each tick.")
+    write: WriteBlock = key("What AFF writes each tick; nothing else is ever written.")
+
+    def wire_address(self, register: int) -> int:
+        """Return the address on the wire of a register number of this file.
+
+        With ``address_base: 1``, 40001..49999 and 400001..465536 are manual notation of
+        holding registers; any other number counts from 1.
+        """
+        if self.address_base == 0:
+            return register
+        for first, last in ((40001, 49999), (400001, 465536)):
+            if first <= register <= last:
+                return register - first
+        return register - 1

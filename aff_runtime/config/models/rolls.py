@@ -1,0 +1,66 @@
+"""Section ``rolls``: the bodies whose turning makes the ripple."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from aff_runtime.config.quantity import Metres, Name, Section, key
+
+
+class Roll(Section):
+    """A roll or roller; its phase comes from angle, else speed, else line speed over radius."""
+
+    angle: Name | None = key(
+        "Channel of its encoder angle (_rad); the best source of phase. Absent: the speed is "
+        "integrated.",
+        default=None,
+    )
+    speed: Name | None = key(
+        "Channel of its own speed (_rad_s, or _m_s at its surface); used when no angle is given.",
+        default=None,
+    )
+    line_speed: Name | None = key(
+        "Channel of the web speed at this roll, used over the radius when neither angle nor "
+        "speed is given. Absent: line.speed.",
+        default=None,
+    )
+    radius: Name | None = key(
+        "Channel of its radius (_m), for a roll that grows or shrinks. Give this or radius_m.",
+        default=None,
+    )
+    radius_m: Metres | None = key(
+        "Fixed radius. Measure it (circumference / 6.2832): 1 % of error costs phase where no "
+        "angle is given.",
+        default=None,
+        ge=0.005,
+        le=3,
+    )
+    radius_min_m: Metres | None = key(
+        "Smallest radius that occurs (the core); required with radius. Below it the signal is a "
+        "fault.",
+        default=None,
+        ge=0.005,
+        le=3,
+    )
+    radius_max_m: Metres | None = key(
+        "Largest radius that occurs (the full roll); required with radius. Above it the signal "
+        "is a fault.",
+        default=None,
+        ge=0.005,
+        le=3,
+    )
+    resets_on: Literal["splice", "never"] = key(
+        "splice: a new roll_id or SPLICE_ACTIVE forgets what was learned of this roll. Use it "
+        "for every roll that is exchanged.",
+        default="never",
+    )
+
+    @property
+    def smallest_radius_m(self) -> float:
+        """Return the smallest radius that occurs, m."""
+        return self.radius_m or self.radius_min_m or 0.0
+
+    @property
+    def largest_radius_m(self) -> float:
+        """Return the largest radius that occurs, m."""
+        return self.radius_m or self.radius_max_m or 0.0

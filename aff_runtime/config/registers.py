@@ -1,0 +1,84 @@
+"""The register map as rows: who stands on which wire address."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from aff_runtime.config.findings import KeyPath
+from aff_runtime.config.models import Site
+
+MAX_READ_WORDS = 125
+MAX_WRITE_WORDS = {"fc23": 121, "fc3_fc16": 123}
+LAST_ADDRESS = 65535
+_WORDS = {"u16": 1, "i16": 1, "u32": 2, "i32": 2}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One value on the wire.
+
+    Attributes
+    ----------
+    path : its key, up to and with ``register`` or ``complement``.
+    address, words : first wire address, and how many words it takes (1 or 2).
+    type : u16, i16, u32 or i32.
+    """
+
+    path: KeyPath
+    address: int
+    words: int
+    type: str
+
+    @property
+    def last(self) -> int:
+        """Return the last wire address it takes."""
+        return self.address + self.words - 1
+
+
+def read_rows(site: Site) -> list[Row]:
+    """Return every value that is read, by wire address."""
+    read, base = site.gateway.read, ("gateway", "read")
+    rows = [
+        _row(site, (*base, name, "register"), word.register_number, word.type)
+        for name, word in (
+            ("plc_heartbeat", read.plc_heartbeat),
+            ("status", read.status),
+            ("roll_id", read.roll_id),
+        )
+    ]
+    for name, channel in read.channels.items():
+        path = (*base, "channels", name, "register")
+        rows.append(_row(site, path, channel.register_number, channel.type))
+    return sorted(rows, key=lambda row: row.address)
+
+
+def write_rows(site: Site) -> list[Row]:
+    """Return every word that is written, by wire address."""
+    write, base = site.gateway.write, ("gateway", "write")
+    rows = [
+        _row(site, (*base, name, "register"), word.register_number, "u16")
+        for name, word in (
+            ("aff_heartbeat", write.aff_heartbeat),
+            ("state", write.state),
+            ("echo", write.echo),
+            ("alarm", write.alarm),
+            ("limit", write.limit),
+            ("config_revision", write.config_revision),
+        )
+    ]
+    for name, correction in write.corrections.items():
+        path = (*base, "corrections", name)
+        rows.append(_row(site, (*path, "register"), correction.register_number, "i16"))
+        rows.append(_row(site, (*path, "complement"), correction.complement, "u16"))
+    return sorted(rows, key=lambda row: row.address)
+
+
+def _row(site: Site, path: KeyPath, register: int, type_name: str) -> Row:
+    address = site.gateway.wire_address(register)
+    return Row(path=path, address=address, words=_WORDS[type_name], type=type_name)
+
+
+def block_of(rows: list[Row]) -> tuple[int, int]:
+    """Return the first wire address of a block and its number of words."""
+    first = min(row.address for row in rows)
+    return first, max(row.last for row in rows) - first + 1

@@ -1,0 +1,81 @@
+"""Rolls: radius and phase source are known; orders are sampled often enough and stay apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from aff_runtime.config.crossings import crossings_of, frequency_Hz
+from aff_runtime.config.findings import KeyPath
+from aff_runtime.config.models import Actuator, Roll, Site
+from aff_runtime.config.rules.issue import Issue
+
+MIN_SAMPLES_PER_PERIOD = 20
+
+
+def issues(site: Site) -> Iterator[Issue]:
+    """Yield what is wrong with rolls, and what their orders will meet."""
+    for name, roll in site.rolls.items():
+        yield from _radius(("rolls", name), roll)
+    used = {block.roll for actuator in site.actuators.values() for block in actuator.blocks}
+    for name in site.rolls:
+        if name not in used:
+            text = "no block uses this roll. Remove it, or add a block."
+            yield Issue(path=("rolls", name), text=text, warning=True, at_key=True)
+    for name, actuator in site.actuators.items():
+        yield from _sampling(("actuators", name), actuator, site)
+        crossings = crossings_of(site, actuator)
+        if crossings:
+            text = (
+                f"{'; '.join(map(str, crossings))}. The blocks share their gain there; expect "
+                "slower settling near it."
+            )
+            path: KeyPath = ("actuators", name, "blocks")
+            yield Issue(path=path, text=text, warning=True, at_key=True)
+
+
+def _radius(path: KeyPath, roll: Roll) -> Iterator[Issue]:
+    if (roll.radius is None) == (roll.radius_m is None):
+        text = "needs one of radius (a channel) and radius_m (a fixed radius)."
+        yield Issue(path=path, text=text, at_key=True)
+        return
+    bounds = {"radius_min_m": roll.radius_min_m, "radius_max_m": roll.radius_max_m}
+    for name, bound in bounds.items():
+        if roll.radius is not None and bound is None:
+            text = "required key is missing. A measured radius needs the range that occurs."
+            yield Issue(path=(*path, name), text=text, at_key=True)
+        if roll.radius is None and bound is not None:
+            text = "only a measured radius has a range. Remove it, or name a radius channel."
+            yield Issue(path=(*path, name), text=text, at_key=True)
+    low, high = roll.radius_min_m, roll.radius_max_m
+    if low is not None and high is not None and low >= high:
+        text = f"{high:g} m is not above radius_min_m {low:g} m. Exchange the two."
+        yield Issue(path=(*path, "radius_max_m"), text=text)
+
+
+def _sampling(path: KeyPath, actuator: Actuator, site: Site) -> Iterator[Issue]:
+    speed_m_s = _speed_max_m_s(site)
+    for index, block in enumerate(actuator.blocks):
+        roll = site.rolls.get(block.roll)
+        if roll is None or roll.smallest_radius_m == 0 or speed_m_s <= 0:
+            continue
+        order = max(block.orders)
+        frequency = frequency_Hz(order, speed_m_s, roll.smallest_radius_m)
+        samples = 1.0 / (frequency * site.cycle_s)
+        if samples < MIN_SAMPLES_PER_PERIOD:
+            slower = speed_m_s * samples / MIN_SAMPLES_PER_PERIOD
+            text = (
+                f"order {order} has {samples:.1f} samples per period at {speed_m_s:g} m/s and "
+                f"radius {roll.smallest_radius_m:g} m ({frequency:.2f} Hz). Need >= "
+                f"{MIN_SAMPLES_PER_PERIOD}: stay under {slower:.3g} m/s, leave the order out or "
+                "shorten cycle_ms."
+            )
+            place = block.orders.index(order)
+            where = (*path, "blocks", index, "orders", place)
+            yield Issue(path=where, text=text, warning=True)
+
+
+def _speed_max_m_s(site: Site) -> float:
+    limits = site.plausibility.get(site.line.speed)
+    if site.line.speed_max_m_s is None and (limits is None or limits.max_m_s is None):
+        return 0.0
+    return site.speed_max_m_s

@@ -1,0 +1,53 @@
+"""Scales written with a unit (``0.1 mm``): the unit to convert to is the channel's own."""
+
+from __future__ import annotations
+
+from aff_runtime.base.units import UnitError, read_number
+from aff_runtime.config.channel_units import ENDINGS, unit_of_channel
+from aff_runtime.config.findings import Finding, KeyPath
+from aff_runtime.config.yaml_marks import MarkedTree, Tree
+
+_OUTPUT_UNITS = {"velocity_reference": "m/s", "torque_reference": "N m"}
+_SAY = {
+    "read": f"The channel's name does not end with its SI unit: {ENDINGS}.",
+    "write": "The actuator of this name must say its output.",
+}
+
+
+def convert_scales(tree: MarkedTree) -> list[Finding]:
+    """Turn every text scale of ``tree`` into SI per count; return what cannot be."""
+    findings: list[Finding] = []
+    for path in (("gateway", "read", "channels"), ("gateway", "write", "corrections")):
+        table = _at(tree.values, path)
+        if not isinstance(table, dict):
+            continue
+        for name, entry in table.items():
+            scale = entry.get("scale") if isinstance(entry, dict) else None
+            if not isinstance(entry, dict) or not isinstance(scale, str):
+                continue
+            where: KeyPath = (*path, name, "scale")
+            unit = _unit(tree, path, name)
+            entry["scale"] = 1.0
+            if unit is None:
+                text = f'"{scale[:40]}" needs a unit to convert to. {_SAY[path[1]]}'
+                findings.append(tree.finding(where, text))
+                continue
+            try:
+                entry["scale"] = read_number(scale, unit)
+            except UnitError as error:
+                findings.append(tree.finding(where, str(error)))
+    return findings
+
+
+def _unit(tree: MarkedTree, path: KeyPath, name: str) -> str | None:
+    if path[1] == "read":
+        return unit_of_channel(name)
+    output = _at(tree.values, ("actuators", name, "output"))
+    return _OUTPUT_UNITS.get(output) if isinstance(output, str) else None
+
+
+def _at(values: Tree, path: KeyPath) -> Tree:
+    current: Tree = values
+    for part in path:
+        current = current.get(str(part)) if isinstance(current, dict) else None
+    return current
