@@ -44,7 +44,7 @@ class Disagreement:
     @property
     def within(self) -> bool:
         """Whether the promise, if any, is kept."""
-        return self.limit is None or self.difference <= self.limit
+        return self.limit is None or bool(self.difference <= self.limit)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

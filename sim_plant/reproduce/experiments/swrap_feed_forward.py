@@ -120,7 +120,7 @@ def on_speed(kind: str) -> Result:
         rows.append(
             judge("median spectrum outside H1 over PI alone",
                   "slight increase over the whole spectrum", rise, "-", rise > 1.05,
-                  "the source blames its drive's torque tracking; an ideal torque input shows none")
+                  "the source blames its drive's torque tracking; an ideal torque has none")
         )  # fmt: skip
     else:
         rows.append(judge("median spectrum outside H1 over PI alone", "no increase", rise, "-",
