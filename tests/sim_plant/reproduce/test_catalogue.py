@@ -59,8 +59,8 @@ def test_corrected_formulas_meet_the_exact_tangent_below_ten_nanometres(
         ("T2.2", "b, divisor 6", 1.18e-4, 5e-7),
         ("3.10", "arm error with cos", 3.9e-3, 5e-5),
         ("4.40", "y at the edge", 3.97, 5e-3),
-        ("4.40", "cubic against profile, largest error on the flat", 0.056, 5e-4),
-        ("4.40", "cubic against profile, largest error on the sides", 0.20, 5e-3),
+        ("4.40", "the same with the maxima at the corners, flat", 0.056, 5e-4),
+        ("4.40", "the same with the maxima at the corners, sides", 0.20, 5e-3),
         ("4.14", "slope at the maximum", 1.0, 1e-12),
     ],
 )
