@@ -7,7 +7,6 @@ from functools import partial
 import numpy as np
 
 from sim_plant.base.arrays import Array, LineArrays
-from sim_plant.base.order_tracking import order_amplitudes
 from sim_plant.reproduce.drawing import Panel, bars, draw
 from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, judge
 from sim_plant.reproduce.euclid import (
@@ -65,7 +64,20 @@ def ripple(
     angle = turned(record["true_swrap_lead_speed_m_s"] / SWRAP_RADIUS_M, line.sample_time_s)
     late = record["time_s"] >= FORGET_S
     tension = record["true_unwind_tension_N"][late]
-    return order_amplitudes(tension, angle[late], ORDERS), tension, record["time_s"][late]
+    return windowed_orders(tension, angle[late]), tension, record["time_s"][late]
+
+
+def windowed_orders(signal: Array, angle_rad: Array) -> Array:
+    """Return complex orders 1-4 through a Hann window in angle.
+
+    Least squares leaks what is left of a slow transient into them, at 1e-4 of the fundamental;
+    the harmonics sought here are smaller.
+    """
+    share = (angle_rad - angle_rad[0]) / (angle_rad[-1] - angle_rad[0])
+    weight = np.gradient(angle_rad) * (1.0 - np.cos(2.0 * np.pi * share))
+    flat = signal - np.average(signal, weights=weight)
+    waves = np.exp(-1j * np.outer(ORDERS, angle_rad))
+    return np.asarray(2.0 * (waves @ (weight * flat)) / weight.sum())
 
 
 def run(fpm: float) -> Result:

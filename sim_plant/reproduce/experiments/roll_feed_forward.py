@@ -121,7 +121,7 @@ def run_case(case: Case) -> Result:
                          unit="orders", limit=0.0),
             Disagreement(what="P at H1-H4, complex", first="simulation, sum of sines",
                          second="frequency domain", difference=_response_gap(case.web, turn_Hz),
-                         unit="relative", limit=0.05),
+                         unit="relative", limit=0.03),
         ),
         figures=(draw([panel]), bars(gains, [f"H{n}" for n in ORDERS], "attenuation [dB]")),
     )  # fmt: skip
