@@ -90,8 +90,13 @@ def fit_driven_roller(runs: Sequence[Run], inertia_kg_m2: float | None = None) -
 
 
 def coast_downs(run: Run) -> list[Run]:
-    """Return the stretches without torque in which the speed falls."""
-    free = np.concatenate(([0], (run.torque_N_m == 0.0).astype(np.int64), [0]))
+    """Return the stretches without torque in which the speed falls.
+
+    Without torque: below 1 % of the largest, so that a noisy torque signal has stretches too.
+    """
+    size = np.abs(run.torque_N_m)
+    quiet = size <= 0.01 * float(np.max(size))
+    free = np.concatenate(([0], quiet.astype(np.int64), [0]))
     steps = np.diff(free)
     found = []
     for start, stop in zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True):

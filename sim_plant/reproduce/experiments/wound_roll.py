@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+
 import numpy as np
 from scipy.integrate import quad
 
@@ -11,6 +14,7 @@ from sim_plant.geometry.wound_mass import WoundMass, wound_mass
 from sim_plant.reproduce.drawing import Panel, draw
 from sim_plant.reproduce.entry import Disagreement, Experiment, Result, judge
 
+Profile = Callable[[float], float]
 CORE_M, DENSITY, WIDTH_M, RADIUS_M, OFFSET_M = 0.04445, 395.0, 0.1524, 0.2032, 0.003
 
 
@@ -25,19 +29,17 @@ def polar_offset(phi: float) -> float:
                  + np.sqrt(RADIUS_M**2 - (OFFSET_M * np.sin(phi)) ** 2))  # fmt: skip
 
 
-def polar_mass(radius: object) -> tuple[float, float, float]:
+def polar_mass(radius: Profile) -> tuple[float, float, float]:
     """Return mass, offset and inertia by (4.38), (4.39) in polar form with the width put in."""
-    assert callable(radius)
 
-    def integral(power: int, weight: object) -> float:
-        assert callable(weight)
+    def integral(power: int, weight: Profile) -> float:
         value, _ = quad(lambda phi: weight(phi) * radius(phi) ** power, 0.0, 2.0 * np.pi,
                         epsabs=1e-15, epsrel=1e-13, limit=200)  # fmt: skip
         return float(value)
 
     per_area = DENSITY * WIDTH_M
     mass = per_area * (0.5 * integral(2, lambda _phi: 1.0) - np.pi * CORE_M**2)
-    first = complex(integral(3, np.cos), integral(3, np.sin)) / 3.0 * per_area
+    first = complex(integral(3, math.cos), integral(3, math.sin)) / 3.0 * per_area
     inertia = per_area * (0.25 * integral(4, lambda _phi: 1.0) - 0.5 * np.pi * CORE_M**4)
     return mass, abs(first) / mass, inertia
 

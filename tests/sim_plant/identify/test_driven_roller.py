@@ -83,6 +83,17 @@ def test_a_given_inertia_needs_only_the_coast_down(clean: Run) -> None:
     assert fit.inertia_kg_m2.low == fit.inertia_kg_m2.high == J
 
 
+def test_a_noisy_torque_signal_still_has_its_coast_down(clean: Run) -> None:
+    run = noisy(clean, 5)
+    hum = 0.002 * np.random.default_rng(5).standard_normal(run.torque_N_m.size)
+    fit = fit_driven_roller(
+        [Run(sample_time_s=0.01, speed_rad_s=run.speed_rad_s, torque_N_m=run.torque_N_m + hum)]
+    )
+    assert fit.inertia_kg_m2.value == pytest.approx(J, rel=0.01)
+    assert fit.constant_N_m.value == pytest.approx(C, rel=0.05)
+    assert fit.viscous_N_m_s.value == pytest.approx(B, rel=0.05)
+
+
 def test_refuses_a_record_without_coast_down(clean: Run) -> None:
     powered = clean.torque_N_m > 0.0
     run = Run(

@@ -1,5 +1,7 @@
 """The catalogue holds every experiment of the list, and each quick one keeps its promises."""
 
+from pathlib import Path
+
 import pytest
 
 from sim_plant.reproduce.catalogue import BY_IDENTITY, CATALOGUE
@@ -68,3 +70,10 @@ def test_numbers_are_those_of_the_independent_check(
     results: dict[str, Result], identity: str, row: str, expected: float, tolerance: float
 ) -> None:
     assert value(results, identity, row) == pytest.approx(expected, abs=tolerance)
+
+
+def test_the_documented_table_holds_every_experiment() -> None:
+    table = (Path(__file__).parents[3] / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    headings = [line.split()[1] for line in table.splitlines() if line.startswith("### ")]
+    assert headings == [e.identity for e in CATALOGUE]
+    assert "BROKEN" not in table
