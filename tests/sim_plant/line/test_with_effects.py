@@ -8,7 +8,8 @@ from sim_plant.base.arrays import copy_arrays
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import EffectEntry
-from sim_plant.line.with_effects import apply_effects, merged, places
+from sim_plant.line.locations import places_of
+from sim_plant.line.with_effects import apply_effects, merged
 from tests.sim_plant.line.lines import declared
 
 LINE = declared("euclid")
@@ -51,7 +52,7 @@ def test_a_wrong_entry_is_refused_by_its_number_and_key(bad, said):
 @pytest.mark.parametrize(
     ("place", "location", "expected"),
     [
-        ("web", "anything", [0]),
+        ("web", "web", [0]),
         ("span", "R2-R3", [2]),
         ("cell", "R9", [0]),
         ("cell", "all", [0, 1, 2, 3]),
@@ -61,7 +62,7 @@ def test_a_wrong_entry_is_refused_by_its_number_and_key(bad, said):
     ],
 )
 def test_a_location_names_the_index_of_its_kind(place, location, expected):
-    assert places(LINE, arrays(), at(place), location, "effects.0") == expected
+    assert places_of(LINE, at(place), location, "effects.0.location") == expected
 
 
 @pytest.mark.parametrize(
@@ -76,7 +77,7 @@ def test_a_location_names_the_index_of_its_kind(place, location, expected):
 )
 def test_a_location_of_another_kind_is_refused(place, location, said):
     with pytest.raises(PlantError) as caught:
-        places(LINE, arrays(), at(place), location, "effects.0")
+        places_of(LINE, at(place), location, "effects.0.location")
     assert said in str(caught.value)
 
 
