@@ -56,7 +56,7 @@ class PrintedLaw:
             value -= theta[0] * sine + theta[1] * cosine
             peak += size * keep
             slew += size * keep * order * abs(speed) / max(self._rolls[i].radius_m, 1e-3)
-            slew += self._p.printed_gain * abs(error) if adapt else 0.0
+            slew += abs(self._p.printed_gain * error) if adapt else 0.0
         if not math.isfinite(value + slew):
             self._theta = [[0.0, 0.0] for _ in self._orders]
             return ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)

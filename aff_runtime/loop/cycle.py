@@ -188,9 +188,10 @@ class Cycle:
 
     def _ramp_down(self) -> None:
         """Without a guard: straight to zero within the fade time, and stay there."""
+        is_fading = self._ramp_left > 0.0  # true for the first zero as well: the PLC must take it
         self._ramp_left = max(0.0, self._ramp_left - self._dt_s / self._settings.fade_s)
         self._corrections = tuple(value * self._ramp_left for value in self._ramp_from)
-        self._bits = int(StateBits.FAULT | (StateBits.FADING if self._ramp_left > 0.0 else 0))
+        self._bits = int(StateBits.FAULT | (StateBits.FADING if is_fading else 0))
         self._alarm = _INTERNAL_FAULT
 
     def _has_stopped(self) -> bool:

@@ -13,14 +13,18 @@ _OF_STATE = {
 _OPENABLE = (State.READY, State.ARMED, State.ACTIVE, State.FADING)
 
 
-def state_word(standing: Standing, *, quiet: bool, saturated: bool, comm_warn: bool) -> int:
-    """Return the bits of ``StateBits``; FADING is set in any closed state until all is zero."""
+def state_word(standing: Standing, *, told_zero: bool, saturated: bool, comm_warn: bool) -> int:
+    """Return the bits of ``StateBits``.
+
+    FADING is set in any closed state until the PLC has been told zero: without the bit it takes
+    no correction, zero included, and would ramp down from the last one that was not.
+    """
     bits = int(_OF_STATE.get(standing.state, 0))
     if standing.state in _OPENABLE:
         bits |= StateBits.READY
     if standing.armed:
         bits |= StateBits.ARMED
-    if standing.state is not State.ACTIVE and not quiet:
+    if standing.state is not State.ACTIVE and not told_zero:
         bits |= StateBits.FADING
     if saturated:
         bits |= StateBits.SATURATED

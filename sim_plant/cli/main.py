@@ -7,10 +7,10 @@ import sys
 from collections.abc import Callable, Sequence
 
 from aff_runtime.base.errors import AffError
-from sim_plant.cli import demo, serve
+from sim_plant.cli import demo, identify, reproduce, serve, simulate
 
 # a new subcommand is one more module in this row
-COMMANDS = (demo, serve)
+COMMANDS = (demo, identify, reproduce, serve, simulate)
 
 
 def build_parser() -> argparse.ArgumentParser:

@@ -4,7 +4,7 @@ status                      one JSON object: what is applied at the plant, true 
 history N                   time and applied corrections of the last N samples
 set REFERENCE VALUE         line_speed_ref_m_s or tension_ref_N
 set STATUS_BIT 0|1          any bit of the status word
-fault SPEC                  as ``--fault``; a start counts from now
+fault SPEC                  as ``--fault``; a start counts from now; answers it in plant time
 clear [NAME]                end one fault, or all
 reset                       forget the largest correction seen
 
@@ -112,8 +112,8 @@ class ControlSocket:
         return {"ok": True}
 
     def _fault(self, arguments: list[str]) -> dict[str, Any]:
-        self._plant.faults.inject(parse_fault(arguments[0]))
-        return {"ok": True}
+        placed = self._plant.faults.inject(parse_fault(arguments[0]))
+        return {"ok": True, "start_s": placed.start_s}
 
     def _clear(self, arguments: list[str]) -> dict[str, Any]:
         self._plant.faults.clear(Fault(arguments[0]) if arguments else None)

@@ -115,9 +115,11 @@ class FaultBoard:
         self._pending = list(specs)
         self._active: dict[Fault, FaultSpec] = {}
 
-    def inject(self, spec: FaultSpec) -> None:
-        """Add a fault whose start counts from now."""
-        self._pending.append(replace(spec, start_s=self._now_s + spec.start_s))
+    def inject(self, spec: FaultSpec) -> FaultSpec:
+        """Add a fault whose start counts from now; return it with its start in plant time."""
+        placed = replace(spec, start_s=self._now_s + spec.start_s)
+        self._pending.append(placed)
+        return placed
 
     def clear(self, fault: Fault | None = None) -> None:
         """End one fault, or all, at the next step; forget those still to come."""

@@ -58,7 +58,7 @@ def test_actuator_without_a_correction_word_is_refused(tmp_path):
 
 
 def test_error_signal_without_a_believable_range_is_refused(tmp_path):
-    old = "  pullroll_tension_N: { min_N: 1, max_N: 400, stuck_after_s: 1.0 }\n"
+    old = "  pullroll_tension_N: { min_N: 1, max_N: 400, stuck_after_s: 0.1 }\n"
     path = edited(tmp_path, (old, ""))
     with pytest.raises(ConfigError, match=r"plausibility: pullroll_tension_N has no believable"):
         load_site(path)

@@ -87,8 +87,21 @@ def test_a_fault_is_noticed_in_time_fades_to_zero_and_latches(
     assert not bench.bits & StateBits.ACTIVE
     bench.run(FADE_TICKS)
     assert bench.out == (0.0, 0.0)
+    bench.run(3)
     assert not bench.bits & StateBits.FADING
     assert name in bench.codes()
+
+
+def test_the_plc_is_told_zero_before_the_fading_bit_goes() -> None:
+    # without the bit the PLC takes no correction and would ramp down from the last one it took
+    bench = Bench().active()
+    bench.guard.internal_fault()
+    told = []
+    for _ in range(FADE_TICKS + 10):
+        bench.run(1)
+        told.append((bench.out == (0.0, 0.0), bool(bench.bits & StateBits.FADING)))
+    assert told.count((True, True)) == 3
+    assert told.count((False, False)) == 0
 
 
 @pytest.mark.parametrize(("spoil", "name", "within_ticks"), LATCHING)

@@ -35,7 +35,7 @@ class Served:
 
     def fault(self, spec: str) -> None:
         """Inject a fault and return when it acts."""
-        assert self.command(f"fault {spec}") == {"ok": True}
+        assert self.command(f"fault {spec}")["ok"]
         wait_until(lambda: self.command("status")["faults"])
 
     def client(self) -> socket.socket:

@@ -1,0 +1,1 @@
+"""The source, experiment by experiment: figure, number, claim, verdict."""

@@ -1,0 +1,190 @@
+"""The whole product as it runs on site: plant and service as processes, a real socket between."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.app.request_client import ServiceClient
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import AffError
+from sim_plant.demo.processes import PLANT, RUNTIME, Bench, Child, ask_plant, free_port
+from tests.lockstep.fault_table import WORKING_M_S, peak
+from tests.lockstep.known_response import LINE, ROOT, SPEED_M_S, known_responses
+
+CLOCK = MonotonicClock()
+PATIENCE_S = 30.0
+ATTEMPTS = 6
+SEED = 7
+Rows = list[tuple[float, tuple[float, ...]]]
+
+
+def pause(seconds: float) -> None:
+    """Wait in real time."""
+    CLOCK.sleep_until_ns(CLOCK.now_ns() + int(seconds * 1e9))
+
+
+def until(what: str, condition: Callable[[], bool], patience_s: float = PATIENCE_S) -> None:
+    """Wait for ``condition``."""
+    end_ns = CLOCK.now_ns() + int(patience_s * 1e9)
+    while not condition():
+        assert CLOCK.now_ns() < end_ns, f"not within {patience_s} s: {what}"
+        pause(0.03)
+
+
+def is_running(pid: int) -> bool:
+    """Return whether a process exists and is no zombie."""
+    try:
+        return "\nState:\tZ" not in Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pauses:
+    """How often the machine held up a process so far; by these a scenario was disturbed."""
+
+    watchdog_trips: int
+    plant_samples: int
+    runtime_ticks: int
+
+
+class LiveLine:
+    """One plant, one service, and what an operator and a judge at the plant can do."""
+
+    def __init__(self, folder: Path) -> None:
+        self.bench = Bench(folder=folder, port=free_port(), site=folder / "euclid.yaml")
+        (folder / "learned").mkdir()
+        for actuator, response in known_responses().items():
+            path = folder / "learned" / f"euclid_{actuator}.json"
+            path.write_text(response.to_json())
+        text = (ROOT / "config" / "euclid.yaml").read_text()
+        text = text.replace("port: 5020", f"port: {self.bench.port}")
+        self.site_text = re.sub(r"soft_start_s: [\d.]+", "soft_start_s: 0.3", text)
+        self.bench.site.write_text(self.site_text)
+        plant = [
+            *PLANT, "serve", str(LINE), "--modbus", f"127.0.0.1:{self.bench.port}",
+            "--speed-m-s", str(SPEED_M_S), "--seed", str(SEED),
+            "--control", str(self.bench.plant_socket),
+        ]  # fmt: skip
+        self.plant = Child("plant", plant, folder / "plant.log", ready="ready")
+        self.service = self._serve()
+
+    def _serve(self) -> Child:
+        command = [
+            *RUNTIME, "run", str(self.bench.site),
+            "--runtime-dir", str(self.bench.runtime_dir),
+            "--record-dir", str(self.bench.folder / "runs"),
+        ]  # fmt: skip
+        return Child("runtime", command, self.bench.folder / "runtime.log")
+
+    def close(self) -> None:
+        """End both processes."""
+        self.service.stop()
+        self.plant.stop()
+
+    # --- the operator -----------------------------------------------------------------------
+
+    def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
+        """Send one request to the service."""
+        client = ServiceClient(self.bench.runtime_dir / "control.sock", timeout_s=20.0)
+        try:
+            return client.ask(do, **arguments)
+        finally:
+            client.close()
+
+    def status(self) -> dict[str, Any]:
+        """Return the service's status, empty while there is none."""
+        with contextlib.suppress(AffError):
+            return self.ask("status")
+        return {}
+
+    @property
+    def state(self) -> str:
+        """State of the guard, or STARTING, or nothing."""
+        return str(self.status().get("state", ""))
+
+    @property
+    def alarm(self) -> str:
+        """Name of the alarm in force."""
+        return str((self.status().get("alarm") or {}).get("name", ""))
+
+    def arm(self) -> None:
+        """Press arm once; a refusal is shown by the state."""
+        with contextlib.suppress(AffError):
+            self.ask("arm")
+
+    def ensure_active(self) -> None:
+        """Arm until a correction is at work; a busy machine may trip the guard in between."""
+        until("the service sees the PLC", lambda: self.status().get("comm") == "OK")
+        for _ in range(ATTEMPTS):
+            if self.state != "ACTIVE":
+                self.arm()
+            with contextlib.suppress(AssertionError):
+                until("a correction at the plant", self.is_working, 6.0)
+                return
+        raise AssertionError(f"not active: {self.status()}\n{self.service.tail()}")
+
+    def is_working(self) -> bool:
+        """Return whether the guard is ACTIVE and the plant adds a correction to speak of."""
+        rows = self.history(60)
+        return self.state == "ACTIVE" and peak(rows, rows[0][0], rows[-1][0]) > WORKING_M_S
+
+    def edit(self, text: str) -> None:
+        """Replace the site file the way editors do."""
+        fresh = self.bench.site.with_suffix(".new")
+        fresh.write_text(text)
+        fresh.replace(self.bench.site)
+
+    def start_again(self) -> None:
+        """Start the service anew after it was killed."""
+        self.service.stop()
+        self.service = self._serve()
+
+    # --- at the plant -----------------------------------------------------------------------
+
+    def at_plant(self, command: str) -> dict[str, Any]:
+        """Send one command to the plant."""
+        answer = ask_plant(self.bench, command)
+        assert "error" not in answer, answer
+        return answer
+
+    def now_s(self) -> float:
+        """Return plant time, s."""
+        return float(self.at_plant("status")["time_s"])
+
+    def history(self, samples: int) -> Rows:
+        """Return time and applied corrections of the last samples."""
+        answer = self.at_plant(f"history {samples}")
+        values = (tuple(row) for row in answer["applied_m_s"])
+        return list(zip(answer["time_s"], values, strict=True))
+
+    def since(self, start_s: float) -> Rows:
+        """Return time and applied corrections from a plant time on."""
+        rows = self.history(4000)
+        assert rows[0][0] <= start_s or len(rows) < 4000
+        return [row for row in rows if row[0] >= start_s]
+
+    def wait_plant(self, until_s: float) -> None:
+        """Wait for a plant time."""
+        until(f"plant time {until_s}", lambda: self.now_s() >= until_s)
+
+    def pauses(self) -> Pauses:
+        """Return what the machine has held up so far."""
+        counts = self.at_plant("status")["counts"]
+        signals = self.status().get("signals") or {}
+        return Pauses(
+            watchdog_trips=counts["watchdog_trips"],
+            plant_samples=counts["late_samples"] + counts["skipped_samples"],
+            runtime_ticks=int(signals.get("missed_count") or 0),
+        )
+
+
+def kill(pid: int) -> None:
+    """Kill one process of ours the hard way."""
+    os.kill(pid, 9)

@@ -1,0 +1,73 @@
+"""The main job in virtual time: ripple by order before and after, as the web really has it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from aff_runtime.loop.messages import Arm
+from sim_plant.base.order_tracking import order_amplitudes, reduction_dB
+from tests.lockstep.bench import Bench, Setup
+from tests.lockstep.fault_table import assert_never_above_limit
+
+UNWIND_ORDERS = (1, 2, 3, 4)
+BEFORE_S, ARMED_S, JUDGED_S = 15.0, 40.0, 25.0
+NOISE_FLOOR_N = 3.0 * 0.25 * (2.0 * 0.005 / JUDGED_S) ** 0.5  # 3 sigma of an order, 0.25 N cell
+
+
+def _ripple(rows: list[tuple[float, ...]]) -> tuple[np.ndarray, float]:
+    """Return |ripple| of the unwind orders in its tension and of the follower's first, N."""
+    unwind_N, pullroll_N, unwind_rad, follower_rad = np.array(rows).T
+    unwind = order_amplitudes(unwind_N, unwind_rad, UNWIND_ORDERS, {"f": follower_rad})
+    follower = order_amplitudes(pullroll_N, follower_rad, (1,), {"u": unwind_rad})
+    return np.abs(unwind), float(abs(follower[0]))
+
+
+@pytest.fixture(scope="module")
+def outcome(responses):
+    """Ripple before and after 40 s armed at 200 FPM, with the shipped files."""
+    bench = Bench(Setup(responses=responses, soft_start_s=1.5))
+    seen: list[tuple[float, ...]] = []
+    names = (
+        "true_unwind_tension_N",
+        "true_pullroll_tension_N",
+        "true_unwind_angle_rad",
+        "true_swrap_follower_angle_rad",
+    )
+    bench.plant.observers.append(lambda p: seen.append(tuple(p.measured[n] for n in names)))
+    bench.run(1.0)
+    seen.clear()
+    bench.run(BEFORE_S)
+    before = _ripple(seen)
+    bench.arm(ARMED_S)
+    seen.clear()
+    bench.run(JUDGED_S)
+    after = _ripple(seen)
+    assert_never_above_limit(bench.applied)
+    return before, after
+
+
+def test_the_line_ripples_before(outcome):
+    (unwind_N, follower_N), _ = outcome
+    assert np.all(unwind_N > 0.3)
+    assert follower_N > 0.3
+
+
+def test_unwind_orders_fall_by_30_dB_or_to_the_noise(outcome):
+    (before_N, _), (after_N, _) = outcome
+    for order, b, a in zip(UNWIND_ORDERS, before_N, after_N, strict=True):
+        assert reduction_dB(b, a) >= 30.0 or a < NOISE_FLOOR_N, f"{order}x: {b:.3f} -> {a:.4f} N"
+
+
+def test_the_followers_first_order_falls_by_20_dB_in_pull_roll_tension(outcome):
+    (_, before_N), (_, after_N) = outcome
+    assert reduction_dB(before_N, after_N) >= 20.0
+
+
+def test_without_a_measured_response_nothing_arms():
+    bench = Bench(Setup())
+    bench.run(0.5)
+    bench.say(Arm())
+    bench.run(1.0)
+    assert "response" in bench.outside.blocked_by
+    assert max(bench.plant.max_abs_applied_m_s.values()) == 0.0
