@@ -10,7 +10,7 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import REWIND, UNWIND, LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
-from sim_plant.effects.phasor import amplitude, angle, component, phasor
+from sim_plant.effects.phasor import angle, component, phasor
 from sim_plant.effects.shape_rows import add_heavy, add_shape
 from sim_plant.geometry.roll_profiles import asymmetric, bulge, flat_spot, flattened_bulge
 from sim_plant.geometry.shapes import Shape, circle, ellipse, orders, require_convex
@@ -99,7 +99,7 @@ EFFECT = Effect(
     candidates="roll",
     accepts={
         "shape": Parameter(default="flat", unit="", role="option", tries=KINDS[:-1]),
-        "size_m": amplitude("m", 5e-3, 0.05),
+        "size_m": Parameter(default=0.0, unit="m", typical=5e-3, low=0.0, high=0.05),
         "angle_rad": angle(),
         "smoothing_rad": Parameter(
             default=0.0, unit="rad", typical=0.03, low=0.0, high=0.5, role="shape"

@@ -60,7 +60,7 @@ EFFECT = Effect(
             tries=(2.0, 2.6, 3.4, 4.4, 5.7, 7.4),
         ),
         "damping": Parameter(
-            default=0.05, unit="1", typical=0.05, low=0.001, high=1.0, role="shape"
+            default=0.06, unit="1", typical=0.06, low=0.001, high=1.0, role="shape"
         ),
         "order": Parameter(
             default=4.0,

@@ -1,0 +1,49 @@
+import numpy as np
+import pytest
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.effects.out_of_round_roll import EFFECT, profile
+from tests.sim_plant.effects.running import effect, euclid, run
+
+OVAL = {**EFFECT.parameters, "shape": "ellipse", "size_m": 0.002}
+
+
+def test_a_cut_roll_turns_faster_by_the_web_it_lost() -> None:
+    """A chord of depth d takes R (a - sin a) / pi off the mean radius, cos a = 1 - d / R."""
+    depth_m, radius_m = 0.012, euclid().initial_radii_m.unwind
+    half = np.arccos(1.0 - depth_m / radius_m)
+    lost_m = radius_m * (half - np.sin(half)) / np.pi
+    cut = run(effect("out_of_round_roll", "unwind", shape="flat", size_m=depth_m), seconds=12.0)
+    round_ = run(seconds=12.0)
+    turns = cut["unwind_angle_rad"][-1] / (2.0 * np.pi)
+    whole = np.interp(2.0 * np.pi * int(turns), cut["unwind_angle_rad"], np.arange(2400.0))
+    ratio = (
+        2.0 * np.pi * int(turns) / np.interp(whole, np.arange(2400.0), round_["unwind_angle_rad"])
+    )
+    assert ratio - 1.0 == pytest.approx(lost_m / (radius_m - lost_m), rel=0.03)
+
+
+def test_orders_add_to_the_named_profile() -> None:
+    values = {**OVAL, "cos2_m": 3e-4, "sin3_m": -2e-4}
+    psi = np.linspace(0.0, 6.0, 50)
+    both = profile(0.2, values).evaluate(psi)[0]
+    flat = profile(0.2, OVAL).evaluate(psi)[0]
+    low = 3e-4 * np.cos(2.0 * psi) - 2e-4 * np.sin(3.0 * psi)
+    assert both - flat == pytest.approx(low, abs=1e-12)
+
+
+def test_a_profile_formed_at_another_radius_keeps_its_deviations() -> None:
+    formed = profile(0.15, {**EFFECT.parameters, "size_m": 0.01, "formed_radius_m": 0.2})
+    fresh = profile(0.2, {**EFFECT.parameters, "size_m": 0.01})
+    assert formed.deviation_m == pytest.approx(fresh.deviation_m)
+    assert 0.15 - formed.mean_radius_m == pytest.approx(0.2 - fresh.mean_radius_m)
+
+
+def test_an_unknown_shape_is_refused_by_its_name() -> None:
+    with pytest.raises(PlantError, match="read 'oval'"):
+        run(effect("out_of_round_roll", "unwind", shape="oval", size_m=0.001))
+
+
+def test_a_round_roll_named_flat_is_the_nominal_line() -> None:
+    same = run(effect("out_of_round_roll", "unwind", shape="flat", size_m=0.0))
+    assert np.array_equal(same["span_tension_N"], run()["span_tension_N"])

@@ -1,0 +1,71 @@
+import math
+
+import numpy as np
+import pytest
+
+from tests.sim_plant.effects.running import (
+    SPEED_M_S,
+    at_rest,
+    drawn_tension_N,
+    effect,
+    euclid,
+    line,
+    mean_tension_N,
+    nominal,
+    run,
+)
+
+
+def path_length_m() -> float:
+    """Length of web from the unwind to the rewind, from the declaration's own wrap angles."""
+    spans = sum(span.length_m for span in euclid().spans)
+    wraps = [(r.wrap_angle_deg or 0.0) * r.radius_m for r in euclid().rollers]
+    return spans + math.radians(sum(wraps))
+
+
+def test_after_the_splice_has_passed_the_line_is_one_of_the_new_web() -> None:
+    spliced = at_rest(effect("splice", "web", EA_factor=0.8, at_length_m=2.0), seconds=70.0)
+    expected_N = drawn_tension_N(spliced, 0.8 * euclid().web.EA_N)
+    assert mean_tension_N(spliced, "R15-pull_roll") == pytest.approx(expected_N, abs=0.03)
+    old_N = drawn_tension_N(spliced, euclid().web.EA_N)
+    assert abs(expected_N - old_N) > 0.5
+
+
+def test_unstretched_length_is_kept_while_the_splice_is_under_way() -> None:
+    plant = line(effect("splice", "web", EA_factor=0.5, at_length_m=1.0), settle_s=4.0)
+    layout, EA_N = plant.layout, euclid().web.EA_N
+
+    def held_m() -> float:
+        y, phi = plant.state.y, plant.state.phi_rad
+        strain = y[layout.strain : layout.strain + layout.n - 1]
+        return float(np.sum(plant.work.contacts[:, 0] / (1.0 + strain))) + 0.0 * phi[0]
+
+    before, start = held_m(), plant.state.y[layout.flow : layout.flow + 2].copy()
+    plant.simulate(np.full(3600, SPEED_M_S), np.full(3600, 88.9644))
+    flow = plant.state.y[layout.flow : layout.flow + 2] - start
+    stretch = 88.9644 / EA_N * 14.0  # what the line would lose without a balance, m
+    assert held_m() - before == pytest.approx(flow[0] - flow[1], abs=0.03 * stretch)
+
+
+def test_before_the_splice_leaves_the_roll_nothing_is_different() -> None:
+    later = at_rest(effect("splice", "web", EA_factor=0.9, at_length_m=100.0))
+    assert np.array_equal(later["span_tension_N"], nominal()["span_tension_N"])
+
+
+def test_thickness_changes_at_the_unwind_at_once_and_at_the_rewind_one_path_later() -> None:
+    made = run(effect("splice", "web", thickness_factor=1.3, at_length_m=3.0), seconds=30.0)
+    time_s = np.arange(made["true_unwind_radius_m"].size) * 0.005
+    growth = -np.gradient(made["true_unwind_radius_m"], time_s) / made["unwind_speed_rad_s"]
+    level = 0.00019 / (2.0 * math.pi)
+    start_s = 3.0 / SPEED_M_S
+    assert growth[time_s < start_s - 0.1] == pytest.approx(level, rel=5e-3)
+    assert growth[time_s > start_s + 0.1] == pytest.approx(1.3 * level, rel=5e-3)
+    arrival_s = start_s + path_length_m() / SPEED_M_S
+    plant = line(effect("splice", "web", thickness_factor=1.3, at_length_m=3.0))
+    radii, step = [], 20
+    for _ in range(round(30.0 / (0.005 * step))):
+        plant.simulate(np.full(step, SPEED_M_S), np.full(step, 88.9644))
+        radii.append(float(plant.state.y[plant.layout.radius + 1]))
+    rate = np.diff(radii)
+    jump_s = 0.1 * (1 + int(np.argmax(rate > 1.15 * rate[0])))
+    assert jump_s == pytest.approx(arrival_s, abs=0.25)
