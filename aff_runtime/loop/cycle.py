@@ -91,6 +91,7 @@ class Cycle:
         )
         self._steps: tuple[ActuatorStep, ...] | None = None
         self._corrections: tuple[float, ...] = zeros
+        self._limits: tuple[float, ...] = zeros
         self._bits = int(StateBits.FAULT)
         self._alarm = BY_NAME["POWER_UP"].code
         self._orders.config_revision = settings.config_revision
@@ -152,6 +153,7 @@ class Cycle:
     def _bound(self) -> None:
         self._corrections, self._bits, self._alarm = self._guard.limit(self._steps, self._dt_s)
         self._ramp_from = self._corrections
+        self._limits = self._guard.limits
 
     def _tell(self) -> None:
         """Keep the record and the events, and tell the service manager."""
@@ -210,7 +212,7 @@ class Cycle:
             echo=self._echo,
             corrections=self._corrections,
             alarm=self._alarm,
-            limits=self._guard.limits,
+            limits=self._limits,
             config_revision=self._orders.config_revision & _WORD,
         )
 

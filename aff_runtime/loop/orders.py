@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 from aff_runtime.base.ports import Law
 from aff_runtime.loop.messages import Arm, Bypass, Message, Shadow, Stop, SupervisorLost, Swap
 from aff_runtime.loop.seams import GuardPort, Outside
@@ -30,14 +32,16 @@ class Orders:
         self._outside = outside
         self._advice_every_ticks = advice_every_ticks
         self._pending_swap: Swap | None = None
+        self._waiting: deque[Message] = deque()
         self._last_blocked = ""
 
     def listen(self, tick: int) -> None:
         """Obey every message there is; ask the law's side for advice now and then."""
         if self.stop_wanted and not self.stopping:
             self._begin_stop()
-        for message in self._outside.poll():
-            self._obey(message)
+        self._waiting.extend(self._outside.poll())
+        while self._waiting:  # a message that fails does not take the next ones with it
+            self._obey(self._waiting.popleft())
         if self._pending_swap is not None:
             self._swap_law(self._pending_swap)
         if tick % self._advice_every_ticks == 0:

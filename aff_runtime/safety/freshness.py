@@ -8,6 +8,8 @@ from math import inf
 from aff_runtime.base.signals import Outcome, Snapshot
 from aff_runtime.safety.params import FreshnessParams
 
+_EDGE_S = 1e-6  # exactly on the edge is still in time, whatever the rounding
+
 
 class Freshness(IntEnum):
     """How far the PLC's data may be trusted."""
@@ -34,6 +36,7 @@ class FreshnessJudge:
         own_age_s = inf if self._moved_ns is None else (now_ns - self._moved_ns) * 1e-9
         age_s = snapshot.age_s if snapshot.age_s >= 0.0 else inf
         age_s = max(own_age_s, age_s)
+        age_s -= _EDGE_S
         if age_s > self.params.fault_after_s:
             return Freshness.STALE
         if age_s > self.params.hold_after_s:

@@ -9,26 +9,20 @@ from aff_runtime.base.signals import (
     Permission,
     Snapshot,
     State,
-    StateBits,
 )
 from aff_runtime.safety.causes import FADING, HOLDING, LATCHING, bit, first_code
 from aff_runtime.safety.envelope import Envelope
 from aff_runtime.safety.freshness import Freshness, FreshnessJudge
 from aff_runtime.safety.lease import Lease
-from aff_runtime.safety.limits import Limiter
+from aff_runtime.safety.limits import Limiter, makes_sense
 from aff_runtime.safety.line_judge import LineJudge
 from aff_runtime.safety.params import GuardParams
 from aff_runtime.safety.state_machine import Inputs, Standing, advance
+from aff_runtime.safety.state_word import state_word
 
 _POWER_UP = BY_NAME["POWER_UP"].code
 _BYPASSED = BY_NAME["BYPASSED"].code
 _PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
-_STATE_BITS = {
-    State.ACTIVE: StateBits.ACTIVE,
-    State.BYPASS: StateBits.BYPASS,
-    State.FAULT: StateBits.FAULT,
-}
-_OPENABLE = (State.READY, State.ARMED, State.ACTIVE, State.FADING)
 _AT_REST = (State.FAULT, State.BYPASS)
 
 
@@ -181,20 +175,35 @@ class Guard:
         dt_s : whole periods since the last call, s.
         """
         dt_s = dt_s if dt_s > 0.0 else 0.0
-        if steps is not None and len(steps) == len(self._limiters):
-            self._steps = steps
-            self._lease.tick(renewed=True)
-        elif self._lease.tick(renewed=False):
-            self._latch(bit("LEASE_EXPIRED"))
+        self._take(steps)
         for index, limiter in enumerate(self._limiters):
             may_open = self.standing.state is State.ACTIVE and self._line.gates[index]
             level = self._envelopes[index].step(may_open, dt_s)
-            if not limiter.step(self._steps[index], level, dt_s):
-                self._latch(bit("INTERNAL_FAULT"))
+            limiter.step(self._steps[index], level, dt_s)
         corrections = tuple(limiter.output for limiter in self._limiters)
-        return corrections, self._state_bits(), self._alarm()
+        word = state_word(
+            self.standing,
+            quiet=self.quiet,
+            saturated=any(limiter.saturated for limiter in self._limiters),
+            comm_warn=self._comm_warn,
+        )
+        return corrections, word, self._alarm()
 
     # --- inside -----------------------------------------------------------------------------
+
+    def _take(self, steps: tuple[ActuatorStep, ...] | None) -> None:
+        """Judge the law's wishes before any output moves; a wish without sense becomes zero."""
+        if steps is None or len(steps) != len(self._limiters):
+            if self._lease.tick(renewed=False):
+                self._latch(bit("LEASE_EXPIRED"))
+            return
+        self._lease.tick(renewed=True)
+        self._steps = steps
+        for step in steps:
+            if not makes_sense(step):
+                self._latch(bit("INTERNAL_FAULT"))
+                self._steps = tuple(wish if makes_sense(wish) else None for wish in steps)
+                return
 
     def _causes_of_time(
         self, now_ns: int, freshness: Freshness, overrun: bool, supervisor_alive: bool
@@ -257,7 +266,6 @@ class Guard:
     def _latch(self, cause: int) -> None:
         """Fault at once, inside the tick; ``observe`` notes the event in the next one."""
         self._found_in_tick |= cause
-        self._arm_edge = False
         if self.standing.state not in _AT_REST:
             self.standing = Standing(state=State.FAULT)
             self._first_out = first_code(cause)
@@ -274,21 +282,6 @@ class Guard:
         if self.objections:
             return self.objections[0]
         return "SHADOW=1" if self._shadow else ""
-
-    def _state_bits(self) -> int:
-        state = self.standing.state
-        bits = int(_STATE_BITS.get(state, 0))
-        if state in _OPENABLE:
-            bits |= StateBits.READY
-        if self.standing.armed:
-            bits |= StateBits.ARMED
-        if state is not State.ACTIVE and not self.quiet:
-            bits |= StateBits.FADING
-        if any(limiter.saturated for limiter in self._limiters):
-            bits |= StateBits.SATURATED
-        if self._comm_warn:
-            bits |= StateBits.COMM_WARN
-        return int(bits)
 
     def _alarm(self) -> int:
         state = self.standing.state

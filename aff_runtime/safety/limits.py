@@ -50,22 +50,19 @@ class Limiter:
         """Whether the law wants more than the limits give."""
         return min(self.scale, self.wanted_scale) < _SATURATED_BELOW
 
-    def step(self, wanted: ActuatorStep | None, envelope: float, dt_s: float) -> bool:
-        """Advance ``output`` by ``dt_s``; None asks for zero. Return False for nonsense."""
+    def step(self, wanted: ActuatorStep | None, envelope: float, dt_s: float) -> None:
+        """Advance ``output`` by ``dt_s`` towards a wish that makes sense; None asks for zero."""
         self.limit = _towards(self.limit, self.bounds.limit, self._limit_rate * dt_s)
-        target, sane = 0.0, True
+        target = 0.0
         if wanted is not None:
-            sane = _is_sane(wanted)
-            if sane:
-                self._follow_scale(wanted, dt_s)
-                target = wanted.value * self.scale * envelope
+            self._follow_scale(wanted, dt_s)
+            target = wanted.value * self.scale * envelope
         self.output = _bounded(
             target,
             previous=self.output,
             reach=self.bounds.slew_limit * dt_s,
             ceiling=self.limit * envelope,
         )
-        return sane
 
     def _follow_scale(self, wanted: ActuatorStep, dt_s: float) -> None:
         peak = max(wanted.peak_bound, abs(wanted.value))
@@ -80,7 +77,8 @@ class Limiter:
         self.scale = _towards(self.scale, scale, rate * dt_s)
 
 
-def _is_sane(step: ActuatorStep) -> bool:
+def makes_sense(step: ActuatorStep) -> bool:
+    """Return whether value and bounds of ``step`` are finite and the bounds not negative."""
     return (
         isfinite(step.value)
         and isfinite(step.peak_bound)

@@ -6,6 +6,8 @@ from math import inf, isfinite
 
 from aff_runtime.safety.params import ChannelParams, RadiusParams
 
+_EDGE_S = 1e-9  # rounding of summed periods
+
 
 class ChannelJudge:
     """Judges one channel; call only with values of a good transaction. Never raises.
@@ -36,7 +38,7 @@ class ChannelJudge:
 
     def _moves(self, value: float, last: float | None, elapsed_s: float) -> bool:
         self._unchanged_s = self._unchanged_s + elapsed_s if value == last else 0.0
-        return self._unchanged_s < self.params.stuck_after_s
+        return self._unchanged_s < self.params.stuck_after_s - _EDGE_S
 
     def _rate_is_possible(self, value: float, last: float | None, elapsed_s: float) -> bool:
         if last is None or self.params.rate_max == inf:

@@ -1,0 +1,93 @@
+"""The one place where rooms meet: from a parameter record to everything the cycle needs.
+
+site file ─validate→ record ─┬→ register map → codec ┐
+                             │      transport ───────┴→ gateway ┐
+                             ├→ angles, blocks, responses → law ┼→ cycle
+                             └→ limits, permissives → guard ────┘
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from aff_runtime.app.recorded_law import RecordedLaw
+from aff_runtime.app.site_to_guard import guard_params
+from aff_runtime.app.site_to_law import site_params
+from aff_runtime.app.site_to_wire import register_map, transport
+from aff_runtime.base.ports import Clock, Gateway
+from aff_runtime.config.models import Site
+from aff_runtime.core.controller import Controller
+from aff_runtime.core.response import Response
+from aff_runtime.fieldbus.codec import WordCodec
+from aff_runtime.fieldbus.gateway import WordGateway
+from aff_runtime.loop.cycle import Cycle, CycleSettings
+from aff_runtime.loop.seams import Outside
+from aff_runtime.safety.guard import Guard
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assembly:
+    """The rooms, wired but for the outside."""
+
+    record: Mapping[str, Any]
+    site: Site
+    clock: Clock
+    gateway: Gateway
+    guard: Guard
+    law: RecordedLaw
+
+
+def assemble(record: Mapping[str, Any], clock: Clock) -> Assembly:
+    """Return the rooms of one site.
+
+    Raises
+    ------
+    AffError
+        When the record cannot be used or the PLC's name cannot be resolved.
+    """
+    site = site_of(record)
+    words = register_map(site)
+    gateway = WordGateway(transport(site, words, clock), WordCodec(words), clock)
+    guard = Guard(guard_params(site))
+    law = RecordedLaw(controller_of(site, record["responses"]))
+    return Assembly(record=record, site=site, clock=clock, gateway=gateway, guard=guard, law=law)
+
+
+def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
+    """Return the cycle over the wired rooms."""
+    site = assembly.site
+    settings = CycleSettings(
+        period_ns=round(site.cycle_s * 1e9),
+        io_deadline_ns=round(site.gateway.modbus_tcp.deadline_ms * 1e6),
+        fade_s=site.freshness.fade_ms * 1e-3,
+        channel_count=len(site.gateway.read.channels),
+        output_count=len(site.actuators),
+        law_columns=0,
+        config_revision=revision_of(assembly.record),
+    )
+    return Cycle(
+        settings=settings,
+        clock=assembly.clock,
+        gateway=assembly.gateway,
+        guard=assembly.guard,
+        law=assembly.law,
+        outside=outside,
+    )
+
+
+def site_of(record: Mapping[str, Any]) -> Site:
+    """Return the site of a parameter record."""
+    return Site.model_validate(record["site"])
+
+
+def controller_of(site: Site, responses: Mapping[str, str]) -> Controller:
+    """Return the law of a site with its measured responses (texts by actuator)."""
+    measured = {name: Response.from_json(text) for name, text in responses.items()}
+    return Controller(site_params(site), measured)
+
+
+def revision_of(record: Mapping[str, Any]) -> int:
+    """Return the low 16 bits of the configuration's hash, as the PLC shows it."""
+    return int(str(record["config_hash"])[-4:], 16)

@@ -1,0 +1,71 @@
+"""The socketpair between supervisor and control process: one JSON text per packet.
+
+Packets keep their borders, so neither side ever reassembles. The end of the stream means that
+the other process is dead, however it died.
+"""
+
+from __future__ import annotations
+
+import json
+import socket
+from collections.abc import Mapping
+from typing import Any
+
+MAX_PACKET_BYTES = 1 << 18
+
+
+class LinkClosedError(Exception):
+    """The other side of the link is gone."""
+
+
+class Link:
+    """One end of the socketpair; never blocks."""
+
+    __slots__ = ("_socket",)
+
+    def __init__(self, end: socket.socket) -> None:
+        end.setblocking(False)
+        self._socket = end
+
+    def fileno(self) -> int:
+        """Return the descriptor, for select."""
+        return self._socket.fileno()
+
+    def receive(self) -> dict[str, Any] | None:
+        """Return the next message or None when there is none.
+
+        Raises
+        ------
+        LinkClosedError
+            When the other side is gone.
+        """
+        try:
+            packet = self._socket.recv(MAX_PACKET_BYTES)
+        except BlockingIOError:
+            return None
+        except OSError:
+            raise LinkClosedError from None
+        if not packet:
+            raise LinkClosedError
+        message: dict[str, Any] = json.loads(packet)
+        return message
+
+    def send(self, message: Mapping[str, Any]) -> bool:
+        """Send one message; return False when the other side is gone or does not read."""
+        try:
+            self._socket.send(json.dumps(message).encode())
+        except OSError:
+            return False
+        return True
+
+    def close(self) -> None:
+        """Close this end."""
+        self._socket.close()
+
+
+def link_pair() -> tuple[socket.socket, socket.socket]:
+    """Return two connected ends with room for a whole parameter record."""
+    ends = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    for end in ends:
+        end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 2 * MAX_PACKET_BYTES)
+    return ends

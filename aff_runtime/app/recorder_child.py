@@ -1,0 +1,70 @@
+"""The supervisor's handle on the recorder process."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.telemetry.ring import RingReader
+
+
+class RecorderChild:
+    """A started recorder: takes notes, reports about itself; its death disturbs nobody."""
+
+    def __init__(self, ring: RingReader, directory: Path, context: Mapping[str, Any]) -> None:
+        # By descriptor: the file may be removed or replaced before the recorder has started.
+        name = f"/dev/fd/{ring.fileno()}"
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "aff_runtime.telemetry.recorder", name, str(directory)],
+            pass_fds=[ring.fileno()],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._input = self._process.stdin.fileno()
+        self._output = self._process.stdout.fileno()
+        self._heard = b""
+        self._report: dict[str, Any] = {}
+        self._write(context)
+        os.set_blocking(self._input, False)
+        os.set_blocking(self._output, False)
+
+    def note(self, name: str, text: str) -> None:
+        """Have a line put into ``events.csv``."""
+        self._write({"name": name, "text": text})
+
+    def report(self) -> dict[str, Any]:
+        """Return the newest report (folder, rows, losses), with ``alive``."""
+        with contextlib.suppress(OSError):
+            while chunk := os.read(self._output, 1 << 16):
+                self._heard += chunk
+        *lines, self._heard = self._heard.split(b"\n")
+        if lines:
+            with contextlib.suppress(ValueError):
+                self._report = json.loads(lines[-1])
+        return {**self._report, "alive": self._process.poll() is None}
+
+    def wait(self, patience_s: float) -> None:
+        """Let it flush after the writer's end; kill it after ``patience_s``."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        try:
+            self._process.wait(patience_s)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        for stream in (self._process.stdin, self._process.stdout):
+            with contextlib.suppress(OSError):
+                stream.close()
+
+    def _write(self, message: Mapping[str, Any]) -> None:
+        """Send one line; lost when the recorder does not listen."""
+        with contextlib.suppress(OSError):
+            os.write(self._input, json.dumps(message).encode() + b"\n")

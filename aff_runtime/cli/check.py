@@ -1,0 +1,36 @@
+"""``aff-runtime check SITE.yaml``: validate without any I/O but reading."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.config.check import check_site
+
+
+def add(commands: Any, service: argparse.ArgumentParser) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser("check", help="validate a site file; touches no network")
+    parser.add_argument("site", type=Path, metavar="SITE.yaml")
+    parser.add_argument(
+        "--speed",
+        type=float,
+        action="append",
+        default=[],
+        metavar="M_S",
+        help="line speed at which frequencies are shown, m/s; may be repeated",
+    )
+    parser.set_defaults(command=check)
+
+
+def check(options: argparse.Namespace) -> int:
+    """Print the report; 0 when the file may be used."""
+    if any(not 0.0 < speed < float("inf") for speed in options.speed):
+        print("aff-runtime: --speed must be above 0 m/s", file=sys.stderr)
+        return 2
+    report = check_site(options.site, tuple(options.speed))
+    for line in report.lines():
+        print(line, file=sys.stdout if report.ok else sys.stderr)
+    return report.exit_code

@@ -1,0 +1,56 @@
+"""``aff-runtime``: one parser, one file per command, one place where errors become exit codes.
+
+Exit codes: 0 ok, 2 configuration, 3 communication, 4 refused, 5 alarm.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from aff_runtime.app.runtime_directory import default_directory
+from aff_runtime.base.errors import AffError
+from aff_runtime.cli import check, operate, probe, probe_map, run, status, top
+
+COMMANDS = (check, run, operate, status, top, probe, probe_map)
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser of all commands."""
+    parser = argparse.ArgumentParser(
+        prog="aff-runtime",
+        description="Adaptive feed-forward beside the drives of a web line.",
+        epilog="exit codes: 0 ok, 2 configuration, 3 communication, 4 refused, 5 alarm",
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    service = argparse.ArgumentParser(add_help=False)
+    service.add_argument(
+        "--runtime-dir",
+        type=Path,
+        default=None,
+        metavar="DIR",
+        help=f"directory of the service's socket (default {default_directory()})",
+    )
+    for command in COMMANDS:
+        command.add(commands, service)
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; return its exit code."""
+    options = build_parser().parse_args(arguments)
+    try:
+        return int(options.command(options))
+    except AffError as error:
+        print(f"aff-runtime: {error}", file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,69 @@
+"""``aff-runtime probe-map SITE.yaml``: look at the PLC's words, write none."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.app.site_to_wire import register_map
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.config.loader import load_site
+from aff_runtime.config.models import Site
+from aff_runtime.fieldbus.probe_map import MapProbe, open_read_only
+from aff_runtime.fieldbus.probe_map import probe_map as look
+
+
+def add(commands: Any, service: argparse.ArgumentParser) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser(
+        "probe-map", help="read the PLC's block and show it in every word order; read only"
+    )
+    parser.add_argument("site", type=Path, metavar="SITE.yaml")
+    parser.set_defaults(command=probe_map)
+
+
+def probe_map(options: argparse.Namespace) -> int:
+    """Read the block a few times and print every reading of every word."""
+    site = load_site(options.site)
+    words = register_map(site)
+    clock = MonotonicClock()
+    wire = site.gateway.modbus_tcp
+    transport = open_read_only(
+        host=wire.host,
+        port=wire.port,
+        device_id=wire.device_id,
+        read_start=words.read_start,
+        read_count=words.read_count,
+        clock=clock,
+    )
+    try:
+        seen = look(
+            transport,
+            clock,
+            read_start=words.read_start,
+            heartbeat_address=words.plc_heartbeat,
+        )
+    finally:
+        transport.close()
+    for line in table(site, seen):
+        print(line)
+    return 0
+
+
+def table(site: Site, seen: MapProbe) -> Iterator[str]:
+    """Yield the words as text."""
+    moves = "moves" if seen.heartbeat_moves else "STANDS STILL: wrong register or a stopped PLC"
+    yield f"{seen.samples} replies, {seen.failures} failures; plc_heartbeat {moves}"
+    words = register_map(site)
+    owners = {words.plc_heartbeat: "plc_heartbeat", words.status: "status"}
+    owners[words.roll_id] = "roll_id"
+    owners |= {channel.address: channel.name for channel in words.channels}
+    for word in seen.words:
+        name = owners.get(word.address, "")
+        readings = f"u16 {word.u16:5}  i16 {word.i16:6}  moves {word.changes:3}"
+        yield f"wire {word.address:5}  {readings}  {name}".rstrip()
+        for double in word.decodings if name else ():
+            readings = f"i32 {double.i32:11}  u32 {double.u32:10}  f32 {double.f32:.6g}"
+            yield f"      {double.order:26} {readings}"

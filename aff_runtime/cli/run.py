@@ -1,0 +1,49 @@
+"""``aff-runtime run SITE.yaml``: the service itself, in the foreground."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.cli.service import paths_of
+
+
+def add(commands: Any, service: argparse.ArgumentParser) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser(
+        "run", parents=[service], help="run the service; the correction is off until armed"
+    )
+    parser.add_argument("site", type=Path, metavar="SITE.yaml")
+    parser.add_argument("--shadow", action="store_true", help="compute and record, transmit zero")
+    parser.add_argument(
+        "--record-dir",
+        type=Path,
+        default=None,
+        metavar="DIR",
+        help="folder of all records (default: recording.directory of the site file)",
+    )
+    parser.set_defaults(command=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Serve until stopped."""
+    from aff_runtime.app.run_options import RunOptions  # noqa: PLC0415  keeps `arm` quick
+    from aff_runtime.app.supervisor import Supervisor  # noqa: PLC0415
+
+    stamp = "" if "JOURNAL_STREAM" in os.environ else "%(asctime)s "
+    logging.basicConfig(
+        stream=sys.stderr, level=logging.INFO, format=f"{stamp}%(levelname)s %(message)s"
+    )
+    supervisor = Supervisor(
+        RunOptions(
+            site=options.site,
+            paths=paths_of(options),
+            record_directory=options.record_dir,
+            shadow=options.shadow,
+        )
+    )
+    return supervisor.run()

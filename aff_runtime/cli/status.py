@@ -1,0 +1,74 @@
+"""``aff-runtime status [--json]``: how the service stands, for people and for scripts."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from aff_runtime.app.status import headline
+from aff_runtime.base.signals import State
+from aff_runtime.cli.service import connect
+
+EXIT_ALARM = 5
+POWER_UP = 15
+
+
+def add(commands: Any, service: argparse.ArgumentParser) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser("status", parents=[service], help="how the service stands")
+    parser.add_argument("--json", action="store_true", help="everything, for scripts")
+    parser.set_defaults(command=status)
+
+
+def status(options: argparse.Namespace) -> int:
+    """Print the status; 5 while an alarm stands."""
+    client = connect(options)
+    try:
+        answer = client.ask("status")
+    finally:
+        client.close()
+    if options.json:
+        print(json.dumps(answer, indent=1))
+    else:
+        for line in lines(answer):
+            print(line)
+    alarm = int(answer.get("alarm", {}).get("code", 0))
+    stands = answer["state"] == State.FAULT.name and alarm != POWER_UP
+    return EXIT_ALARM if stands else 0
+
+
+def lines(answer: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the status as text."""
+    yield f"{answer['line']}: {headline(answer)}"
+    yield f"config   {answer['config_hash'][:12]}"
+    for text in answer["config_differs"]:
+        yield f"         differs: {text}"
+    signals = answer.get("signals", {})
+    if signals:
+        yield (
+            f"comm     {answer['comm']}, age {_number(signals['age_s'], 1e3)} ms, "
+            f"tick {_number(signals['tick_us'], 1e-3)} ms, "
+            f"missed {_number(signals['missed_count'])}"
+        )
+    for name, value in signals.items():
+        if "correction_" in name or name.endswith(("_tension_N", "line_speed_m_s", "_radius_m")):
+            yield f"{name:32} {_number(value)}"
+    recorder = answer.get("recorder", {})
+    if recorder:
+        yield f"record   {recorder.get('folder', '')} ({_recorder_words(recorder)})"
+
+
+def _recorder_words(recorder: Mapping[str, Any]) -> str:
+    """Return how recording goes."""
+    if not recorder.get("alive", False):
+        return "RECORDER IS GONE"
+    lost = int(recorder.get("rows_lost", 0)) + int(recorder.get("ring_overruns", 0))
+    words = f"{recorder.get('rows', 0)} rows"
+    return f"{words}, {lost} LOST {recorder.get('error', '')}".rstrip() if lost else words
+
+
+def _number(value: float | None, factor: float = 1.0) -> str:
+    """Return a number in six digits, a dash when there is none."""
+    return "-" if value is None else f"{value * factor + 0.0:.6g}"

@@ -1,0 +1,123 @@
+"""``aff-runtime top``: a live text screen of 80 x 24, by polling ``status``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+from aff_runtime.app.status import headline
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.cli.service import connect
+from aff_runtime.core.monitor import Trend
+
+WIDTH, HEIGHT = 80, 24
+BAR = 14
+PERIOD_NS = 500_000_000
+RED, PLAIN, HOME, CLEAR = "\x1b[31m", "\x1b[0m", "\x1b[H", "\x1b[J"
+NORMAL_STATES = ("ACTIVE", "ARMED", "READY", "SHADOW")
+
+
+def add(commands: Any, service: argparse.ArgumentParser) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser("top", parents=[service], help="live screen; ctrl-c leaves it")
+    parser.add_argument("--once", action="store_true", help="print one screen and end")
+    parser.set_defaults(command=top)
+
+
+def top(options: argparse.Namespace) -> int:
+    """Draw the screen twice a second until interrupted."""
+    clock = MonotonicClock()
+    client = connect(options)
+    coloured = sys.stdout.isatty()
+    try:
+        if options.once:
+            print("\n".join(screen(client.ask("status"))))
+            return 0
+        while True:
+            answer = client.ask("status")
+            rows = screen(answer)
+            if coloured and answer["state"] not in NORMAL_STATES:
+                rows[0] = f"{RED}{rows[0]}{PLAIN}"
+            print(HOME + "\x1b[K\n".join(rows) + CLEAR, end="", flush=True)
+            clock.sleep_until_ns(clock.now_ns() + PERIOD_NS)
+    finally:
+        client.close()
+
+
+def screen(answer: Mapping[str, Any]) -> list[str]:
+    """Return the rows of one screen, none wider than 80 or more than 24."""
+    signals: Mapping[str, float | None] = answer.get("signals", {})
+    rows = [f"{answer['line']}  {headline(answer)}", _config_row(answer), _comm_row(answer)]
+    rows.append("-" * WIDTH)
+    rows += [
+        f"{name:40} {_shown(value)}"
+        for name, value in signals.items()
+        if name.endswith(("_tension_N", "line_speed_m_s", "_radius_m", "_ref_N"))
+        and "." not in name
+    ]
+    rows += _correction_rows(signals)
+    rows += _block_rows(signals)
+    rows = rows[: HEIGHT - 1]
+    rows.append("other terminal: aff-runtime arm | bypass | stop          ctrl-c leaves")
+    return [row[:WIDTH] for row in rows]
+
+
+def _config_row(answer: Mapping[str, Any]) -> str:
+    """Return configuration and record."""
+    differs = "  DIFFERS from the file" if answer["config_differs"] else ""
+    folder = str(answer.get("recorder", {}).get("folder", "")).rsplit("/", 1)[-1]
+    return f"config {answer['config_hash'][:12]}{differs}   record {folder}"
+
+
+def _comm_row(answer: Mapping[str, Any]) -> str:
+    """Return wire and timing."""
+    signals = answer.get("signals", {})
+    if not signals:
+        return "starting"
+    return (
+        f"comm {answer['comm']}  age {_shown(signals['age_s'], 1e3)} ms  "
+        f"io {_shown(signals['io_us'], 1e-3)} ms  tick {_shown(signals['tick_us'], 1e-3)} ms  "
+        f"missed {_shown(signals['missed_count'])}"
+    )
+
+
+def _correction_rows(signals: Mapping[str, float | None]) -> list[str]:
+    """Return one row per actuator with the share of the law's wish that goes out."""
+    rows = []
+    for name, value in signals.items():
+        if not name.startswith("correction_"):
+            continue
+        output = name.removeprefix("correction_")
+        share = signals.get(f"applied_ratio_{output}") or 0.0
+        bar = "#" * round(BAR * min(1.0, max(0.0, share)))
+        rows.append(f"{name:40} {_shown(value):>12}  |{bar:.<{BAR}}| out")
+    return rows
+
+
+def _block_rows(signals: Mapping[str, float | None]) -> list[str]:
+    """Return one row per block: amplitude, phase, ripple before and now, what it does."""
+    rows = []
+    for name, ripple in signals.items():
+        if not name.endswith(".ripple"):
+            continue
+        block = name.removesuffix(".ripple")
+        said = {
+            column.rsplit(".", 1)[1]: value
+            for column, value in signals.items()
+            if column.startswith(block + ".")
+        }
+        amplitude = next((v for k, v in said.items() if k.startswith("amplitude_")), None)
+        state = said.get("state")
+        doing = "" if state is None else Trend(int(state)).name
+        rows.append(
+            f"{block:33} {_shown(amplitude):>10} {_shown(said.get('phase_deg')):>8} deg "
+            f"{_shown(said.get('ripple_before')):>7}>{_shown(ripple):<7} {doing}"
+        )
+    return rows
+
+
+def _shown(value: float | None, factor: float = 1.0) -> str:
+    """Return a number in four digits, a dash when there is none."""
+    return "-" if value is None else f"{value * factor + 0.0:.4g}"

@@ -1,0 +1,109 @@
+"""The recorder process: ring in, run folder out; ends when the ring's writer is gone.
+
+``python -m aff_runtime.telemetry.recorder RING RUNS_DIRECTORY``
+
+Its standard input carries JSON lines from the supervisor: first the context of the run, then
+notes ``{"name": ..., "text": ...}`` for ``events.csv``. Its standard output carries one JSON line
+per second about itself; nobody has to read it. It disturbs the control process in no case: it
+only ever reads the ring, and a ring it cannot follow overruns, which is counted.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import select
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.telemetry.ring import RingReader
+from aff_runtime.telemetry.run_folder import RunFolder
+
+POLL_S = 0.25
+REPORT_NS = 1_000_000_000
+
+
+class JsonLines:
+    """Non-blocking reader of JSON lines from a descriptor."""
+
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+        self._rest = b""
+        self.ended = False
+
+    def read(self, timeout_s: float) -> list[dict[str, Any]]:
+        """Wait at most ``timeout_s`` and return the complete lines that came; junk is skipped."""
+        watched = [] if self.ended else [self._descriptor]
+        ready, _, _ = select.select(watched, [], [], timeout_s)
+        if not ready:
+            return []
+        chunk = os.read(self._descriptor, 1 << 16)
+        self.ended = not chunk
+        *lines, self._rest = (self._rest + chunk).split(b"\n")
+        messages: list[dict[str, Any]] = []
+        for line in lines:
+            with contextlib.suppress(ValueError):
+                message = json.loads(line)
+                if isinstance(message, dict):
+                    messages.append(message)
+        return messages
+
+
+def record(ring: RingReader, folder: RunFolder, notes: JsonLines) -> None:
+    """Follow ``ring`` into ``folder`` until its writer is gone and everything is read."""
+    clock = MonotonicClock()
+    start_ns = float(ring.header["meta"].get("start_ns", 0))
+    next_report_ns = clock.now_ns()
+    alive = True
+    while alive:
+        alive = ring.writer_alive()  # asked before reading: what it wrote last is still read
+        for note in notes.read(POLL_S if alive else 0.0):
+            folder.add_note(str(note.get("name", "NOTE")), str(note.get("text", "")))
+        folder.add(ring.signals.read_new())
+        folder.add_events(ring.events.read_new(), start_ns)
+        if clock.now_ns() >= next_report_ns:
+            next_report_ns += REPORT_NS
+            _report(ring, folder)
+    folder.finish({"ring_overruns": ring.signals.overrun_count})
+    _report(ring, folder)
+
+
+def _report(ring: RingReader, folder: RunFolder) -> None:
+    """Say on standard output how recording goes; dropped when nobody listens."""
+    line = json.dumps(
+        {
+            "folder": str(folder.path),
+            "rows": folder.signals.rows_written,
+            "rows_lost": folder.signals.rows_lost + folder.files_lost,
+            "ring_overruns": ring.signals.overrun_count,
+            "error": folder.signals.last_error,
+        }
+    )
+    with contextlib.suppress(OSError):
+        os.write(1, line.encode() + b"\n")
+
+
+def main(arguments: list[str]) -> int:
+    """Record one run; ``arguments``: ring path, directory of runs."""
+    ring_path, directory = Path(arguments[0]), Path(arguments[1])
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # ctrl-c ends the writer; we flush after it
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    os.set_blocking(1, False)
+    notes = JsonLines(0)
+    context: list[dict[str, Any]] = []
+    while not context and not notes.ended:
+        context = notes.read(1.0)
+    ring = RingReader(ring_path)
+    folder = RunFolder(directory, ring.header, context[0] if context else {})
+    for note in context[1:]:
+        folder.add_note(str(note.get("name", "NOTE")), str(note.get("text", "")))
+    record(ring, folder, notes)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,173 @@
+"""The shared-memory ring file between the control process and everybody who watches it.
+
+File: 16 bytes ``magic, version, header length``, a JSON header (column names with units, layout,
+who writes, when it started), the ring of signals (one record per tick), the ring of events.
+The writer holds an exclusive lock on the file for its life: the kernel drops it when the process
+dies in any way, so a reader knows without pids or timeouts. The newest record is the status.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import json
+import mmap
+import os
+import struct
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.base.clock import wall_time_iso
+from aff_runtime.base.errors import AffError
+from aff_runtime.telemetry.slots import SlotReader, SlotWriter, ring_bytes
+
+MAGIC = b"AFFRING\0"
+VERSION = 1
+EVENT_COLUMNS = ("tick", "t_ns", "code", "argument")
+_PREFIX = struct.Struct("=8sII")
+
+
+class RingWriter:
+    """Creates the file and appends to it; used by the control process alone.
+
+    Parameters
+    ----------
+    path : file to create (on ``/dev/shm`` or a runtime directory); replaced when it exists.
+    columns : names with units of one signal record.
+    meta : anything JSON that a reader of the run should know (versions, config hash, rights).
+    capacity : signal records kept; ``event_capacity`` likewise.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        columns: Sequence[str],
+        *,
+        meta: Mapping[str, Any],
+        capacity: int = 4096,
+        event_capacity: int = 1024,
+    ) -> None:
+        header, signals_at, events_at, size = _layout(columns, meta, capacity, event_capacity)
+        fresh = path.with_name(path.name + ".new")
+        fresh.unlink(missing_ok=True)
+        self._fd = os.open(fresh, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
+        fcntl.flock(self._fd, fcntl.LOCK_EX)
+        os.ftruncate(self._fd, size)
+        self._map = mmap.mmap(self._fd, size)
+        self._map[: len(header)] = header
+        view = memoryview(self._map)
+        self._signals = SlotWriter(
+            view, offset_bytes=signals_at, n_values=len(columns), capacity=capacity
+        )
+        self._events = SlotWriter(
+            view, offset_bytes=events_at, n_values=len(EVENT_COLUMNS), capacity=event_capacity
+        )
+        self.write = self._signals.write
+        self._path = path
+        fresh.rename(path)
+
+    def event(self, tick: int, t_ns: int, code: int, argument: float = 0.0) -> None:
+        """Append one event (code of ``base.events``)."""
+        self._events.write((tick, t_ns, code, argument))
+
+    def close(self) -> None:
+        """Drop the lock: readers finish what is there and end."""
+        fcntl.flock(self._fd, fcntl.LOCK_UN)  # the mapping holds a copy of the descriptor
+        os.close(self._fd)
+
+    def remove(self) -> None:
+        """Remove the file unless another writer has taken its place, and close."""
+        with contextlib.suppress(OSError):
+            if self._path.stat().st_ino == os.fstat(self._fd).st_ino:
+                self._path.unlink()
+        self.close()
+
+
+class RingReader:
+    """Reads a ring file of another process.
+
+    Raises
+    ------
+    AffError
+        When the file is not a ring of this version.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+        try:
+            self._map = mmap.mmap(self._fd, 0, access=mmap.ACCESS_READ)
+            self.header: dict[str, Any] = _read_header(self._map, path)
+        except (ValueError, AffError):
+            os.close(self._fd)
+            raise
+        view = memoryview(self._map)
+        self.columns: tuple[str, ...] = tuple(self.header["columns"])
+        self.signals = SlotReader(
+            view,
+            offset_bytes=self.header["signals_at"],
+            n_values=len(self.columns),
+            capacity=self.header["capacity"],
+        )
+        self.events = SlotReader(
+            view,
+            offset_bytes=self.header["events_at"],
+            n_values=len(EVENT_COLUMNS),
+            capacity=self.header["event_capacity"],
+        )
+
+    def fileno(self) -> int:
+        """Return the descriptor of the file."""
+        return self._fd
+
+    def status(self) -> dict[str, float] | None:
+        """Return the newest record by column name, or None before the first tick."""
+        record = self.signals.latest()
+        return None if record is None else dict(zip(self.columns, record, strict=True))
+
+    def writer_alive(self) -> bool:
+        """Return whether the writing process still lives."""
+        try:
+            fcntl.flock(self._fd, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+        fcntl.flock(self._fd, fcntl.LOCK_UN)
+        return False
+
+    def close(self) -> None:
+        """Release the file; the mapping goes with the last record view."""
+        with contextlib.suppress(OSError):
+            os.close(self._fd)
+
+
+def _layout(
+    columns: Sequence[str], meta: Mapping[str, Any], capacity: int, event_capacity: int
+) -> tuple[bytes, int, int, int]:
+    """Return the header bytes, the offsets of both rings and the file size."""
+    page = mmap.PAGESIZE
+    text_bytes = len(json.dumps({"columns": list(columns), "meta": meta})) + 512
+    signals_at = (_PREFIX.size + text_bytes + page - 1) // page * page
+    events_at = signals_at + ring_bytes(len(columns), capacity)
+    size = events_at + ring_bytes(len(EVENT_COLUMNS), event_capacity)
+    text = json.dumps(
+        {
+            "columns": list(columns),
+            "capacity": capacity,
+            "event_capacity": event_capacity,
+            "signals_at": signals_at,
+            "events_at": events_at,
+            "writer_pid": os.getpid(),
+            "start_utc": wall_time_iso(),
+            "meta": dict(meta),
+        }
+    ).encode()
+    return _PREFIX.pack(MAGIC, VERSION, len(text)) + text, signals_at, events_at, size
+
+
+def _read_header(memory: mmap.mmap, path: Path) -> dict[str, Any]:
+    """Return the JSON header of a mapped ring file."""
+    magic, version, length = _PREFIX.unpack_from(memory, 0)
+    if magic != MAGIC or version != VERSION:
+        raise AffError(f"{path}: not a ring of version {VERSION}; is it from another release?")
+    header: dict[str, Any] = json.loads(memory[_PREFIX.size : _PREFIX.size + length])
+    return header

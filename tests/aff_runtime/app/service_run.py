@@ -1,0 +1,136 @@
+"""A running service against a PLC of its own, for tests of the processes."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+import socket
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.app.request_client import ServiceClient
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import AffError
+
+ROOT = Path(__file__).parents[3]
+CLOCK = MonotonicClock()
+
+
+def until(condition: Callable[[], bool], patience_s: float = 12.0) -> None:
+    """Wait for ``condition``, fail after ``patience_s``."""
+    end_ns = CLOCK.now_ns() + int(patience_s * 1e9)
+    while not condition():
+        assert CLOCK.now_ns() < end_ns, "it did not happen in time"
+        CLOCK.sleep_until_ns(CLOCK.now_ns() + 50_000_000)
+
+
+def is_running(pid: int) -> bool:
+    """Return whether a process exists and is no zombie."""
+    try:
+        return "\nState:\tZ" not in Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return False
+
+
+class ServiceRun:
+    """PLC and service in processes of their own below ``folder``."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        self.folder = folder
+        self.plc = subprocess.Popen(
+            [sys.executable, str(Path(__file__).with_name("fake_plc.py"))],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert self.plc.stdout is not None
+        port = self.plc.stdout.readline().strip()
+        text = (ROOT / "config" / "euclid.yaml").read_text().replace("port: 5020", f"port: {port}")
+        text = re.sub(r"stuck_after_s: [\d.]+", "stuck_after_s: 30", text)
+        text = text.replace("fault_after_ms: 80", "fault_after_ms: 140")
+        text = text.replace("hold_after_ms: 15", "hold_after_ms: 60")
+        text = re.sub(r"duration_s: \d+", "duration_s: 9", text)
+        self.site = folder / "site.yaml"
+        self.site.write_text(text)
+        self.runtime = folder / "rt"
+        self.log = folder / "log"
+        self.notified = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.notified.bind(str(folder / "notify"))
+        self.notified.setblocking(False)
+        with self.log.open("w") as log:
+            self.process = subprocess.Popen(
+                [
+                    *(sys.executable, "-m", "aff_runtime.cli.main", "run", str(self.site)),
+                    *("--runtime-dir", str(self.runtime), *arguments),
+                ],
+                stderr=log,
+                cwd=ROOT,
+                env={**os.environ, "NOTIFY_SOCKET": str(folder / "notify")},
+            )
+        until(lambda: self.status().get("signals") is not None)
+        until(lambda: self.status()["comm"] == "OK")
+
+    def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
+        """Return the answer to one request."""
+        client = ServiceClient(self.runtime / "control.sock", timeout_s=40.0)
+        try:
+            return client.ask(do, **arguments)
+        finally:
+            client.close()
+
+    def status(self) -> dict[str, Any]:
+        """Return the status, empty while there is no service."""
+        with contextlib.suppress(AffError):
+            return self.ask("status")
+        return {}
+
+    def tell_plc(self, command: str) -> list[int]:
+        """Give the PLC a command; return the words last written to it."""
+        assert self.plc.stdin is not None
+        assert self.plc.stdout is not None
+        self.plc.stdin.write(command + "\n")
+        self.plc.stdin.flush()
+        words: list[int] = json.loads(self.plc.stdout.readline())
+        return words
+
+    def notifications(self) -> list[bytes]:
+        """Return what the service manager has been told since the last call."""
+        heard: list[bytes] = []
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                heard.append(self.notified.recv(200))
+        return heard
+
+    def edit(self, before: str, after: str) -> None:
+        """Replace text in the site file the way editors do."""
+        text = self.site.read_text()
+        assert before in text
+        fresh = self.site.with_suffix(".new")
+        fresh.write_text(text.replace(before, after))
+        fresh.replace(self.site)
+
+    def said(self, text: str) -> bool:
+        """Return whether the log holds ``text``."""
+        return text in self.log.read_text()
+
+    def close(self) -> None:
+        """End both processes."""
+        if self.process.poll() is None:
+            self.process.terminate()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.process.wait(10)
+        self.process.kill()
+        self.process.wait()
+        self.plc.kill()
+        self.plc.communicate()
+        self.notified.close()
+
+
+def kill(pid: int) -> None:
+    """Kill one process the hard way."""
+    os.kill(pid, 9)

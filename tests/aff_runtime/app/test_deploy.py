@@ -1,0 +1,85 @@
+"""The unit and the installer, as far as they can be tried without systemd running."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+UNIT = ROOT / "deploy" / "aff-runtime.service"
+needs_analyze = pytest.mark.skipif(
+    shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed"
+)
+
+
+@pytest.fixture
+def unit(tmp_path: Path) -> Path:
+    """The unit with a program that exists here."""
+    text = re.sub(r"/opt/\S*/bin/aff-runtime", sys.executable, UNIT.read_text())
+    path = tmp_path / "aff-runtime.service"
+    path.write_text(text)
+    return path
+
+
+@needs_analyze
+def test_systemd_accepts_the_unit_without_a_word(unit: Path) -> None:
+    done = subprocess.run(
+        ["systemd-analyze", "verify", str(unit)], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@needs_analyze
+def test_the_unit_is_exposed_no_more_than_2_5_of_10(unit: Path) -> None:
+    command = ["systemd-analyze", "security", "--offline=true", "--threshold=25", str(unit)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout[-300:]
+
+
+def test_the_unit_lets_the_control_process_feed_the_watchdog_and_ask_for_rights() -> None:
+    lines = UNIT.read_text().splitlines()
+    for needed in (
+        "NotifyAccess=all",
+        "LimitRTPRIO=80",
+        "RestrictRealtime=no",
+        "DeviceAllow=/dev/cpu_dma_latency rw",
+        "SystemCallFilter=@system-service @resources",
+    ):
+        assert needed in lines
+    assert not any(line.startswith("CPUSchedulingPolicy=") for line in lines)
+
+
+def install(*options: str) -> subprocess.CompletedProcess[str]:
+    command = ["sh", str(ROOT / "deploy" / "install.sh"), "--python", sys.executable, *options]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_a_dry_run_says_everything_and_touches_nothing(tmp_path: Path) -> None:
+    done = install("--dry-run", "--prefix", str(tmp_path / "p"))
+    assert done.returncode == 0, done.stderr
+    for said in ("-m venv", "pip install", "aff-runtime.service", "site.yaml", "learned"):
+        assert said in done.stdout
+    assert not (tmp_path / "p").exists()
+
+
+def test_the_installer_asks_for_no_extras(tmp_path: Path) -> None:
+    done = install("--dry-run", "--prefix", str(tmp_path / "p"))
+    (pip,) = [line for line in done.stdout.splitlines() if "pip install" in line]
+    assert pip.endswith(str(ROOT))
+
+
+def test_a_second_installation_keeps_the_technicians_file(tmp_path: Path) -> None:
+    site = tmp_path / "p" / "etc" / "aff-runtime" / "site.yaml"
+    site.parent.mkdir(parents=True)
+    site.write_text("mine")
+    done = install("--dry-run", "--prefix", str(tmp_path / "p"))
+    assert "euclid.yaml" not in done.stdout
+
+
+def test_an_unknown_option_is_refused() -> None:
+    assert install("--purge").returncode == 2

@@ -1,0 +1,200 @@
+"""The service as real processes against a PLC on loopback."""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from aff_runtime.base.errors import RefusedError
+from aff_runtime.core.response import Provenance, Response, ResponsePoint
+from aff_runtime.telemetry.run_files import read_run
+from tests.aff_runtime.app.fake_plc import GAIN_N_PER_M_S, READY_STATUS
+from tests.aff_runtime.app.service_run import CLOCK, ServiceRun, is_running, kill, until
+
+pytestmark = pytest.mark.wire
+WEB_INTACT = 8
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceRun]:
+    """One service for the tests that leave it running."""
+    run = ServiceRun(tmp_path_factory.mktemp("service"))
+    yield run
+    run.close()
+
+
+@pytest.fixture
+def own(tmp_path: Path) -> Iterator[ServiceRun]:
+    """A service for a test that ends it."""
+    run = ServiceRun(tmp_path)
+    yield run
+    run.close()
+
+
+def test_it_starts_in_fault_with_zero_on_the_wire(service: ServiceRun) -> None:
+    assert service.status()["state"] == "FAULT"
+    words = service.tell_plc("words")
+    assert words[3] == words[8] == 0
+    assert words[4] == words[9] == 0xFFFF
+
+
+def test_the_service_manager_hears_of_readiness_and_of_completed_ticks(
+    service: ServiceRun,
+) -> None:
+    heard: list[bytes] = []
+    until(lambda: bool(heard.extend(service.notifications()) or heard.count(b"WATCHDOG=1") > 2))
+    assert b"READY=1" in heard
+
+
+def test_the_watchdog_goes_hungry_when_the_control_process_hangs(service: ServiceRun) -> None:
+    control = service.status()["control_pid"]
+    os.kill(control, signal.SIGSTOP)
+    try:
+        service.notifications()
+        CLOCK.sleep_until_ns(CLOCK.now_ns() + 600_000_000)
+        assert service.notifications() == []
+    finally:
+        os.kill(control, signal.SIGCONT)
+
+
+def test_arming_without_a_measured_response_is_refused_by_name(service: ServiceRun) -> None:
+    with pytest.raises(RefusedError, match="READY: blocked by unwind: no measured response"):
+        service.ask("arm")
+
+
+def test_a_missing_permissive_is_named(service: ServiceRun) -> None:
+    service.tell_plc(f"status {READY_STATUS & ~WEB_INTACT}")
+    until(lambda: service.status()["blocked_by"] == "WEB_INTACT=0")
+    with pytest.raises(RefusedError, match="READY: blocked by WEB_INTACT=0"):
+        service.ask("arm")
+    service.tell_plc(f"status {READY_STATUS}")
+    until(lambda: service.status()["blocked_by"] != "WEB_INTACT=0")
+
+
+def test_a_good_edit_is_applied_and_logged_with_both_values(service: ServiceRun) -> None:
+    before = service.status()["config_hash"]
+    service.edit("settle_s: 6,", "settle_s: 9,")
+    until(lambda: service.status()["config_hash"] != before)
+    assert service.said("actuators.unwind.blocks[0].settle_s: 6 s -> 9 s")
+    assert not service.said("CONTROL_DIED")
+
+
+def test_a_bad_edit_changes_nothing_and_is_shown_with_its_place(service: ServiceRun) -> None:
+    before = service.status()
+    service.edit("settle_s: 9,", "settle_s: 9 apples,")
+    until(lambda: bool(service.status()["config_differs"]))
+    after = service.status()
+    assert after["config_hash"] == before["config_hash"]
+    assert after["control_pid"] == before["control_pid"]
+    (text,) = after["config_differs"]
+    number = 1 + next(
+        i for i, line in enumerate(service.site.read_text().splitlines()) if "apples" in line
+    )
+    assert text.startswith(f"{service.site}:{number}:")
+    service.edit("settle_s: 9 apples,", "settle_s: 9,")
+    until(lambda: not service.status()["config_differs"])
+
+
+def test_an_added_order_gets_its_columns_recorded(service: ServiceRun) -> None:
+    service.edit("orders: [1, 2, 3, 4]", "orders: [1, 2, 3, 4, 5]")
+    column = "unwind.unwind_5x.amplitude_m_s"
+    until(lambda: column in service.status().get("signals", {}))
+
+
+def test_a_fixed_key_restarts_the_control_process_when_nothing_goes_out(
+    service: ServiceRun,
+) -> None:
+    before = service.status()["control_pid"]
+    service.edit("deadline_ms: 3.0", "deadline_ms: 3.5") if "\n    deadline_ms" in (
+        service.site.read_text()
+    ) else service.edit("    #deadline_ms: 3.0", "    deadline_ms: 3.5")
+    until(lambda: service.status().get("control_pid", 0) not in (0, before))
+    until(lambda: service.status().get("comm") == "OK")
+    assert service.status()["state"] == "FAULT"
+
+
+def test_a_killed_control_process_comes_back_idle(service: ServiceRun) -> None:
+    before = service.status()["control_pid"]
+    kill(before)
+    until(lambda: service.status().get("control_pid", 0) not in (0, before))
+    until(lambda: service.status().get("comm") == "OK")
+    assert service.status()["state"] == "FAULT"
+    assert service.said("killed by SIGKILL")
+
+
+def test_a_killed_supervisor_takes_the_control_process_along_with_zero(own: ServiceRun) -> None:
+    control = own.status()["control_pid"]
+    kill(own.process.pid)
+    until(lambda: not is_running(control))
+    words = own.tell_plc("words")
+    assert words[3] == words[8] == 0
+
+
+def test_a_shadow_run_leaves_fault_by_itself_and_transmits_zero(tmp_path: Path) -> None:
+    run = ServiceRun(tmp_path, "--shadow")
+    try:
+        until(lambda: run.status().get("state") == "SHADOW")
+        words = run.tell_plc("words")
+        assert (words[1] & 0b1110, words[3], words[8]) == (0, 0, 0)
+    finally:
+        run.close()
+
+
+def test_stop_ends_everything_and_leaves_a_readable_run(own: ServiceRun) -> None:
+    control = own.status()["control_pid"]
+    assert own.ask("stop")["ok"]
+    assert own.process.wait(10) == 0
+    assert not is_running(control)
+    assert not (own.runtime / "control.sock").exists()
+    (folder,) = (own.folder / "runs").iterdir()
+    run = read_run(folder)
+    assert run.summary["rows"] == len(run.columns["time_s"]) > 10
+    assert {event["name"] for event in run.events} >= {"POWER_UP", "OPERATOR"}
+    assert (folder / "site.yaml").read_text() == own.site.read_text()
+
+
+def known_response(actuator: str) -> str:
+    """The PLC's own response: a gain and six ticks of delay, as if it had been probed."""
+    points = [
+        ResponsePoint(
+            frequency_Hz=f,
+            gain=-GAIN_N_PER_M_S,
+            phase_rad=math.pi - math.tau * f * 0.030,
+            relative_error=0.01,
+            coherence=1.0,
+        )
+        for f in (0.3, 0.6, 1.0, 1.5, 2.5)
+    ]
+    about = Provenance(actuator=actuator, signal="pullroll_tension_N")
+    return Response(points=points, delay_s=0.030, provenance=about).to_json()
+
+
+def test_probe_arm_and_bypass_from_end_to_end(own: ServiceRun) -> None:
+    (own.folder / "learned").mkdir()
+    other = own.folder / "learned" / "euclid_swrap_follower.json"
+    other.write_text(known_response("swrap_follower"))
+    until(lambda: own.said("CONFIG_APPLIED"))
+    (result,) = own.ask("probe", actuators=["unwind"])["results"]
+    response = Response.from_json((own.folder / "learned" / "euclid_unwind.json").read_text())
+    for point in response.points:
+        assert abs(point.gain / -GAIN_N_PER_M_S - 1.0) < 0.05
+        expected_rad = math.pi - math.tau * point.frequency_Hz * 0.030
+        assert abs(math.remainder(point.phase_rad - expected_rad, math.tau)) < 0.1
+    assert result["sign"] == -1
+    assert response.provenance.radius_m == 0.16
+    assert own.status()["state"] == "BYPASS"
+    assert own.ask("arm")["state"] in ("ARMED", "ACTIVE")
+    until(lambda: own.tell_plc("words")[3] != 0)
+    armed = own.status()
+    own.edit("radius_m: 0.15367", "radius_m: 0.154")
+    until(lambda: "waits for bypass" in "".join(own.status()["config_differs"]))
+    assert own.status()["config_hash"] == armed["config_hash"]
+    os.kill(own.process.pid, signal.SIGUSR1)
+    until(lambda: own.tell_plc("words")[3] == 0)
+    until(lambda: own.status().get("config_hash") not in (None, armed["config_hash"]))
+    until(lambda: own.status().get("state") == "FAULT")

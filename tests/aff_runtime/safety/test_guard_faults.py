@@ -1,0 +1,139 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import nan
+
+import pytest
+
+from aff_runtime.base.events import BY_NAME
+from aff_runtime.base.signals import Outcome, State, StateBits
+from tests.aff_runtime.safety.bench import (
+    FADE_S,
+    PARAMS,
+    PERIOD_NS,
+    PERIOD_S,
+    STEP,
+    Bench,
+)
+
+FADE_TICKS = round(FADE_S / PERIOD_S)
+FAULT_TICKS = round(PARAMS.freshness.fault_after_s / PERIOD_S)
+STUCK_TICKS = round(PARAMS.channels[0].stuck_after_s / PERIOD_S)
+
+
+def mute(b: Bench) -> None:
+    b.outcome = Outcome.TIMEOUT
+
+
+def freeze(b: Bench) -> None:
+    b.heartbeat_moves = False
+
+
+def stick(b: Bench) -> None:
+    b.tension_moves = False
+
+
+def law_dies(b: Bench) -> None:
+    b.steps = None
+
+
+def law_is_short(b: Bench) -> None:
+    b.steps = (STEP,)
+
+
+def law_says_nan(b: Bench) -> None:
+    b.steps = (replace(STEP, value=nan), STEP)
+
+
+def ripple(b: Bench) -> None:
+    b.guard.ripple_rose = True
+
+
+def stall(b: Bench) -> None:
+    b.now_ns += 20 * PERIOD_NS
+
+
+LATCHING = [
+    (mute, "PLC_STALE", FAULT_TICKS + 1),
+    (freeze, "PLC_STALE", FAULT_TICKS + 1),
+    (lambda b: setattr(b, "tension_N", nan), "TENSION_IMPLAUSIBLE", 1),
+    (lambda b: setattr(b, "tension_N", 1e9), "TENSION_IMPLAUSIBLE", 1),
+    (stick, "TENSION_IMPLAUSIBLE", STUCK_TICKS + 2),
+    (lambda b: setattr(b, "speed_m_s", nan), "SIGNAL_IMPLAUSIBLE", 1),
+    (lambda b: setattr(b, "speed_m_s", 20.0), "SIGNAL_IMPLAUSIBLE", 1),
+    (lambda b: setattr(b, "radius_m", 0.3), "RADIUS_JUMP", 1),
+    (lambda b: setattr(b, "overrun", True), "OVERRUN", 1),
+    (stall, "OVERRUN", 1),
+    (lambda b: setattr(b, "supervisor_alive", False), "SUPERVISOR_LOST", 1),
+    (law_dies, "LEASE_EXPIRED", PARAMS.lease_ticks + 1),
+    (law_is_short, "LEASE_EXPIRED", PARAMS.lease_ticks + 1),
+    (law_says_nan, "INTERNAL_FAULT", 1),
+    (lambda b: b.guard.internal_fault(), "INTERNAL_FAULT", 1),
+    (ripple, "RIPPLE_ROSE", 1),
+]
+
+
+@pytest.mark.parametrize(("spoil", "name", "within_ticks"), LATCHING)
+def test_a_fault_is_noticed_in_time_fades_to_zero_and_latches(
+    spoil: Callable[[Bench], None], name: str, within_ticks: int
+) -> None:
+    bench = Bench().active()
+    spoil(bench)
+    bench.run(within_ticks)
+    assert bench.state is State.FAULT
+    assert bench.alarm == BY_NAME[name].code
+    assert bench.bits & StateBits.FAULT
+    assert not bench.bits & StateBits.ACTIVE
+    bench.run(FADE_TICKS)
+    assert bench.out == (0.0, 0.0)
+    assert not bench.bits & StateBits.FADING
+    assert name in bench.codes()
+
+
+@pytest.mark.parametrize(("spoil", "name", "within_ticks"), LATCHING)
+def test_after_a_fault_only_the_operator_brings_the_output_back(
+    spoil: Callable[[Bench], None], name: str, within_ticks: int
+) -> None:
+    bench = Bench().active()
+    spoil(bench)
+    bench.run(within_ticks + FADE_TICKS)
+    heal(bench)
+    bench.run_s(2.0)
+    assert bench.state is State.FAULT
+    assert bench.alarm == BY_NAME[name].code
+    assert bench.out == (0.0, 0.0)
+    bench.guard.arm()
+    bench.run_s(0.5)
+    assert bench.state is State.ACTIVE
+    assert bench.out == (STEP.value, STEP.value)
+
+
+def heal(b: Bench) -> None:
+    b.outcome = Outcome.OK
+    b.heartbeat_moves = b.tension_moves = b.supervisor_alive = True
+    b.tension_N, b.speed_m_s, b.radius_m = 90.0, 1.0, 0.2
+    b.overrun = False
+    b.steps = (STEP, STEP)
+
+
+def test_a_correction_fades_without_a_step() -> None:
+    bench = Bench().active()
+    bench.outcome = Outcome.TIMEOUT
+    before = bench.out[0]
+    steepest = 1.5708 * STEP.value * PERIOD_S / FADE_S
+    for _ in range(FAULT_TICKS + FADE_TICKS + 2):
+        bench.run()
+        assert before - bench.out[0] <= steepest
+        before = bench.out[0]
+    assert before == 0.0
+
+
+def test_the_first_cause_stays_on_the_alarm_word() -> None:
+    bench = Bench().active()
+    bench.tension_N = nan
+    bench.run()
+    bench.outcome = Outcome.TIMEOUT
+    bench.run(50)
+    assert bench.alarm == BY_NAME["TENSION_IMPLAUSIBLE"].code
+    assert bench.guard.first_blocking().startswith("blocked by PLC_STALE")

@@ -1,0 +1,45 @@
+"""What goes when the recordings grow too large."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from aff_runtime.telemetry.disk_bound import delete_oldest, used_bytes
+
+
+def run(directory: Path, name: str, segments: int) -> Path:
+    folder = directory / name
+    folder.mkdir()
+    for k in range(1, segments + 1):
+        (folder / f"signals-{k:04d}.csv.gz").write_bytes(bytes(1000))
+    return folder
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(p.name for p in folder.iterdir())
+
+
+def test_the_oldest_segments_of_the_oldest_run_go_first(tmp_path: Path) -> None:
+    old = run(tmp_path, "20260101T000000Z_line", 3)
+    new = run(tmp_path, "20260102T000000Z_line", 2)
+    keep = new / "signals-0002.csv.gz"
+    assert delete_oldest(tmp_path, max_bytes=3500, keep=keep) == 2
+    assert names(old) == ["signals-0003.csv.gz"]
+    assert len(names(new)) == 2
+
+
+def test_a_run_without_segments_goes_as_a_whole_and_the_kept_segment_stays(tmp_path: Path) -> None:
+    old = run(tmp_path, "20260101T000000Z_line", 1)
+    (old / "run.yaml").write_bytes(bytes(50))
+    new = run(tmp_path, "20260102T000000Z_line", 3)
+    delete_oldest(tmp_path, max_bytes=1000, keep=new / "signals-0003.csv.gz")
+    assert not old.exists()
+    assert names(new) == ["signals-0003.csv.gz"]
+    assert used_bytes(tmp_path) == 1000
+
+
+def test_folders_not_named_like_runs_are_left_alone(tmp_path: Path) -> None:
+    mine = run(tmp_path, "my-precious-data", 5)
+    new = run(tmp_path, "20260102T000000Z_line", 1)
+    delete_oldest(tmp_path, max_bytes=0, keep=new / "signals-0001.csv.gz")
+    assert len(names(mine)) == 5

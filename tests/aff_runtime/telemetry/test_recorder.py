@@ -1,0 +1,89 @@
+"""The recorder as a real process behind a real ring."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import AffError
+from aff_runtime.telemetry.ring import RingWriter
+from aff_runtime.telemetry.run_files import Run, read_run
+
+COLUMNS = ["time_s", "tick", "state", "unwind_tension_N", "wake_latency_us"]
+WAIT = MonotonicClock()
+
+
+def start(ring: Path, runs: Path) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "aff_runtime.telemetry.recorder", str(ring), str(runs)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    )
+
+
+def record(tmp_path: Path, rows: list[tuple[float, ...]], **context: object) -> Run:
+    ring = RingWriter(tmp_path / "ring", COLUMNS, meta={"start_ns": 1000, "config_hash": "3f9a"})
+    process = start(tmp_path / "ring", tmp_path / "runs")
+    assert process.stdin is not None
+    context = {"name": "Line 1", "site_text": "version: 1\n", **context}
+    process.stdin.write(json.dumps(context).encode() + b"\n")
+    process.stdin.flush()
+    for row in rows:
+        ring.write(row)
+    ring.event(2, 1000 + 10_000_000, 17, 4)
+    process.stdin.write(b'{"name": "EDIT", "text": "settle_s: 6 -> 9"}\n')
+    process.stdin.flush()
+    WAIT.sleep_until_ns(WAIT.now_ns() + 500_000_000)
+    ring.close()
+    process.communicate(timeout=20)
+    assert process.returncode == 0
+    (folder,) = (tmp_path / "runs").iterdir()
+    return read_run(folder)
+
+
+def test_a_run_comes_back_as_it_was_written(tmp_path: Path) -> None:
+    rows = [(k * 0.005, k, 4, 88.9 + k, 20.0) for k in range(1000)]
+    run = record(tmp_path, [tuple(map(float, row)) for row in rows])
+    table = np.array(rows)
+    for i, name in enumerate(COLUMNS):
+        np.testing.assert_allclose(run.columns[name], table[:, i], rtol=1e-9)
+    assert run.about["config_hash"] == "3f9a"
+    assert run.about["columns"] == COLUMNS
+    assert run.summary["rows_by_state"] == {"ACTIVE": 1000}
+    assert run.summary["timing_us"]["wake_latency_us"]["p50"] == 20.0
+    assert run.summary["ring_overruns"] == 0
+    spoken = {event["name"]: event for event in run.events}
+    assert spoken["SPLICE"]["time_s"] == "0.0100"
+    assert spoken["EDIT"]["text"] == "settle_s: 6 -> 9"
+
+
+def test_segments_and_the_copy_of_the_site_file_lie_in_the_folder(tmp_path: Path) -> None:
+    record(tmp_path, [(k * 0.005, k, 4, 1.0, 1.0) for k in range(1000)], segment_s=2)
+    (folder,) = (tmp_path / "runs").iterdir()
+    assert folder.name.endswith("Z_Line-1")
+    assert len(list(folder.glob("signals-*.csv.gz"))) == 3
+    assert (folder / "site.yaml").read_text() == "version: 1\n"
+
+
+def test_a_run_cut_short_is_readable_up_to_its_last_whole_row(tmp_path: Path) -> None:
+    record(tmp_path, [(k * 0.005, k, 4, 1.0, 1.0) for k in range(1000)])
+    (folder,) = (tmp_path / "runs").iterdir()
+    segment = folder / "signals-0001.csv.gz"
+    segment.write_bytes(segment.read_bytes()[:-400])
+    (folder / "summary.json").unlink()
+    run = read_run(folder)
+    ticks = run.columns["tick"]
+    assert 0 < len(ticks) < 1000
+    np.testing.assert_array_equal(ticks, np.arange(len(ticks)))
+    assert run.summary == {}
+
+
+def test_a_folder_that_is_no_run_is_refused_by_name(tmp_path: Path) -> None:
+    with pytest.raises(AffError, match=r"run\.yaml"):
+        read_run(tmp_path)
