@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-from aff_runtime.base.ports import Clock, WordTransport
+from collections.abc import Callable, Mapping
+
+from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.ports import Clock, Gateway, WordTransport
+from aff_runtime.config.can_wire import can_map_of
 from aff_runtime.config.models import Channel, Site
 from aff_runtime.fieldbus.catalogue import modbus_tcp
+from aff_runtime.fieldbus.codec import WordCodec
+from aff_runtime.fieldbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus_frames import WireFunction
 from aff_runtime.fieldbus.registers import (
     Correction,
@@ -15,10 +21,34 @@ from aff_runtime.fieldbus.registers import (
 )
 
 
+def gateway_of(site: Site, wire_files: Mapping[str, str], clock: Clock) -> Gateway:
+    """Return the wire in SI, whichever the site names; it connects within the ticks.
+
+    Raises
+    ------
+    AffError
+        A name cannot be resolved, or a file of the wire cannot be used.
+    """
+    if site.gateway.can_dbc is not None:
+        can = site.gateway.can_dbc
+        frames = can_map_of(site, dict(wire_files))
+        from aff_runtime.fieldbus.can_catalogue import can_gateway  # noqa: PLC0415 (extra)
+
+        return can_gateway(
+            can_map=frames,
+            interface=can.interface,
+            channel=can.channel,
+            bitrate=can.bitrate,
+            clock=clock,
+        )
+    words = register_map(site)
+    return WordGateway(transport(site, words, clock), WordCodec(words), clock)
+
+
 def register_map(site: Site) -> RegisterMap:
     """Return every word that is read and written; channels in the order of the site file."""
-    gateway, read, write = site.gateway, site.gateway.read, site.gateway.write
-    address = gateway.wire_address
+    read, write = site.gateway.read, site.gateway.write
+    address = _address(site)
     return RegisterMap(
         plc_heartbeat=address(read.plc_heartbeat.register_number),
         status=address(read.status.register_number),
@@ -37,6 +67,8 @@ def register_map(site: Site) -> RegisterMap:
 def transport(site: Site, words: RegisterMap, clock: Clock) -> WordTransport:
     """Return the connection to the PLC; it connects by and by, within the ticks."""
     wire = site.gateway.modbus_tcp
+    if wire is None:
+        raise ConfigError("gateway: no modbus_tcp")
     return modbus_tcp(
         host=wire.host,
         port=wire.port,
@@ -51,10 +83,10 @@ def _channel(site: Site, name: str, channel: Channel) -> Register:
     """Return one measured value."""
     return Register(
         name=name,
-        address=site.gateway.wire_address(channel.register_number),
-        type=WordType(channel.type),
+        address=_address(site)(channel.register_number),
+        type=WordType(channel.type or "u16"),
         scale=channel.scale,
-        word_order=WordOrder(site.gateway.word_order),
+        word_order=WordOrder(site.gateway.word_order or "high_first"),
         wraps=channel.wraps,
     )
 
@@ -65,9 +97,14 @@ def _correction(site: Site, actuator: str) -> Correction:
     return Correction(
         register=Register(
             name=actuator,
-            address=site.gateway.wire_address(correction.register_number),
+            address=_address(site)(correction.register_number),
             type=WordType(correction.type),
             scale=correction.scale,
         ),
-        complement_address=site.gateway.wire_address(correction.complement),
+        complement_address=_address(site)(correction.complement),
     )
+
+
+def _address(site: Site) -> Callable[[int | None], int]:
+    """Return how a register number becomes a wire address; rules see that it is given."""
+    return lambda register: site.gateway.wire_address(register or 0)

@@ -2,6 +2,7 @@
 
 from aff_runtime.config.models.actuators import Actuator, Block, ErrorSignal
 from aff_runtime.config.models.gateway import (
+    CanDbc,
     Channel,
     Correction,
     Gateway,
@@ -19,6 +20,7 @@ from aff_runtime.config.models.site import Line, Site
 __all__ = [
     "Actuator",
     "Block",
+    "CanDbc",
     "Channel",
     "Correction",
     "ErrorSignal",

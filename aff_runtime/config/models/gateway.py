@@ -19,6 +19,17 @@ from aff_runtime.config.quantity import (
 )
 
 WordType = Literal["u16", "i16", "u32", "i32"]
+CanInterface = Literal["socketcan", "slcan_tty", "udp_multicast", "virtual"]
+WIRES = ("modbus_tcp", "can_dbc")
+SIGNAL = "Signal that carries it, MESSAGE.Signal of the DBC file; on CAN."
+INTERFACE = (
+    "socketcan on the gateway; slcan_tty for a serial adapter without a kernel driver; "
+    "udp_multicast and virtual for benches."
+)
+CAN_DEADLINE = (
+    "Longest wait for the PLC's frames in one tick. Raise it when status shows timeouts on a "
+    "healthy bus; it must stay below cycle_ms."
+)
 
 
 class ModbusTcp(Section):
@@ -52,30 +63,55 @@ class ModbusTcp(Section):
     )
 
 
+class CanDbc(Section):
+    """How the PLC is reached on CAN; the DBC file says where every signal sits."""
+
+    interface: CanInterface = key(INTERFACE, default="socketcan")
+    channel: Text = key("CAN interface of the gateway (can0), or the tty of an slcan adapter.")
+    bitrate: Annotated[int, Whole("bit/s")] = key(
+        "Bit rate of the bus, for the load and for slcan; SocketCAN's own is set by the system. "
+        "Use 1 Mbit/s or 500 kbit/s.",
+        default=500_000,
+        ge=10_000,
+        le=1_000_000,
+    )
+    dbc: Text = key("DBC file, relative to the folder of the site file.")
+    deadline_ms: Milliseconds = key(CAN_DEADLINE, default=3.0, ge=0.5, le=50)
+
+
 class ReadWord(Section):
     """A status word that the PLC writes and AFF reads."""
 
-    register_number: Register = key(
-        "Number of the register, counted as address_base says.", alias="register", ge=0, le=465536
+    register_number: Register | None = key(
+        "Number of the register, counted as address_base says; on Modbus.",
+        default=None,
+        alias="register",
+        ge=0,
+        le=465536,
     )
+    signal: Text | None = key(SIGNAL, default=None)
     type: Literal["u16"] = key("Word type; these words are always u16.", default="u16")
 
 
 class Channel(Section):
     """A measured value; the name of the key ends with its SI unit."""
 
-    register_number: Register = key(
-        "Number of its (first) register, counted as address_base says.",
+    register_number: Register | None = key(
+        "Number of its (first) register, counted as address_base says; on Modbus.",
+        default=None,
         alias="register",
         ge=0,
         le=465536,
     )
-    type: WordType = key(
-        "How the device stores it: u16 or i16 in one word, u32 or i32 in two. Wrong sign or "
-        "jumps at 32768 mean u16 and i16 are mixed up."
+    signal: Text | None = key(SIGNAL, default=None)
+    type: WordType | None = key(
+        "How the device stores it: u16 or i16 in one word, u32 or i32 in two; on Modbus. Wrong "
+        "sign or jumps at 32768 mean u16 and i16 are mixed up.",
+        default=None,
     )
     scale: SiPerCount = key(
-        "SI units in one count, from the device manual; may be text with a unit (`0.1 mm`). "
+        "SI units in one count (on CAN: in one physical unit of the signal), from the manual; "
+        "may be text with a unit (`0.1 mm`). "
         "Change it when the value differs from the drive's display by a fixed factor. "
         "Negative when the device counts against the web direction.",
         ge=-1e6,
@@ -101,23 +137,35 @@ class ReadBlock(Section):
 class WriteWord(Section):
     """A u16 word that AFF alone writes."""
 
-    register_number: Register = key(
-        "Number of the register, counted as address_base says.", alias="register", ge=0, le=465536
+    register_number: Register | None = key(
+        "Number of the register, counted as address_base says; on Modbus.",
+        default=None,
+        alias="register",
+        ge=0,
+        le=465536,
     )
+    signal: Text | None = key(SIGNAL, default=None)
 
 
 class Correction(Section):
     """The correction of one actuator, with its ones complement as proof of integrity."""
 
-    register_number: Register = key(
-        "Register of the correction.", alias="register", ge=0, le=465536
+    register_number: Register | None = key(
+        "Register of the correction; on Modbus.", default=None, alias="register", ge=0, le=465536
     )
-    complement: Register = key(
+    complement: Register | None = key(
         "Register of its ones complement; the PLC drops the correction when the two differ.",
+        default=None,
         ge=0,
         le=465536,
     )
-    type: Literal["i16"] = key("Word type; corrections are always i16.", default="i16")
+    signal: Text | None = key(SIGNAL, default=None)
+    complement_signal: Text | None = key(
+        "Signal of its ones complement, on CAN; the PLC drops the correction when the two "
+        "differ. Absent only where the device has no such check.",
+        default=None,
+    )
+    type: Literal["i16"] = key("Word type on Modbus: always i16.", default="i16")
     scale: SiPerCount = key(
         "Correction in one count: m/s for velocity_reference, N m for torque_reference; may be "
         "text with a unit. Make it finer when check says that a limit is under 5 counts, "
@@ -146,16 +194,31 @@ class WriteBlock(Section):
 class Gateway(Section):
     """The connection to the PLC and the register map."""
 
-    modbus_tcp: ModbusTcp = key("How the PLC is reached.")
-    address_base: Annotated[Literal[0, 1], Whole("number of the first register")] = key(
-        "0: register numbers are wire addresses. 1: the first register is number 1, 40001 or "
-        "400001, as manuals write it. Values shifted by one register mean the other one is right."
+    modbus_tcp: ModbusTcp | None = key("PLC on Modbus TCP. Give exactly one.", default=None)
+    can_dbc: CanDbc | None = key("PLC on CAN, described by a DBC file.", default=None)
+    address_base: Annotated[Literal[0, 1], Whole("number of the first register")] | None = key(
+        "On Modbus. 0: register numbers are wire addresses. 1: the first register is number 1, "
+        "40001 or 400001, as manuals write it. Values shifted by one register mean the other one is right.",
+        default=None,
     )
-    word_order: Literal["high_first", "low_first"] = key(
-        "Which word of a 32-bit value comes first. Absurd 32-bit values mean the other one."
+    word_order: Literal["high_first", "low_first"] | None = key(
+        "Which word of a 32-bit value comes first, on Modbus. Absurd 32-bit values mean the "
+        "other one.",
+        default=None,
     )
     read: ReadBlock = key("What AFF reads each tick.")
     write: WriteBlock = key("What AFF writes each tick; nothing else is ever written.")
+
+    @property
+    def wire(self) -> str:
+        """Return the key of the one way in use."""
+        return next((name for name in WIRES if getattr(self, name) is not None), "")
+
+    @property
+    def deadline_ms(self) -> float:
+        """Return the longest wait for the PLC in one tick, ms."""
+        way: ModbusTcp | CanDbc | None = getattr(self, self.wire, None)
+        return way.deadline_ms if way is not None else 0.0
 
     def wire_address(self, register: int) -> int:
         """Return the address on the wire of a register number of this file.
@@ -163,7 +226,7 @@ class Gateway(Section):
         With ``address_base: 1``, 40001..49999 and 400001..465536 are manual notation of
         holding registers; any other number counts from 1.
         """
-        if self.address_base == 0:
+        if not self.address_base:
             return register
         for first, last in ((40001, 49999), (400001, 465536)):
             if first <= register <= last:

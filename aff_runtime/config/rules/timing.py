@@ -30,13 +30,13 @@ def issues(site: Site) -> Iterator[Issue]:
     if fresh.fault_after_ms < 3 * cycle_ms:
         text = f"is under three cycles of {plain(cycle_ms)} ms. Raise it."
         yield Issue(path=("freshness", "fault_after_ms"), text=text)
-    deadline_ms = site.gateway.modbus_tcp.deadline_ms
+    deadline_ms = site.gateway.deadline_ms
     if deadline_ms >= cycle_ms:
         text = (
             f"{plain(deadline_ms)} ms is not below cycle_ms {plain(cycle_ms)} ms; a late reply "
             "would delay the next tick. Lower it."
         )
-        yield Issue(path=("gateway", "modbus_tcp", "deadline_ms"), text=text)
+        yield Issue(path=("gateway", site.gateway.wire, "deadline_ms"), text=text)
     for name, actuator in site.actuators.items():
         velocity = actuator.unit == "m/s"
         amplitude = site.probe.amplitude_m_s if velocity else site.probe.amplitude_N_m
