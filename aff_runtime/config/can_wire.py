@@ -100,7 +100,8 @@ def issues(site: Site, folder: Path) -> Iterator[Issue]:
     if share > MOST_SHARE:
         text = (
             f"the cyclic frames take {share:.0%} of {can.bitrate} bit/s each "
-            f"{site.line.cycle_ms:g} ms (worst-case stuffing); at most {MOST_SHARE:.0%}. Raise bitrate or cycle_ms."
+            f"{site.line.cycle_ms:g} ms (worst-case stuffing); at most {MOST_SHARE:.0%}. "
+            "Raise bitrate or cycle_ms."
         )
         yield Issue(path=(*section, "bitrate"), text=text)
 

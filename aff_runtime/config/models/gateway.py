@@ -198,7 +198,8 @@ class Gateway(Section):
     can_dbc: CanDbc | None = key("PLC on CAN, described by a DBC file.", default=None)
     address_base: Annotated[Literal[0, 1], Whole("number of the first register")] | None = key(
         "On Modbus. 0: register numbers are wire addresses. 1: the first register is number 1, "
-        "40001 or 400001, as manuals write it. Values shifted by one register mean the other one is right.",
+        "40001 or 400001, as manuals write it. Values shifted by one register mean the other "
+        "one is right.",
         default=None,
     )
     word_order: Literal["high_first", "low_first"] | None = key(

@@ -23,14 +23,14 @@ def issues(site: Site) -> Iterator[Issue]:
     modbus = given[0] == "modbus_tcp"
     for name in ("address_base", "word_order"):
         if modbus and getattr(site.gateway, name) is None:
-            said = type(site.gateway).model_fields[name].description
+            wanted = type(site.gateway).model_fields[name].description
             yield Issue(
-                path=("gateway", name), text=f"required key is missing. {said}", at_key=True
+                path=("gateway", name), text=f"required key is missing. {wanted}", at_key=True
             )
     for path, place in places(site):
-        missing = _missing(place, modbus)
-        if missing:
-            text = f"{missing} is missing; {given[0]} needs it."
+        lack = _missing(place, modbus)
+        if lack:
+            text = f"{lack} is missing; {given[0]} needs it."
             yield Issue(path=path, text=text, at_key=True)
 
 

@@ -167,6 +167,3 @@ def test_the_map_refuses_a_signal_that_is_not_there() -> None:
 
     with pytest.raises(ConfigError, match="has no such signal; it has PlcHeartbeat"):
         _find(DATABASE, "PLC_STATUS.Nothing")
-    assert frame("PLC_STATUS", PlcHeartbeat=1, Status=0, RollId=0).data == bytes(
-        [1, 0, 0, 0, 0, 0]
-    )
