@@ -4,6 +4,7 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 SPEED  ?= 200
+WIRE   ?= modbus
 
 .PHONY: demo test check bench setup clean
 
@@ -15,9 +16,10 @@ $(STAMP): pyproject.toml
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
 	@touch $@
 
-# both processes on loopback at 5 ms: probe, arm, run, report (SPEED= line speed in FPM)
+# both processes on loopback at 5 ms: probe, arm, run, report (SPEED= line speed in FPM,
+# WIRE= modbus, can or canopen)
 demo: setup
-	$(BIN)/python -m sim_plant.cli.main demo --speed-fpm $(SPEED) --out out/demo
+	$(BIN)/python -m sim_plant.cli.main demo --wire $(WIRE) --speed-fpm $(SPEED) --out out/demo-$(WIRE)
 
 # everything that decides whether a change may land
 test: setup check
