@@ -28,8 +28,8 @@ class _Slot:
     """One block with its roll, its monitor and what is known about its present frequency."""
 
     __slots__ = (
-        "block", "bound_rad", "fade", "monitor", "phase", "rate_1_s", "response", "roll", "scale",
-        "share",
+        "block", "bound_rad", "fade", "heard", "monitor", "phase", "rate_1_s", "response", "roll",
+        "scale", "share",
     )  # fmt: skip
 
     def __init__(self, roll: str, phase: RollPhase, block: HarmonicBlock) -> None:
@@ -38,6 +38,7 @@ class _Slot:
         self.block = block
         self.monitor = OrderMonitor()
         self.response = 0j
+        self.heard = 1.0
         self.bound_rad = math.pi
         self.rate_1_s = 0.0
         self.share = 0.0
@@ -115,6 +116,7 @@ class Bank:
 
     def _turn(self) -> None:
         scaled = self._p.scales_with_speed
+        slowest = math.inf
         for i, slot in enumerate(self._slots):
             slot.block.turn(slot.phase.lead(self._lead_s))
             slot.scale = slot.phase.omega_rad_s if scaled else 1.0
@@ -122,6 +124,9 @@ class Bank:
             self._omegas[i] = omega
             room = (self._omega_max - abs(omega)) / ((1.0 - FADE_FROM) * self._omega_max)
             slot.fade = min(1.0, max(0.0, room))
+            if abs(omega) >= MIN_OMEGA_RAD_S:
+                slowest = min(slowest, abs(omega))
+        self._residual.follow(slowest if math.isfinite(slowest) else 0.0)
 
     def _refresh(self) -> None:
         """Renew what depends on frequency, a few blocks per tick."""
@@ -136,7 +141,9 @@ class Bank:
                 slot.share = 0.0
                 continue
             frequency_Hz = omega / math.tau
-            slot.response = self._response.at(frequency_Hz) * self._residual.response(frequency_Hz)
+            passed = self._residual.response(frequency_Hz)
+            slot.heard = abs(passed)
+            slot.response = self._response.at(frequency_Hz) * passed
             slot.bound_rad = self._response.phase_error_bound_rad(frequency_Hz)
             slot.rate_1_s = slot.block.adaptation_rate(self._response.memory_s(frequency_Hz))
             self._rates[i] = slot.rate_1_s
@@ -147,7 +154,7 @@ class Bank:
         for slot in self._slots:
             omega = slot.phase.omega_rad_s
             slot.monitor.step(
-                error=error,
+                error=error / slot.heard,
                 carrier=slot.block.carrier,
                 omega_rad_s=omega,
                 dt_s=self._residual.elapsed_s,

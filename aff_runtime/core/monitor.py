@@ -11,6 +11,7 @@ SLOW = 3.0
 ROSE = 1.3
 FELL = 0.95
 SETTLED = 0.3
+SLOWEST_RAD_S = 1e-3  # below this a roll stands still
 
 
 class Trend(IntEnum):
@@ -52,7 +53,7 @@ class OrderMonitor:
     ) -> None:
         """Take one good sample; ``omega_rad_s`` is the speed of the roll, not of the order."""
         omega = abs(omega_rad_s)
-        if not omega > 0.0:
+        if not omega > SLOWEST_RAD_S:
             return
         tau_s = max(MIN_TAU_S, TURNS * math.tau / omega)
         self._age = min(self._age + dt_s / tau_s, SLOW)

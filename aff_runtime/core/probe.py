@@ -137,24 +137,37 @@ class Probe:
         return tuple(steps)
 
     def _plan_tones_Hz(self) -> list[list[float]]:
-        """Return tones per actuator: beside its orders, then the grid, clear of all ripple."""
+        """Return tones per actuator, clear of all ripple and of each other.
+
+        The tones beside the orders of every actuator find their places first: these are what its
+        blocks live on. The grids for other speeds and radii share what room is left.
+        """
         p = self._p
         spacing_Hz = BINS_APART / (p.duration_s - 2.0 * p.fade_s - p.settle_s)
         rolls = self._phases.by_name
         turns_Hz = {name: abs(phase.omega_rad_s) / math.tau for name, phase in rolls.items()}
         taken = [n * f for f in turns_Hz.values() for n in range(1, p.nuisance_orders + 1)]
-        plan: list[list[float]] = []
-        for actuator in self._probed:
-            now = [n * turns_Hz[roll] for roll, n in actuator.orders]
-            wanted = [f + p.offset_Hz for f in now if f + p.offset_Hz <= p.f_max_Hz]
-            wanted += p.extra_frequencies_Hz
-            low_Hz = LOW_SHARE * min((f for f in now if f > 0.0), default=0.0)
-            high_Hz = min(p.f_max_Hz, max([*now, *self._swept_Hz(actuator)], default=0.0))
-            wanted += log_grid(low_Hz, high_Hz, p.grid_points)
-            tones = spread(wanted, taken, spacing_Hz)
-            taken += tones
-            plan.append(tones)
+        plan: list[list[float]] = [[] for _ in self._probed]
+        for wanted_of in (self._beside_orders_Hz, self._grid_Hz):
+            for mine, actuator in zip(plan, self._probed, strict=True):
+                now = [n * turns_Hz[roll] for roll, n in actuator.orders]
+                placed = spread(wanted_of(actuator, now), taken, spacing_Hz)
+                taken += placed
+                mine.extend(placed)
         return plan
+
+    def _beside_orders_Hz(self, _: ActuatorParams, now_Hz: list[float]) -> list[float]:
+        """Return one tone beside every order, and the extra ones the site asks for."""
+        offset_Hz, highest_Hz = self._p.offset_Hz, self._p.f_max_Hz
+        beside = [f + offset_Hz for f in now_Hz if f + offset_Hz <= highest_Hz]
+        return [*beside, *self._p.extra_frequencies_Hz]
+
+    def _grid_Hz(self, actuator: ActuatorParams, now_Hz: list[float]) -> list[float]:
+        """Return a log grid from below the lowest order to the highest it will sweep."""
+        p = self._p
+        low_Hz = LOW_SHARE * min((f for f in now_Hz if f > 0.0), default=0.0)
+        high_Hz = min(p.f_max_Hz, max([*now_Hz, *self._swept_Hz(actuator)], default=0.0))
+        return log_grid(low_Hz, high_Hz, p.grid_points)
 
     def _swept_Hz(self, actuator: ActuatorParams) -> list[float]:
         """Return the highest frequency of every order: smallest radius, highest speed."""

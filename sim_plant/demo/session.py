@@ -142,7 +142,7 @@ def _await_state(bench: Bench, service: Child, states: set[str], patience_s: flo
             raise PlantError(f"the runtime ended: {service.tail()}")
         try:
             status = runtime_status(bench)
-            last = f"{status.get('state')} ({status.get('blocked_by') or status.get('alarm')})"
+            last = f"{status.get('state')} ({status.get('blocked_by')})"
             if status.get("state") in states:
                 return
         except PlantError as error:

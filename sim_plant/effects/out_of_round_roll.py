@@ -5,8 +5,10 @@ from __future__ import annotations
 import cmath
 from collections.abc import Mapping
 
+import numpy as np
+
 from aff_runtime.base.errors import PlantError
-from sim_plant.base.arrays import LineArrays
+from sim_plant.base.arrays import REWIND, UNWIND, LineArrays
 from sim_plant.base.effects import Effect, Value
 from sim_plant.effects.shape_rows import add_heavy, add_shape
 from sim_plant.geometry.roll_profiles import asymmetric, bulge, flat_spot, flattened_bulge
@@ -35,7 +37,7 @@ def shape_of(kind: str, size_m: float, radius_m: float, angle_rad: float) -> Sha
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
-    """Give body ``place`` the profile, and the gravity torque of its displaced mass."""
+    """Give body ``place`` the profile, on a roll also the gravity torque of the displaced web."""
     body = arrays.bodies[place]
     radius = float(body["radius_m"])
     if parameters["shape"] == "orders":
@@ -49,7 +51,8 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
             float(parameters["angle_rad"]),
         )  # fmt: skip
     web = arrays.web[0]
-    if float(parameters["gravity"]) != 0.0:
+    wound = int(body["kind"]) in {UNWIND, REWIND}  # only there is the shape one of wound web
+    if wound and float(parameters["gravity"]) != 0.0 and np.any(shape.deviation_m):
         mass = wound_mass(
             shape, core_radius_m=float(web["core_radius_m"]),
             density_kg_m3=float(web["density_kg_m3"]), width_m=float(web["width_m"]),

@@ -129,7 +129,10 @@ def measure(p: LineArrays, lay: Layout, s: LineState, noise: Array) -> None:
             turn = 2.0 * math.pi * cell.hum_Hz * s.time_s[0] + cell.hum_phase_rad
             true += cell.hum_N * math.cos(turn)
         s.true_N[c] = true
-        s.measured_N[c] = quantise(true + cell.noise_N * noise[c], cell.lsb_N)
+        if p.timing[0].noisy == 0:
+            s.measured_N[c] = expected_quantise(true, cell.lsb_N, cell.noise_N)
+        else:
+            s.measured_N[c] = quantise(true + cell.noise_N * noise[c], cell.lsb_N)
     for d in range(p.drives.size):
         s.measured_rad_s[d] = drive_speed(p, lay, s, d, noise[cells + d])
 
@@ -185,9 +188,9 @@ def run_frames(
     """Run ``out.shape[0]`` frames and log after each, through the same code as one frame.
 
     Shapes: line_speed (f, 2) at start and end of the frame, tension_ref (f, l), aff (f, d),
-    noise (f, c + d + ticks * d) or (1, ...) to repeat.
-    out (f, 3 c + 2 d + n + 2 + m): measured and true cell force, mean of the
-    two tensions, measured and true drive speed, all angles, both radii, all tensions.
+    noise (f, c + d + ticks * d) or (1, ...) to repeat, out (f, 3 c + 2 d + n + 2 + m): measured
+    and true cell force, mean of the two tensions, measured and true drive speed, all angles, both
+    radii, all tensions (those of the last Runge-Kutta stage).
     """
     cells, drives, bodies = p.cells.size, p.drives.size, lay.n
     for f in range(out.shape[0]):

@@ -14,6 +14,7 @@ from sim_plant.line.build import Timing, build_arrays, cell_sensors, start_state
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.kernel import Work, advance_frame, log_frame, measure, run_frames
 from sim_plant.line.layout import Layout
+from sim_plant.line.start import start_at_rest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,10 +49,11 @@ def make_work(p: LineArrays, lay: Layout, state: LineState) -> Work:
         contacts[i, 1], contacts[i, 2] = p.bodies["radius_m"][i], p.bodies["radius_m"][i + 1]
         # exact direction of the common tangent: n.(C_B - C_A) = -reach
         state.phi_rad[i] = math.atan2(dy, dx) - math.asin(reach / math.hypot(dx, dy))
+    strain = state.y[lay.strain : lay.strain + spans]
     return Work(
         moving=moving,
         contacts=contacts,
-        tensions=np.zeros(spans),
+        tensions=np.maximum(0.0, p.spans["EA_N"] * (strain - p.spans["free_strain"])),
         rates=np.zeros((4, lay.size)),
         trial=np.zeros(lay.size),
     )
@@ -80,21 +82,19 @@ class LineSimulation:
         self.arrays = arrays or build_arrays(declaration, self.timing, substeps)
         point = declaration.operating_point
         self._speed = point.line_speed_m_s if line_speed_m_s is None else line_speed_m_s
-        self._tension = np.full(
-            self.arrays.loops.size, point.tension_N if tension_N is None else tension_N
-        )
+        start_N = point.tension_N if tension_N is None else tension_N
+        self._tension = np.full(self.arrays.loops.size, start_N)
         self._aff = np.zeros(self.arrays.drives.size)
         directions = [span.direction_deg for span in declaration.spans]
-        self.layout, self.state = start_state(
-            self.arrays, directions, self._speed, float(self._tension[0])
-        )
+        self.layout, self.state = start_state(self.arrays, directions, self._speed, start_N)
+        start_at_rest(declaration, self.arrays, self.layout, self.state, self._speed, start_N)
         self.work = make_work(self.arrays, self.layout, self.state)
         self._rng = None if seed is None else np.random.default_rng(seed)
         self._row = np.zeros(self._columns())
         self.channels = channels_of(declaration, self.layout, self.arrays)
         self._names = {r.name: k for k, r in enumerate(declaration.rollers)}
         self._theta0 = self.angles().copy()
-        measure(self.arrays, self.layout, self.state, self._noise(1)[0])
+        self._observe()
 
     @property
     def sample_time_s(self) -> float:
@@ -126,7 +126,6 @@ class LineSimulation:
         """
         lay, start = self.layout, copy_state(self.state)
         rng, self._rng = self._rng, None
-        p = self.arrays
         frame_s = self.timing.ticks_per_frame * self.timing.drive_tick_s
         for _ in range(4):
             frames = round(duration_s / 4 / frame_s)
@@ -140,10 +139,18 @@ class LineSimulation:
         self.state.time_s[0] = 0.0
         self.state.counters[0] = 0
         self._rng = rng
-        measure(p, lay, self.state, self._noise(1)[0])
+        self._observe()
+        self._theta0 = self.angles().copy()
+
+    def _observe(self) -> None:
+        """Measure the present state and log it as the row that the next record starts with."""
+        measure(self.arrays, self.layout, self.state, self._noise(1)[0])
+        self._log()
+
+    def _log(self) -> None:
+        p, lay = self.arrays, self.layout
         log_frame(p, lay, self.state, self.work, p.cells.size, p.drives.size, lay.n,
                   self._row)  # fmt: skip
-        self._theta0 = self.angles().copy()
 
     def _run(self, speed: Array, tension: Array, aff: Array) -> Array:
         out = np.empty((speed.shape[0], self._columns()))
@@ -163,9 +170,7 @@ class LineSimulation:
                 self.arrays, self.layout, self.state, self.work,
                 self._speed, self._speed, self._tension, self._aff, self._noise(1)[0],
             )  # fmt: skip
-        p = self.arrays
-        log_frame(p, self.layout, self.state, self.work, p.cells.size, p.drives.size,
-                  self.layout.n, self._row)  # fmt: skip
+        self._log()
         return self.readings()
 
     def _accept(self, inputs: Mapping[str, float]) -> None:

@@ -52,7 +52,7 @@ def test_words_counts_and_crossings():
     assert facts.read_block == (0, 15)
     assert facts.write_block == (100, 10)
     assert facts.words_per_tick == 25
-    assert [round(limit.counts) for limit in facts.limits] == [5000, 2000, 1000, 2000, 1000]
+    assert [round(limit.counts) for limit in facts.limits] == [5000, 2000, 1000, 4000, 3000]
     (name, crossing) = facts.crossings[0]
     assert (name, crossing.order, crossing.other_order) == ("unwind", 1, 1)
     assert crossing.radius_m == pytest.approx(0.15367)

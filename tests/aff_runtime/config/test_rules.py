@@ -107,8 +107,8 @@ def test_torque_output_uses_torque_keys(tmp_path):
     path = edited(
         tmp_path,
         ("velocity_reference\n    error: { signal: p", "torque_reference\n    error: { signal: p"),
-        ("limit_m_s: 0.02\n    slew_m_s2: 2.0", "limit_N_m: 20 lbf in\n    slew_N_m_s: 50"),
-        ("settle_s: 8, amp_limit_m_s: 0.01", "settle_s: 8, amp_limit_N_m: 1"),
+        ("limit_m_s: 0.04\n    slew_m_s2: 2.0", "limit_N_m: 20 lbf in\n    slew_N_m_s: 50"),
+        ("settle_s: 8, amp_limit_m_s: 0.03", "settle_s: 8, amp_limit_N_m: 1"),
         ("complement: 109, scale: 0.00001", "complement: 109, scale: 1 mNm"),
     )  # fmt: skip
     site = load_site(path)
@@ -134,7 +134,7 @@ def test_velocity_scale_in_a_torque_unit_is_refused(tmp_path):
         (("    radius_min_m: 4 in\n", ""), r"rolls\.unwind\.radius_min_m: required key"),
         (("min_m_s: -1, ", ""), r"plausibility\.line_speed_m_s\.min_m_s: required key is missing"),
         (("  line_speed_m_s: { min", "  unwind_angle_rad: { min"), r"an angle has no believable"),
-        (("amplitude_m_s: 0.0008", "amplitude_m_s: 0.03"), r"above the limit of swrap_follower"),
+        (("amplitude_m_s: 0.008", "amplitude_m_s: 0.045"), r"above the limit of swrap_follower"),
         (("type: u16, scale: 0.01 }", "type: u16, scale: 0.01, wraps: true }"), "Remove wraps"),
         (("fault_after_ms: 80", "fault_after_ms: 14"), r"is under three cycles"),
     ],

@@ -1,0 +1,199 @@
+"""The closed loop of a declared line in the frequency domain, independent of the kernel.
+
+Assembled from the declaration alone: frozen radii, round bodies, small signals about the steady
+state. Unknowns per frequency are the angular speeds and the strains. Sampled controllers enter
+with their own pulse transfer function and hold; images above half their rate are left out.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import Array
+from sim_plant.line.declaration import Declaration, Sensor
+from sim_plant.line.operating_point import (
+    SteadyLine,
+    friction_of,
+    inertias_of,
+    steady_line,
+)
+
+ComplexArray = npt.NDArray[np.complex128]
+
+
+def response(
+    declaration: Declaration,
+    drive_roller: str,
+    channel: str,
+    frequencies_Hz: Array,
+    line_speed_m_s: float,
+    *,
+    tension_N: float | None = None,
+    sample_time_s: float | None = None,
+) -> ComplexArray:
+    """Return P(jw) from a velocity-reference correction at a drive to a recorded channel.
+
+    The correction is a sequence at the control sample time, each value held for one sample; the
+    channel is read at the instants the values start to act. P is the ratio of the two phasors.
+
+    Parameters
+    ----------
+    drive_roller : a driven roller.
+    channel : a tension (P in N s/m) or a speed (per m/s of correction) of ``sensors``.
+    frequencies_Hz : shape (f,), below half the control rate, above 0.
+    tension_N : tension reference; the declared operating point when None.
+    sample_time_s : control sample time; the declared one when None.
+
+    Raises
+    ------
+    PlantError
+        When the roller has no drive, the channel is no tension or speed, or nothing is at rest.
+    """
+    where = {d.roller: k for k, d in enumerate(declaration.control.drives)}
+    if drive_roller not in where:
+        raise PlantError(f"roller {drive_roller!r} has no drive; expected one of {sorted(where)}")
+    sensor = next((s for s in declaration.sensors if s.channel == channel), None)
+    if sensor is None or (sensor.low_pass_Hz is None and sensor.noise_sd_rad_s is None):
+        raise PlantError(f"channel {channel!r} is no tension and no speed of this line")
+    tension = declaration.operating_point.tension_N if tension_N is None else tension_N
+    rest = steady_line(declaration, line_speed_m_s, tension)
+    sample = sample_time_s or declaration.sample_time_s
+    result = np.empty(len(frequencies_Hz), dtype=np.complex128)
+    for row, frequency in enumerate(frequencies_Hz):
+        net = _Network.at(declaration, rest, 2j * math.pi * float(frequency))
+        result[row] = net.read(sensor, net.solve(where[drive_roller], sample))
+    return result
+
+
+def hold_factor(s: complex, period_s: float, tick_s: float) -> complex:
+    """Return the share of a sine that survives sampling at ``period_s``, seen every ``tick_s``.
+
+    (1 - z^-N) / (N (1 - z^-1)) with z = exp(s tick) and N ticks to the period.
+    """
+    count = round(period_s / tick_s)
+    return complex((1.0 - np.exp(-s * period_s)) / (count * (1.0 - np.exp(-s * tick_s))))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Network:
+    """The line at one complex frequency: A x = b, x = angular speeds (n), then strains."""
+
+    line: Declaration
+    s: complex
+    A: ComplexArray
+    torque_per_reference: ComplexArray  # (d,) N m per m/s at each drive
+
+    @classmethod
+    def at(cls, line: Declaration, rest: SteadyLine, s: complex) -> _Network:
+        n = rest.radius_m.size
+        A = np.zeros((2 * n - 1, 2 * n - 1), dtype=np.complex128)
+        _add_bodies(A, line, rest, s)
+        _add_spans(A, line, rest, s)
+        gains = _add_drives(A, line, rest, s)
+        net = cls(line=line, s=s, A=A, torque_per_reference=gains)
+        net.close_tension_loops()
+        return net
+
+    def close_tension_loops(self) -> None:
+        """Feed each loop's cell back to its drive: v = -+ k (1 + w_c T / (1 - z^-1)) (-cell)."""
+        control = self.line.control
+        period, tick = control.tension_loop_sample_time_s, control.drive_sample_time_s
+        integral = period / (1.0 - np.exp(-self.s * period))
+        drives = [d.roller for d in control.drives]
+        for loop in control.tension_pi:
+            sensor = next(
+                c for c in self.line.sensors
+                if c.low_pass_Hz is not None and c.roller == loop.load_cell
+            )  # fmt: skip
+            sign = -1.0 if "v_correction = -" in loop.law else 1.0
+            law = sign * loop.gain_m_s_per_N * (1.0 + loop.corner_rad_s * integral)
+            gain = self.torque_per_reference[drives.index(loop.acts_on)]
+            row = self.line.body(loop.acts_on)
+            self.A[row] += gain * law * hold_factor(self.s, period, tick) * self.reading(sensor)
+
+    def reading(self, sensor: Sensor) -> ComplexArray:
+        """Return the row that takes the unknowns to a channel."""
+        n = len(self.line.rollers)
+        body = self.line.body(sensor.roller)
+        row = np.zeros(2 * n - 1, dtype=np.complex128)
+        if sensor.low_pass_Hz is None:
+            row[body] = sensor.scale_radius_m or 1.0
+            return row
+        low_pass = 1.0 / (1.0 + self.s / (2.0 * math.pi * sensor.low_pass_Hz))
+        row[n + body - 1] = row[n + body] = 0.5 * low_pass * _pull(self.line, self.s)
+        return row
+
+    def solve(self, drive: int, sample_time_s: float) -> ComplexArray:
+        """Return the unknowns for a unit correction at ``drive``."""
+        control = self.line.control
+        b = np.zeros(self.A.shape[0], dtype=np.complex128)
+        row = self.line.body(control.drives[drive].roller)
+        held = hold_factor(self.s, sample_time_s, control.drive_sample_time_s)
+        b[row] = self.torque_per_reference[drive] * held
+        return np.asarray(np.linalg.solve(self.A, b), dtype=np.complex128)
+
+    def read(self, sensor: Sensor, x: ComplexArray) -> complex:
+        """Return the channel's phasor."""
+        return complex(self.reading(sensor) @ x)
+
+
+def _pull(line: Declaration, s: complex) -> complex:
+    """Return tension per strain: EA (1 + eta s), Hooke with Kelvin-Voigt damping."""
+    return line.web.EA_N * (1.0 + line.web.kelvin_voigt_eta_s * s)
+
+
+def _add_bodies(A: ComplexArray, line: Declaration, rest: SteadyLine, s: complex) -> None:
+    """Add J s w - R (T_down - T_up) + friction slope w = 0 (source 2.9, 2.32)."""
+    n, radius = rest.radius_m.size, rest.radius_m
+    inertia = inertias_of(line, rest)
+    _torque, slope = friction_of(line, rest.speed_m_s / radius)
+    pull = _pull(line, s)
+    for k in range(n):
+        A[k, k] += inertia[k] * s + slope[k]
+        if k > 0:
+            A[k, n + k - 1] += radius[k] * pull
+        if k < n - 1:
+            A[k, n + k] -= radius[k] * pull
+
+
+def _add_spans(A: ComplexArray, line: Declaration, rest: SteadyLine, s: complex) -> None:
+    """Add the strain balances (source 2.20 corrected), in small signals.
+
+    L s e / (1 + eps) = v_B - v_A (1 + eps)/(1 + up) - V_A/(1 + up) (e - e_up (1 + eps)/(1 + up)).
+    """
+    n = rest.radius_m.size
+    upstream = line.web.wound_in_tension_N / line.web.EA_N
+    for i, span in enumerate(line.spans):
+        row, strain = n + i, float(rest.strain[i])
+        ratio = (1.0 + strain) / (1.0 + upstream)
+        carried = rest.speed_m_s[i] / (1.0 + upstream)
+        A[row, n + i] += span.length_m * s / (1.0 + strain) + carried
+        if i > 0:
+            A[row, n + i - 1] -= carried * ratio
+        A[row, i + 1] -= rest.radius_m[i + 1]
+        A[row, i] += rest.radius_m[i] * ratio
+        upstream = strain
+
+
+def _add_drives(A: ComplexArray, line: Declaration, rest: SteadyLine, s: complex) -> ComplexArray:
+    """Add every speed PI and return torque per velocity reference.
+
+    tau = J K (1 + w h / (1 - z^-1)) (v/R - w), held for one tick h (source 2.24).
+    """
+    tick = line.control.drive_sample_time_s
+    shift = 1.0 - np.exp(-s * tick)
+    hold = shift / (s * tick)
+    inertia = inertias_of(line, rest)
+    gains = np.zeros(len(line.control.drives), dtype=np.complex128)
+    for d, drive in enumerate(line.control.drives):
+        k = line.body(drive.roller)
+        corner = drive.K_ref_rad_s / (4.0 * drive.zeta**2)
+        law = inertia[k] * drive.K_ref_rad_s * (1.0 + corner * tick / shift)
+        A[k, k] += law * hold
+        gains[d] = law * hold / rest.radius_m[k]
+    return gains
