@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock, Gateway, WordTransport
-from aff_runtime.config.can_wire import can_map_of
-from aff_runtime.config.models import Channel, Site
+from aff_runtime.config.can_wire import can_map_of, network_of
+from aff_runtime.config.models import CanDbc, Channel, Site
 from aff_runtime.fieldbus.catalogue import modbus_tcp
 from aff_runtime.fieldbus.codec import WordCodec
 from aff_runtime.fieldbus.gateway import WordGateway
@@ -29,17 +29,21 @@ def gateway_of(site: Site, wire_files: Mapping[str, str], clock: Clock) -> Gatew
     AffError
         A name cannot be resolved, or a file of the wire cannot be used.
     """
-    if site.gateway.can_dbc is not None:
-        can = site.gateway.can_dbc
-        frames = can_map_of(site, dict(wire_files))
-        from aff_runtime.fieldbus.can_catalogue import can_gateway  # noqa: PLC0415 (extra)
+    can = site.gateway.can
+    if can is not None:
+        from aff_runtime.fieldbus import can_catalogue  # noqa: PLC0415 (needs the extra)
 
-        return can_gateway(
-            can_map=frames,
-            interface=can.interface,
-            channel=can.channel,
-            bitrate=can.bitrate,
-            clock=clock,
+        bus = can_catalogue.BusSite(
+            interface=can.interface, channel=can.channel, bitrate=can.bitrate
+        )
+        if isinstance(can, CanDbc):
+            return can_catalogue.can_gateway(can_map_of(site, dict(wire_files)), bus, clock)
+        return can_catalogue.canopen_gateway(
+            network_of(site, dict(wire_files)),
+            bus,
+            clock,
+            own_node=can.own_node,
+            heartbeat_ms=can.heartbeat_ms,
         )
     words = register_map(site)
     return WordGateway(transport(site, words, clock), WordCodec(words), clock)

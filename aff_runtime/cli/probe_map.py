@@ -59,7 +59,7 @@ def probe_frames(site: Site, path: Path, clock: MonotonicClock) -> int:
     """Listen to the bus for two seconds and print every frame that the map reads."""
     from aff_runtime.fieldbus.probe_frames import listen  # noqa: PLC0415 (needs the can extra)
 
-    can = site.gateway.can_dbc
+    can = site.gateway.can
     if can is None:
         return 2
     frames = can_map_of(site, wire_files(site, path.absolute().parent))

@@ -15,6 +15,7 @@ from aff_runtime.fieldbus.signal_names import SignalNames
 
 if TYPE_CHECKING:
     from aff_runtime.fieldbus.can_layout import CanMap
+    from aff_runtime.fieldbus.canopen_402 import Network
 
 _SAME = 1e-9
 
@@ -22,6 +23,7 @@ _SAME = 1e-9
 def signal_names(site: Site) -> SignalNames:
     """Return which signal means what; empty where the site gives none."""
     read, write = site.gateway.read, site.gateway.write
+    counts = site.gateway.canopen_402 is not None  # an EDS knows no scale, a DBC file does
     return SignalNames(
         plc_heartbeat=read.plc_heartbeat.signal or "",
         status=read.status.signal or "",
@@ -34,7 +36,7 @@ def signal_names(site: Site) -> SignalNames:
         limit=write.limit.signal or "",
         config_revision=write.config_revision.signal or "",
         corrections={
-            name: (c.signal or "", c.complement_signal or "", 1.0)
+            name: (c.signal or "", c.complement_signal or "", c.scale if counts else 1.0)
             for name, c in ((name, write.corrections[name]) for name in site.actuators)
         },
     )
@@ -48,9 +50,11 @@ def wire_files(site: Site, folder: Path) -> dict[str, str]:
     ConfigError
         A file cannot be read.
     """
-    can = site.gateway.can_dbc
+    wanted = [site.gateway.can_dbc.dbc] if site.gateway.can_dbc is not None else []
+    if site.gateway.canopen_402 is not None:
+        wanted += [node.eds for node in site.gateway.canopen_402.nodes.values()]
     texts: dict[str, str] = {}
-    for name in (can.dbc,) if can is not None else ():
+    for name in wanted:
         try:
             texts[name] = (folder / name).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
@@ -74,21 +78,54 @@ def can_map_of(site: Site, texts: dict[str, str]) -> CanMap:
         ) from None
     can = site.gateway.can_dbc
     if can is None:
-        raise ConfigError("gateway: no CAN section")
+        return network_of(site, texts).can_map
     return can_map(load_dbc(texts[can.dbc], can.dbc), signal_names(site))
+
+
+def network_of(site: Site, texts: dict[str, str]) -> Network:
+    """Return frames and configuration of a site on CANopen.
+
+    Raises
+    ------
+    ConfigError
+        As `can_map_of`.
+    """
+    from aff_runtime.fieldbus.canopen_402 import NodeSite, network, object_of  # noqa: PLC0415
+
+    section = site.gateway.canopen_402
+    if section is None:
+        raise ConfigError("gateway: no CAN section")
+    nodes = {
+        name: NodeSite(
+            node_id=node.node, eds=node.eds, writes={o.object: o.value for o in node.objects}
+        )
+        for name, node in section.nodes.items()
+    }
+    for place in (entry for node in nodes.values() for entry in node.writes):
+        object_of(place)
+    return network(
+        signal_names(site),
+        nodes,
+        texts,
+        own_node=section.own_node,
+        node_heartbeat_ms=section.node_heartbeat_ms,
+        lost_after_ms=section.lost_after_ms,
+    )
 
 
 def issues(site: Site, folder: Path) -> Iterator[Issue]:
     """Yield what is wrong between the site file and the files of its wire."""
-    can = site.gateway.can_dbc
+    can = site.gateway.can
     if can is None:
         return
     section = ("gateway", site.gateway.wire)
     try:
         frames = can_map_of(site, wire_files(site, folder))
     except ConfigError as error:
-        yield Issue(path=(*section, "dbc"), text=str(error))
+        key = "dbc" if site.gateway.can_dbc is not None else "nodes"
+        yield Issue(path=(*section, key), text=str(error))
         return
+    yield from _node_issues(site)
     for correction in frames.corrections:
         stated = site.gateway.write.corrections[correction.name].scale
         factor = abs(correction.field.factor * correction.scale)
@@ -108,6 +145,24 @@ def issues(site: Site, folder: Path) -> Iterator[Issue]:
 
 def load_share(site: Site, frames: CanMap) -> float:
     """Return the share of the bus that one cycle's frames take, worst case."""
-    can = site.gateway.can_dbc
+    can = site.gateway.can
     used = [(frame.length, frame.extended) for frame in frames.frames]
+    if site.gateway.canopen_402 is not None:
+        used.append((0, False))  # SYNC
     return bus_share(used, can.bitrate if can is not None else 1, site.cycle_s)
+
+
+def _node_issues(site: Site) -> Iterator[Issue]:
+    section = site.gateway.canopen_402
+    if section is None:
+        return
+    path = ("gateway", "canopen_402")
+    if section.lost_after_ms < 3 * section.heartbeat_ms:
+        text = f"is under three heartbeats of {section.heartbeat_ms} ms. Raise it."
+        yield Issue(path=(*path, "lost_after_ms"), text=text)
+    taken: dict[int, str] = {section.own_node: "own_node"}
+    for name, node in section.nodes.items():
+        other = taken.setdefault(node.node, name)
+        if other != name:
+            text = f"node id {node.node} is taken by {other}. Give every node its own."
+            yield Issue(path=(*path, "nodes", name, "node"), text=text)

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import can
 
-from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock
 from aff_runtime.fieldbus.can_gateway import CanGateway
 from aff_runtime.fieldbus.can_layout import CanMap
 from aff_runtime.fieldbus.can_link import PythonCanLink
 from aff_runtime.fieldbus.can_reader import CanReader
 from aff_runtime.fieldbus.can_writer import CanWriter
+from aff_runtime.fieldbus.canopen_402 import Network
+from aff_runtime.fieldbus.canopen_link import CanopenLink
 from aff_runtime.fieldbus.slcan_tty import SlcanTtyBus
 
 
@@ -38,19 +40,38 @@ def open_bus(
     return can.Bus(interface=interface, channel=channel, can_filters=filters)
 
 
-def can_gateway(
-    *, can_map: CanMap, interface: str, channel: str, bitrate: int, clock: Clock
-) -> CanGateway:
-    """Return the gateway of a map; the bus is opened by its first ticks.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BusSite:
+    """Which bus: driver, its channel, bit/s."""
 
-    Raises
-    ------
-    ConfigError
-        The interface is not known.
-    """
-    if interface not in {"socketcan", "slcan_tty", "udp_multicast", "virtual"}:
-        raise ConfigError(f"CAN interface {interface!r} is not known")
+    interface: str
+    channel: str
+    bitrate: int
+
+
+def can_gateway(can_map: CanMap, bus: BusSite, clock: Clock) -> CanGateway:
+    """Return the gateway of a map; the bus is opened by its first ticks."""
     reader, writer = CanReader(can_map), CanWriter(can_map)
-    ids = (*reader.ids, *writer.ids)
-    link = PythonCanLink(partial(open_bus, interface, channel, bitrate, ids), clock)
+    return CanGateway(_link(bus, (*reader.ids, *writer.ids), clock), reader, writer, clock)
+
+
+def canopen_gateway(
+    network: Network, bus: BusSite, clock: Clock, *, own_node: int, heartbeat_ms: int
+) -> CanGateway:
+    """Return the gateway of a CANopen network; its nodes are configured within the ticks."""
+    reader, writer = CanReader(network.can_map), CanWriter(network.can_map)
+    managed = [
+        (base + plan.node_id, False) for plan in network.plans for base in (0x080, 0x580, 0x700)
+    ]
+    link = CanopenLink(
+        _link(bus, (*reader.ids, *writer.ids, *managed), clock),
+        network.plans,
+        own_node=own_node,
+        heartbeat_ms=heartbeat_ms,
+        clock=clock,
+    )
     return CanGateway(link, reader, writer, clock)
+
+
+def _link(bus: BusSite, ids: tuple[tuple[int, bool], ...], clock: Clock) -> PythonCanLink:
+    return PythonCanLink(partial(open_bus, bus.interface, bus.channel, bus.bitrate, ids), clock)

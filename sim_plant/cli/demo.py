@@ -10,7 +10,7 @@ from aff_runtime.base.errors import PlantError
 ROOT = Path(__file__).resolve().parents[2]
 FPM_M_S = 0.00508
 NOISE_N = 0.25
-WIRES = ("modbus", "can")
+WIRES = ("modbus", "can", "canopen")
 
 
 def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

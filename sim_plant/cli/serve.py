@@ -22,7 +22,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     parser = subparsers.add_parser("serve", help="serve a line on Modbus TCP or CAN in real time")
     parser.add_argument("line", type=Path, metavar="LINE.yaml")
     parser.add_argument("--modbus", default="127.0.0.1:5020", metavar="HOST:PORT")
-    parser.add_argument("--can", choices=("dbc",), help="serve on CAN instead of Modbus")
+    parser.add_argument("--can", choices=("dbc", "canopen"), help="serve on CAN instead of Modbus")
     parser.add_argument(
         "--can-interface",
         default="slcan_pty",

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
 
-SITES = {"modbus": "euclid.yaml", "can": "euclid_can.yaml"}
-_PROTOCOL = {"can": "dbc"}
+SITES = {"modbus": "euclid.yaml", "can": "euclid_can.yaml", "canopen": "euclid_canopen.yaml"}
+_PROTOCOL = {"can": "dbc", "canopen": "canopen"}
 _DESCRIPTIONS = ("*.dbc", "*.eds")
 
 

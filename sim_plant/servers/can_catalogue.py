@@ -9,6 +9,7 @@ from sim_plant.servers.can_channel import channel_of
 from sim_plant.servers.can_dbc_node import DbcNode, load_dbc_map
 from sim_plant.servers.can_frames import CanNode
 from sim_plant.servers.can_server import CanServer
+from sim_plant.servers.canopen_node import CanopenNetwork
 from sim_plant.servers.plant import Plant
 
 
@@ -23,7 +24,9 @@ def can_node(plant: Plant, protocol: str, map_path: Path) -> CanNode:
     if protocol == "dbc":
         rows, database = load_dbc_map(map_path)
         return DbcNode(rows, database, plant.registers)
-    raise PlantError(f"--can {protocol}: known is dbc")
+    if protocol == "canopen":
+        return CanopenNetwork(map_path, plant.registers)
+    raise PlantError(f"--can {protocol}: known are dbc and canopen")
 
 
 def can_server(

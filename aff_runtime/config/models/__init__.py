@@ -3,6 +3,7 @@
 from aff_runtime.config.models.actuators import Actuator, Block, ErrorSignal
 from aff_runtime.config.models.gateway import (
     CanDbc,
+    Canopen402,
     Channel,
     Correction,
     Gateway,
@@ -21,6 +22,7 @@ __all__ = [
     "Actuator",
     "Block",
     "CanDbc",
+    "Canopen402",
     "Channel",
     "Correction",
     "ErrorSignal",

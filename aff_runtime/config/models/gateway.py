@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
+from annotated_types import MaxLen
+
 from aff_runtime.config.quantity import (
     Few,
     Flag,
@@ -20,8 +22,12 @@ from aff_runtime.config.quantity import (
 
 WordType = Literal["u16", "i16", "u32", "i32"]
 CanInterface = Literal["socketcan", "slcan_tty", "udp_multicast", "virtual"]
-WIRES = ("modbus_tcp", "can_dbc")
-SIGNAL = "Signal that carries it, MESSAGE.Signal of the DBC file; on CAN."
+WIRES = ("modbus_tcp", "can_dbc", "canopen_402")
+Node = Annotated[int, Whole("node id")]
+SIGNAL = (
+    "Signal that carries it, on CAN: MESSAGE.Signal of the DBC file, or NODE.0xIIII of an object "
+    "in a PDO on CANopen."
+)
 INTERFACE = (
     "socketcan on the gateway; slcan_tty for a serial adapter without a kernel driver; "
     "udp_multicast and virtual for benches."
@@ -76,6 +82,61 @@ class CanDbc(Section):
         le=1_000_000,
     )
     dbc: Text = key("DBC file, relative to the folder of the site file.")
+    deadline_ms: Milliseconds = key(CAN_DEADLINE, default=3.0, ge=0.5, le=50)
+
+
+class ObjectValue(Section):
+    """One object of a CANopen node and the value it must have."""
+
+    object: Text = key("Index in quotes, `0x6007`, or with its subindex, `0x2030:1`.")
+    value: Annotated[int, Whole("count")] = key(
+        "Value written at start and read back; a node that says another is not started.",
+        ge=-(2**31),
+        le=2**32 - 1,
+    )
+
+
+class CanopenNode(Section):
+    """One node of the CANopen network."""
+
+    node: Node = key("Node id, as set at the device.", ge=1, le=127)
+    eds: Text = key("EDS file, relative to the folder of the site file.")
+    objects: Annotated[tuple[ObjectValue, ...], MaxLen(64)] = key(
+        "Objects to set and verify at start, above all the reaction to our lost heartbeat "
+        "(0x6007 at CiA 402 drives).",
+        default=(),
+    )
+
+
+class Canopen402(Section):
+    """How PLC and drives are reached on CANopen; the EDS files say what every PDO carries."""
+
+    interface: CanInterface = key(INTERFACE, default="socketcan")
+    channel: Text = key("CAN interface of the gateway (can0), or the tty of an slcan adapter.")
+    bitrate: Annotated[int, Whole("bit/s")] = key(
+        "Bit rate of the bus. Use 1 Mbit/s or 500 kbit/s.",
+        default=500_000,
+        ge=10_000,
+        le=1_000_000,
+    )
+    own_node: Node = key("Our node id; no device may have it.", default=100, ge=1, le=127)
+    heartbeat_ms: Annotated[int, Whole("ms")] = key(
+        "Period of our heartbeat.", default=20, ge=5, le=1000
+    )
+    lost_after_ms: Annotated[int, Whole("ms")] = key(
+        "The nodes take us for dead after this time without our heartbeat, or without our PDO; "
+        "at least three periods.",
+        default=80,
+        ge=15,
+        le=290,
+    )
+    node_heartbeat_ms: Annotated[int, Whole("ms")] = key(
+        "Period asked of the nodes' heartbeats; three missing ones are a lost node.",
+        default=50,
+        ge=10,
+        le=1000,
+    )
+    nodes: Annotated[Mapping[Name, CanopenNode], *Few] = key("The devices, by name.")
     deadline_ms: Milliseconds = key(CAN_DEADLINE, default=3.0, ge=0.5, le=50)
 
 
@@ -196,6 +257,7 @@ class Gateway(Section):
 
     modbus_tcp: ModbusTcp | None = key("PLC on Modbus TCP. Give exactly one.", default=None)
     can_dbc: CanDbc | None = key("PLC on CAN, described by a DBC file.", default=None)
+    canopen_402: Canopen402 | None = key("PLC and drives on CANopen (CiA 402).", default=None)
     address_base: Annotated[Literal[0, 1], Whole("number of the first register")] | None = key(
         "On Modbus. 0: register numbers are wire addresses. 1: the first register is number 1, "
         "40001 or 400001, as manuals write it. Values shifted by one register mean the other "
@@ -216,9 +278,14 @@ class Gateway(Section):
         return next((name for name in WIRES if getattr(self, name) is not None), "")
 
     @property
+    def can(self) -> CanDbc | Canopen402 | None:
+        """Return the CAN section in use, if any."""
+        return self.can_dbc or self.canopen_402
+
+    @property
     def deadline_ms(self) -> float:
         """Return the longest wait for the PLC in one tick, ms."""
-        way: ModbusTcp | CanDbc | None = getattr(self, self.wire, None)
+        way: ModbusTcp | CanDbc | Canopen402 | None = getattr(self, self.wire, None)
         return way.deadline_ms if way is not None else 0.0
 
     def wire_address(self, register: int) -> int:
