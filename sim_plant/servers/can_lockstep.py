@@ -37,7 +37,7 @@ class LockstepBus:
         self._plant.edge_observers.append(
             lambda edge: (
                 self._put(node.reset())
-                if edge.spec.fault in (Fault.RESET, Fault.RESTART)
+                if edge.spec.fault is (Fault.RESET if edge.began else Fault.RESTART)
                 else None
             )
         )

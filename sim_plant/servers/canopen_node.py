@@ -9,28 +9,25 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-import canopen
 import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.servers.can_frames import CanFrame
+from sim_plant.servers.canopen_device import Bench, Device, NodeRow, maps
 from sim_plant.servers.faults import Fault
 from sim_plant.servers.plant import Plant
 from sim_plant.servers.registers import Registers
-
-_OPERATIONAL = 5
-_RPDO_TIMEOUT = 0x8250
-_HEARTBEAT_LOST = 0x8130
 
 
 class _Rows(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class _Channel(_Rows):
+class ChannelRow(_Rows):
+    """One measured channel: its object, SI per count, how the count is stored."""
+
     node: str
     object: int
     scale: float
@@ -38,119 +35,22 @@ class _Channel(_Rows):
     wraps: bool = False
 
 
-class _Word(_Rows):
+class WordRow(_Rows):
+    """One word or correction: its object."""
+
     node: str
     object: int
-
-
-class _Node(_Rows):
-    id: int
-    eds: str
 
 
 class NodeMap(_Rows):
     """Which object of which node carries what."""
 
     version: int
-    nodes: Mapping[str, _Node]
-    read: Mapping[str, _Word]
-    channels: Mapping[str, _Channel]
-    write: Mapping[str, _Word]
-    corrections: Mapping[str, _Word]
-
-
-class _Bench(canopen.Network):
-    """A network without a bus: what nodes send is collected."""
-
-    def __init__(self) -> None:
-        super().__init__(None)
-        self.out: list[CanFrame] = []
-
-    def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:
-        """Collect a frame."""
-        if not remote:
-            self.out.append(CanFrame(can_id, False, bytes(data)))
-
-    def send_periodic(self, can_id: int, data: Any, period: float, remote: bool = False) -> Any:
-        """Start nothing: heartbeats are sent from ``publish``."""
-        return _NoTask()
-
-
-class _NoTask:
-    def stop(self) -> None:
-        """Do nothing."""
-
-    def update(self, data: Any) -> None:
-        """Do nothing."""
-
-
-class _Device:
-    """One node: the package's own SDO server and PDO maps, and what it must do on its own."""
-
-    def __init__(self, name: str, row: _Node, folder: Path, network: _Bench) -> None:
-        self.name = name
-        self.id = row.id
-        self._network = network
-        od = canopen.import_od(str(folder / row.eds), row.id)
-        self.node = network.create_node(canopen.LocalNode(row.id, od))
-        self.boot()
-
-    def boot(self) -> None:
-        """Start again with the EDS' defaults, in PRE-OPERATIONAL."""
-        self.node.data_store.clear()
-        self.operational = False
-        self.received_s = -math.inf
-        self.heard_master_s = -math.inf
-        self.emcy = 0
-        self.beat_s = -math.inf
-        self.arrived: set[int] = set()
-        self.node.nmt.state = "INITIALISING"
-        self._network.send_message(0x700 + self.id, b"\0")
-        self.node.nmt.state = "PRE-OPERATIONAL"
-
-    def number(self, index: int, subindex: int = 0) -> int:
-        """Return an object as it is now."""
-        data = self.node.get_data(index, subindex)
-        return int.from_bytes(data, "little")
-
-    def command(self, code: int) -> None:
-        """Obey an NMT command."""
-        if code == 1 and not self.operational:
-            self.node.tpdo.read()
-            self.node.rpdo.read()
-            self.operational = True
-            self.node.nmt.state = "OPERATIONAL"
-        elif code in (0x02, 0x80):
-            self.operational = False
-            self.node.nmt.state = "PRE-OPERATIONAL"
-        elif code in (0x81, 0x82):
-            self.boot()
-
-    def beat(self, now_s: float) -> None:
-        """Send the heartbeat when its time has come."""
-        period_s = self.number(0x1017) * 1e-3
-        if period_s > 0.0 and now_s - self.beat_s >= period_s - 1e-9:
-            self.beat_s = now_s
-            state = _OPERATIONAL if self.operational else 0x7F
-            self._network.send_message(0x700 + self.id, bytes((state,)))
-
-    def report(self, code: int) -> None:
-        """Send an EMCY when the error changes."""
-        if code != self.emcy:
-            self.emcy = code
-            register = 0x11 if code else 0
-            data = code.to_bytes(2, "little") + bytes((register, 0, 0, 0, 0, 0))
-            self._network.send_message(0x80 + self.id, data)
-
-    def lost(self, now_s: float, master_lost: bool) -> bool:
-        """Return whether master or process data are missing; raises or clears the EMCY."""
-        limit_s = (
-            self.number(0x1400, 5) * 1e-3 if 5 in self.node.object_dictionary[0x1400] else 0.0
-        )
-        late = limit_s > 0.0 and now_s - self.received_s > limit_s
-        if self.operational and math.isfinite(self.received_s):
-            self.report(_HEARTBEAT_LOST if master_lost else _RPDO_TIMEOUT if late else 0)
-        return late or master_lost
+    nodes: Mapping[str, NodeRow]
+    read: Mapping[str, WordRow]
+    channels: Mapping[str, ChannelRow]
+    write: Mapping[str, WordRow]
+    corrections: Mapping[str, WordRow]
 
 
 class CanopenNetwork:
@@ -165,9 +65,9 @@ class CanopenNetwork:
     def __init__(self, path: Path, registers: Registers) -> None:
         try:
             self._rows = NodeMap.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")))
-            self._network = _Bench()
+            self._network = Bench()
             self._devices = {
-                name: _Device(name, row, path.parent, self._network)
+                name: Device(name, row, path.parent, self._network)
                 for name, row in self._rows.nodes.items()
             }
         except (OSError, yaml.YAMLError, ValidationError, ValueError) as error:
@@ -203,7 +103,7 @@ class CanopenNetwork:
             self._network.notify(can_id, bytearray(data), self._now_s)
             for device in self._devices.values():
                 if device.operational:
-                    for pdo in device.node.rpdo.map.values():
+                    for pdo in maps(device.node.rpdo):
                         if pdo.cob_id == can_id and pdo.enabled:
                             device.arrived.add(can_id)
                             device.received_s = self._now_s
@@ -224,7 +124,7 @@ class CanopenNetwork:
             CanFrame(pdo.cob_id, False, bytes(sum(v.length for v in pdo.map) // 8))
             for device in self._devices.values()
             if device.operational
-            for pdo in device.node.rpdo.map.values()
+            for pdo in maps(device.node.rpdo)
             if pdo.enabled and pdo.cob_id
         ]
 
@@ -232,7 +132,7 @@ class CanopenNetwork:
         working = all(d.operational for d in self._devices.values())
         lost = [d.lost(self._now_s, self._master_lost(d)) for d in self._devices.values()]
         whole = all(
-            {p.cob_id for p in d.node.rpdo.map.values() if p.enabled} <= d.arrived
+            {p.cob_id for p in maps(d.node.rpdo) if p.enabled} <= d.arrived
             for d in self._devices.values()
         )
         if working and whole and not any(lost):
@@ -247,7 +147,7 @@ class CanopenNetwork:
         self._frozen = []
         for device in self._devices.values():
             if device.operational:
-                for pdo in device.node.tpdo.map.values():
+                for pdo in maps(device.node.tpdo):
                     if pdo.enabled and pdo.trans_type <= 240:
                         self._frozen.append(CanFrame(pdo.cob_id, False, bytes(pdo.data)))
         self._frozen.sort()
@@ -264,7 +164,7 @@ class CanopenNetwork:
 
     def _set(self, node: str, index: int, value: int) -> None:
         device = self._devices[node]
-        for pdo in device.node.tpdo.map.values() if device.operational else ():
+        for pdo in maps(device.node.tpdo) if device.operational else ():
             for variable in pdo.map:
                 if variable.index == index:
                     variable.raw = value
@@ -283,14 +183,14 @@ class CanopenNetwork:
             block[row.complement_address - plc_map.write_start] = ~value & 0xFFFF
         self._registers.write(plc_map.write_start, block)
 
-    def _got(self, word: _Word) -> int:
-        for pdo in self._devices[word.node].node.rpdo.map.values():
+    def _got(self, word: WordRow) -> int:
+        for pdo in maps(self._devices[word.node].node.rpdo):
             for variable in pdo.map:
                 if variable.index == word.object:
                     return int(variable.raw)
         return 0
 
-    def _master_lost(self, device: _Device) -> bool:
+    def _master_lost(self, device: Device) -> bool:
         """Return whether the node's heartbeat consumer has given its master up."""
         entry = device.number(0x1016, 1)
         producer, limit_s = entry >> 16 & 0x7F, (entry & 0xFFFF) * 1e-3
@@ -303,7 +203,7 @@ class CanopenNetwork:
         return out
 
 
-def _counts(value: float, row: _Channel) -> int:
+def _counts(value: float, row: ChannelRow) -> int:
     """Return counts as the object can hold them: wrapped, or at the end of its range."""
     half = 1 << (row.bits - 1)
     if math.isnan(value):

@@ -84,7 +84,7 @@ def test_schema_bounds_and_shows_units():
 ON_CAN = {
     path
     for path in KEYS
-    if path.startswith("gateway.can_") or path.endswith(("signal", "complement_signal"))
+    if path.startswith("gateway.can") or path.endswith(("signal", "complement_signal"))
 }
 
 
