@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.recorded_law import RecordedLaw
@@ -46,7 +47,9 @@ def assemble(record: Mapping[str, Any], clock: Clock) -> Assembly:
         When the record cannot be used or the PLC's name cannot be resolved.
     """
     site = site_of(record)
-    gateway = gateway_of(site, record.get("wire_files", {}), clock)
+    gateway = gateway_of(
+        site, record.get("wire_files", {}), clock, Path(record.get("folder", "."))
+    )
     guard = Guard(guard_params(site))
     law = RecordedLaw(controller_of(site, record["responses"]))
     return Assembly(record=record, site=site, clock=clock, gateway=gateway, guard=guard, law=law)

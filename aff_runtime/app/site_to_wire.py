@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import ssl
 from collections.abc import Callable, Mapping
+from pathlib import Path
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock, Gateway, WordTransport
 from aff_runtime.config.can_wire import can_map_of, network_of
-from aff_runtime.config.models import CanDbc, Channel, Site
-from aff_runtime.fieldbus.catalogue import modbus_tcp
+from aff_runtime.config.models import CanDbc, Channel, Site, Tls
+from aff_runtime.fieldbus.catalogue import modbus_rtu, modbus_tcp
 from aff_runtime.fieldbus.codec import WordCodec
 from aff_runtime.fieldbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus_frames import WireFunction
@@ -19,9 +21,12 @@ from aff_runtime.fieldbus.registers import (
     WordOrder,
     WordType,
 )
+from aff_runtime.fieldbus.tls_wire import client_context
 
 
-def gateway_of(site: Site, wire_files: Mapping[str, str], clock: Clock) -> Gateway:
+def gateway_of(
+    site: Site, wire_files: Mapping[str, str], clock: Clock, folder: Path = Path()
+) -> Gateway:
     """Return the wire in SI, whichever the site names; it connects within the ticks.
 
     Raises
@@ -46,7 +51,7 @@ def gateway_of(site: Site, wire_files: Mapping[str, str], clock: Clock) -> Gatew
             heartbeat_ms=can.heartbeat_ms,
         )
     words = register_map(site)
-    return WordGateway(transport(site, words, clock), WordCodec(words), clock)
+    return WordGateway(transport(site, words, clock, folder), WordCodec(words), clock)
 
 
 def register_map(site: Site) -> RegisterMap:
@@ -68,18 +73,40 @@ def register_map(site: Site) -> RegisterMap:
     )
 
 
-def transport(site: Site, words: RegisterMap, clock: Clock) -> WordTransport:
+def transport(site: Site, words: RegisterMap, clock: Clock, folder: Path) -> WordTransport:
     """Return the connection to the PLC; it connects by and by, within the ticks."""
-    wire = site.gateway.modbus_tcp
-    if wire is None:
+    rtu, tcp = site.gateway.modbus_rtu, site.gateway.modbus_tcp
+    if rtu is not None:
+        return modbus_rtu(
+            device=rtu.device,
+            baud=rtu.baud,
+            parity=rtu.parity[0].upper(),
+            stop_bits=rtu.stop_bits,
+            device_id=rtu.device_id,
+            register_map=words,
+            clock=clock,
+            function=WireFunction(rtu.function),
+        )
+    if tcp is None:
         raise ConfigError("gateway: no modbus_tcp")
     return modbus_tcp(
-        host=wire.host,
-        port=wire.port,
-        device_id=wire.device_id,
+        host=tcp.host,
+        port=tcp.port,
+        device_id=tcp.device_id,
         register_map=words,
         clock=clock,
-        function=WireFunction(wire.function),
+        function=WireFunction(tcp.function),
+        tls=_tls_context(tcp.tls, folder) if tcp.tls is not None else None,
+        server_name=tcp.tls.server_name or "" if tcp.tls is not None else "",
+    )
+
+
+def _tls_context(tls: Tls, folder: Path) -> ssl.SSLContext:
+    """Return the certificates of a site; its folder is where the names begin."""
+    return client_context(
+        folder / tls.ca,
+        folder / tls.certificate if tls.certificate is not None else None,
+        folder / tls.private_key if tls.private_key is not None else None,
     )
 
 

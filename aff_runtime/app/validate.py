@@ -49,7 +49,7 @@ def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
     texts = {name: _response_text(reading, name, file) for name, file in files.items()}
     responses = {name: text for name, text in texts.items() if text is not None}
     described = wire_files(site, folder)
-    if site.gateway.modbus_tcp is not None:
+    if site.gateway.modbus is not None:
         register_map(site)
     Controller(site_params(site), {n: Response.from_json(t) for n, t in responses.items()})
     return {
@@ -60,6 +60,7 @@ def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
         "responses": responses,
         "response_files": {name: str(file) for name, file in files.items()},
         "wire_files": described,
+        "folder": str(folder),
         "versions": _versions(),
     }
 

@@ -37,7 +37,7 @@ class Row:
 
 def read_rows(site: Site) -> list[Row]:
     """Return every value that is read, by wire address; none unless on Modbus."""
-    if site.gateway.modbus_tcp is None:
+    if site.gateway.modbus is None:
         return []
     read, base = site.gateway.read, ("gateway", "read")
     rows = [
@@ -56,7 +56,7 @@ def read_rows(site: Site) -> list[Row]:
 
 def write_rows(site: Site) -> list[Row]:
     """Return every word that is written, by wire address; none unless on Modbus."""
-    if site.gateway.modbus_tcp is None:
+    if site.gateway.modbus is None:
         return []
     write, base = site.gateway.write, ("gateway", "write")
     rows = [

@@ -7,9 +7,11 @@ from aff_runtime.config.models.gateway import (
     Channel,
     Correction,
     Gateway,
+    ModbusRtu,
     ModbusTcp,
     ReadBlock,
     ReadWord,
+    Tls,
     WriteBlock,
     WriteWord,
 )
@@ -29,6 +31,7 @@ __all__ = [
     "Freshness",
     "Gateway",
     "Line",
+    "ModbusRtu",
     "ModbusTcp",
     "Permissives",
     "PlausibleRange",
@@ -38,6 +41,7 @@ __all__ = [
     "Recording",
     "Roll",
     "Site",
+    "Tls",
     "WriteBlock",
     "WriteWord",
 ]

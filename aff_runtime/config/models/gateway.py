@@ -22,7 +22,7 @@ from aff_runtime.config.quantity import (
 
 WordType = Literal["u16", "i16", "u32", "i32"]
 CanInterface = Literal["socketcan", "slcan_tty", "udp_multicast", "virtual"]
-WIRES = ("modbus_tcp", "can_dbc", "canopen_402")
+WIRES = ("modbus_tcp", "modbus_rtu", "can_dbc", "canopen_402")
 Node = Annotated[int, Whole("node id")]
 SIGNAL = (
     "Signal that carries it, on CAN: MESSAGE.Signal of the DBC file, or NODE.0xIIII of an object "
@@ -38,10 +38,24 @@ CAN_DEADLINE = (
 )
 
 
+class Tls(Section):
+    """Modbus/TCP Security; file names are relative to the folder of the site file."""
+
+    ca: Text = key("Certificate (PEM) that the PLC's certificate is checked against.")
+    certificate: Text | None = key(
+        "Our own certificate (PEM), for a PLC that asks for one.", default=None
+    )
+    private_key: Text | None = key(
+        "Its key (PEM); readable by the service's user alone.", default=None
+    )
+    server_name: Text | None = key("Name in the PLC's certificate. Absent: host.", default=None)
+
+
 class ModbusTcp(Section):
     """How the PLC or gateway is reached."""
 
     host: Text = key("Address of the PLC or gateway. Change it when the network plan changes.")
+    tls: Tls | None = key("Modbus/TCP Security, usually on port 802.", default=None)
     port: Annotated[int, Whole("TCP port")] = key(
         "TCP port of its Modbus server. Change it only when the device says another.",
         default=502,
@@ -65,6 +79,35 @@ class ModbusTcp(Section):
     function: Literal["fc23", "fc3_fc16"] = key(
         "Function codes: fc23 reads and writes in one request; fc3_fc16 uses two, for a "
         "device that lacks fc23 (it answers with exception 1).",
+        default="fc23",
+    )
+
+
+class ModbusRtu(Section):
+    """How a device on a serial line is reached."""
+
+    device: Text = key("Serial line of the gateway, /dev/ttyS0.")
+    baud: Annotated[int, Whole("bit/s")] = key(
+        "Bit rate of the line; `check` refuses one that is too slow for the cycle.",
+        default=115_200,
+        ge=9_600,
+        le=1_000_000,
+    )
+    parity: Literal["none", "even", "odd"] = key("Parity, as the device is set.", default="even")
+    stop_bits: Annotated[Literal[1, 2], Whole("stop bits")] = key(
+        "Stop bits, as the device is set; the standard has 2 without parity.", default=1
+    )
+    device_id: Annotated[int, Whole("unit identifier")] = key(
+        "Number of the device on the line.", default=1, ge=1, le=247
+    )
+    deadline_ms: Milliseconds = key(
+        "Longest wait for the reply of one tick; it must stay below cycle_ms.",
+        default=8.0,
+        ge=0.5,
+        le=90,
+    )
+    function: Literal["fc23", "fc3_fc16"] = key(
+        "Function codes: fc23 reads and writes in one request; fc3_fc16 uses two.",
         default="fc23",
     )
 
@@ -256,6 +299,7 @@ class Gateway(Section):
     """The connection to the PLC and the register map."""
 
     modbus_tcp: ModbusTcp | None = key("PLC on Modbus TCP. Give exactly one.", default=None)
+    modbus_rtu: ModbusRtu | None = key("Device on Modbus RTU, a serial line.", default=None)
     can_dbc: CanDbc | None = key("PLC on CAN, described by a DBC file.", default=None)
     canopen_402: Canopen402 | None = key("PLC and drives on CANopen (CiA 402).", default=None)
     address_base: Annotated[Literal[0, 1], Whole("number of the first register")] | None = key(
@@ -278,6 +322,11 @@ class Gateway(Section):
         return next((name for name in WIRES if getattr(self, name) is not None), "")
 
     @property
+    def modbus(self) -> ModbusTcp | ModbusRtu | None:
+        """Return the Modbus section in use, if any."""
+        return self.modbus_tcp or self.modbus_rtu
+
+    @property
     def can(self) -> CanDbc | Canopen402 | None:
         """Return the CAN section in use, if any."""
         return self.can_dbc or self.canopen_402
@@ -285,7 +334,7 @@ class Gateway(Section):
     @property
     def deadline_ms(self) -> float:
         """Return the longest wait for the PLC in one tick, ms."""
-        way: ModbusTcp | CanDbc | Canopen402 | None = getattr(self, self.wire, None)
+        way: ModbusTcp | ModbusRtu | CanDbc | Canopen402 | None = getattr(self, self.wire, None)
         return way.deadline_ms if way is not None else 0.0
 
     def wire_address(self, register: int) -> int:

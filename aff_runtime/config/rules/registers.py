@@ -21,7 +21,7 @@ from aff_runtime.config.rules.issue import Issue
 
 def issues(site: Site) -> Iterator[Issue]:
     """Yield what is wrong with the register map."""
-    modbus = site.gateway.modbus_tcp
+    modbus = site.gateway.modbus
     if modbus is None:
         return
     read, write = read_rows(site), write_rows(site)

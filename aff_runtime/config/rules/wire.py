@@ -20,7 +20,7 @@ def issues(site: Site) -> Iterator[Issue]:
         text = f"give exactly one of {', '.join(WIRES)}; given: {said}."
         yield Issue(path=("gateway",), text=text, at_key=True)
         return
-    modbus = given[0] == "modbus_tcp"
+    modbus = site.gateway.modbus is not None
     for name in ("address_base", "word_order"):
         if modbus and getattr(site.gateway, name) is None:
             wanted = type(site.gateway).model_fields[name].description
