@@ -16,6 +16,7 @@ from aff_runtime.fieldbus.can_reader import CanReader
 from aff_runtime.fieldbus.can_writer import CanWriter
 from aff_runtime.fieldbus.canopen_402 import Network
 from aff_runtime.fieldbus.canopen_link import CanopenLink
+from aff_runtime.fieldbus.frame_socket import FrameSocketBus
 from aff_runtime.fieldbus.slcan_tty import SlcanTtyBus
 
 
@@ -33,6 +34,8 @@ def open_bus(
     """
     if interface == "slcan_tty":
         return SlcanTtyBus(channel, bitrate)
+    if interface == "frame_socket":
+        return FrameSocketBus(channel)
     filters: Any = [
         {"can_id": can_id, "can_mask": 0x1FFFFFFF if ext else 0x7FF, "extended": ext}
         for can_id, ext in ids

@@ -25,11 +25,11 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     parser.add_argument("--can", choices=("dbc", "canopen"), help="serve on CAN instead of Modbus")
     parser.add_argument(
         "--can-interface",
-        default="slcan_pty",
+        default="frame_socket",
         metavar="NAME",
-        help="slcan_pty (a serial line linked at --channel), socketcan, udp_multicast",
+        help="frame_socket (unix), slcan_pty (serial line), socketcan, udp_multicast",
     )
-    parser.add_argument("--channel", default="", metavar="NAME", help="can0, or path of the pty")
+    parser.add_argument("--channel", default="", metavar="NAME", help="can0, or path of the socket")
     parser.add_argument("--can-map", type=Path, metavar="MAP.yaml", help="the PLC's signals")
     parser.add_argument("--plc", type=Path, default=DEFAULT_MAP, metavar="MAP.yaml")
     parser.add_argument("--speed-m-s", type=float, help="line speed, m/s (declaration's)")
@@ -79,7 +79,7 @@ def read_options(arguments: argparse.Namespace) -> ServeOptions:
             f"--modbus {arguments.modbus}: write HOST:PORT, for example 127.0.0.1:5020"
         )
     if arguments.can and not arguments.channel:
-        raise PlantError("--can: write --channel too (can0, or the path of the pty)")
+        raise PlantError("--can: write --channel too (can0, or the path of the socket)")
     duration_s = arguments.duration
     if duration_s is not None and not (math.isfinite(duration_s) and duration_s > 0.0):
         raise PlantError(f"--duration {duration_s}: write seconds greater than 0")

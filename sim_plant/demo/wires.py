@@ -51,8 +51,8 @@ def wire_up(wire: str, site: Path, folder: Path) -> Wired:
         text = _replaced(text, r"port: \d+", f"port: {port}", site)
         arguments = ("--modbus", f"127.0.0.1:{port}")
     else:
-        line = folder / "can.tty"
-        text = _replaced(text, r"(?m)^    interface: \w+", "    interface: slcan_tty", site)
+        line = folder / "can.sock"
+        text = _replaced(text, r"(?m)^    interface: \w+", "    interface: frame_socket", site)
         text = _replaced(text, r"(?m)^    channel: \w+", f"    channel: {line}", site)
         arguments = ("--can", _PROTOCOL[wire], "--channel", str(line))
         for pattern in _DESCRIPTIONS:

@@ -6,16 +6,14 @@ import asyncio
 import contextlib
 import os
 import tty
-from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
 import can
 
 from aff_runtime.base.errors import WireError
-from sim_plant.servers.can_frames import CanFrame
-
-Take = Callable[[CanFrame], None]
+from sim_plant.servers.can_frames import CanFrame, Take
+from sim_plant.servers.frame_hub import FrameHub
 
 
 class CanChannel(Protocol):
@@ -175,6 +173,8 @@ def channel_of(interface: str, channel: str) -> CanChannel:
     """Return the channel for ``--can-interface`` and ``--channel``."""
     if interface == "slcan_pty":
         return PtyChannel(Path(channel))
+    if interface == "frame_socket":
+        return FrameHub(Path(channel))
     return BusChannel(interface, channel)
 
 

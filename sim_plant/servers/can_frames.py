@@ -18,6 +18,9 @@ class CanFrame(NamedTuple):
     data: bytes
 
 
+Take = Callable[[CanFrame], None]
+
+
 class CanNode(Protocol):
     """What stands behind the bus on the plant's side: PLC, drives, or both."""
 

@@ -31,7 +31,7 @@ class ServeOptions:
     ----------
     host, port : where the Modbus server listens.
     can : ``dbc`` for a CAN bus instead of Modbus; empty for Modbus.
-    can_interface, can_channel : ``slcan_pty`` and the path of its link, or any of python-can's.
+    can_interface, can_channel : ``frame_socket``, ``slcan_pty`` and a path, or python-can's.
     can_map : the PLC's signals on that bus.
     faults : faults scheduled in plant time.
     allow_fc23 : False imitates a device without function 23.
@@ -43,7 +43,7 @@ class ServeOptions:
     host: str = "127.0.0.1"
     port: int = 5020
     can: str = ""
-    can_interface: str = "slcan_pty"
+    can_interface: str = "frame_socket"
     can_channel: str = ""
     can_map: Path = Path()
     faults: tuple[FaultSpec, ...] = ()

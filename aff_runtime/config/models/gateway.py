@@ -21,7 +21,7 @@ from aff_runtime.config.quantity import (
 )
 
 WordType = Literal["u16", "i16", "u32", "i32"]
-CanInterface = Literal["socketcan", "slcan_tty", "udp_multicast", "virtual"]
+CanInterface = Literal["socketcan", "slcan_tty", "frame_socket", "udp_multicast"]
 WIRES = ("modbus_tcp", "modbus_rtu", "can_dbc", "canopen_402")
 Node = Annotated[int, Whole("node id")]
 SIGNAL = (
@@ -30,7 +30,7 @@ SIGNAL = (
 )
 INTERFACE = (
     "socketcan on the gateway; slcan_tty for a serial adapter without a kernel driver; "
-    "udp_multicast and virtual for benches."
+    "frame_socket (a unix socket) and udp_multicast for benches."
 )
 CAN_DEADLINE = (
     "Longest wait for the PLC's frames in one tick. Raise it when status shows timeouts on a "
