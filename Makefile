@@ -6,7 +6,7 @@ STAMP  := $(VENV)/.installed
 SPEED  ?= 200
 WIRE   ?= modbus
 
-.PHONY: demo test check bench setup clean
+.PHONY: demo test check bench matrix test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -31,6 +31,14 @@ check: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# every fault on every wire in every state: the reactions, cell by cell
+matrix: setup
+	$(BIN)/python -m tests.matrix
+
+# the CAN tests on genuine SocketCAN (vcan) under QEMU; says why where it cannot
+test-socketcan: setup
+	$(BIN)/python -m tests.socketcan
 
 # speed, as ratios measured in one run
 bench: setup

@@ -32,6 +32,11 @@ class FrameLink(Protocol):
         """How often the controller went bus-off since construction."""
         ...
 
+    @property
+    def carries(self) -> bool:
+        """Whether frames can be sent, even if what comes back is not to be believed."""
+        ...
+
     def ready(self) -> bool:
         """Move a pending (re)connection one step; True when frames can be exchanged."""
         ...

@@ -22,8 +22,9 @@ class CanGateway:
 
     OK is a consistent set in this tick; TIMEOUT none; BAD_REPLY a frame of wrong length, or one
     of our own identifiers from somebody else (a second master), whatever else arrived;
-    NOT_CONNECTED no bus. The first set after NOT_CONNECTED is reported as NOT_CONNECTED: it gives
-    the heartbeat to compare with, its values go nowhere. Unless OK, ``values`` are NaN.
+    NOT_CONNECTED no bus, or nodes that do not all work; what can be sent is sent, so that a fade
+    reaches whoever still listens. The first set after NOT_CONNECTED is reported as NOT_CONNECTED:
+    it gives the heartbeat to compare with, its values go nowhere. Unless OK, ``values`` are NaN.
 
     Parameters
     ----------
@@ -54,7 +55,9 @@ class CanGateway:
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
         """Send ``command``, return what the PLC says; never blocks past the deadline."""
         outcome = Outcome.NOT_CONNECTED
-        if self._link.ready() and self._send(command):
+        ready = self._link.ready()
+        sent = self._link.carries and self._send(command)
+        if ready and sent:
             outcome = self._receive(deadline_ns)
         t_ns = self._clock.now_ns()
         reader = self.reader

@@ -51,6 +51,11 @@ class PythonCanLink:
         self.opens = 0
         self.refused = 0
 
+    @property
+    def carries(self) -> bool:
+        """Whether the bus is open."""
+        return self._bus is not None
+
     def ready(self) -> bool:
         """Open the bus when it is time to; True when frames can be exchanged."""
         if self._bus is not None:

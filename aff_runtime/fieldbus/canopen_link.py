@@ -65,10 +65,20 @@ class CanopenLink:
             if not keeper.good
         )
 
+    @property
+    def carries(self) -> bool:
+        """Whether the bus carries frames; a node may still be missing."""
+        return self._inner.carries
+
     def ready(self) -> bool:
         """Move every node one step; True when all of them work."""
         if not self._inner.ready():
             return False
+        if (
+            self._sync_due
+        ):  # nobody listened last tick: the fade must reach the drives all the same
+            self._sync_due = False
+            self._inner.send(SYNC)
         now_ns = self._clock.now_ns()
         good = self._all_good()
         if now_ns >= self._beat_at_ns:

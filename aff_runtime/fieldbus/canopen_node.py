@@ -20,7 +20,8 @@ _NMT_START: Final = 0x01
 _NMT_PRE_OPERATIONAL: Final = 0x80
 _SDO_PATIENCE_NS: Final = 200_000_000
 _START_PATIENCE_NS: Final = 1_000_000_000
-_RETRY_NS: Final = 1_000_000_000
+_RETRY_NS: Final = 300_000_000
+_ABOUT_US: Final = (0x81, 0x82)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,8 +82,13 @@ class NodeKeeper:
 
     @property
     def good(self) -> bool:
-        """Return whether the node works and reports no error."""
-        return self.state is NodeState.OPERATIONAL and self.emergency_code == 0
+        """Return whether the node works and reports no error of its own.
+
+        Communication errors (0x81xx, 0x82xx) say that we were away; process data must flow
+        again for the node to take them back.
+        """
+        ours = self.emergency_code >> 8 in _ABOUT_US
+        return self.state is NodeState.OPERATIONAL and (self.emergency_code == 0 or ours)
 
     def take(self, frame: Frame, now_ns: int) -> bool:
         """Take a frame; True when it was this node's own business."""

@@ -29,7 +29,9 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         metavar="NAME",
         help="frame_socket (unix), slcan_pty (serial line), socketcan, udp_multicast",
     )
-    parser.add_argument("--channel", default="", metavar="NAME", help="can0, or path of the socket")
+    parser.add_argument(
+        "--channel", default="", metavar="NAME", help="can0, or path of the socket"
+    )
     parser.add_argument("--can-map", type=Path, metavar="MAP.yaml", help="the PLC's signals")
     parser.add_argument("--plc", type=Path, default=DEFAULT_MAP, metavar="MAP.yaml")
     parser.add_argument("--speed-m-s", type=float, help="line speed, m/s (declaration's)")

@@ -42,6 +42,11 @@ class LockstepBus:
             )
         )
 
+    @property
+    def carries(self) -> bool:
+        """Return whether the bus takes frames."""
+        return not self._faults.cut and not self.closed
+
     def ready(self) -> bool:
         """Return whether the bus lives; a cut one comes back as soon as the fault ends."""
         cut = self._faults.cut

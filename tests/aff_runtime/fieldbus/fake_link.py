@@ -19,6 +19,10 @@ class FakeLink:
         self.takes = True
         self.bus_offs = 0
 
+    @property
+    def carries(self) -> bool:
+        return self.up
+
     def ready(self) -> bool:
         return self.up
 

@@ -92,8 +92,8 @@ def test_a_silent_node_is_asked_again_after_a_pause() -> None:
     node.tick(0)
     assert node.tick(201 * MS) is None
     assert node.trouble == "no answer to SDO 0x1017:00"
-    assert node.tick(1200 * MS) is None
-    assert hexed(node.tick(1202 * MS)) == "000 80 03"
+    assert node.tick(500 * MS) is None
+    assert hexed(node.tick(502 * MS)) == "000 80 03"
 
 
 @pytest.mark.parametrize(
@@ -118,10 +118,16 @@ def test_three_missing_heartbeats_are_a_lost_node() -> None:
 
 def test_an_emergency_stops_the_output_until_the_node_takes_it_back() -> None:
     node = started()
-    node.take(said("083 30 81 11 00 00 00 00 00"), 0)
+    node.take(said("083 10 23 11 00 00 00 00 00"), 0)  # 0x2310: continuous over-current
     assert not node.good
-    assert node.trouble == "EMCY 0x8130"
+    assert node.trouble == "EMCY 0x2310"
     node.take(said("083 00 00 00 00 00 00 00 00"), 0)
+    assert node.good
+
+
+def test_an_emergency_about_our_own_absence_does_not_keep_us_away() -> None:
+    node = started()
+    node.take(said("083 50 82 11 00 00 00 00 00"), 0)
     assert node.good
 
 
