@@ -14,7 +14,7 @@ NAMES = {"abb", "siemens", "danfoss", "schneider", "sew", "lenze", "generic_plc"
 def test_every_promised_device_has_a_profile_with_its_source() -> None:
     devices = {path.stem: load_device(path) for path in FOLDER.glob("*.yaml")}
     assert set(devices) == NAMES
-    assert {name for name, device in devices.items() if device.verified} == {"generic_plc"}
+    assert not any(device.verified for device in devices.values())  # none was on a bench yet
     assert all(device.manual and device.lost_master for device in devices.values())
 
 
