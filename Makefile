@@ -6,7 +6,7 @@ STAMP  := $(VENV)/.installed
 SPEED  ?= 200
 WIRE   ?= modbus
 
-.PHONY: demo test check bench matrix test-socketcan setup clean
+.PHONY: demo test check bench size matrix test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -40,9 +40,24 @@ matrix: setup
 test-socketcan: setup
 	$(BIN)/python -m tests.socketcan
 
-# speed, as ratios measured in one run
+# speed, as ratios measured in one run; about two minutes, writes docs/bench.md
 bench: setup
-	$(BIN)/python -m sim_plant.cli.main bench
+	$(BIN)/python -m benchmarks.runtime
+
+# what the gateway's own install (no extras) takes on disk, in an environment of its own
+size:
+	@set -e; folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
+	$(PYTHON) -m venv --without-pip "$$folder/venv"; \
+	mkdir "$$folder/source"; \
+	cp -r $(wildcard README.md) pyproject.toml aff_runtime sim_plant "$$folder/source"; \
+	empty=$$(du -sm --apparent-size "$$folder/venv" | cut -f1); \
+	$(PYTHON) -m pip --python "$$folder/venv/bin/python" install --quiet \
+		--disable-pip-version-check --no-cache-dir "$$folder/source"; \
+	"$$folder/venv/bin/aff-runtime" --help >/dev/null; \
+	for package in "$$folder"/venv/lib/python*/site-packages/*/; do \
+		case "$$package" in *.dist-info/) ;; *) du -sm --apparent-size "$$package" ;; esac; \
+	done | sed "s#$$folder/venv/lib/##" | sort -rn | head -8; \
+	echo "aff-runtime without extras: $$(du -sm --apparent-size "$$folder/venv" | cut -f1) MB (empty environment $$empty MB)"
 
 clean:
 	rm -rf $(VENV) out runs .pytest_cache .mypy_cache .ruff_cache

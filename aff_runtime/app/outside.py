@@ -12,24 +12,18 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.assemble import Assembly, controller_of, revision_of, site_of
+from aff_runtime.app.law_watch import LawWatch
 from aff_runtime.app.link import Link, LinkClosedError
 from aff_runtime.app.probe_run import ProbeRun
 from aff_runtime.app.recorded_law import RecordedLaw
 from aff_runtime.app.site_to_guard import guard_params
+from aff_runtime.app.status import explain
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.ports import Law
 from aff_runtime.base.signals import State
-from aff_runtime.loop.messages import (
-    Arm,
-    Bypass,
-    Message,
-    Shadow,
-    Stop,
-    SupervisorLost,
-    Swap,
-)
+from aff_runtime.loop.messages import Arm, Bypass, Message, Shadow, Stop, SupervisorLost, Swap
 from aff_runtime.loop.record import record_columns
 from aff_runtime.loop.seams import Advice
 from aff_runtime.loop.watchdog import ServiceNotifier
@@ -52,7 +46,6 @@ class ControlOutside:
     link : to the supervisor.
     ring : path of the ring; made anew whenever the columns change.
     meta : what a reader of the ring should know; ``start_ns`` and real-time rights among it.
-    rights : sentences about real-time rights, for the supervisor's log.
     """
 
     def __init__(self, assembly: Assembly, link: Link, ring: Path, meta: dict[str, Any]) -> None:
@@ -77,6 +70,7 @@ class ControlOutside:
         self._probe: ProbeRun | None = None
         self._next_law: RecordedLaw | None = None
         self._revision = assembly.record["config_hash"]
+        self._watch = LawWatch(self._note, self._say)
         self._ring = self._new_ring()
 
     def bypass_by_signal(self) -> None:
@@ -103,7 +97,7 @@ class ControlOutside:
 
     def fault_text(self, text: str) -> None:
         """Pass the traceback of an internal fault to the supervisor's log."""
-        self._link.send({"did": "LOG", "text": text[-4000:]})
+        self._say(text[-4000:])
 
     def blocked(self, reason: str) -> None:
         """Tell the supervisor what stands against an armed output, for ``status``."""
@@ -116,15 +110,11 @@ class ControlOutside:
             self._guard.adopt(settings)
 
     def advise(self, law: Law) -> Advice:
-        """Return why the law's side would rather not arm."""
+        """Return why the law's side would rather not arm, and whether ripple rose."""
         if self._probe is not None or not isinstance(law, RecordedLaw):
             return Advice()
-        objections = law.controller.arming_objections()
-        return Advice(
-            objections=tuple(
-                f"{actuator}: {text}" for actuator, texts in objections.items() for text in texts
-            )
-        )
+        state, quiet = self._guard.state, self._guard.quiet
+        return self._watch.advise(law, self._site, state=state, quiet=quiet, tick=self._tick)
 
     def tick_done(self, first_exchange_ok: bool) -> None:
         """Feed the watchdog of the service manager."""
@@ -187,7 +177,7 @@ class ControlOutside:
 
     def _differs(self, said: dict[str, Any]) -> list[Message]:
         """Note that the site file is not what runs."""
-        self._ring.event(self._tick, self._clock.now_ns(), CONFIG_DIFFERS)
+        self._note(CONFIG_DIFFERS)
         return []
 
     def _answer_arm(self) -> None:
@@ -200,7 +190,8 @@ class ControlOutside:
         if state in ARMED:
             self._reply(ident, ok=True, state=state.name)
         elif waited > ARM_PATIENCE_TICKS or (waited > ARM_LEAST_TICKS and state not in AT_REST):
-            text = f"READY: {self._guard.first_blocking() or 'state ' + state.name}"
+            blocked = self._guard.first_blocking().removeprefix("blocked by ")
+            text = "READY: " + (f"blocked by {explain(blocked)}" if blocked else state.name)
             self._reply(ident, ok=False, message=text, state=state.name)
         else:
             return
@@ -282,6 +273,14 @@ class ControlOutside:
         ring = RingWriter(self._ring_path, self._ring_columns, meta=self._meta)
         self._link.send({"did": "RING", "rights": self._meta["rights"]})
         return ring
+
+    def _note(self, code: int) -> None:
+        """Keep an event of the present tick."""
+        self._ring.event(self._tick, self._clock.now_ns(), code)
+
+    def _say(self, text: str) -> None:
+        """Pass a sentence to the supervisor's log."""
+        self._link.send({"did": "LOG", "text": text})
 
     def _reply(self, said: dict[str, Any], **answer: Any) -> None:
         """Answer the supervisor."""

@@ -6,8 +6,19 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from aff_runtime.base.events import BY_CODE
+from aff_runtime.app.block_status import blocks
+from aff_runtime.base.events import BY_CODE, BY_NAME
 from aff_runtime.base.signals import Outcome, State, Status
+
+POWER_UP, BYPASSED = "POWER_UP", "BYPASSED"
+PERMISSIVES = {
+    "LINE_RUN": "the line does not run",
+    "AFF_ENABLE_REQUEST": "the PLC does not ask for the correction",
+    "REMOTE": "the line is in local",
+    "WEB_INTACT": "the PLC sees no web",
+    "TENSION_VALID": "the PLC calls the tension invalid",
+    "ESTOP_OK": "an emergency stop is open",
+}
 
 
 def missing_permissive(status: int, need: Sequence[str]) -> str:
@@ -18,13 +29,16 @@ def missing_permissive(status: int, need: Sequence[str]) -> str:
     return ""
 
 
-def describe(record: Mapping[str, float], need: Sequence[str]) -> dict[str, Any]:
+def describe(
+    record: Mapping[str, float], need: Sequence[str], site: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
     """Return a ring record in words and numbers; NaN becomes None.
 
     Parameters
     ----------
     record : newest record by column name.
     need : names of the permissives, in the order in which the first missing one is named.
+    site : the site of the parameter record, for units and limits of the blocks.
     """
     state = State(int(record["state"]))
     event = BY_CODE.get(int(record["alarm"]), BY_CODE[0])
@@ -37,20 +51,42 @@ def describe(record: Mapping[str, float], need: Sequence[str]) -> dict[str, Any]
             "text": event.text,
             "action": event.action,
         },
+        "blocks": blocks(record, site or {}),
         "comm": Outcome(int(record["outcome"])).name,
         "signals": {k: v if math.isfinite(v) else None for k, v in record.items()},
     }
 
 
+def explain(blocked: str) -> str:
+    """Return what stands against an armed output, with what it means and what to do."""
+    name = blocked.split(" ", maxsplit=1)[0]
+    if name in BY_NAME:
+        event = BY_NAME[name]
+        return f"{blocked}: {event.text}; {event.action}"
+    lacks = name.removesuffix("=0")
+    return f"{blocked}: {PERMISSIVES[lacks]}" if lacks in PERMISSIVES else blocked
+
+
 def headline(answer: Mapping[str, Any]) -> str:
-    """Return the first line of ``aff-runtime status``."""
+    """Return the first line of ``aff-runtime status``: state, what blocks, what to do."""
     state, blocked = str(answer.get("state", "STARTING")), str(answer.get("blocked_by", ""))
     alarm = answer.get("alarm", {})
     line = state
-    if state == State.FAULT.name and alarm.get("code"):
-        line += f": {alarm['name']} ({alarm['text']}; {alarm['action']})"
+    if state in (State.FAULT.name, State.BYPASS.name) and alarm.get("code"):
+        line = f"{state}: {_rest(alarm, blocked)}"
     elif blocked:
-        line = f"{state}, READY: blocked by {blocked}"
+        line = f"{state}, READY: blocked by {explain(blocked)}"
     if answer.get("config_differs"):
         line += "  [CONFIG_DIFFERS]"
     return line
+
+
+def _rest(alarm: Mapping[str, Any], blocked: str) -> str:
+    """Return why the output rests, what keeps it from being armed, and the operator's step."""
+    name, text, action = str(alarm["name"]), str(alarm["text"]), str(alarm["action"])
+    why = text if name in (POWER_UP, BYPASSED) else f"{name}, {text}"
+    if blocked.split(" ", maxsplit=1)[0] == name:
+        return f"{why}; {action}"
+    if blocked:
+        return f"{why}; blocked by {explain(blocked)}"
+    return f"{why}; {action}" if name in (POWER_UP, BYPASSED) else f"{why}, over now; {action}"

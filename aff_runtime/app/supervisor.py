@@ -229,7 +229,9 @@ class Supervisor:
         }
         latest = processes.latest()
         if processes.ring is not None and latest is not None:
-            answer.update(describe(latest, processes.record["permissives"]))
+            answer.update(
+                describe(latest, processes.record["permissives"], processes.record["site"])
+            )
             answer["blocked_by"] = processes.blocked.removeprefix("blocked by ")
             answer["meta"] = processes.ring.header["meta"]
         return answer

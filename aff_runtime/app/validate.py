@@ -13,6 +13,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from aff_runtime import __version__
 from aff_runtime.app.site_to_guard import guard_params
 from aff_runtime.app.site_to_law import site_params
 from aff_runtime.app.site_to_wire import register_map
@@ -87,8 +88,8 @@ def _finding(reading: Reading, actuator: str, text: str) -> str:
 
 def _versions() -> dict[str, str]:
     """Return the versions that a record should name."""
-    names = {"python": platform.python_version()}
-    for package in ("aff-runtime", "numpy", "pydantic", "pymodbus"):
+    names = {"python": platform.python_version(), "aff-runtime": __version__}
+    for package in ("numpy", "pydantic", "pymodbus"):
         try:
             names[package] = version(package)
         except PackageNotFoundError:

@@ -36,13 +36,6 @@ TABLE: tuple[Event, ...] = (
         "check the PLC heartbeat and the network, then arm again",
     ),
     Event(
-        2,
-        "CORRECTION_NOT_ACCEPTED",
-        Reaction.FADE_AND_LATCH,
-        "the PLC does not echo our correction",
-        "look for another master writing this block",
-    ),
-    Event(
         3,
         "BLOCK_CLAMPED",
         Reaction.HOLD,

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from aff_runtime.app.status import headline
+from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 from aff_runtime.cli.service import connect
 
 EXIT_ALARM = 5
-POWER_UP = 15
+POWER_UP = BY_NAME["POWER_UP"].code
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
@@ -34,9 +35,13 @@ def status(options: argparse.Namespace) -> int:
     else:
         for line in lines(answer):
             print(line)
+    return EXIT_ALARM if is_alarm(answer) else 0
+
+
+def is_alarm(answer: Mapping[str, Any]) -> bool:
+    """Return whether a real alarm stands: a service that has just started has none."""
     alarm = int(answer.get("alarm", {}).get("code", 0))
-    stands = answer["state"] == State.FAULT.name and alarm != POWER_UP
-    return EXIT_ALARM if stands else 0
+    return answer["state"] == State.FAULT.name and alarm != POWER_UP
 
 
 def lines(answer: Mapping[str, Any]) -> Iterator[str]:
@@ -55,9 +60,37 @@ def lines(answer: Mapping[str, Any]) -> Iterator[str]:
     for name, value in signals.items():
         if "correction_" in name or name.endswith(("_tension_N", "line_speed_m_s", "_radius_m")):
             yield f"{name:32} {_number(value)}"
+    yield from block_lines(answer.get("blocks", []))
     recorder = answer.get("recorder", {})
     if recorder:
         yield f"record   {recorder.get('folder', '')} ({_recorder_words(recorder)})"
+
+
+def block_lines(blocks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the blocks as one table per actuator, not wider than 80 characters."""
+    actuator = None
+    factor = 1.0
+    for block in blocks:
+        if block["actuator"] != actuator:
+            actuator = block["actuator"]
+            unit, factor = ("mm/s", 1e3) if block["unit"] == "m/s" else (block["unit"], 1.0)
+            ripple_unit = f"{block['ripple_unit']} before>now"
+            yield (
+                f"{str(actuator)[:26]:26} {'Hz':>5} {unit + '|limit':>11} {'deg':>4} "
+                f"{ripple_unit:>14}  state"
+            )
+        amplitude = f"{_short(block['amplitude'], factor)}|{_short(block['limit'], factor)}"
+        ripple = f"{_short(block['ripple_before'])}>{_short(block['ripple'])}"
+        phase = "-" if block["phase_deg"] is None else f"{block['phase_deg']:.0f}"
+        yield (
+            f"  {block['name'][-24:]:24} {_short(block['frequency_Hz']):>5} {amplitude:>11} "
+            f"{phase:>4} {ripple:>14}  {block['state']}"
+        )
+
+
+def _short(value: float | None, factor: float = 1.0) -> str:
+    """Return a number in three digits, a dash when there is none."""
+    return "-" if value is None else f"{value * factor + 0.0:.3g}"
 
 
 def _recorder_words(recorder: Mapping[str, Any]) -> str:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+import textwrap
 from collections.abc import Mapping
 from typing import Any
 
 from aff_runtime.app.status import headline
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.cli.service import connect
-from aff_runtime.core.monitor import Trend
+from aff_runtime.cli.status import block_lines
 
 WIDTH, HEIGHT = 80, 24
 BAR = 14
@@ -49,7 +50,8 @@ def top(options: argparse.Namespace) -> int:
 def screen(answer: Mapping[str, Any]) -> list[str]:
     """Return the rows of one screen, none wider than 80 or more than 24."""
     signals: Mapping[str, float | None] = answer.get("signals", {})
-    rows = [f"{answer['line']}  {headline(answer)}", _config_row(answer), _comm_row(answer)]
+    rows = textwrap.wrap(f"{answer['line']}  {headline(answer)}", WIDTH, max_lines=2)
+    rows += [_config_row(answer), _comm_row(answer)]
     rows.append("-" * WIDTH)
     rows += [
         f"{name:40} {_shown(value)}"
@@ -58,7 +60,7 @@ def screen(answer: Mapping[str, Any]) -> list[str]:
         and "." not in name
     ]
     rows += _correction_rows(signals)
-    rows += _block_rows(signals)
+    rows += block_lines(answer.get("blocks", []))
     rows = rows[: HEIGHT - 1]
     rows.append("other terminal: aff-runtime arm | bypass | stop          ctrl-c leaves")
     return [row[:WIDTH] for row in rows]
@@ -93,28 +95,6 @@ def _correction_rows(signals: Mapping[str, float | None]) -> list[str]:
         share = signals.get(f"applied_ratio_{output}") or 0.0
         bar = "#" * round(BAR * min(1.0, max(0.0, share)))
         rows.append(f"{name:40} {_shown(value):>12}  |{bar:.<{BAR}}| out")
-    return rows
-
-
-def _block_rows(signals: Mapping[str, float | None]) -> list[str]:
-    """Return one row per block: amplitude, phase, ripple before and now, what it does."""
-    rows = []
-    for name, ripple in signals.items():
-        if not name.endswith(".ripple"):
-            continue
-        block = name.removesuffix(".ripple")
-        said = {
-            column.rsplit(".", 1)[1]: value
-            for column, value in signals.items()
-            if column.startswith(block + ".")
-        }
-        amplitude = next((v for k, v in said.items() if k.startswith("amplitude_")), None)
-        state = said.get("state")
-        doing = "" if state is None else Trend(int(state)).name
-        rows.append(
-            f"{block:33} {_shown(amplitude):>10} {_shown(said.get('phase_deg')):>8} deg "
-            f"{_shown(said.get('ripple_before')):>7}>{_shown(ripple):<7} {doing}"
-        )
     return rows
 
 

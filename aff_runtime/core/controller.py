@@ -9,6 +9,7 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
 from aff_runtime.core.bank import Bank
 from aff_runtime.core.law import ActuatorLaw, Inputs
+from aff_runtime.core.monitor import SLOWEST_RAD_S
 from aff_runtime.core.params import ActuatorParams, LawKind, SiteParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.printed import PrintedLaw
@@ -102,6 +103,22 @@ class Controller:
     def ripple(self) -> tuple[tuple[float, float], ...]:
         """Return ripple before and now per actuator, in its signal's unit; NaN when unknown."""
         return tuple(law.ripple() for law in self._laws)
+
+    def forget(self, actuator: int) -> None:
+        """Drop what one actuator's law has learned, and its ripple before and now."""
+        for roll in self._phases.by_name:
+            self._laws[actuator].reset_roll(roll)
+
+    @property
+    def line_speed_m_s(self) -> float:
+        """Line speed of the last step, m/s; NaN when unknown."""
+        return self._inputs.line_speed_m_s
+
+    @property
+    def slowest_omega_rad_s(self) -> float:
+        """Speed of the slowest roll that turns, rad/s; 0 when none does."""
+        turning = [abs(phase.omega_rad_s) for phase in self._phases.by_name.values()]
+        return min((omega for omega in turning if omega > SLOWEST_RAD_S), default=0.0)
 
     def adopt(self, old: Controller) -> None:
         """Go on where another controller stands: angles and weights (bumpless retuning)."""

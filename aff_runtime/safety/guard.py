@@ -3,13 +3,7 @@
 from __future__ import annotations
 
 from aff_runtime.base.events import BY_CODE, BY_NAME
-from aff_runtime.base.signals import (
-    ActuatorStep,
-    Outcome,
-    Permission,
-    Snapshot,
-    State,
-)
+from aff_runtime.base.signals import ActuatorStep, Outcome, Permission, Snapshot, State
 from aff_runtime.safety.causes import FADING, HOLDING, LATCHING, bit, first_code
 from aff_runtime.safety.envelope import Envelope
 from aff_runtime.safety.freshness import Freshness, FreshnessJudge
@@ -17,12 +11,14 @@ from aff_runtime.safety.lease import Lease
 from aff_runtime.safety.limits import Limiter, makes_sense
 from aff_runtime.safety.line_judge import LineJudge
 from aff_runtime.safety.params import GuardParams
+from aff_runtime.safety.plc_reset import PlcReset
 from aff_runtime.safety.state_machine import Inputs, Standing, advance
 from aff_runtime.safety.state_word import state_word
 
 _POWER_UP = BY_NAME["POWER_UP"].code
 _BYPASSED = BY_NAME["BYPASSED"].code
 _PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
+_OF_START = bit("PLC_STALE") | bit("OVERRUN")  # no news until there was a connection
 _AT_REST = (State.FAULT, State.BYPASS)
 
 
@@ -57,6 +53,8 @@ class Guard:
         self._causes = self._found_in_tick = 0
         self._first_out = _POWER_UP
         self._comm_warn = True
+        self._was_connected = False
+        self._plc_reset = PlcReset()
         self._observed_ns: int | None = None
         self._tick = 0
         self._events: list[tuple[int, int]] = [(0, _POWER_UP)]
@@ -64,13 +62,20 @@ class Guard:
     # --- the operator -----------------------------------------------------------------------
 
     def arm(self) -> str:
-        """Ask for an armed output at the next tick; return what stands against it now, or ''."""
+        """Ask for an armed output at the next tick; return what stands against it now, or ''.
+
+        In remote the PLC alone arms, by its reset: the word of anybody else changes nothing.
+        """
+        if not self._plc_reset.remote:
+            self._take_arm_edge()
+        return self.first_blocking()
+
+    def _take_arm_edge(self) -> None:
         self._arm_edge = True
         self.ripple_rose = False
         if self.standing.state is State.FAULT:
             self._line.confirm_rolls()
             self._causes &= ~bit("RADIUS_JUMP")
-        return self.first_blocking()
 
     def bypass(self) -> None:
         """Take the correction back now; works in every state and outlives pending requests."""
@@ -83,7 +88,6 @@ class Guard:
         self._arm_edge = False
 
     # --- the assembly -----------------------------------------------------------------------
-
     def adopt(self, params: GuardParams) -> bool:
         """Take new settings between two ticks; False and no change when the outputs differ."""
         if [a.name for a in params.actuators] != [a.name for a in self.params.actuators]:
@@ -131,7 +135,6 @@ class Guard:
         return events
 
     # --- the cycle --------------------------------------------------------------------------
-
     def observe(
         self, snapshot: Snapshot, now_ns: int, overrun: bool, supervisor_alive: bool
     ) -> Permission:
@@ -150,9 +153,13 @@ class Guard:
         causes = self._found_in_tick | self._line.judge(snapshot, now_ns)
         causes |= self._causes_of_time(now_ns, freshness, overrun, supervisor_alive)
         self._found_in_tick = 0
-        self._note_events(causes)
+        self._was_connected = self._was_connected or freshness is Freshness.GOOD
+        news = causes if self._was_connected else causes & ~_OF_START
+        self._note_events(news)
+        if self._plc_reset.step(snapshot, trusted=freshness is Freshness.GOOD):
+            self._take_arm_edge()
         self._causes = causes
-        self._advance()
+        self._advance(news & LATCHING)
         return Permission(
             adapt=self.standing.state is State.ACTIVE
             and not self._comm_warn
@@ -190,7 +197,6 @@ class Guard:
         return corrections, word, self._alarm()
 
     # --- inside -----------------------------------------------------------------------------
-
     def _take(self, steps: tuple[ActuatorStep, ...] | None) -> None:
         """Judge the law's wishes before any output moves; a wish without sense becomes zero."""
         if steps is None or len(steps) != len(self._limiters):
@@ -226,13 +232,12 @@ class Guard:
         if not self.standing.armed:
             rising &= ~_PERMISSIVE_LOST
         while rising:
-            code = first_code(rising)
-            self._events.append((self._tick, code))
+            self._events.append((self._tick, first_code(rising)))
             rising &= rising - 1
         if self._bypass_edge:
             self._events.append((self._tick, _BYPASSED))
 
-    def _advance(self) -> None:
+    def _advance(self, news: int) -> None:
         before = self.standing.state
         latching = self._causes & LATCHING
         quiet = self.quiet
@@ -250,8 +255,8 @@ class Guard:
             ),
         )
         is_news = before is not State.FAULT or self._first_out == _POWER_UP
-        if self.standing.state is State.FAULT and latching and is_news:
-            self._first_out = first_code(latching)
+        if self.standing.state is State.FAULT and news and is_news:
+            self._first_out = first_code(news)
         # An early press of "arm" waits for the end of a fade, but never outlives a new cause.
         waits = before in _AT_REST and self.standing.state is before and not quiet
         self._arm_edge = self._arm_edge and waits and not latching and not self._bypass_edge
@@ -281,7 +286,10 @@ class Guard:
             return BY_CODE[first_code(self._causes & FADING)].name
         if self.objections:
             return self.objections[0]
-        return "SHADOW=1" if self._shadow else ""
+        if self._shadow:
+            return "SHADOW=1"
+        by_plc = self._plc_reset.remote and not self.standing.armed
+        return "REMOTE=1: the PLC arms, by its reset" if by_plc else ""
 
     def _alarm(self) -> int:
         state = self.standing.state

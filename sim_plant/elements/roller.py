@@ -7,6 +7,7 @@ import math
 from sim_plant.base.jit import compiled
 
 STICTION_SPEED_RAD_S = 0.3
+FULL_FRICTION = 20.0  # tanh is 1 to the last bit from 19.1 on, and slow
 GRAVITY_M_S2 = 9.80665
 
 
@@ -17,9 +18,14 @@ def friction_torque(constant_N_m: float, viscous_N_m_s: float, omega_rad_s: floa
     Equation: tau_f = c tanh(omega / 0.3 rad/s) + b omega   [source 2.32, 2.44 with + signs; the
     tanh is the declaration's smooth sign]. Never raises.
     """
-    return constant_N_m * math.tanh(omega_rad_s / STICTION_SPEED_RAD_S) + (
-        viscous_N_m_s * omega_rad_s
-    )
+    ratio = omega_rad_s / STICTION_SPEED_RAD_S
+    if ratio > FULL_FRICTION:
+        level = 1.0
+    elif ratio < -FULL_FRICTION:
+        level = -1.0
+    else:
+        level = math.tanh(ratio)
+    return constant_N_m * level + viscous_N_m_s * omega_rad_s
 
 
 @compiled

@@ -12,9 +12,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, strict=True)]
+Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 
 
 class Section(BaseModel):
@@ -53,7 +53,7 @@ class Roller(Section):
     friction_constant_N_m: NotNegative
     friction_viscous_N_m_s: NotNegative
     rotation: Literal["ccw", "cw"]
-    wrap_angle_deg: float | None = None
+    wrap_angle_deg: Finite | None = None
     center_x_m: Finite
     center_y_m: Finite
 

@@ -27,21 +27,29 @@ class Work(NamedTuple):
 @compiled
 def rk4(p: LineArrays, lay: Layout, s: LineState, w: Work, dt_s: float) -> None:
     """Advance the continuous state by ``dt_s`` with the classical fourth-order rule."""
-    size = s.y.size
-    for stage in range(4):
-        if stage == 0:
-            w.trial[:] = s.y
-        else:
-            reach = dt_s if stage == 3 else 0.5 * dt_s
-            for j in range(size):
-                w.trial[j] = s.y[j] + reach * w.rates[stage - 1, j]
-        derivative(
-            p, lay, w.trial, s.torque_N_m, w.moving, s.phi_rad, w.contacts, w.tensions,
-            w.rates[stage],
-        )  # fmt: skip
+    y, trial, half = s.y, w.trial, 0.5 * dt_s
+    k1, k2, k3, k4 = w.rates[0], w.rates[1], w.rates[2], w.rates[3]
+    slope(p, lay, s, w, y, k1)
+    for j in range(y.size):
+        trial[j] = y[j] + half * k1[j]
+    slope(p, lay, s, w, trial, k2)
+    for j in range(y.size):
+        trial[j] = y[j] + half * k2[j]
+    slope(p, lay, s, w, trial, k3)
+    for j in range(y.size):
+        trial[j] = y[j] + dt_s * k3[j]
+    slope(p, lay, s, w, trial, k4)
     sixth = dt_s / 6.0
-    for j in range(size):
-        s.y[j] += sixth * (w.rates[0, j] + 2.0 * (w.rates[1, j] + w.rates[2, j]) + w.rates[3, j])
+    for j in range(y.size):
+        y[j] += sixth * (k1[j] + 2.0 * (k2[j] + k3[j]) + k4[j])
+
+
+@compiled
+def slope(p: LineArrays, lay: Layout, s: LineState, w: Work, y: Array, dy: Array) -> None:
+    """Write dy/dt at the trial state ``y``."""
+    derivative(
+        p, lay, y, s.torque_N_m, w.moving, s.phi_rad, w.contacts, w.tensions, dy
+    )  # fmt: skip
 
 
 @compiled
@@ -67,9 +75,10 @@ def drive_reference(
     if drive.loop >= 0:
         correction += s.loop_correction_m_s[drive.loop]
     ring = s.delay_m_s.shape[1]
-    at = s.counters[1] % ring
+    at = s.counters[1]
     s.delay_m_s[d, at] = correction
-    delayed = s.delay_m_s[d, (at - drive.delay_ticks) % ring]
+    past = at - drive.delay_ticks
+    delayed = s.delay_m_s[d, past if past >= 0 else past + ring]
     wanted = line_speed_m_s * (1.0 + drive.draw) + delayed
     step = drive.slew_m_s2 * p.timing[0].drive_tick_s
     if step > 0.0:
@@ -80,15 +89,27 @@ def drive_reference(
 
 
 @compiled
-def drive_speed(p: LineArrays, lay: Layout, s: LineState, d: int, noise: float) -> float:
-    """Return the speed that drive ``d`` reads from its encoder, rad/s."""
+def encoder_speed(p: LineArrays, lay: Layout, s: LineState, d: int, share: float) -> float:
+    """Return the speed at the encoder of drive ``d``, rad/s: w (1 + share e cos(theta + a)).
+
+    The encoder sits on the motor. An eccentric one reads the angle theta + e sin(theta + a).
+    """
     drive = p.drives[d]
     k = drive.body
     stiff = drive.shaft_stiffness_N_m == 0.0
     omega = s.y[lay.omega + k] if stiff else s.y[lay.motor + d]
-    if drive.encoder_eccentricity != 0.0:
-        turn = s.y[lay.theta + k] + drive.encoder_angle_rad
-        omega *= 1.0 + drive.encoder_eccentricity * math.cos(turn)
+    eccentricity = share * drive.encoder_eccentricity
+    if eccentricity != 0.0:
+        turn = s.y[lay.theta + k] + s.y[lay.twist + d] + drive.encoder_angle_rad
+        omega *= 1.0 + eccentricity * math.cos(turn)
+    return float(omega)
+
+
+@compiled
+def drive_speed(p: LineArrays, lay: Layout, s: LineState, d: int, noise: float) -> float:
+    """Return the speed that the loop of drive ``d`` reads, rad/s."""
+    drive = p.drives[d]
+    omega = encoder_speed(p, lay, s, d, drive.encoder_loop_share)
     if p.timing[0].noisy == 0:
         return expected_quantise(omega, drive.lsb_rad_s, drive.noise_rad_s)
     return quantise(omega + drive.noise_rad_s * noise, drive.lsb_rad_s)
@@ -115,13 +136,18 @@ def run_drives(
         )  # fmt: skip
         s.torque_N_m[d] = torque
         s.drive_integral[d] = integral
-    s.counters[1] += 1
+    s.counters[1] = (s.counters[1] + 1) % s.delay_m_s.shape[1]
 
 
 @compiled
 def measure(p: LineArrays, lay: Layout, s: LineState, noise: Array) -> None:
-    """Sample load cells and speeds; ``noise`` is (c + d,) standard normal."""
+    """Sample load cells and speeds; ``noise`` is (c + d,) standard normal.
+
+    A noise-free run feeds the mean reading of a cell to the tension loops and records speeds
+    without quantisation.
+    """
     cells = p.cells.size
+    noisy = p.timing[0].noisy != 0
     for c in range(cells):
         cell = p.cells[c]
         true = cell.gain * s.y[lay.cell + c] + cell.offset_N
@@ -129,12 +155,16 @@ def measure(p: LineArrays, lay: Layout, s: LineState, noise: Array) -> None:
             turn = 2.0 * math.pi * cell.hum_Hz * s.time_s[0] + cell.hum_phase_rad
             true += cell.hum_N * math.cos(turn)
         s.true_N[c] = true
-        if p.timing[0].noisy == 0:
-            s.measured_N[c] = expected_quantise(true, cell.lsb_N, cell.noise_N)
-        else:
+        if noisy:
             s.measured_N[c] = quantise(true + cell.noise_N * noise[c], cell.lsb_N)
+        else:
+            s.measured_N[c] = expected_quantise(true, cell.lsb_N, cell.noise_N)
     for d in range(p.drives.size):
-        s.measured_rad_s[d] = drive_speed(p, lay, s, d, noise[cells + d])
+        speed = encoder_speed(p, lay, s, d, 1.0)
+        if noisy:
+            drive = p.drives[d]
+            speed = quantise(speed + drive.noise_rad_s * noise[cells + d], drive.lsb_rad_s)
+        s.measured_rad_s[d] = speed
 
 
 @compiled

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.line.declaration import Declaration
+from sim_plant.line.yaml_places import Place, read_places
 
 LENGTH_TOLERANCE_M = 2e-3
 
@@ -29,36 +30,60 @@ def load_declaration(path: str | Path) -> Declaration:
     except (OSError, UnicodeDecodeError) as error:
         raise PlantError(f"{path}: cannot be read ({error}). Give a line declaration.") from error
     try:
-        data = yaml.safe_load(text)
+        data, places, repeated = read_places(text)
     except yaml.YAMLError as error:
         raise PlantError(f"{path}: not YAML: {error}") from error
     if not isinstance(data, dict):
         raise PlantError(f"{path}: holds no keys; expected schema: web-line-declaration/1")
+    if repeated:
+        raise PlantError("\n".join(f"{path}:{finding}" for finding in repeated))
     try:
         declaration = Declaration.model_validate(data)
     except ValidationError as error:
-        raise PlantError(_readable(path, error)) from error
+        raise PlantError(_readable(path, error, places)) from error
     findings = consistency(declaration)
     if findings:
         raise PlantError("\n".join(f"{path}: {finding}" for finding in findings))
     return declaration
 
 
-def _readable(path: str | Path, error: ValidationError) -> str:
+def _readable(
+    path: str | Path, error: ValidationError, places: dict[Place, tuple[int, int]]
+) -> str:
     lines = []
     for item in error.errors():
-        where = ".".join(str(part) for part in item["loc"])
-        shown = repr(item.get("input"))[:60]
-        lines.append(f"{path}: {where}: read {shown}; {item['msg']}")
+        at = tuple(item["loc"])
+        while at not in places:  # a missing key stands where its section does
+            at = at[:-1]
+        line, column = places[at]
+        where, given = ".".join(map(str, item["loc"])), item.get("input")
+        said = item["msg"] + _hint(given)
+        if item["type"] == "missing":
+            lines.append(f"{path}:{line}:{column}: {where}: {said}")
+        else:
+            lines.append(f"{path}:{line}:{column}: {where}: read {repr(given)[:60]}; {said}")
     return "\n".join(lines)
+
+
+def _hint(given: object) -> str:
+    """Return how to write a number that YAML reads as text, such as 1e-3."""
+    try:
+        return f"; write {float(given)!r} without quotes" if isinstance(given, str) else ""
+    except ValueError:
+        return ""
 
 
 def consistency(line: Declaration) -> list[str]:
     """Return contradictions between the parts of a declaration, as sentences."""
     names = [roller.name for roller in line.rollers]
-    findings = [f"rollers: {n} appears twice" for n in sorted(set(names)) if names.count(n) > 1]
+    findings = _twice("rollers", names)
     if line.rollers[0].kind != "roll" or line.rollers[-1].kind != "roll":
         findings.append("rollers: the first and the last must be of kind roll")
+    findings += [
+        f"rollers.{r.name}.kind: read 'roll'; only the first and the last can be"
+        for r in line.rollers[1:-1]
+        if r.kind == "roll"
+    ]
     expected = list(itertools.pairwise(names))
     given = [(span.start, span.end) for span in line.spans]
     if given != expected:
@@ -97,11 +122,25 @@ def _references(line: Declaration, names: list[str]) -> list[str]:
     for where, name in users:
         if name not in names:
             findings.append(f"{where}: roller {name} does not exist")
+    findings += _twice("control.drives", [d.roller for d in line.control.drives])
+    findings += _twice("sensors", [s.channel for s in line.sensors])
     cells = {s.roller for s in line.sensors if s.low_pass_Hz is not None}
+    findings += [
+        f"sensors: a load cell needs a span on both sides, {name} has one"
+        for name in (names[0], names[-1])
+        if name in cells
+    ]
+    driven = {drive.roller for drive in line.control.drives}
     for loop in line.control.tension_pi:
         if loop.load_cell not in cells:
             findings.append(f"control.tension_pi.{loop.loop}: no load cell on {loop.load_cell}")
+        if loop.acts_on not in driven:
+            findings.append(f"control.tension_pi.{loop.loop}: no drive on {loop.acts_on}")
     ratio = line.control.tension_loop_sample_time_s / line.control.drive_sample_time_s
     if abs(ratio - round(ratio)) > 1e-9:
         findings.append("control: tension loop period must be a multiple of the drive period")
     return findings
+
+
+def _twice(where: str, names: list[str]) -> list[str]:
+    return [f"{where}: {n} appears twice" for n in sorted(set(names)) if names.count(n) > 1]

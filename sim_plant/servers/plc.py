@@ -21,7 +21,6 @@ _LIMIT_TOLERANCE = 1.0 + 1e-9
 ALL_WELL = (
     Status.LINE_RUN
     | Status.AFF_ENABLE_REQUEST
-    | Status.REMOTE
     | Status.WEB_INTACT
     | Status.TENSION_VALID
     | Status.ESTOP_OK

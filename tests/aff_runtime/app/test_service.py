@@ -104,6 +104,9 @@ def test_an_added_order_gets_its_columns_recorded(service: ServiceRun) -> None:
     service.edit("orders: [1, 2, 3, 4]", "orders: [1, 2, 3, 4, 5]")
     column = "unwind.unwind_5x.amplitude_m_s"
     until(lambda: column in service.status().get("signals", {}))
+    (block,) = [b for b in service.status()["blocks"] if b["name"] == "unwind_5x"]
+    assert (block["actuator"], block["unit"], block["ripple_unit"]) == ("unwind", "m/s", "N")
+    assert (block["limit"], block["settle_s"]) == (0.02, 9.0)
 
 
 def test_a_fixed_key_restarts_the_control_process_when_nothing_goes_out(

@@ -6,8 +6,11 @@ import math
 
 import pytest
 
-from aff_runtime.app.status import describe, headline, missing_permissive
+from aff_runtime.app.block_status import WORDS
+from aff_runtime.app.status import describe, explain, headline, missing_permissive
+from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State, Status
+from aff_runtime.core.monitor import Trend
 
 NEED = ["LINE_RUN", "WEB_INTACT", "AFF_ENABLE_REQUEST"]
 
@@ -43,10 +46,92 @@ def test_a_record_is_told_in_words_and_nan_becomes_nothing() -> None:
     assert answer["signals"]["unwind_tension_N"] is None
 
 
-def test_the_headline_says_what_blocks_and_what_to_do() -> None:
-    off = describe(record(State.OFF, Status.LINE_RUN), NEED)
-    assert headline(off) == "OFF, READY: blocked by WEB_INTACT=0"
-    fault = describe(record(State.FAULT, 255, 1), NEED)
-    assert "PLC_STALE" in headline(fault)
-    assert "arm again" in headline(fault)
-    assert headline({**off, "config_differs": ["x"]}).endswith("[CONFIG_DIFFERS]")
+def told(state: State, alarm: str = "NONE", blocked: str = "", **more: object) -> str:
+    answer = describe(record(state, 0, BY_NAME[alarm].code), NEED)
+    return headline({**answer, "blocked_by": blocked, **more})
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (told(State.ACTIVE), "ACTIVE"),
+        (
+            told(State.OFF, blocked="WEB_INTACT=0"),
+            "OFF, READY: blocked by WEB_INTACT=0: the PLC sees no web",
+        ),
+        (told(State.FAULT, "POWER_UP"), "FAULT: just started; arm when ready"),
+        (
+            told(State.FAULT, "POWER_UP", "PLC_STALE"),
+            "FAULT: just started; blocked by PLC_STALE: PLC data is stale; "
+            "check the PLC heartbeat and the network, then arm again",
+        ),
+        (
+            told(State.FAULT, "TENSION_IMPLAUSIBLE", "TENSION_IMPLAUSIBLE (unwind_tension_N)"),
+            "FAULT: TENSION_IMPLAUSIBLE, tension is NaN, stuck or out of range; "
+            "check the load cell, then arm again",
+        ),
+        (
+            told(State.FAULT, "PLC_STALE", "LINE_RUN=0"),
+            "FAULT: PLC_STALE, PLC data is stale; blocked by LINE_RUN=0: the line does not run",
+        ),
+        (
+            told(State.FAULT, "OVERRUN"),
+            "FAULT: OVERRUN, control cycle overran three times in a row, over now; "
+            "check CPU load and real-time rights, then arm again",
+        ),
+        (told(State.BYPASS, "BYPASSED"), "BYPASS: bypass by operator; arm to return"),
+        (told(State.ACTIVE, config_differs=["x"]), "ACTIVE  [CONFIG_DIFFERS]"),
+    ],
+)
+def test_the_headline_says_what_blocks_and_what_to_do(line: str, expected: str) -> None:
+    assert line == expected
+
+
+def test_an_objection_of_the_law_is_told_as_it_is() -> None:
+    text = "unwind: no measured response; run the probe"
+    assert explain(text) == text
+
+
+SITE = {
+    "actuators": {
+        "unwind": {
+            "error": {"signal": "unwind_tension_N"},
+            "blocks": [
+                {"roll": "swrap", "orders": [1], "settle_s": 10, "amp_limit_m_s": 0.01},
+                {"roll": "unwind", "orders": [1, 2], "settle_s": 6, "amp_limit_m_s": 0.02},
+            ],
+        }
+    }
+}
+
+
+def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
+    row = {
+        **record(State.ACTIVE, 0),
+        "unwind.omega_rad_s": math.tau * 0.8,
+        "unwind.quality": 0.0,
+        "unwind.unwind_2x.amplitude_m_s": 0.004,
+        "unwind.unwind_2x.phase_deg": -71.0,
+        "unwind.unwind_2x.state": float(Trend.CLAMPED),
+        "unwind.unwind_2x.ripple_before": 1.5,
+        "unwind.unwind_2x.ripple": math.nan,
+    }
+    (block,) = describe(row, NEED, SITE)["blocks"]
+    assert block.pop("frequency_Hz") == pytest.approx(1.6)
+    assert block == {
+        "actuator": "unwind",
+        "name": "unwind_2x",
+        "state": "CLAMPED",
+        "amplitude": 0.004,
+        "unit": "m/s",
+        "limit": 0.02,
+        "phase_deg": -71.0,
+        "ripple_before": 1.5,
+        "ripple": None,
+        "ripple_unit": "N",
+        "settle_s": 6,
+    }
+
+
+def test_every_state_of_a_block_has_a_word() -> None:
+    assert set(WORDS) == set(Trend)

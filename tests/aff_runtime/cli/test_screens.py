@@ -4,8 +4,25 @@ from __future__ import annotations
 
 from typing import Any
 
-from aff_runtime.cli.status import lines
+from aff_runtime.base.events import BY_NAME
+from aff_runtime.cli.status import block_lines, is_alarm, lines
 from aff_runtime.cli.top import screen
+
+
+def block(order: int) -> dict[str, Any]:
+    return {
+        "actuator": "unwind",
+        "name": f"swrap_follower_with_a_long_name_{order}x",
+        "state": "HELD phase",
+        "frequency_Hz": 1.05234 * order,
+        "amplitude": 0.00123456,
+        "unit": "m/s",
+        "limit": 0.02,
+        "phase_deg": -122.4567,
+        "ripple_before": 13.456789,
+        "ripple": None if order == 2 else 0.0123456,
+        "ripple_unit": "N",
+    }
 
 
 def answer(blocks: int = 30) -> dict[str, Any]:
@@ -19,15 +36,6 @@ def answer(blocks: int = 30) -> dict[str, Any]:
         "correction_unwind_m_s": 0.0014,
         "applied_ratio_unwind_m_s": 0.5,
     }
-    for n in range(1, blocks + 1):
-        block = f"unwind.swrap_follower_with_a_long_name_{n}x"
-        signals |= {
-            f"{block}.amplitude_m_s": 0.00123456,
-            f"{block}.phase_deg": -122.4567,
-            f"{block}.state": 2.0,
-            f"{block}.ripple_before": 3.456789,
-            f"{block}.ripple": None,
-        }
     return {
         "line": "Euclid",
         "state": "ACTIVE",
@@ -37,6 +45,7 @@ def answer(blocks: int = 30) -> dict[str, Any]:
         "config_hash": "3f9a" * 16,
         "config_differs": ["site.yaml:7:3  line: x"],
         "signals": signals,
+        "blocks": [block(n) for n in range(1, blocks + 1)],
         "recorder": {"folder": "/r/20260101T000000Z_E", "rows": 10, "rows_lost": 3, "alive": True},
     }
 
@@ -56,6 +65,25 @@ def test_the_screen_works_before_the_first_record() -> None:
 def test_half_of_the_wish_going_out_fills_half_of_the_bar() -> None:
     (row,) = [row for row in screen(answer(0)) if row.startswith("correction_unwind")]
     assert row.count("#") == row.count(".") - "0.0014".count(".")
+
+
+def test_a_block_is_told_with_units_and_its_state_in_a_word() -> None:
+    table = list(block_lines(answer(2)["blocks"]))
+    assert table[0].split() == ["unwind", "Hz", "mm/s|limit", "deg", "N", "before>now", "state"]
+    name, *rest = table[1].split()
+    assert name.endswith("_1x")
+    assert rest == ["1.05", "1.23|20", "-122", "13.5>0.0123", "HELD", "phase"]
+    assert "13.5>-" in table[2]
+    assert max(map(len, table)) <= 80
+
+
+def test_the_alarm_code_is_for_alarms_only() -> None:
+    def fault(code: int) -> dict[str, Any]:
+        return {**answer(0), "state": "FAULT", "alarm": {"code": code}}
+
+    assert not is_alarm(fault(BY_NAME["POWER_UP"].code))
+    assert is_alarm(fault(BY_NAME["PLC_STALE"].code))
+    assert not is_alarm({**answer(0), "state": "OFF"})
 
 
 def test_lost_rows_and_a_differing_file_are_told() -> None:

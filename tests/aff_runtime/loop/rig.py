@@ -16,6 +16,7 @@ from aff_runtime.base.signals import (
     Snapshot,
     State,
     StateBits,
+    Status,
 )
 from aff_runtime.loop.cycle import Cycle, CycleSettings
 from aff_runtime.loop.messages import Arm, Message
@@ -26,7 +27,7 @@ from aff_runtime.safety.params import ActuatorLimits, GuardParams
 
 PERIOD_NS = 5_000_000
 FADE_TICKS = 30
-ALL_BITS = 0b01101111
+ALL_BITS = int(Status(0xFF) & ~(Status.REMOTE | Status.SPLICE_ACTIVE | Status.RESET_EDGE))
 CHANNELS = ("tension_N",)
 PARAMS = GuardParams(
     actuators=(ActuatorLimits(name="unwind", limit=0.05, slew_limit=2.0, soft_start_s=0.05),),

@@ -22,7 +22,6 @@ TENSION, SPEED, RADIUS = 0, 1, 2
 ALL_WELL = (
     Status.LINE_RUN
     | Status.AFF_ENABLE_REQUEST
-    | Status.REMOTE
     | Status.WEB_INTACT
     | Status.TENSION_VALID
     | Status.ESTOP_OK

@@ -31,6 +31,39 @@ def test_it_starts_in_fault_with_zero_and_says_power_up() -> None:
     assert not bench.bits & (StateBits.ACTIVE | StateBits.FADING | StateBits.ARMED)
 
 
+def test_before_the_first_connection_the_alarm_stays_power_up() -> None:
+    bench = Bench()
+    bench.outcome = Outcome.NOT_CONNECTED
+    bench.run(200)
+    bench.overrun = True
+    bench.run()
+    bench.overrun = False
+    assert bench.alarm == BY_NAME["POWER_UP"].code
+    assert bench.codes() == ["POWER_UP"]
+    assert bench.guard.first_blocking() == "blocked by PLC_STALE"
+    bench.outcome = Outcome.OK
+    bench.run(50)
+    assert bench.alarm == BY_NAME["POWER_UP"].code
+    assert bench.guard.first_blocking() == ""
+
+
+def test_a_connection_lost_before_the_first_arm_is_an_alarm() -> None:
+    bench = Bench()
+    bench.run(10)
+    bench.outcome = Outcome.TIMEOUT
+    bench.run(FAULT_TICKS + 1)
+    assert bench.alarm == BY_NAME["PLC_STALE"].code
+    assert bench.codes() == ["POWER_UP", "PLC_STALE"]
+
+
+def test_a_dead_supervisor_is_news_even_before_the_first_connection() -> None:
+    bench = Bench()
+    bench.outcome = Outcome.NOT_CONNECTED
+    bench.supervisor_alive = False
+    bench.run(2)
+    assert bench.alarm == BY_NAME["SUPERVISOR_LOST"].code
+
+
 def test_arming_opens_softly_from_zero_to_the_whole_wish() -> None:
     bench = Bench()
     bench.run()

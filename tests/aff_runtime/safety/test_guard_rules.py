@@ -91,7 +91,7 @@ class OutputRules(RuleBasedStateMachine):
         bench.outcome, bench.overrun, bench.supervisor_alive = Outcome.OK, False, True
         bench.tension_N, bench.speed_m_s, bench.radius_m = 90.0, 1.0, 0.2
         bench.heartbeat_moves, bench.status = True, bench.status | 0b111001 | 2
-        bench.status &= ~Status.SPLICE_ACTIVE
+        bench.status &= ~(Status.SPLICE_ACTIVE | Status.REMOTE)
         bench.steps = (STEP, STEP)
         bench.guard.shadow(False)
         self.pass_time(FADE_TICKS + 2)
@@ -115,6 +115,8 @@ class OutputRules(RuleBasedStateMachine):
     @rule(bit=st.sampled_from(list(Status)), on=st.booleans())
     def status(self, bit: Status, on: bool) -> None:
         (self.bench.set if on else self.bench.clear)(bit)
+        if bit is Status.RESET_EDGE and on and self.bench.status & Status.REMOTE:
+            self.edge = True
         self.tick()
 
     @rule(value=NUMBERS, name=st.sampled_from(["tension_N", "speed_m_s", "radius_m"]))

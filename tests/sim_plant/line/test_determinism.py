@@ -4,7 +4,6 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.line.open import make_line
-from sim_plant.line.with_effects import places
 from tests.sim_plant.line.lines import declared, with_effect
 
 
@@ -82,4 +81,3 @@ def test_unknown_inputs_and_undriven_rollers_are_refused():
         line.step({"speed": 1.0})
     with pytest.raises(PlantError, match="'R3' has no drive"):
         line.step({"aff_R3_m_s": 0.0})
-    assert places(declared("euclid"), line.arrays, CATALOGUE[0], "R3", "effects.0") == [3]

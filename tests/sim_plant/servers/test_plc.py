@@ -101,7 +101,8 @@ def test_a_missing_permissive_stops_the_correction_and_its_return_restores_it(bi
 
 def test_remote_is_shown_but_not_needed():
     bench = Bench().armed()
-    bench.plc.set_status(Status.REMOTE, False)
+    assert not bench.plc.status & Status.REMOTE
+    bench.plc.set_status(Status.REMOTE, True)
     assert unwind(bench.scan(unwind=1000)) == pytest.approx(0.01)
 
 

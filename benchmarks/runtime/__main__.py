@@ -1,0 +1,42 @@
+"""Measure kernel, wake-up, law and wire in one run; print a table and write ``docs/bench.md``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from aff_runtime.base.clock import wall_time_iso
+from benchmarks.runtime.facts import Row, Section, machine
+from benchmarks.runtime.latency import latency
+from benchmarks.runtime.law_time import law_time
+from benchmarks.runtime.page import markdown, text
+from benchmarks.runtime.whole_tick import whole_tick
+from sim_plant.cli.bench_kernel import bench_kernel, table
+
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "bench.md"
+
+
+def main() -> None:
+    """Take about two minutes with the defaults; a tenth with ``--quick``, for a look."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.runtime")
+    parser.add_argument("--page", type=Path, default=PAGE, help=f"page to write (default {PAGE})")
+    parser.add_argument("--quick", action="store_true", help="a tenth of the time, no page")
+    options = parser.parse_args()
+    share = 0.1 if options.quick else 1.0
+    sections = [machine(), kernel(), latency(20.0 * share), law_time(8.0 * share)]
+    sections.append(whole_tick(20.0 * share))
+    print(text(sections))
+    if not options.quick:
+        options.page.write_text(markdown(sections, date=wall_time_iso()), encoding="utf-8")
+        print(f"written: {options.page}")
+
+
+def kernel() -> Section:
+    """Return the speed of the compiled line with the convergence of its step."""
+    found = table(bench_kernel()).splitlines()
+    rows = tuple(Row(name=line[:12].strip(), value=line[12:].strip()) for line in found)
+    return Section(title="Compiled line", note="", rows=rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,59 @@
+"""The bench counts what it says it counts."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
+from benchmarks.runtime.latency import parse
+from benchmarks.runtime.paced import law_of, law_step
+from benchmarks.runtime.page import markdown, text
+
+CYCLICTEST = """# Histogram
+000000 000000
+000003 000050
+000004 000049
+000200 000001
+# Total: 000000100
+# Min Latencies: 00003
+# Avg Latencies: 00005
+# Max Latencies: 00200
+# Histogram Overflows: 00000
+"""
+
+
+def test_the_histogram_of_cyclictest_gives_its_quantiles() -> None:
+    found = parse(CYCLICTEST)
+    assert (found.p50_us, found.p99_us, found.max_us) == (3.0, 4.0, 200.0)
+    assert not found.reason
+
+
+def test_no_histogram_is_a_reason_and_not_a_number() -> None:
+    found = parse("unable to set scheduler\n")
+    assert found.reason
+    assert math.isnan(found.p99_us)
+
+
+def test_durations_become_quantiles_in_microseconds() -> None:
+    p50, p99, most = quantiles_us([1000 * k for k in range(101)])
+    assert (p50, p99, most) == (50.0, 99.0, 100.0)
+    assert timing_row("x", [2000, 2000]).value == "p50 2 us, p99 2 us, max 2 us"
+
+
+@pytest.mark.parametrize("blocks", [1, 16, 64])
+def test_the_timed_law_has_that_many_blocks_and_all_of_them_may_adapt(blocks: int) -> None:
+    names = law_of(blocks).telemetry_names()
+    assert sum(name.endswith(".state") for name in names) == blocks
+    step = law_step(blocks)
+    for tick in range(20):
+        step(tick)
+
+
+def test_page_and_table_carry_every_row() -> None:
+    section = Section(title="T", note="n", rows=(Row(name="a", value="1 us", remark="r"),))
+    assert "a                        1 us  (r)" in text([section])
+    page = markdown([section], date="2026-01-02T03:04:05Z")
+    assert "| a | 1 us | r |" in page
+    assert "2026-01-02" in page
