@@ -33,9 +33,11 @@ for module in {modules}; do /bin/busybox insmod /modules/$module.ko; done
 /bin/busybox mount -t sysfs sys /host/sys
 /bin/busybox mount -t devtmpfs dev /host/dev
 /bin/busybox mount -t tmpfs tmp /host/tmp
+echo "host mounted: $(/bin/busybox ls /host | /bin/busybox wc -w) entries"
 cd /host
 /bin/busybox chroot /host /bin/sh -c 'cd {root} && HOME=/tmp PYTHONDONTWRITEBYTECODE=1 \\
-  {python} -m pytest -q -p no:cacheprovider --timeout 300 tests/socketcan/on_vcan.py'
+  {python} -c "import time; t=time.monotonic(); import can; print(time.monotonic() - t)"; \\
+  {python} -m pytest -v -p no:cacheprovider --timeout 300 tests/socketcan/on_vcan.py'
 echo "SOCKETCAN-EXIT $?"
 /bin/busybox poweroff -f
 """
