@@ -4,8 +4,9 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 SPEED  ?= 200
+WIRE   ?= modbus
 
-.PHONY: demo test check bench size setup clean
+.PHONY: demo test check bench size matrix test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -15,9 +16,10 @@ $(STAMP): pyproject.toml
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
 	@touch $@
 
-# both processes on loopback at 5 ms: probe, arm, run, report (SPEED= line speed in FPM)
+# both processes on loopback at 5 ms: probe, arm, run, report (SPEED= line speed in FPM,
+# WIRE= modbus, can or canopen)
 demo: setup
-	$(BIN)/python -m sim_plant.cli.main demo --speed-fpm $(SPEED) --out out/demo
+	$(BIN)/python -m sim_plant.cli.main demo --wire $(WIRE) --speed-fpm $(SPEED) --out out/demo-$(WIRE)
 
 # everything that decides whether a change may land
 test: setup check
@@ -29,6 +31,14 @@ check: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# every fault on every wire in every state: the reactions, cell by cell
+matrix: setup
+	$(BIN)/python -m tests.matrix
+
+# the CAN tests on genuine SocketCAN (vcan) under QEMU; says why where it cannot
+test-socketcan: setup
+	$(BIN)/python -m tests.socketcan
 
 # speed, as ratios measured in one run; about two minutes, writes docs/bench.md
 bench: setup

@@ -10,18 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.recorded_law import RecordedLaw
 from aff_runtime.app.site_to_guard import guard_params
 from aff_runtime.app.site_to_law import site_params
-from aff_runtime.app.site_to_wire import register_map, transport
+from aff_runtime.app.site_to_wire import gateway_of
 from aff_runtime.base.ports import Clock, Gateway
 from aff_runtime.config.models import Site
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.response import Response
-from aff_runtime.fieldbus.codec import WordCodec
-from aff_runtime.fieldbus.gateway import WordGateway
 from aff_runtime.loop.cycle import Cycle, CycleSettings
 from aff_runtime.loop.seams import Outside
 from aff_runtime.safety.guard import Guard
@@ -48,8 +47,9 @@ def assemble(record: Mapping[str, Any], clock: Clock) -> Assembly:
         When the record cannot be used or the PLC's name cannot be resolved.
     """
     site = site_of(record)
-    words = register_map(site)
-    gateway = WordGateway(transport(site, words, clock), WordCodec(words), clock)
+    gateway = gateway_of(
+        site, record.get("wire_files", {}), clock, Path(record.get("folder", "."))
+    )
     guard = Guard(guard_params(site))
     law = RecordedLaw(controller_of(site, record["responses"]))
     return Assembly(record=record, site=site, clock=clock, gateway=gateway, guard=guard, law=law)
@@ -60,7 +60,7 @@ def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
     site = assembly.site
     settings = CycleSettings(
         period_ns=round(site.cycle_s * 1e9),
-        io_deadline_ns=round(site.gateway.modbus_tcp.deadline_ms * 1e6),
+        io_deadline_ns=round(site.gateway.deadline_ms * 1e6),
         fade_s=site.freshness.fade_ms * 1e-3,
         channel_count=len(site.gateway.read.channels),
         output_count=len(site.actuators),

@@ -81,7 +81,7 @@ def _modulus_rad(site: Site, angle: str | None) -> float | None:
     if angle is None or not site.gateway.read.channels[angle].wraps:
         return None
     channel = site.gateway.read.channels[angle]
-    return _COUNTS[channel.type] * abs(channel.scale)
+    return _COUNTS[channel.type] * abs(channel.scale) if channel.type is not None else None
 
 
 def _actuator(name: str, actuator: Actuator) -> ActuatorParams:

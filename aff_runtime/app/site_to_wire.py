@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
-from aff_runtime.base.ports import Clock, WordTransport
-from aff_runtime.config.models import Channel, Site
-from aff_runtime.fieldbus.catalogue import modbus_tcp
+import ssl
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.ports import Clock, Gateway, WordTransport
+from aff_runtime.config.can_wire import can_map_of, network_of
+from aff_runtime.config.models import CanDbc, Channel, Site, Tls
+from aff_runtime.fieldbus.catalogue import modbus_rtu, modbus_tcp
+from aff_runtime.fieldbus.codec import WordCodec
+from aff_runtime.fieldbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus_frames import WireFunction
 from aff_runtime.fieldbus.registers import (
     Correction,
@@ -13,12 +21,43 @@ from aff_runtime.fieldbus.registers import (
     WordOrder,
     WordType,
 )
+from aff_runtime.fieldbus.tls_wire import client_context
+
+
+def gateway_of(
+    site: Site, wire_files: Mapping[str, str], clock: Clock, folder: Path = Path()
+) -> Gateway:
+    """Return the wire in SI, whichever the site names; it connects within the ticks.
+
+    Raises
+    ------
+    AffError
+        A name cannot be resolved, or a file of the wire cannot be used.
+    """
+    can = site.gateway.can
+    if can is not None:
+        from aff_runtime.fieldbus import can_catalogue  # noqa: PLC0415 (needs the extra)
+
+        bus = can_catalogue.BusSite(
+            interface=can.interface, channel=can.channel, bitrate=can.bitrate
+        )
+        if isinstance(can, CanDbc):
+            return can_catalogue.can_gateway(can_map_of(site, dict(wire_files)), bus, clock)
+        return can_catalogue.canopen_gateway(
+            network_of(site, dict(wire_files)),
+            bus,
+            clock,
+            own_node=can.own_node,
+            heartbeat_ms=can.heartbeat_ms,
+        )
+    words = register_map(site)
+    return WordGateway(transport(site, words, clock, folder), WordCodec(words), clock)
 
 
 def register_map(site: Site) -> RegisterMap:
     """Return every word that is read and written; channels in the order of the site file."""
-    gateway, read, write = site.gateway, site.gateway.read, site.gateway.write
-    address = gateway.wire_address
+    read, write = site.gateway.read, site.gateway.write
+    address = _address(site)
     return RegisterMap(
         plc_heartbeat=address(read.plc_heartbeat.register_number),
         status=address(read.status.register_number),
@@ -34,16 +73,40 @@ def register_map(site: Site) -> RegisterMap:
     )
 
 
-def transport(site: Site, words: RegisterMap, clock: Clock) -> WordTransport:
+def transport(site: Site, words: RegisterMap, clock: Clock, folder: Path) -> WordTransport:
     """Return the connection to the PLC; it connects by and by, within the ticks."""
-    wire = site.gateway.modbus_tcp
+    rtu, tcp = site.gateway.modbus_rtu, site.gateway.modbus_tcp
+    if rtu is not None:
+        return modbus_rtu(
+            device=rtu.device,
+            baud=rtu.baud,
+            parity=rtu.parity[0].upper(),
+            stop_bits=rtu.stop_bits,
+            device_id=rtu.device_id,
+            register_map=words,
+            clock=clock,
+            function=WireFunction(rtu.function),
+        )
+    if tcp is None:
+        raise ConfigError("gateway: no modbus_tcp")
     return modbus_tcp(
-        host=wire.host,
-        port=wire.port,
-        device_id=wire.device_id,
+        host=tcp.host,
+        port=tcp.port,
+        device_id=tcp.device_id,
         register_map=words,
         clock=clock,
-        function=WireFunction(wire.function),
+        function=WireFunction(tcp.function),
+        tls=_tls_context(tcp.tls, folder) if tcp.tls is not None else None,
+        server_name=tcp.tls.server_name or "" if tcp.tls is not None else "",
+    )
+
+
+def _tls_context(tls: Tls, folder: Path) -> ssl.SSLContext:
+    """Return the certificates of a site; its folder is where the names begin."""
+    return client_context(
+        folder / tls.ca,
+        folder / tls.certificate if tls.certificate is not None else None,
+        folder / tls.private_key if tls.private_key is not None else None,
     )
 
 
@@ -51,10 +114,10 @@ def _channel(site: Site, name: str, channel: Channel) -> Register:
     """Return one measured value."""
     return Register(
         name=name,
-        address=site.gateway.wire_address(channel.register_number),
-        type=WordType(channel.type),
+        address=_address(site)(channel.register_number),
+        type=WordType(channel.type or "u16"),
         scale=channel.scale,
-        word_order=WordOrder(site.gateway.word_order),
+        word_order=WordOrder(site.gateway.word_order or "high_first"),
         wraps=channel.wraps,
     )
 
@@ -65,9 +128,14 @@ def _correction(site: Site, actuator: str) -> Correction:
     return Correction(
         register=Register(
             name=actuator,
-            address=site.gateway.wire_address(correction.register_number),
+            address=_address(site)(correction.register_number),
             type=WordType(correction.type),
             scale=correction.scale,
         ),
-        complement_address=site.gateway.wire_address(correction.complement),
+        complement_address=_address(site)(correction.complement),
     )
+
+
+def _address(site: Site) -> Callable[[int | None], int]:
+    """Return how a register number becomes a wire address; rules see that it is given."""
+    return lambda register: site.gateway.wire_address(register or 0)

@@ -18,6 +18,7 @@ from aff_runtime.app.site_to_guard import guard_params
 from aff_runtime.app.site_to_law import site_params
 from aff_runtime.app.site_to_wire import register_map
 from aff_runtime.base.errors import AffError, ConfigError
+from aff_runtime.config.can_wire import wire_files
 from aff_runtime.config.loader import Reading, read_site
 from aff_runtime.config.revision import revision_hash
 from aff_runtime.core.controller import Controller
@@ -48,7 +49,9 @@ def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
     files = {name: folder / actuator.response for name, actuator in site.actuators.items()}
     texts = {name: _response_text(reading, name, file) for name, file in files.items()}
     responses = {name: text for name, text in texts.items() if text is not None}
-    register_map(site)
+    described = wire_files(site, folder)
+    if site.gateway.modbus is not None:
+        register_map(site)
     Controller(site_params(site), {n: Response.from_json(t) for n, t in responses.items()})
     return {
         "site": plain,
@@ -57,6 +60,8 @@ def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
         "permissives": [bit.name for bit in guard_params(site).permissives.all_bits],
         "responses": responses,
         "response_files": {name: str(file) for name, file in files.items()},
+        "wire_files": described,
+        "folder": str(folder),
         "versions": _versions(),
     }
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from aff_runtime.app.site_to_wire import register_map
 from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.config.can_wire import can_map_of, wire_files
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Site
 from aff_runtime.fieldbus.probe_map import MapProbe, open_read_only
@@ -27,9 +28,11 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
 def probe_map(options: argparse.Namespace) -> int:
     """Read the block a few times and print every reading of every word."""
     site = load_site(options.site)
-    words = register_map(site)
     clock = MonotonicClock()
     wire = site.gateway.modbus_tcp
+    if wire is None:
+        return probe_frames(site, options.site, clock)
+    words = register_map(site)
     transport = open_read_only(
         host=wire.host,
         port=wire.port,
@@ -48,6 +51,19 @@ def probe_map(options: argparse.Namespace) -> int:
     finally:
         transport.close()
     for line in table(site, seen):
+        print(line)
+    return 0
+
+
+def probe_frames(site: Site, path: Path, clock: MonotonicClock) -> int:
+    """Listen to the bus for two seconds and print every frame that the map reads."""
+    from aff_runtime.fieldbus.probe_frames import listen  # noqa: PLC0415 (needs the can extra)
+
+    can = site.gateway.can
+    if can is None:
+        return 2
+    frames = can_map_of(site, wire_files(site, path.absolute().parent))
+    for line in listen(frames, can.interface, can.channel, can.bitrate, clock):
         print(line)
     return 0
 

@@ -8,15 +8,17 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from aff_runtime.config import can_wire
 from aff_runtime.config.findings import Finding, SiteFileError, in_file_order
 from aff_runtime.config.messages import empty_keys, findings_of
 from aff_runtime.config.models import Site
-from aff_runtime.config.rules import actuators, channels, registers, rolls, timing
+from aff_runtime.config.rules import actuators, channels, registers, rolls, timing, wire
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.config.scales import convert_scales
 from aff_runtime.config.yaml_marks import MarkedTree, read_marked
 
 _RULES: tuple[Callable[[Site], Iterator[Issue]], ...] = (
+    wire.issues,
     channels.issues,
     registers.issues,
     actuators.issues,
@@ -56,10 +58,19 @@ def read_site(path: Path | str) -> Reading:
     except ValidationError as error:
         raise SiteFileError([*findings, *findings_of(error, tree, Site)]) from error
     warnings: list[Finding] = []
-    for rule in _RULES:
-        for issue in rule(site):
-            finding = tree.finding(issue.path, issue.text, at_key=issue.at_key)
-            (warnings if issue.warning else findings).append(finding)
+    for issue in _issues(site, Path(path).absolute().parent):
+        finding = tree.finding(issue.path, issue.text, at_key=issue.at_key)
+        (warnings if issue.warning else findings).append(finding)
     if findings:
         raise SiteFileError(findings)
     return Reading(site=site, warnings=in_file_order(warnings), tree=tree)
+
+
+def _issues(site: Site, folder: Path) -> Iterator[Issue]:
+    complete = True
+    for rule in _RULES:
+        for issue in rule(site):
+            complete = complete and issue.warning
+            yield issue
+    if complete:
+        yield from can_wire.issues(site, folder)

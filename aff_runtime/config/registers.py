@@ -36,7 +36,9 @@ class Row:
 
 
 def read_rows(site: Site) -> list[Row]:
-    """Return every value that is read, by wire address."""
+    """Return every value that is read, by wire address; none unless on Modbus."""
+    if site.gateway.modbus is None:
+        return []
     read, base = site.gateway.read, ("gateway", "read")
     rows = [
         _row(site, (*base, name, "register"), word.register_number, word.type)
@@ -53,7 +55,9 @@ def read_rows(site: Site) -> list[Row]:
 
 
 def write_rows(site: Site) -> list[Row]:
-    """Return every word that is written, by wire address."""
+    """Return every word that is written, by wire address; none unless on Modbus."""
+    if site.gateway.modbus is None:
+        return []
     write, base = site.gateway.write, ("gateway", "write")
     rows = [
         _row(site, (*base, name, "register"), word.register_number, "u16")
@@ -73,12 +77,15 @@ def write_rows(site: Site) -> list[Row]:
     return sorted(rows, key=lambda row: row.address)
 
 
-def _row(site: Site, path: KeyPath, register: int, type_name: str) -> Row:
-    address = site.gateway.wire_address(register)
-    return Row(path=path, address=address, words=_WORDS[type_name], type=type_name)
+def _row(site: Site, path: KeyPath, register: int | None, type_name: str | None) -> Row:
+    address = site.gateway.wire_address(register or 0)
+    shown = type_name or "u16"
+    return Row(path=path, address=address, words=_WORDS[shown], type=shown)
 
 
 def block_of(rows: list[Row]) -> tuple[int, int]:
     """Return the first wire address of a block and its number of words."""
+    if not rows:
+        return 0, 0
     first = min(row.address for row in rows)
     return first, max(row.last for row in rows) - first + 1

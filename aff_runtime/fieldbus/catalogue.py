@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import ssl
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock, WordTransport
 from aff_runtime.fieldbus.loopback import Answer, LoopbackTransport
 from aff_runtime.fieldbus.modbus_frames import ModbusFrames, WireFunction
 from aff_runtime.fieldbus.modbus_tcp import ModbusTcpTransport
 from aff_runtime.fieldbus.registers import RegisterMap
 from aff_runtime.fieldbus.replay import ReplayTransport, read_rows
-from aff_runtime.fieldbus.tcp_wire import TcpWire
+from aff_runtime.fieldbus.tcp_wire import TcpWire, Wire
+from aff_runtime.fieldbus.tls_wire import TlsWire
 
 
 def modbus_tcp(
@@ -23,8 +26,12 @@ def modbus_tcp(
     register_map: RegisterMap,
     clock: Clock,
     function: WireFunction = WireFunction.FC23,
+    tls: ssl.SSLContext | None = None,
+    server_name: str = "",
 ) -> WordTransport:
-    """Return a Modbus TCP client; the name is resolved here, the connection is made by ticks.
+    """Return a Modbus TCP client, in TLS when ``tls`` is given.
+
+    The name is resolved here, the connection is made by ticks.
 
     Raises
     ------
@@ -33,15 +40,50 @@ def modbus_tcp(
     ConfigError
         When a number does not fit the protocol.
     """
-    frames = ModbusFrames(
+    frames = _frames(device_id, register_map)
+    wire: Wire = TcpWire(host, port)
+    if tls is not None:
+        wire = TlsWire(host, port, tls, server_name or host)
+    return ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=function)
+
+
+def modbus_rtu(
+    *,
+    device: str,
+    baud: int,
+    parity: str,
+    stop_bits: int,
+    device_id: int,
+    register_map: RegisterMap,
+    clock: Clock,
+    function: WireFunction = WireFunction.FC23,
+) -> WordTransport:
+    """Return a Modbus RTU master on a serial line; the line is opened by ticks.
+
+    Raises
+    ------
+    ConfigError
+        When a number does not fit the protocol, or pyserial is not installed.
+    """
+    try:
+        from aff_runtime.fieldbus.rtu_wire import RtuWire  # noqa: PLC0415 (needs the can extra)
+    except ImportError as error:
+        raise ConfigError(
+            f"RTU needs pyserial: pip install 'aff-runtime[can]' ({error})"
+        ) from None
+    wire = RtuWire(device, baud=baud, parity=parity, stop_bits=stop_bits)
+    frames = _frames(device_id, register_map)
+    return ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=function)
+
+
+def _frames(device_id: int, register_map: RegisterMap) -> ModbusFrames:
+    return ModbusFrames(
         device_id=device_id,
         read_start=register_map.read_start,
         read_count=register_map.read_count,
         write_start=register_map.write_start,
         write_count=register_map.write_count,
     )
-    wire = TcpWire(host, port)
-    return ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=function)
 
 
 def loopback(*, answer: Answer) -> WordTransport:
@@ -71,6 +113,7 @@ class Adapter:
 
 ADAPTERS: tuple[Adapter, ...] = (
     Adapter(name="modbus_tcp", text="Modbus TCP client, FC23 or FC16 + FC3", build=modbus_tcp),
+    Adapter(name="modbus_rtu", text="Modbus RTU master on a serial line", build=modbus_rtu),
     Adapter(name="loopback", text="a function in this process, in lockstep", build=loopback),
     Adapter(name="replay", text="recorded read blocks, tick by tick", build=replay),
 )

@@ -121,6 +121,15 @@ class TcpWire:
             return Connecting.FAILED
         return Connecting.UP
 
+    def detach(self) -> socket.socket | None:
+        """Give the connected socket away; None when there is none."""
+        current, self._socket = self._socket, None
+        return current
+
+    def adopt(self, current: socket.socket) -> None:
+        """Take a socket back, to close it."""
+        self._socket = current
+
     def send(self, frame: bytes) -> bool:
         """Hand over the whole frame; False when the connection did not take it."""
         current = self._socket

@@ -23,7 +23,8 @@ from aff_runtime.loop.realtime import RealtimeRequest, ask
 from aff_runtime.loop.seams import Advice
 from benchmarks.runtime.facts import Row, Section, timing_row
 from benchmarks.runtime.paced import PERIOD_NS, own_processor
-from sim_plant.demo.processes import PLANT, Child, free_port
+from sim_plant.demo.processes import PLANT, Child
+from sim_plant.demo.wires import free_port
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 CONNECT_TICKS = 200

@@ -1,4 +1,4 @@
-"""`sim-plant serve`: a line in real time behind a Modbus TCP server."""
+"""`sim-plant serve`: a line in real time behind Modbus TCP or on a CAN bus."""
 
 from __future__ import annotations
 
@@ -19,9 +19,20 @@ Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhe
 
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     """Add the subcommand."""
-    parser = subparsers.add_parser("serve", help="serve a line on Modbus TCP in real time")
+    parser = subparsers.add_parser("serve", help="serve a line on Modbus TCP or CAN in real time")
     parser.add_argument("line", type=Path, metavar="LINE.yaml")
     parser.add_argument("--modbus", default="127.0.0.1:5020", metavar="HOST:PORT")
+    parser.add_argument("--can", choices=("dbc", "canopen"), help="serve on CAN instead of Modbus")
+    parser.add_argument(
+        "--can-interface",
+        default="frame_socket",
+        metavar="NAME",
+        help="frame_socket (unix), slcan_pty (serial line), socketcan, udp_multicast",
+    )
+    parser.add_argument(
+        "--channel", default="", metavar="NAME", help="can0, or path of the socket"
+    )
+    parser.add_argument("--can-map", type=Path, metavar="MAP.yaml", help="the PLC's signals")
     parser.add_argument("--plc", type=Path, default=DEFAULT_MAP, metavar="MAP.yaml")
     parser.add_argument("--speed-m-s", type=float, help="line speed, m/s (declaration's)")
     parser.add_argument("--seed", type=int, default=0, help="of every random number")
@@ -69,12 +80,18 @@ def read_options(arguments: argparse.Namespace) -> ServeOptions:
         raise PlantError(
             f"--modbus {arguments.modbus}: write HOST:PORT, for example 127.0.0.1:5020"
         )
+    if arguments.can and not arguments.channel:
+        raise PlantError("--can: write --channel too (can0, or the path of the socket)")
     duration_s = arguments.duration
     if duration_s is not None and not (math.isfinite(duration_s) and duration_s > 0.0):
         raise PlantError(f"--duration {duration_s}: write seconds greater than 0")
     return ServeOptions(
         host=host,
         port=int(port),
+        can=arguments.can or "",
+        can_interface=arguments.can_interface,
+        can_channel=arguments.channel,
+        can_map=arguments.can_map or DEFAULT_MAP.with_name(f"can_{arguments.can}.yaml"),
         faults=tuple(parse_fault(text) for text in arguments.fault),
         allow_fc23=not arguments.no_fc23,
         record=arguments.record,

@@ -24,11 +24,11 @@ RUNTIME = (sys.executable, "-m", "aff_runtime.cli.main")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bench:
-    """Paths and port of one session of plant and runtime."""
+    """Paths and wire of one session of plant and runtime."""
 
     folder: Path
-    port: int
     site: Path
+    plant_arguments: tuple[str, ...]
 
     @property
     def plant_socket(self) -> Path:
@@ -39,13 +39,6 @@ class Bench:
     def runtime_dir(self) -> Path:
         """Private directory of the runtime's sockets and shared memory."""
         return self.folder / "run"
-
-
-def free_port() -> int:
-    """Return a TCP port that is free on loopback now."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 class Child:

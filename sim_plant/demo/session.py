@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,10 +19,10 @@ from sim_plant.demo.processes import (
     Bench,
     Child,
     ask_plant,
-    free_port,
     runtime_command,
     runtime_status,
 )
+from sim_plant.demo.wires import wire_up
 
 Progress = Callable[[str], None]
 ATTEMPTS = 3
@@ -37,6 +36,7 @@ class Plan:
     site: Path
     out: Path
     line_speed_m_s: float
+    wire: str = "modbus"
     seed: int = 7
     before_s: float = 16.0
     learn_s: float = 36.0
@@ -59,19 +59,13 @@ class Session:
 
 
 def prepare(plan: Plan) -> Bench:
-    """Make a fresh output folder and a copy of the site file with a free port and our folders."""
+    """Make a fresh output folder and a copy of the site file with a wire of our own."""
     folder = plan.out.resolve()
     if folder.exists():
         shutil.rmtree(folder)
     (folder / "run").mkdir(parents=True, mode=0o700)
-    port = free_port()
-    text = plan.site.read_text(encoding="utf-8")
-    text, found = re.subn(r"port: \d+", f"port: {port}", text)
-    if found != 1:
-        raise PlantError(f"{plan.site}: expected one 'port:' of the gateway, found {found}")
-    site = folder / plan.site.name
-    site.write_text(text, encoding="utf-8")
-    return Bench(folder=folder, port=port, site=site)
+    wired = wire_up(plan.wire, plan.site, folder)
+    return Bench(folder=folder, site=wired.site, plant_arguments=wired.plant_arguments)
 
 
 def run_session(plan: Plan, progress: Progress) -> Session:
@@ -80,7 +74,7 @@ def run_session(plan: Plan, progress: Progress) -> Session:
     record_path = bench.folder / "plant.csv.gz"
     progress("starting the plant (compiles its kernel the first time)")
     plant_command = [
-        *PLANT, "serve", str(plan.line), "--modbus", f"127.0.0.1:{bench.port}",
+        *PLANT, "serve", str(plan.line), *bench.plant_arguments,
         "--speed-m-s", f"{plan.line_speed_m_s:.6f}", "--seed", str(plan.seed),
         "--record", str(record_path), "--control", str(bench.plant_socket),
     ]  # fmt: skip

@@ -33,10 +33,18 @@ class Fault(StrEnum):
     TID = "tid"  # answers carry another transaction id
     RESTART = "restart"  # the PLC is gone for the duration (1 s) and starts afresh
     SPLICE = "splice"  # roll_id + 1 and SPLICE_ACTIVE for the duration (2 s)
+    LOSE = "lose"  # [=PERCENT]: frames lost at random, both ways (20); CAN
+    DOUBLE = "double"  # every answer or frame comes twice
+    REORDER = "reorder"  # the frames of a scan come in reverse; CAN
+    SECOND = "second"  # a second master writes zeros over the runtime's words
+    ERRORS = "errors"  # error frames between the frames; CAN
+    BUSOFF = "busoff"  # the controller reports bus-off and nothing passes; CAN
+    SYNC = "sync"  # SYNC never arrives at the nodes; CANopen
+    RESET = "reset"  # a node resets: boot-up, configuration gone; CANopen
     PERMISSIVE = "permissive"  # [=BIT]: a status bit is 0 (WEB_INTACT)
 
 
-_DEFAULT_DURATION_S = {Fault.DROP: 0.0, Fault.RESTART: 1.0, Fault.SPLICE: 2.0}
+_DEFAULT_DURATION_S = {Fault.RESET: 0.0, Fault.DROP: 0.0, Fault.RESTART: 1.0, Fault.SPLICE: 2.0}
 _TAKES_CHANNEL = frozenset({Fault.NAN, Fault.ABSURD, Fault.STUCK})
 _NUMBER = r"\d+(?:\.\d*)?|\.\d+"
 _SPEC = re.compile(
@@ -97,6 +105,10 @@ def _checked_argument(text: str, fault: Fault, argument: str) -> str:
     if fault is Fault.DELAY:
         if re.fullmatch(_NUMBER, argument) is None:
             raise PlantError(f"fault {text!r}: write delay=MILLISECONDS")
+    elif fault is Fault.LOSE:
+        argument = argument or "20"
+        if re.fullmatch(_NUMBER, argument) is None:
+            raise PlantError(f"fault {text!r}: write lose=PERCENT")
     elif fault is Fault.PERMISSIVE:
         argument = argument or "WEB_INTACT"
         if argument not in Status.__members__:

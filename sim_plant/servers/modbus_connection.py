@@ -107,6 +107,8 @@ class ModbusConnection(asyncio.Protocol):
         if self._faults.active(Fault.TID):
             transaction_id = (transaction_id + 1) & 0xFFFF
         frame = _FRAMER.encode(answer, unit_id, transaction_id)
+        if self._faults.active(Fault.DOUBLE):
+            frame += frame
         if self._faults.active(Fault.PARTIAL):
             frame = frame[: len(frame) // 2]
         if self._faults.active(Fault.DELAY):

@@ -49,6 +49,21 @@ class ModbusServer:
         self._reopening: asyncio.Task[None] | None = None
 
     @property
+    def address(self) -> str:
+        """Return what the ready line says."""
+        return f"modbus {self.host}:{self.port}"
+
+    def counts(self) -> dict[str, int]:
+        """Return what the status shows of the wire."""
+        return {
+            "requests": self._device.requests,
+            "exceptions": self._device.exceptions,
+            "connections": self.connections,
+            "accepted": self.accepted,
+            "turned_away": self.turned_away,
+        }
+
+    @property
     def connections(self) -> int:
         """Return the number of open connections."""
         return len(self._connections)

@@ -99,6 +99,8 @@ class Plant:
         edges = self.faults.advance(self.time_s)
         for edge in edges:
             self._take(edge)
+        if self.faults.active(Fault.SECOND):
+            self.registers.clear_writes()
         self._distort(measured)
         self.measured = measured
         self._scan()

@@ -2,6 +2,7 @@
 
 A correction that fails any rule of ``_judge`` or ``_decode`` stops counting, for every actuator:
 the value held then ramps linearly to zero within ``fade_s`` of the last scan that accepted one.
+A live runtime whose corrections are intact and zero ends the ramp at once.
 Nothing latches, except that after a watchdog trip or a start a scan with a moving heartbeat and
 neither ACTIVE nor FADING must come before the next correction counts.
 """
@@ -116,7 +117,16 @@ class Plc:
             refusal = "rearm: ACTIVE before a state without it was seen"
         elif missing:
             refusal = f"permissive: {'|'.join(bit.name or '' for bit in missing)}=0"
-        return (refusal, {}) if refusal else self._decode(block)
+        if not refusal:
+            return self._decode(block)
+        if alive and self._says_zero(block):
+            self._held = dict.fromkeys(self._actuators, 0.0)
+        return refusal, {}
+
+    def _says_zero(self, block: Sequence[int]) -> bool:
+        """Return whether every correction is intact and zero: then there is nothing to fade."""
+        pairs = [self.map.decode_correction(block, row) for row in self.map.corrections]
+        return all(intact and value_m_s == 0.0 for value_m_s, intact in pairs)
 
     def _decode(self, block: Sequence[int]) -> tuple[str, dict[str, float]]:
         wanted: dict[str, float] = {}

@@ -12,12 +12,14 @@ class Registers:
 
     Attributes
     ----------
+    plc_map : where every word lives.
     read_words, write_words : the two blocks now.
     reads, writes : accesses that were granted.
     foreign_reads, foreign_writes : accesses outside the blocks, refused.
     """
 
     def __init__(self, plc_map: PlcMap) -> None:
+        self.plc_map = plc_map
         self._read_start = plc_map.read_start
         self._write_start = plc_map.write_start
         self.read_words = [0] * plc_map.read_count

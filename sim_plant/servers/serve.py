@@ -8,12 +8,12 @@ import signal
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from aff_runtime.base.signals import StateBits, Status
 from sim_plant.base.ports import SteppedLine
 from sim_plant.servers.control import ControlSocket
-from sim_plant.servers.faults import FaultBoard, FaultSpec
+from sim_plant.servers.faults import FaultBoard, FaultEdge, FaultSpec
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.modbus_server import ModbusServer
 from sim_plant.servers.plant import Plant
@@ -30,6 +30,9 @@ class ServeOptions:
     Attributes
     ----------
     host, port : where the Modbus server listens.
+    can : ``dbc`` for a CAN bus instead of Modbus; empty for Modbus.
+    can_interface, can_channel : ``frame_socket``, ``slcan_pty`` and a path, or python-can's.
+    can_map : the PLC's signals on that bus.
     faults : faults scheduled in plant time.
     allow_fc23 : False imitates a device without function 23.
     record, control : paths of the record and of the control socket, if wanted.
@@ -39,6 +42,10 @@ class ServeOptions:
 
     host: str = "127.0.0.1"
     port: int = 5020
+    can: str = ""
+    can_interface: str = "frame_socket"
+    can_channel: str = ""
+    can_map: Path = Path()
     faults: tuple[FaultSpec, ...] = ()
     allow_fc23: bool = True
     record: Path | None = None
@@ -49,21 +56,55 @@ class ServeOptions:
     idle_timeout_s: float = 60.0
 
 
+class Wire(Protocol):
+    """What a plant is served on."""
+
+    @property
+    def address(self) -> str:
+        """What the ready line says."""
+        ...
+
+    async def open(self) -> None:
+        """Begin to serve."""
+        ...
+
+    async def close(self) -> None:
+        """End."""
+        ...
+
+    def take_edge(self, edge: FaultEdge) -> None:
+        """Follow a fault that begins or ends."""
+        ...
+
+    def counts(self) -> dict[str, int]:
+        """Return what the status shows of the wire."""
+        ...
+
+
+def _wire(plant: Plant, options: ServeOptions) -> Wire:
+    if options.can:
+        from sim_plant.servers.can_catalogue import can_server  # noqa: PLC0415 (needs the can extra)
+
+        return can_server(
+            plant, options.can, options.can_map, options.can_interface, options.can_channel
+        )
+    return ModbusServer(
+        ModbusDevice(plant.registers, allow_fc23=options.allow_fc23),
+        plant.faults,
+        host=options.host,
+        port=options.port,
+        max_connections=options.max_connections,
+        idle_timeout_s=options.idle_timeout_s,
+    )
+
+
 class PlantService:
     """One plant being served; ``run`` is its whole life."""
 
     def __init__(self, line: SteppedLine, plc_map: PlcMap, options: ServeOptions) -> None:
         self._options = options
         self.plant = Plant(line, Plc(plc_map), FaultBoard(options.faults))
-        self.device = ModbusDevice(self.plant.registers, allow_fc23=options.allow_fc23)
-        self.server = ModbusServer(
-            self.device,
-            self.plant.faults,
-            host=options.host,
-            port=options.port,
-            max_connections=options.max_connections,
-            idle_timeout_s=options.idle_timeout_s,
-        )
+        self.server = _wire(self.plant, options)
         self.stepper = RealTimeStepper(self.plant.step, self.plant.sample_time_s)
         self.plant.edge_observers.append(self.server.take_edge)
         self._scheduler = "not asked"
@@ -96,7 +137,7 @@ class PlantService:
                 self._scheduler = "granted" if ask_for_realtime() else "refused"
             failure = self.stepper.start()
             announce(
-                f"ready modbus {self.server.host}:{self.server.port} "
+                f"ready {self.server.address} "
                 f"sample_time_s {self.plant.sample_time_s:g} realtime {self._scheduler}"
             )
             await self._until_stopped(failure)
@@ -141,16 +182,12 @@ class PlantService:
                 "late_samples": self.stepper.late_samples,
                 "skipped_samples": self.stepper.skipped_samples,
                 "watchdog_trips": plant.plc.trips,
-                "requests": self.device.requests,
-                "exceptions": self.device.exceptions,
                 "reads": registers.reads,
                 "writes": registers.writes,
                 "foreign_reads": registers.foreign_reads,
                 "foreign_writes": registers.foreign_writes,
-                "connections": self.server.connections,
-                "accepted": self.server.accepted,
-                "turned_away": self.server.turned_away,
-            },
+            }
+            | self.server.counts(),
             "realtime": self._scheduler,
         }
 

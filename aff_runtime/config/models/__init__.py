@@ -2,12 +2,16 @@
 
 from aff_runtime.config.models.actuators import Actuator, Block, ErrorSignal
 from aff_runtime.config.models.gateway import (
+    CanDbc,
+    Canopen402,
     Channel,
     Correction,
     Gateway,
+    ModbusRtu,
     ModbusTcp,
     ReadBlock,
     ReadWord,
+    Tls,
     WriteBlock,
     WriteWord,
 )
@@ -19,12 +23,15 @@ from aff_runtime.config.models.site import Line, Site
 __all__ = [
     "Actuator",
     "Block",
+    "CanDbc",
+    "Canopen402",
     "Channel",
     "Correction",
     "ErrorSignal",
     "Freshness",
     "Gateway",
     "Line",
+    "ModbusRtu",
     "ModbusTcp",
     "Permissives",
     "PlausibleRange",
@@ -34,6 +41,7 @@ __all__ = [
     "Recording",
     "Roll",
     "Site",
+    "Tls",
     "WriteBlock",
     "WriteWord",
 ]

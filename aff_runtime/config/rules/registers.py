@@ -21,6 +21,9 @@ from aff_runtime.config.rules.issue import Issue
 
 def issues(site: Site) -> Iterator[Issue]:
     """Yield what is wrong with the register map."""
+    modbus = site.gateway.modbus
+    if modbus is None:
+        return
     read, write = read_rows(site), write_rows(site)
     for row in (*read, *write):
         if not row.address >= 0 or row.last > LAST_ADDRESS:
@@ -36,7 +39,7 @@ def issues(site: Site) -> Iterator[Issue]:
     if words > MAX_READ_WORDS:
         yield _too_long(read, words, MAX_READ_WORDS, "read")
     _, words = block_of(write)
-    function = site.gateway.modbus_tcp.function
+    function = modbus.function
     if words > MAX_WRITE_WORDS[function]:
         yield _too_long(write, words, MAX_WRITE_WORDS[function], "write")
 

@@ -6,7 +6,9 @@ from collections.abc import Iterator
 
 from aff_runtime.base.units import plain
 from aff_runtime.config.models import Site
+from aff_runtime.config.registers import block_of, read_rows, write_rows
 from aff_runtime.config.rules.issue import Issue
+from aff_runtime.fieldbus.serial_time import transaction_ms
 
 ZERO_WITHIN_MS = 300.0
 
@@ -30,13 +32,14 @@ def issues(site: Site) -> Iterator[Issue]:
     if fresh.fault_after_ms < 3 * cycle_ms:
         text = f"is under three cycles of {plain(cycle_ms)} ms. Raise it."
         yield Issue(path=("freshness", "fault_after_ms"), text=text)
-    deadline_ms = site.gateway.modbus_tcp.deadline_ms
+    deadline_ms = site.gateway.deadline_ms
     if deadline_ms >= cycle_ms:
         text = (
             f"{plain(deadline_ms)} ms is not below cycle_ms {plain(cycle_ms)} ms; a late reply "
             "would delay the next tick. Lower it."
         )
-        yield Issue(path=("gateway", "modbus_tcp", "deadline_ms"), text=text)
+        yield Issue(path=("gateway", site.gateway.wire, "deadline_ms"), text=text)
+    yield from _line_is_fast_enough(site)
     for name, actuator in site.actuators.items():
         velocity = actuator.unit == "m/s"
         amplitude = site.probe.amplitude_m_s if velocity else site.probe.amplitude_N_m
@@ -48,3 +51,18 @@ def issues(site: Site) -> Iterator[Issue]:
         if missing not in site.permissives.need:
             text = f"{missing} is not needed for a correction. Add it if the PLC supplies it."
             yield Issue(path=("permissives", "need"), text=text, warning=True)
+
+
+def _line_is_fast_enough(site: Site) -> Iterator[Issue]:
+    """Yield that a serial line is too slow for the transactions of one cycle."""
+    rtu = site.gateway.modbus_rtu
+    if rtu is None:
+        return
+    words = block_of(read_rows(site))[1], block_of(write_rows(site))[1]
+    needed_ms = transaction_ms(*words, rtu.baud, fc23=rtu.function == "fc23")
+    if needed_ms > rtu.deadline_ms:
+        text = (
+            f"one cycle's frames take {needed_ms:.1f} ms at {rtu.baud} bit/s, deadline_ms is "
+            f"{plain(rtu.deadline_ms)}. Raise baud, or deadline_ms and cycle_ms."
+        )
+        yield Issue(path=("gateway", "modbus_rtu", "deadline_ms"), text=text)

@@ -103,7 +103,7 @@ CASES = {
         ("plc_heartbeat: { register: 0 }", "plc_heartbeat: 0"),
         "0\n",
         'gateway.read.plc_heartbeat: "0" stands where a section is expected. Its keys: '
-        "register, type.",
+        "register, signal, type.",
     ),
     "value for a list": (
         ("orders: [1, 2, 3, 4]", "orders: 4"),

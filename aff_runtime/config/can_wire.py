@@ -1,0 +1,168 @@
+"""A site on CAN: its signals as names, its files, and what the files must agree with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.units import plain
+from aff_runtime.config.models import Site
+from aff_runtime.config.rules.issue import Issue
+from aff_runtime.fieldbus.can_load import MOST_SHARE, bus_share
+from aff_runtime.fieldbus.signal_names import SignalNames
+
+if TYPE_CHECKING:
+    from aff_runtime.fieldbus.can_layout import CanMap
+    from aff_runtime.fieldbus.canopen_402 import Network
+
+_SAME = 1e-9
+
+
+def signal_names(site: Site) -> SignalNames:
+    """Return which signal means what; empty where the site gives none."""
+    read, write = site.gateway.read, site.gateway.write
+    counts = site.gateway.canopen_402 is not None  # an EDS knows no scale, a DBC file does
+    return SignalNames(
+        plc_heartbeat=read.plc_heartbeat.signal or "",
+        status=read.status.signal or "",
+        roll_id=read.roll_id.signal or "",
+        channels={n: (c.signal or "", c.scale, c.wraps) for n, c in read.channels.items()},
+        aff_heartbeat=write.aff_heartbeat.signal or "",
+        state=write.state.signal or "",
+        echo=write.echo.signal or "",
+        alarm=write.alarm.signal or "",
+        limit=write.limit.signal or "",
+        config_revision=write.config_revision.signal or "",
+        corrections={
+            name: (c.signal or "", c.complement_signal or "", c.scale if counts else 1.0)
+            for name, c in ((name, write.corrections[name]) for name in site.actuators)
+        },
+    )
+
+
+def wire_files(site: Site, folder: Path) -> dict[str, str]:
+    """Return the texts of the files that describe the wire, by the name the site gives them.
+
+    Raises
+    ------
+    ConfigError
+        A file cannot be read.
+    """
+    wanted = [site.gateway.can_dbc.dbc] if site.gateway.can_dbc is not None else []
+    if site.gateway.canopen_402 is not None:
+        wanted += [node.eds for node in site.gateway.canopen_402.nodes.values()]
+    texts: dict[str, str] = {}
+    for name in wanted:
+        try:
+            texts[name] = (folder / name).read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise ConfigError(f"{folder / name}: cannot be read ({error})") from None
+    return texts
+
+
+def can_map_of(site: Site, texts: dict[str, str]) -> CanMap:
+    """Return the frames of a site on CAN; only this needs the ``can`` extra.
+
+    Raises
+    ------
+    ConfigError
+        A file cannot be used, a signal does not exist, or the extra is not installed.
+    """
+    try:
+        from aff_runtime.fieldbus.can_dbc import can_map, load_dbc  # noqa: PLC0415 (extra)
+    except ImportError as error:
+        raise ConfigError(
+            f"CAN needs the extra: pip install 'aff-runtime[can]' ({error})"
+        ) from None
+    can = site.gateway.can_dbc
+    if can is None:
+        return network_of(site, texts).can_map
+    return can_map(load_dbc(texts[can.dbc], can.dbc), signal_names(site))
+
+
+def network_of(site: Site, texts: dict[str, str]) -> Network:
+    """Return frames and configuration of a site on CANopen.
+
+    Raises
+    ------
+    ConfigError
+        As `can_map_of`.
+    """
+    from aff_runtime.fieldbus.canopen_402 import NodeSite, network, object_of  # noqa: PLC0415
+
+    section = site.gateway.canopen_402
+    if section is None:
+        raise ConfigError("gateway: no CAN section")
+    nodes = {
+        name: NodeSite(
+            node_id=node.node, eds=node.eds, writes={o.object: o.value for o in node.objects}
+        )
+        for name, node in section.nodes.items()
+    }
+    for place in (entry for node in nodes.values() for entry in node.writes):
+        object_of(place)
+    return network(
+        signal_names(site),
+        nodes,
+        texts,
+        own_node=section.own_node,
+        node_heartbeat_ms=section.node_heartbeat_ms,
+        lost_after_ms=section.lost_after_ms,
+    )
+
+
+def issues(site: Site, folder: Path) -> Iterator[Issue]:
+    """Yield what is wrong between the site file and the files of its wire."""
+    can = site.gateway.can
+    if can is None:
+        return
+    section = ("gateway", site.gateway.wire)
+    try:
+        frames = can_map_of(site, wire_files(site, folder))
+    except ConfigError as error:
+        key = "dbc" if site.gateway.can_dbc is not None else "nodes"
+        yield Issue(path=(*section, key), text=str(error))
+        return
+    yield from _node_issues(site)
+    for correction in frames.corrections:
+        stated = site.gateway.write.corrections[correction.name].scale
+        factor = abs(correction.field.factor * correction.scale)
+        if abs(stated - factor) > _SAME * factor:
+            path = ("gateway", "write", "corrections", correction.name, "scale")
+            text = f"{correction.field} has {plain(factor)} per count. Write that."
+            yield Issue(path=path, text=text)
+    share = load_share(site, frames)
+    if share > MOST_SHARE:
+        text = (
+            f"the cyclic frames take {share:.0%} of {can.bitrate} bit/s each "
+            f"{site.line.cycle_ms:g} ms (worst-case stuffing); at most {MOST_SHARE:.0%}. "
+            "Raise bitrate or cycle_ms."
+        )
+        yield Issue(path=(*section, "bitrate"), text=text)
+
+
+def load_share(site: Site, frames: CanMap) -> float:
+    """Return the share of the bus that one cycle's frames take, worst case."""
+    can = site.gateway.can
+    used = [(frame.length, frame.extended) for frame in frames.frames]
+    if site.gateway.canopen_402 is not None:
+        used.append((0, False))  # SYNC
+    return bus_share(used, can.bitrate if can is not None else 1, site.cycle_s)
+
+
+def _node_issues(site: Site) -> Iterator[Issue]:
+    section = site.gateway.canopen_402
+    if section is None:
+        return
+    path = ("gateway", "canopen_402")
+    if section.lost_after_ms < 3 * section.heartbeat_ms:
+        text = f"is under three heartbeats of {section.heartbeat_ms} ms. Raise it."
+        yield Issue(path=(*path, "lost_after_ms"), text=text)
+    taken: dict[int, str] = {section.own_node: "own_node"}
+    for name, node in section.nodes.items():
+        other = taken.setdefault(node.node, name)
+        if other != name:
+            text = f"node id {node.node} is taken by {other}. Give every node its own."
+            yield Issue(path=(*path, "nodes", name, "node"), text=text)

@@ -1,0 +1,67 @@
+"""The wire: exactly one way to the PLC, and every value has a place on it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from aff_runtime.config.findings import KeyPath
+from aff_runtime.config.models import Channel, Correction, ReadWord, Site, WriteWord
+from aff_runtime.config.models.gateway import WIRES
+from aff_runtime.config.rules.issue import Issue
+
+_Place = ReadWord | WriteWord | Channel | Correction
+
+
+def issues(site: Site) -> Iterator[Issue]:
+    """Yield what is wrong with the choice of the wire and the places on it."""
+    given = [name for name in WIRES if getattr(site.gateway, name) is not None]
+    if len(given) != 1:
+        said = " and ".join(given) or "none"
+        text = f"give exactly one of {', '.join(WIRES)}; given: {said}."
+        yield Issue(path=("gateway",), text=text, at_key=True)
+        return
+    modbus = site.gateway.modbus is not None
+    for name in ("address_base", "word_order"):
+        if modbus and getattr(site.gateway, name) is None:
+            wanted = type(site.gateway).model_fields[name].description
+            yield Issue(
+                path=("gateway", name), text=f"required key is missing. {wanted}", at_key=True
+            )
+    for path, place in places(site):
+        lack = _missing(place, modbus)
+        if lack:
+            text = f"{lack} is missing; {given[0]} needs it."
+            yield Issue(path=path, text=text, at_key=True)
+
+
+def _missing(place: _Place, modbus: bool) -> str:
+    if not modbus:
+        return "signal" if place.signal is None else ""
+    if place.register_number is None:
+        return "register"
+    if isinstance(place, Channel) and place.type is None:
+        return "type"
+    if isinstance(place, Correction) and place.complement is None:
+        return "complement"
+    return ""
+
+
+def places(site: Site) -> Iterator[tuple[KeyPath, _Place]]:
+    """Yield every value on the wire with its path."""
+    read, write = site.gateway.read, site.gateway.write
+    words: tuple[tuple[KeyPath, _Place], ...] = (
+        (("gateway", "read", "plc_heartbeat"), read.plc_heartbeat),
+        (("gateway", "read", "status"), read.status),
+        (("gateway", "read", "roll_id"), read.roll_id),
+        (("gateway", "write", "aff_heartbeat"), write.aff_heartbeat),
+        (("gateway", "write", "state"), write.state),
+        (("gateway", "write", "echo"), write.echo),
+        (("gateway", "write", "alarm"), write.alarm),
+        (("gateway", "write", "limit"), write.limit),
+        (("gateway", "write", "config_revision"), write.config_revision),
+    )
+    yield from words
+    for name, channel in read.channels.items():
+        yield ("gateway", "read", "channels", name), channel
+    for name, correction in write.corrections.items():
+        yield ("gateway", "write", "corrections", name), correction

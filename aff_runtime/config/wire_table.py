@@ -1,0 +1,85 @@
+"""What goes where on the wire, as a table for eyes: address or frame, type, scale, an example."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from aff_runtime.base.units import plain
+from aff_runtime.config.can_wire import can_map_of, load_share, network_of, wire_files
+from aff_runtime.config.findings import dotted
+from aff_runtime.config.models import Site
+from aff_runtime.config.registers import block_of, read_rows, write_rows
+from aff_runtime.fieldbus.serial_time import transaction_ms
+
+
+def wire_lines(site: Site, folder: Path) -> Iterator[str]:
+    """Yield the table of a valid site, then what it costs on the bus.
+
+    Raises
+    ------
+    ConfigError
+        A file of the wire cannot be used.
+    """
+    yield from (_modbus_lines(site) if site.gateway.modbus is not None else _can(site, folder))
+
+
+def _modbus_lines(site: Site) -> Iterator[str]:
+    modbus = site.gateway.modbus
+    if modbus is None:
+        return
+    fc23 = modbus.function == "fc23"
+    for title, rows in (("read", read_rows(site)), ("write", write_rows(site))):
+        first, words = block_of(rows)
+        function = "FC23" if fc23 else "FC3" if title == "read" else "FC16"
+        yield f"{title}: {function}, wire {first}..{first + words - 1}, {words} words"
+        for row in rows:
+            name = dotted(row.path[2:])
+            yield f"  wire {row.address:5}  {row.type}  {_example(site, row.path)}  {name}"
+    count = 1 if fc23 else 2
+    yield f"{count} transaction(s) per tick of {plain(site.line.cycle_ms)} ms"
+    rtu = site.gateway.modbus_rtu
+    if rtu is not None:
+        words_both = block_of(read_rows(site))[1], block_of(write_rows(site))[1]
+        needed_ms = transaction_ms(*words_both, rtu.baud, fc23=fc23)
+        yield f"{needed_ms:.2f} ms on the line at {rtu.baud} bit/s"
+
+
+def _example(site: Site, path: tuple[str | int, ...]) -> str:
+    """Return what 1000 counts are, for values with a scale."""
+    name = str(path[-2])
+    if "channels" in path:
+        return f"1000 = {plain(1000 * site.gateway.read.channels[name].scale)}".ljust(24)
+    if "corrections" in path and path[-1] == "register":
+        return f"1000 = {plain(1000 * site.gateway.write.corrections[name].scale)}".ljust(24)
+    return " " * 24
+
+
+def _can(site: Site, folder: Path) -> Iterator[str]:
+    texts = wire_files(site, folder)
+    frames = can_map_of(site, texts)
+    owner = {str(channel.field): channel.name for channel in frames.channels}
+    owner |= {str(correction.field): correction.name for correction in frames.corrections}
+    reading = {field.frame for field in frames.read_fields}
+    for layout in frames.frames:
+        way = "read " if layout.name in reading else "write"
+        yield f"{way} 0x{layout.can_id:03X}  {layout.length} bytes  {layout.name}"
+        for field in (*frames.read_fields, *frames.write_fields):
+            if field.frame == layout.name:
+                order = "Motorola" if field.big_endian else "Intel"
+                page = "" if field.selector is None else f"  page {field.selector}"
+                yield (
+                    f"  {field.length:2} bits >> {field.shift:2}  {order:8}  "
+                    f"x {plain(field.factor)}  {field.name}  {owner.get(str(field), '')}{page}"
+                ).rstrip()
+    if site.gateway.canopen_402 is not None:
+        for plan in network_of(site, texts).plans:
+            yield f"node {plan.node_id} {plan.name}: {len(plan.writes)} objects set at start"
+            for write in plan.writes:
+                value = int.from_bytes(write.data, "little")
+                back = "read back" if write.verify else "written"
+                yield f"  0x{write.index:04X}:{write.subindex:02X} = 0x{value:X}  {back}"
+    can = site.gateway.can
+    if can is not None:
+        share = load_share(site, frames)
+        yield f"bus load {share:.1%} of {can.bitrate} bit/s each {plain(site.line.cycle_ms)} ms"

@@ -1,0 +1,80 @@
+"""CAN gateways by the name of their interface; only sites on CAN import this."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import can
+
+from aff_runtime.base.ports import Clock
+from aff_runtime.fieldbus.can_gateway import CanGateway
+from aff_runtime.fieldbus.can_layout import CanMap
+from aff_runtime.fieldbus.can_link import PythonCanLink
+from aff_runtime.fieldbus.can_reader import CanReader
+from aff_runtime.fieldbus.can_writer import CanWriter
+from aff_runtime.fieldbus.canopen_402 import Network
+from aff_runtime.fieldbus.canopen_link import CanopenLink
+from aff_runtime.fieldbus.frame_socket import FrameSocketBus
+from aff_runtime.fieldbus.slcan_tty import SlcanTtyBus
+
+
+def open_bus(
+    interface: str, channel: str, bitrate: int, ids: tuple[tuple[int, bool], ...]
+) -> can.BusABC:
+    """Open a bus that hears ``ids`` alone (and error frames, where the driver has them).
+
+    SocketCAN filters in the kernel; the bit rate of its interface is the system's.
+
+    Raises
+    ------
+    can.CanError, OSError, ValueError
+        The interface cannot be opened.
+    """
+    if interface == "slcan_tty":
+        return SlcanTtyBus(channel, bitrate)
+    if interface == "frame_socket":
+        return FrameSocketBus(channel)
+    filters: Any = [
+        {"can_id": can_id, "can_mask": 0x1FFFFFFF if ext else 0x7FF, "extended": ext}
+        for can_id, ext in ids
+    ]
+    return can.Bus(interface=interface, channel=channel, can_filters=filters)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BusSite:
+    """Which bus: driver, its channel, bit/s."""
+
+    interface: str
+    channel: str
+    bitrate: int
+
+
+def can_gateway(can_map: CanMap, bus: BusSite, clock: Clock) -> CanGateway:
+    """Return the gateway of a map; the bus is opened by its first ticks."""
+    reader, writer = CanReader(can_map), CanWriter(can_map)
+    return CanGateway(_link(bus, (*reader.ids, *writer.ids), clock), reader, writer, clock)
+
+
+def canopen_gateway(
+    network: Network, bus: BusSite, clock: Clock, *, own_node: int, heartbeat_ms: int
+) -> CanGateway:
+    """Return the gateway of a CANopen network; its nodes are configured within the ticks."""
+    reader, writer = CanReader(network.can_map), CanWriter(network.can_map)
+    managed = [
+        (base + plan.node_id, False) for plan in network.plans for base in (0x080, 0x580, 0x700)
+    ]
+    link = CanopenLink(
+        _link(bus, (*reader.ids, *writer.ids, *managed), clock),
+        network.plans,
+        own_node=own_node,
+        heartbeat_ms=heartbeat_ms,
+        clock=clock,
+    )
+    return CanGateway(link, reader, writer, clock)
+
+
+def _link(bus: BusSite, ids: tuple[tuple[int, bool], ...], clock: Clock) -> PythonCanLink:
+    return PythonCanLink(partial(open_bus, bus.interface, bus.channel, bus.bitrate, ids), clock)

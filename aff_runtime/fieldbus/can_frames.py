@@ -1,0 +1,57 @@
+"""One CAN frame, and what the gateway needs of a bus: send, receive, know whether it lives."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import Final, NamedTuple, Protocol
+
+STANDARD_ID_LAST: Final = 0x7FF
+EXTENDED_ID_LAST: Final = 0x1FFF_FFFF
+
+
+class Frame(NamedTuple):
+    """A classic data frame: identifier, 29 bits or 11, and up to eight bytes."""
+
+    can_id: int
+    extended: bool
+    data: bytes
+
+
+class LinkState(IntEnum):
+    """Whether frames can be exchanged."""
+
+    DOWN = 0
+    UP = 1
+
+
+class FrameLink(Protocol):
+    """A CAN bus that never raises and never waits longer than it is told."""
+
+    @property
+    def bus_offs(self) -> int:
+        """How often the controller went bus-off since construction."""
+        ...
+
+    @property
+    def carries(self) -> bool:
+        """Whether frames can be sent, even if what comes back is not to be believed."""
+        ...
+
+    def ready(self) -> bool:
+        """Move a pending (re)connection one step; True when frames can be exchanged."""
+        ...
+
+    def send(self, frame: Frame) -> bool:
+        """Queue one frame; False when the bus does not take it."""
+        ...
+
+    def receive(self, wait_ns: int) -> Frame | None:
+        """Return the next data frame, waiting at most ``wait_ns``; None when there is none.
+
+        A bus found dead makes the next ``ready`` False.
+        """
+        ...
+
+    def close(self) -> None:
+        """Release the bus."""
+        ...

@@ -1,0 +1,194 @@
+"""Where every signal sits in its CAN frame, and which signals the runtime reads and writes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from aff_runtime.base.errors import ConfigError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Field:
+    """One signal: its bits, seen from the frame read as one integer in the field's byte order.
+
+    Attributes
+    ----------
+    name, frame : names of the signal and of its frame.
+    shift : bits to the right of the field in that integer.
+    length : bits of the field.
+    big_endian : Motorola byte order.
+    signed, is_float : how the bits are a number.
+    factor, offset : physical value = count * factor + offset.
+    minimum, maximum : believable physical range, infinite where none is given.
+    selector : value of the frame's multiplexer under which the field is present; None: always.
+    """
+
+    name: str
+    frame: str
+    shift: int
+    length: int
+    big_endian: bool = False
+    signed: bool = False
+    is_float: bool = False
+    factor: float = 1.0
+    offset: float = 0.0
+    minimum: float = -math.inf
+    maximum: float = math.inf
+    selector: int | None = None
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.length <= 64:
+            raise ConfigError(f"{self}: {self.length} bits; a CAN signal has 1..64")
+        if self.is_float and self.length not in (32, 64):
+            raise ConfigError(f"{self}: a float has 32 or 64 bits")
+        if not math.isfinite(self.factor) or self.factor == 0.0 or not math.isfinite(self.offset):
+            raise ConfigError(
+                f"{self}: factor {self.factor} and offset {self.offset} are no scale"
+            )
+
+    def __str__(self) -> str:
+        """Return ``FRAME.Signal``."""
+        return f"{self.frame}.{self.name}"
+
+    @property
+    def mask(self) -> int:
+        """Return as many ones as the field has bits."""
+        return (1 << self.length) - 1
+
+    @property
+    def count_range(self) -> tuple[int, int]:
+        """Return the least and the largest count the bits can hold."""
+        if self.signed:
+            return -(1 << (self.length - 1)), (1 << (self.length - 1)) - 1
+        return 0, self.mask
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameLayout:
+    """One frame on the bus.
+
+    Attributes
+    ----------
+    multiplexer : the field that selects among the others; None for a plain frame.
+    counter : the field that repeats the low bits of the sender's heartbeat; None without one.
+    """
+
+    name: str
+    can_id: int
+    extended: bool
+    length: int
+    multiplexer: Field | None = None
+    counter: Field | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CanChannel:
+    """One reading: SI = physical value * scale; ``wraps`` for counters that start over."""
+
+    name: str
+    field: Field
+    scale: float = 1.0
+    wraps: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CanCorrection:
+    """One correction and, where the receiver checks one, its ones complement."""
+
+    name: str
+    field: Field
+    complement: Field | None
+    scale: float = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CanMap:
+    """Every signal that is read and every signal that is written.
+
+    Raises
+    ------
+    ConfigError
+        A frame is read and written, a field has two owners, a word is too narrow or signless.
+    """
+
+    frames: tuple[FrameLayout, ...]
+    plc_heartbeat: Field
+    status: Field
+    roll_id: Field
+    channels: tuple[CanChannel, ...]
+    aff_heartbeat: Field
+    state: Field
+    corrections: tuple[CanCorrection, ...]
+    echo: Field | None = None
+    alarm: Field | None = None
+    limit: Field | None = None
+    config_revision: Field | None = None
+
+    def __post_init__(self) -> None:
+        _check_owners(self)
+        _check_words(self)
+
+    @property
+    def read_fields(self) -> tuple[Field, ...]:
+        """Return what is read."""
+        words = (self.plc_heartbeat, self.status, self.roll_id)
+        return words + tuple(channel.field for channel in self.channels)
+
+    @property
+    def write_fields(self) -> tuple[Field, ...]:
+        """Return what is written, multiplexers and counters aside."""
+        words = (self.aff_heartbeat, self.state, self.echo, self.alarm, self.limit)
+        fields = [field for field in (*words, self.config_revision) if field is not None]
+        for correction in self.corrections:
+            fields.append(correction.field)
+            if correction.complement is not None:
+                fields.append(correction.complement)
+        return tuple(fields)
+
+    def frames_of(self, fields: tuple[Field, ...]) -> tuple[FrameLayout, ...]:
+        """Return the frames that carry any of ``fields``, in the order of the map."""
+        wanted = {field.frame for field in fields}
+        return tuple(frame for frame in self.frames if frame.name in wanted)
+
+
+def _check_owners(can_map: CanMap) -> None:
+    read = {field.frame for field in can_map.read_fields}
+    seen: set[str] = set()
+    for field in can_map.write_fields:
+        if field.frame in read:
+            raise ConfigError(f"{field}: {field.frame} is read; a frame has one sender")
+        if str(field) in seen:
+            raise ConfigError(f"{field} is written twice; give every value its own signal")
+        seen.add(str(field))
+    names = {frame.name for frame in can_map.frames}
+    for field in (*can_map.read_fields, *can_map.write_fields):
+        if field.frame not in names:
+            raise ConfigError(f"{field}: no frame {field.frame}")
+
+
+def _check_words(can_map: CanMap) -> None:
+    if can_map.plc_heartbeat.selector is not None:
+        raise ConfigError(f"{can_map.plc_heartbeat}: a heartbeat cannot be multiplexed")
+    if can_map.plc_heartbeat.length < 2 or can_map.aff_heartbeat.length < 2:
+        raise ConfigError("a heartbeat needs at least 2 bits to show that it moves")
+    for word in (can_map.plc_heartbeat, can_map.status, can_map.roll_id, can_map.aff_heartbeat):
+        if word.is_float:
+            raise ConfigError(f"{word}: a counter or bit word cannot be a float")
+    for channel in can_map.channels:
+        if channel.wraps and channel.field.is_float:
+            raise ConfigError(f"{channel.field}: a float has no counter range to wrap")
+        if not math.isfinite(channel.scale) or channel.scale == 0.0:
+            raise ConfigError(f"{channel.name}: scale {channel.scale} must be finite and not 0")
+    for correction in can_map.corrections:
+        field, copy = correction.field, correction.complement
+        least, most = field.count_range
+        if (
+            field.is_float
+            or (least if field.factor > 0 else -most) * field.factor + (field.offset) >= 0.0
+        ):
+            raise ConfigError(f"{field}: a correction has a sign; use a signed signal")
+        if copy is not None and copy.length != field.length:
+            raise ConfigError(f"{copy}: the complement has {copy.length} bits, not {field.length}")
+        if not math.isfinite(correction.scale) or correction.scale == 0.0:
+            raise ConfigError(f"{correction.name}: scale must be finite and not 0")

@@ -1,0 +1,135 @@
+"""A python-can bus that never raises in the tick: its faults become a reconnect in steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import can
+
+from aff_runtime.base.ports import Clock
+from aff_runtime.fieldbus.can_frames import Frame
+
+_ERROR_BUS_OFF: Final = 0x40  # CAN_ERR_BUSOFF of linux/can/error.h, in the identifier
+_FAULTS: Final = (can.CanError, OSError, ValueError)
+
+
+class PythonCanLink:
+    """``FrameLink`` over any python-can bus that opens at once (SocketCAN, ``slcan_tty``).
+
+    A bus-off error frame, or any error of the driver, closes the bus; it is opened again after a
+    pause that doubles from ``backoff_min_s`` to ``backoff_max_s`` until a frame arrives. While a
+    controller is bus-off nothing is sent: the pause is also the quiet time that it needs.
+
+    Parameters
+    ----------
+    open_bus : makes the bus; called by ticks, so it must return within a millisecond or so.
+    clock : monotonic time.
+
+    Attributes
+    ----------
+    bus_offs, error_frames, opens, refused : counts since construction.
+    """
+
+    def __init__(
+        self,
+        open_bus: Callable[[], can.BusABC],
+        clock: Clock,
+        *,
+        backoff_min_s: float = 0.1,
+        backoff_max_s: float = 2.0,
+    ) -> None:
+        self._open = open_bus
+        self._clock = clock
+        self._backoff_min_ns = round(backoff_min_s * 1e9)
+        self._backoff_max_ns = round(backoff_max_s * 1e9)
+        self._backoff_ns = self._backoff_min_ns
+        self._act_at_ns = clock.now_ns()
+        self._bus: can.BusABC | None = None
+        self.bus_offs = 0
+        self.error_frames = 0
+        self.opens = 0
+        self.refused = 0
+
+    @property
+    def carries(self) -> bool:
+        """Whether the bus is open."""
+        return self._bus is not None
+
+    def ready(self) -> bool:
+        """Open the bus when it is time to; True when frames can be exchanged."""
+        if self._bus is not None:
+            return True
+        if self._clock.now_ns() >= self._act_at_ns:
+            try:
+                self._bus = self._open()
+                self.opens += 1
+            except _FAULTS:
+                self._drop()
+        return False
+
+    def send(self, frame: Frame) -> bool:
+        """Hand one frame to the driver; False when it does not take it."""
+        bus = self._bus
+        if bus is None:
+            return False
+        try:
+            bus.send(
+                can.Message(
+                    arbitration_id=frame.can_id,
+                    is_extended_id=frame.extended,
+                    data=frame.data,
+                    check=False,
+                ),
+                timeout=0,
+            )
+        except _FAULTS:
+            self.refused += 1
+            self._drop()
+            return False
+        return True
+
+    def receive(self, wait_ns: int) -> Frame | None:
+        """Return the next data frame, waiting at most ``wait_ns``."""
+        bus = self._bus
+        if bus is None:
+            return None
+        try:
+            message = bus.recv(wait_ns * 1e-9)
+        except _FAULTS:
+            self._drop()
+            return None
+        if message is None:
+            return None
+        if message.is_error_frame:
+            return self._judge_error(message.arbitration_id)
+        if message.is_remote_frame or message.is_fd or not message.is_rx:
+            return Frame(-1, False, b"")
+        self._backoff_ns = self._backoff_min_ns
+        return Frame(message.arbitration_id, message.is_extended_id, bytes(message.data))
+
+    def close(self) -> None:
+        """Release the bus."""
+        self._shut()
+        self._act_at_ns = self._clock.now_ns()
+
+    def _judge_error(self, error: int) -> Frame | None:
+        self.error_frames += 1
+        if error & _ERROR_BUS_OFF:
+            self.bus_offs += 1
+            self._drop()
+            return None
+        return Frame(-1, False, b"")
+
+    def _drop(self) -> None:
+        self._shut()
+        self._act_at_ns = self._clock.now_ns() + self._backoff_ns
+        self._backoff_ns = min(2 * self._backoff_ns, self._backoff_max_ns)
+
+    def _shut(self) -> None:
+        bus, self._bus = self._bus, None
+        if bus is not None:
+            try:
+                bus.shutdown()
+            except _FAULTS:
+                self.refused += 1

@@ -1,0 +1,134 @@
+"""A bus that is ready only while every CANopen node is configured, operational and healthy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from aff_runtime.base.ports import Clock
+from aff_runtime.fieldbus.can_frames import Frame, FrameLink
+from aff_runtime.fieldbus.canopen_node import OPERATIONAL, SYNC, NodeKeeper, NodePlan
+
+_MOST_FRAMES: Final = 64  # in one tick while nodes are being configured
+_PRE_OPERATIONAL: Final = 0x7F
+
+
+class CanopenLink:
+    """``FrameLink`` over another one: network management below, process data through.
+
+    A tick sends its process data, then SYNC, then listens: drives act on the data and sample on
+    one and the same SYNC. Our own heartbeat leaves with the ticks and with nothing else, so the
+    drives' consumers see the control thread die.
+
+    Parameters
+    ----------
+    inner : the bus.
+    plans : what each node is to be told.
+    own_node : our node id.
+    heartbeat_ms : period of our heartbeat.
+    clock : monotonic time.
+
+    Attributes
+    ----------
+    keepers : one per node.
+    """
+
+    def __init__(
+        self,
+        inner: FrameLink,
+        plans: Sequence[NodePlan],
+        *,
+        own_node: int,
+        heartbeat_ms: int,
+        clock: Clock,
+    ) -> None:
+        self._inner = inner
+        self._clock = clock
+        now_ns = clock.now_ns()
+        self.keepers = tuple(NodeKeeper(plan, now_ns) for plan in plans)
+        self._heartbeat_id = 0x700 + own_node
+        self._heartbeat_ns = heartbeat_ms * 1_000_000
+        self._beat_at_ns = now_ns
+        self._sync_due = False
+
+    @property
+    def bus_offs(self) -> int:
+        """How often the controller went bus-off."""
+        return self._inner.bus_offs
+
+    @property
+    def troubles(self) -> tuple[str, ...]:
+        """Return what is wrong with the nodes, one sentence each."""
+        return tuple(
+            f"{keeper.plan.name} (node {keeper.plan.node_id}): {keeper.trouble}"
+            for keeper in self.keepers
+            if not keeper.good
+        )
+
+    @property
+    def carries(self) -> bool:
+        """Whether the bus carries frames; a node may still be missing."""
+        return self._inner.carries
+
+    def ready(self) -> bool:
+        """Move every node one step; True when all of them work."""
+        if not self._inner.ready():
+            return False
+        if (
+            self._sync_due
+        ):  # nobody listened last tick: the fade must reach the drives all the same
+            self._sync_due = False
+            self._inner.send(SYNC)
+        now_ns = self._clock.now_ns()
+        good = self._all_good()
+        if now_ns >= self._beat_at_ns:
+            self._beat_at_ns = now_ns + self._heartbeat_ns
+            state = OPERATIONAL if good else _PRE_OPERATIONAL
+            self._inner.send(Frame(self._heartbeat_id, False, bytes((state,))))
+        if not good:
+            self._configure(now_ns)
+        for keeper in self.keepers:
+            frame = keeper.tick(now_ns)
+            if frame is not None:
+                self._inner.send(frame)
+        return self._all_good() and good
+
+    def send(self, frame: Frame) -> bool:
+        """Queue process data; SYNC follows when the tick begins to listen."""
+        self._sync_due = True
+        return self._inner.send(frame)
+
+    def receive(self, wait_ns: int) -> Frame | None:
+        """Return the next frame of process data; network management is dealt with here."""
+        if self._sync_due:
+            self._sync_due = False
+            if not self._inner.send(SYNC):
+                return None
+        end_ns = self._clock.now_ns() + wait_ns
+        for _ in range(_MOST_FRAMES):
+            frame = self._inner.receive(max(0, wait_ns))
+            if frame is None or not self._managed(frame):
+                return frame
+            wait_ns = end_ns - self._clock.now_ns()
+        return None
+
+    def close(self) -> None:
+        """Release the bus."""
+        self._inner.close()
+
+    def _all_good(self) -> bool:
+        return all(keeper.good for keeper in self.keepers)
+
+    def _configure(self, now_ns: int) -> None:
+        """Take answers without waiting; process data of half a network goes nowhere."""
+        for _ in range(_MOST_FRAMES):
+            frame = self._inner.receive(0)
+            if frame is None:
+                return
+            for keeper in self.keepers:
+                if keeper.take(frame, now_ns):
+                    break
+
+    def _managed(self, frame: Frame) -> bool:
+        now_ns = self._clock.now_ns()
+        return any(keeper.take(frame, now_ns) for keeper in self.keepers)

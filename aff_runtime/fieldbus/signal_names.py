@@ -1,0 +1,27 @@
+"""Which signal of a bus with frames means what to the runtime."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SignalNames:
+    """Which signal (``MESSAGE.Signal``) means what; the same for every bus with frames.
+
+    ``channels`` : name to signal, SI per physical unit, and whether it wraps.
+    ``corrections`` : name to signal, signal of the complement (empty: none), SI per unit.
+    """
+
+    plc_heartbeat: str
+    status: str
+    roll_id: str
+    channels: Mapping[str, tuple[str, float, bool]]
+    aff_heartbeat: str
+    state: str
+    corrections: Mapping[str, tuple[str, str, float]]
+    echo: str = ""
+    alarm: str = ""
+    limit: str = ""
+    config_revision: str = ""

@@ -1,0 +1,37 @@
+"""CAN nodes by the name of their protocol; only a plant on CAN imports this."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.servers.can_channel import channel_of
+from sim_plant.servers.can_dbc_node import DbcNode, load_dbc_map
+from sim_plant.servers.can_frames import CanNode
+from sim_plant.servers.can_server import CanServer
+from sim_plant.servers.canopen_node import CanopenNetwork
+from sim_plant.servers.plant import Plant
+
+
+def can_node(plant: Plant, protocol: str, map_path: Path) -> CanNode:
+    """Return PLC and drives on a bus.
+
+    Raises
+    ------
+    PlantError
+        The protocol is unknown or its files cannot be used.
+    """
+    if protocol == "dbc":
+        rows, database = load_dbc_map(map_path)
+        return DbcNode(rows, database, plant.registers)
+    if protocol == "canopen":
+        return CanopenNetwork(map_path, plant.registers)
+    raise PlantError(f"--can {protocol}: known are dbc and canopen")
+
+
+def can_server(
+    plant: Plant, protocol: str, map_path: Path, interface: str, channel: str
+) -> CanServer:
+    """Return the server of a plant on a bus."""
+    node = can_node(plant, protocol, map_path)
+    return CanServer(plant, node, channel_of(interface, channel), f"{interface} {channel}")

@@ -1,0 +1,198 @@
+"""The simulated PLC on CAN by DBC; every bit through cantools' own codec."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import cantools
+import yaml
+from cantools.database.can import Database, Message
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.servers.can_frames import CanFrame
+from sim_plant.servers.faults import Fault
+from sim_plant.servers.plant import Plant
+from sim_plant.servers.registers import Registers
+
+
+class _Rows(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class _Channel(_Rows):
+    signal: str
+    scale: float = 1.0
+    wraps: bool = False
+
+
+class _Correction(_Rows):
+    signal: str
+    complement: str
+
+
+class DbcMap(_Rows):
+    """Which signal of the DBC file carries what, as the PLC's programmer wrote it down."""
+
+    version: int
+    dbc: str
+    read: Mapping[str, str]
+    channels: Mapping[str, _Channel]
+    write: Mapping[str, str]
+    corrections: Mapping[str, _Correction]
+
+
+def load_dbc_map(path: Path) -> tuple[DbcMap, Database]:
+    """Read the PLC's signal map and its DBC file.
+
+    Raises
+    ------
+    PlantError
+        A file is missing or says something it must not.
+    """
+    try:
+        rows = DbcMap.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+        database = cantools.database.load_file(path.parent / rows.dbc)
+    except (OSError, yaml.YAMLError, ValidationError, ValueError, cantools.Error) as error:
+        raise PlantError(f"{path}: {error}") from error
+    if not isinstance(database, Database):
+        raise PlantError(f"{path}: {rows.dbc} is no CAN database")
+    return rows, database
+
+
+class DbcNode:
+    """The PLC's CAN interface.
+
+    A scan sends every PLC message once, the one with the heartbeat last. What the runtime sends
+    counts when all its messages have come with the counter of one heartbeat; then the words
+    change at once, as one Modbus write would change them.
+
+    Attributes
+    ----------
+    torn : sets of the runtime that never became whole.
+    """
+
+    needs_sync = False
+
+    def __init__(self, rows: DbcMap, database: Database, registers: Registers) -> None:
+        self._rows = rows
+        self._registers = registers
+        self.torn = 0
+        self._last: list[CanFrame] = []
+        self._pending: dict[str, dict[str, Any]] = {}
+        self._words: dict[str, int] = {}
+        self._ours = _messages(database, [*rows.read.values(), *_signals(rows.channels)])
+        pairs = [(c.signal, c.complement) for c in rows.corrections.values()]
+        theirs = [*rows.write.values(), *(name for pair in pairs for name in pair)]
+        self._theirs = {m.frame_id: m for m in _messages(database, theirs)}
+        heartbeat = rows.read["plc_heartbeat"].partition(".")[0]
+        self._ours.sort(key=lambda message: (message.name == heartbeat, message.frame_id))
+        self._aff_heartbeat = tuple(rows.write["aff_heartbeat"].split(".", 1))
+
+    def reset(self) -> list[CanFrame]:
+        """Forget what was heard."""
+        self._pending.clear()
+        self._words.clear()
+        return []
+
+    def take(self, frame: CanFrame) -> list[CanFrame]:
+        """Take a frame of the runtime."""
+        message = self._theirs.get(frame.can_id)
+        if message is None or message.is_extended_frame != frame.extended:
+            return []
+        if len(frame.data) != message.length:
+            return []
+        raw: Any = message.decode(frame.data, decode_choices=False, scaling=False)
+        self._pending[message.name] = dict(raw)
+        name, signal = self._aff_heartbeat
+        head = self._pending.get(name)
+        if head is None or len(self._pending) < len(self._theirs):
+            return []
+        low = int(head[signal]) & 0xFF
+        if all(row.get("Counter", low) == low for row in self._pending.values()):
+            self._accept()
+        return []
+
+    def publish(self, plant: Plant) -> list[CanFrame]:
+        """Return the frames of one scan."""
+        if plant.faults.active(Fault.FREEZE) and self._last:
+            return self._last
+        words = plant.registers.read_words
+        plc_map = plant.plc.map
+        shown = {name: words[at - plc_map.read_start] for name, at in plc_map.read.items()}
+        heartbeat = shown["plc_heartbeat"]
+        values: dict[str, float] = {s: shown[n] for n, s in self._rows.read.items()}
+        for name, channel in self._rows.channels.items():
+            values[channel.signal] = plant.measured[name] / channel.scale
+        self._last = [self._encode(message, values, heartbeat) for message in self._ours]
+        return self._last
+
+    def second_master(self) -> list[CanFrame]:
+        """Return the runtime's messages, all zero but for a moving heartbeat."""
+        return [CanFrame(m.frame_id, m.is_extended_frame, bytes(m.length))
+                for m in self._theirs.values()]  # fmt: skip
+
+    def _accept(self) -> None:
+        """Copy a whole set into the PLC's write block."""
+        plc_map, block = self._registers.plc_map, list(self._registers.write_words)
+        for name, dotted in self._rows.write.items():
+            message, signal = dotted.split(".", 1)
+            if signal in self._pending[message]:
+                self._words[name] = int(self._pending[message][signal])
+            block[plc_map.write[name] - plc_map.write_start] = self._words.get(name, 0) & 0xFFFF
+        for row in plc_map.corrections:
+            pair = self._rows.corrections[row.item.name]
+            addresses = (row.item.address, row.complement_address)
+            for dotted, address in zip((pair.signal, pair.complement), addresses, strict=True):
+                message, signal = dotted.split(".", 1)
+                block[address - plc_map.write_start] = int(self._pending[message][signal]) & 0xFFFF
+        self._registers.write(plc_map.write_start, block)
+        for theirs in self._theirs.values():
+            if any(signal.name == "Counter" for signal in theirs.signals):
+                del self._pending[theirs.name]
+
+    def _encode(self, message: Message, values: Mapping[str, float], heartbeat: int) -> CanFrame:
+        chosen: dict[str, float] = {}
+        page = None
+        for signal in message.signals:
+            if signal.is_multiplexer:
+                ids = sorted({i for s in message.signals for i in s.multiplexer_ids or ()})
+                page = ids[heartbeat % len(ids)]
+                chosen[signal.name] = page
+        for signal in message.signals:
+            dotted = f"{message.name}.{signal.name}"
+            if signal.name == "Counter":
+                chosen["Counter"] = heartbeat & 0xFF
+            elif dotted in values and (
+                not signal.multiplexer_ids or page in signal.multiplexer_ids
+            ):
+                chosen[signal.name] = self._fitting(signal, values[dotted], dotted)
+        data = message.encode(chosen, strict=False)
+        return CanFrame(message.frame_id, message.is_extended_frame, bytes(data))
+
+    def _fitting(self, signal: Any, value: float, dotted: str) -> float:
+        """Return the value as the signal can say it: wrapped, or at the end of its range."""
+        wraps = any(c.wraps for c in self._rows.channels.values() if c.signal == dotted)
+        half = 1 << (signal.length - 1)
+        if wraps and math.isfinite(value):
+            return float((round(value) + half) % (2 * half) - half)
+        low = -half * signal.scale if signal.is_signed else 0.0
+        high = (half - 1 if signal.is_signed else 2 * half - 1) * signal.scale
+        if math.isnan(value):
+            return float(low if signal.is_signed else high)
+        return float(min(max(value, low), high))
+
+
+def _signals(channels: Mapping[str, _Channel]) -> list[str]:
+    return [channel.signal for channel in channels.values()]
+
+
+def _messages(database: Database, signals: list[str]) -> list[Message]:
+    names = dict.fromkeys(signal.partition(".")[0] for signal in signals)
+    try:
+        return [database.get_message_by_name(name) for name in names]
+    except KeyError as error:
+        raise PlantError(f"the DBC file has no message {error}") from error

@@ -1,0 +1,119 @@
+"""A CAN bus on a unix socket: every frame reaches every other party, as on a wire."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+import struct
+from pathlib import Path
+
+from aff_runtime.base.errors import WireError
+from sim_plant.servers.can_frames import CanFrame, Take
+
+_FRAME = struct.Struct("=IB3x8s")
+_EXTENDED = 0x8000_0000
+_ERROR = 0x2000_0000
+_BUS_OFF = 0x40
+_BUS_ERROR = 0x80
+
+
+class FrameHub:
+    """Listens at a path; the plant is one party, every connection another."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._listener: socket.socket | None = None
+        self._parties: dict[int, socket.socket] = {}
+        self._take: Take = lambda _: None
+        self.dropped = 0
+
+    def open(self, take: Take) -> None:
+        """Listen; a socket left behind is replaced.
+
+        Raises
+        ------
+        WireError
+            The path cannot be used.
+        """
+        self._take = take
+        listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        listener.setblocking(False)
+        try:
+            self._path.unlink(missing_ok=True)
+            listener.bind(str(self._path))
+            self._path.chmod(0o600)
+            listener.listen(8)
+        except OSError as error:
+            listener.close()
+            raise WireError(f"{self._path}: cannot listen there ({error})") from error
+        self._listener = listener
+        asyncio.get_running_loop().add_reader(listener.fileno(), self._on_party)
+
+    def send(self, frame: CanFrame) -> None:
+        """Send one frame to every party."""
+        can_id = frame.can_id | (_EXTENDED if frame.extended else 0)
+        self._spread(_FRAME.pack(can_id, len(frame.data), frame.data), None)
+
+    def report(self, *, bus_off: bool, error: bool = False) -> None:
+        """Send an error frame: bus-off, or a bus error; the end of bus-off is silent."""
+        if error or bus_off:
+            kind = _BUS_ERROR if error else _BUS_OFF
+            self._spread(_FRAME.pack(_ERROR | kind, 8, b""), None)
+
+    def close(self) -> None:
+        """Hang up on everybody."""
+        loop = asyncio.get_running_loop()
+        if self._listener is not None:
+            loop.remove_reader(self._listener.fileno())
+            self._listener.close()
+            self._listener = None
+            with contextlib.suppress(OSError):
+                self._path.unlink(missing_ok=True)
+        for descriptor in tuple(self._parties):
+            self._forget(descriptor)
+
+    def _on_party(self) -> None:
+        if self._listener is None:
+            return
+        try:
+            party, _ = self._listener.accept()
+        except OSError:
+            return
+        party.setblocking(False)
+        self._parties[party.fileno()] = party
+        asyncio.get_running_loop().add_reader(party.fileno(), self._on_frames, party)
+
+    def _on_frames(self, party: socket.socket) -> None:
+        while True:
+            try:
+                packet = party.recv(_FRAME.size)
+            except BlockingIOError:
+                return
+            except OSError:
+                packet = b""
+            if len(packet) != _FRAME.size:
+                self._forget(party.fileno())
+                return
+            self._spread(packet, party)
+            can_id, length, data = _FRAME.unpack(packet)
+            if not can_id & _ERROR:
+                extended = bool(can_id & _EXTENDED)
+                self._take(CanFrame(can_id & 0x1FFF_FFFF, extended, data[: min(length, 8)]))
+
+    def _spread(self, packet: bytes, sender: socket.socket | None) -> None:
+        for party in tuple(self._parties.values()):
+            if party is sender:
+                continue
+            try:
+                party.send(packet)
+            except BlockingIOError:
+                self.dropped += 1
+            except OSError:
+                self._forget(party.fileno())
+
+    def _forget(self, descriptor: int) -> None:
+        party = self._parties.pop(descriptor, None)
+        if party is not None:
+            asyncio.get_running_loop().remove_reader(descriptor)
+            party.close()

@@ -1,0 +1,125 @@
+"""Sites on other wires than Modbus TCP: what is refused, and what it costs on the bus."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from aff_runtime.base.errors import ConfigError
+from aff_runtime.config.can_wire import can_map_of, load_share, wire_files
+from aff_runtime.config.loader import load_site
+from aff_runtime.config.wire_table import wire_lines
+from tests.aff_runtime.config.shipped import EUCLID
+
+CONFIG = EUCLID.parent
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for pattern in ("*.yaml", "*.dbc", "*.eds"):
+        for path in CONFIG.glob(pattern):
+            shutil.copy(path, tmp_path)
+    return tmp_path
+
+
+def refused(path: Path, old: str, new: str) -> str:
+    text = path.read_text()
+    assert text.count(old) >= 1, old
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(ConfigError) as caught:
+        load_site(path)
+    return str(caught.value)
+
+
+def test_the_shipped_sites_agree_but_for_their_wires() -> None:
+    sites = [load_site(CONFIG / f"euclid{end}.yaml") for end in ("", "_can", "_canopen")]
+    apart = {"line", "gateway", "actuators"}
+    plain = [site.model_dump(exclude=apart) for site in sites]
+    assert plain[0] == plain[1] == plain[2]
+    limits = [[(a.limit, a.slew, a.blocks) for a in site.actuators.values()] for site in sites]
+    assert limits[0] == limits[1] == limits[2]
+
+
+def test_the_load_of_the_bus_is_the_sum_of_the_longest_frames() -> None:
+    site = load_site(CONFIG / "euclid_can.yaml")
+    share = load_share(site, can_map_of(site, wire_files(site, CONFIG)))
+    # bits by length: 34 + 8 n + 13 + (34 + 8 n - 1) // 4
+    bits = {4: 95, 5: 105, 6: 115, 7: 125, 8: 135}
+    total = sum(bits[n] for n in (7, 5, 8, 4, 6, 8, 5, 6))
+    assert share == pytest.approx(total / (500_000 * 0.005))
+
+
+@pytest.mark.parametrize("name", ["euclid_can.yaml", "euclid_canopen.yaml"])
+def test_a_bus_that_is_too_slow_is_refused(folder: Path, name: str) -> None:
+    said = refused(folder / name, "bitrate: 500000", "bitrate: 250000")
+    assert "% of 250000 bit/s each 5 ms (worst-case stuffing); at most 50%" in said
+
+
+def test_two_wires_are_one_too_many(folder: Path) -> None:
+    path = folder / "euclid.yaml"
+    said = refused(
+        path, "  address_base: 0\n",
+        "  can_dbc: { channel: can0, dbc: euclid.dbc }\n  address_base: 0\n",
+    )  # fmt: skip
+    assert "give exactly one of modbus_tcp, modbus_rtu, can_dbc, canopen_402" in said
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        ("PLC_STATUS.RollId", "PLC_STATUS.Roll", "PLC_STATUS has no such signal; it has"),
+        ("signal: PLC_STATUS.Status", "register: 3", "signal is missing; can_dbc needs it"),
+        ("dbc: euclid.dbc", "dbc: gone.dbc", "cannot be read"),
+        ("scale: 0.00001,", "scale: 0.00002,", "AFF_UNWIND.Unwind has 0.00001 per count"),
+        ("AFF_INFO.Echo", "PLC_STATUS.Status", "is read; a frame has one sender"),
+    ],
+)
+def test_a_site_that_the_dbc_contradicts_is_refused(
+    folder: Path, old: str, new: str, text: str
+) -> None:
+    assert text in refused(folder / "euclid_can.yaml", old, new)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        ("unwind_drive.0x60B1", "unwind_drive.0x60B2", "no RPDO of euclid_drive.eds maps this"),
+        ("node: 4,", "node: 3,", "node id 3 is taken by unwind_drive"),
+        ('object: "0x6007"', 'object: "0x60077"', "write an object as 0x60B1"),
+        ("#lost_after_ms: 80", "lost_after_ms: 50", "under three heartbeats of 20 ms"),
+    ],
+)
+def test_a_site_that_the_eds_contradicts_is_refused(
+    folder: Path, old: str, new: str, text: str
+) -> None:
+    assert text in refused(folder / "euclid_canopen.yaml", old, new)
+
+
+def test_rubbish_in_the_place_of_the_dbc_is_refused(folder: Path) -> None:
+    (folder / "euclid.dbc").write_bytes(bytes(range(256)))
+    with pytest.raises(ConfigError):
+        load_site(folder / "euclid_can.yaml")
+
+
+def test_a_serial_line_that_is_too_slow_is_refused(folder: Path) -> None:
+    text = (folder / "euclid.yaml").read_text()
+    begin, end = text.index("  modbus_tcp:"), text.index("  # 0: the numbers below")
+    rtu = "  modbus_rtu: { device: /dev/ttyS0, baud: BAUD, deadline_ms: 15 }\n"
+    path = folder / "euclid.yaml"
+    slow = text[:begin] + rtu + text[end:]
+    slow = slow.replace("cycle_ms: 5", "cycle_ms: 20").replace("_after_ms: 15", "_after_ms: 40")
+    path.write_text(slow.replace("BAUD", "38400"))
+    with pytest.raises(ConfigError, match=r"one cycle's frames take 23\.0 ms at 38400 bit/s"):
+        load_site(path)
+    path.write_text(slow.replace("BAUD", "115200"))
+    assert "1 transaction(s) per tick of 20 ms" in list(wire_lines(load_site(path), folder))
+
+
+@pytest.mark.parametrize("name", ["euclid.yaml", "euclid_can.yaml", "euclid_canopen.yaml"])
+def test_the_map_names_every_channel_and_correction(name: str) -> None:
+    site = load_site(CONFIG / name)
+    text = "\n".join(wire_lines(site, CONFIG))
+    for wanted in (*site.gateway.read.channels, *site.actuators):
+        assert wanted in text

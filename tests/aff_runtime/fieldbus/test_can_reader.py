@@ -1,0 +1,169 @@
+from __future__ import annotations
+
+import math
+import random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aff_runtime.fieldbus.can_frames import Frame
+from aff_runtime.fieldbus.can_reader import CanReader, Taken
+from tests.aff_runtime.fieldbus.euclid_can import DATABASE, euclid_map, scan
+
+MAP = euclid_map()
+
+
+def read(reader: CanReader, frames: list[Frame]) -> Taken:
+    taken = Taken.IGNORED
+    for one in frames:
+        taken = reader.take(one)
+    return taken
+
+
+def settled() -> CanReader:
+    reader = CanReader(MAP)
+    read(reader, scan(1))
+    assert read(reader, scan(2)) is Taken.SET
+    return reader
+
+
+def test_hand_written_bytes_are_read_as_the_dbc_says() -> None:
+    reader = CanReader(MAP)
+    frames = [
+        # big endian 24 bits: 0x015F90 = 90000 -> 90 N; 0xFFFA24 = -1500 -> -1.5 N; counter 0x02
+        Frame(0x180, False, bytes.fromhex("015F90 FFFA24 02")),
+        # little endian: 0x03F8 = 1016 -> 1.016 m/s; 0xFE0C = -500 -> -0.5 m/s
+        Frame(0x181, False, bytes.fromhex("F803 0CFE 02")),
+        # 28 bits each: 0x0000123 = 291; -7 = 0xFFFFFF9 in the upper nibbles
+        Frame(0x182, False, bytes.fromhex("23010090FFFFFF 02")),
+        Frame(0x183, False, bytes.fromhex("00 2823 02")),  # 0x2328 = 9000 -> 90 N
+        Frame(0x183, False, bytes.fromhex("01 1027 02")),  # 0x2710 = 10000 -> 200 mm
+        Frame(0x184, False, bytes.fromhex("0200 2F00 2900")),
+    ]
+    assert read(reader, frames) is Taken.SET
+    count = 2.0 * math.pi / 4096.0
+    wanted = (90.0, 90.0, 1.016, 0.2, -0.5, -1.5, 291 * count, -7 * count)
+    assert reader.values == pytest.approx(wanted, rel=1e-12)
+    assert (reader.heartbeat, reader.status, reader.roll_id) == (2, 0x2F, 41)
+
+
+def test_every_signal_reads_as_cantools_encodes_it() -> None:
+    dice = random.Random(3)
+    reader = settled()
+    for heartbeat in range(3, 200):
+        tension = round(dice.uniform(-400, 400), 3)
+        angle = dice.randrange(-(2**27), 2**27)
+        reader.reset()
+        read(reader, scan(heartbeat - 1))
+        reader.reset()
+        read(reader, scan(heartbeat - 1, tension_N=tension, angle=angle))
+        read(reader, scan(heartbeat, tension_N=tension, angle=angle))
+        assert reader.values[0] == pytest.approx(tension, abs=1e-9)
+        assert reader.values[6] == pytest.approx(angle * 2 * math.pi / 4096, abs=1e-6)
+
+
+def test_a_missing_frame_tears_the_set_and_the_next_scan_heals_it() -> None:
+    for missing in range(3):
+        reader = settled()
+        frames = scan(3, tension_N=111.0)
+        del frames[missing]
+        assert read(reader, frames) is Taken.TORN
+        assert reader.values[0] == pytest.approx(90.0)
+        assert read(reader, scan(4, tension_N=111.0)) is Taken.SET
+        assert reader.values[0] == pytest.approx(111.0)
+
+
+def test_a_frame_of_the_scan_before_is_not_taken_for_this_one() -> None:
+    reader = settled()
+    frames = scan(3)
+    frames[0] = scan(2, tension_N=55.0)[0]
+    assert read(reader, frames) is Taken.TORN
+
+
+def test_frames_out_of_order_after_the_heartbeat_tear_the_set() -> None:
+    reader = settled()
+    frames = scan(3)
+    frames.reverse()
+    assert Taken.SET not in [reader.take(one) for one in frames]
+
+
+def test_a_doubled_heartbeat_is_the_same_set_again() -> None:
+    reader = settled()
+    frames = scan(3)
+    assert read(reader, frames) is Taken.SET
+    assert reader.take(frames[-1]) is Taken.SET
+    assert reader.heartbeat == 3
+    assert read(reader, scan(4)) is Taken.SET
+
+
+def test_an_old_scan_after_a_new_one_is_dropped() -> None:
+    reader = settled()
+    read(reader, scan(3, tension_N=111.0))
+    assert read(reader, scan(2, tension_N=55.0)) is Taken.TORN
+    assert reader.values[0] == pytest.approx(111.0)
+    assert reader.out_of_order == 1
+
+
+def test_a_restarted_plc_is_believed_with_its_second_scan() -> None:
+    reader = settled()
+    for heartbeat in range(3, 40):
+        read(reader, scan(heartbeat))
+    assert read(reader, scan(1)) is Taken.TORN
+    assert read(reader, scan(2)) is Taken.SET
+    assert reader.heartbeat == 2
+
+
+def test_a_wrapping_counter_goes_on_through_its_end() -> None:
+    reader = CanReader(MAP)
+    for heartbeat, angle in enumerate((2**27 - 2, 2**27 - 1, -(2**27), -(2**27) + 1), start=1):
+        read(reader, scan(heartbeat, angle=angle))
+    assert reader.values[6] == pytest.approx((2**27 + 1) * 2 * math.pi / 4096, rel=1e-12)
+
+
+def test_a_value_outside_the_range_of_its_signal_is_not_a_number() -> None:
+    reader = settled()
+    frames = scan(3)
+    frames[0] = Frame(0x180, False, bytes.fromhex("7FFFFF 000000 03"))  # 8388.607 N > 8388 N
+    assert read(reader, frames) is Taken.SET
+    assert math.isnan(reader.values[0])
+    assert reader.values[5] == 0.0
+
+
+@pytest.mark.parametrize("length", [0, 1, 6, 8])
+def test_a_frame_of_wrong_length_is_bad(length: int) -> None:
+    reader = settled()
+    assert reader.take(Frame(0x180, False, bytes(length))) is Taken.BAD
+
+
+def test_an_extended_frame_with_the_same_number_is_another_frame() -> None:
+    reader = settled()
+    assert reader.take(Frame(0x180, True, bytes(7))) is Taken.IGNORED
+
+
+@given(st.lists(st.tuples(st.sampled_from([0x180, 0x181, 0x182, 0x183, 0x184, 0x7FF]),
+                          st.binary(max_size=8)), max_size=60))  # fmt: skip
+def test_no_stream_of_frames_crashes_or_yields_a_torn_value(
+    stream: list[tuple[int, bytes]],
+) -> None:
+    reader = CanReader(MAP)
+    last: dict[int, bytes] = {}
+    for can_id, data in stream:
+        taken = reader.take(Frame(can_id, False, data))
+        if taken in (Taken.STORED, Taken.SET):
+            last[can_id] = data
+        if taken is Taken.SET:
+            low = reader.heartbeat & 0xFF
+            assert [last[0x180][6], last[0x181][4], last[0x182][7]] == [low] * 3
+            raw = DATABASE.decode_message(0x180, last[0x180], decode_choices=False)
+            assert isinstance(raw, dict)
+            shown = reader.values[0]
+            assert math.isnan(shown) or shown == pytest.approx(raw["UnwindTension"])
+
+
+def test_the_map_refuses_a_signal_that_is_not_there() -> None:
+    from aff_runtime.base.errors import ConfigError
+    from aff_runtime.fieldbus.can_dbc import _find
+
+    with pytest.raises(ConfigError, match="has no such signal; it has PlcHeartbeat"):
+        _find(DATABASE, "PLC_STATUS.Nothing")

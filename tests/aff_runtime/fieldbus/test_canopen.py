@@ -1,0 +1,203 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from aff_runtime.base.errors import ConfigError
+from aff_runtime.fieldbus.can_frames import Frame
+from aff_runtime.fieldbus.canopen_402 import load_eds, object_of
+from aff_runtime.fieldbus.canopen_node import NodeKeeper, NodePlan, NodeState, SdoWrite
+from tests.aff_runtime.fieldbus.canopen_bench import CanopenBench
+
+CONFIG = Path(__file__).parents[3] / "config"
+MS = 1_000_000
+WRITES = (
+    SdoWrite(index=0x1017, subindex=0, data=b"\x32\x00"),
+    SdoWrite(index=0x1800, subindex=1, data=b"\x83\x01\x00\x80", verify=False),
+    SdoWrite(index=0x1800, subindex=2, data=b"\x01"),
+)
+
+
+def hexed(frame: Frame | None) -> str:
+    assert frame is not None
+    return f"{frame.can_id:03X} {frame.data.hex(' ').upper()}"
+
+
+def said(text: str) -> Frame:
+    can_id, _, data = text.partition(" ")
+    return Frame(int(can_id, 16), False, bytes.fromhex(data))
+
+
+def keeper() -> NodeKeeper:
+    return NodeKeeper(NodePlan(name="drive", node_id=3, writes=WRITES, heartbeat_ms=50), 0)
+
+
+# requests and answers byte by byte as CiA 301 writes them: expedited download of 2, 4, 1 bytes
+# (0x2B, 0x23, 0x2F), answer 0x60; upload 0x40, answers 0x4B (2 bytes) and 0x4F (1 byte)
+DIALOGUE = (
+    ("000 80 03", None),
+    ("603 2B 17 10 00 32 00 00 00", "583 60 17 10 00 00 00 00 00"),
+    ("603 23 00 18 01 83 01 00 80", "583 60 00 18 01 00 00 00 00"),
+    ("603 2F 00 18 02 01 00 00 00", "583 60 00 18 02 00 00 00 00"),
+    ("603 40 17 10 00 00 00 00 00", "583 4B 17 10 00 32 00 00 00"),
+    ("603 40 00 18 02 00 00 00 00", "583 4F 00 18 02 01 00 00 00"),
+    ("000 01 03", "703 05"),
+)
+
+
+def started() -> NodeKeeper:
+    node = keeper()
+    for request, answer in DIALOGUE:
+        assert hexed(node.tick(0)) == request
+        if answer is not None:
+            assert node.take(said(answer), 0)
+    assert node.good
+    return node
+
+
+def test_a_node_is_configured_read_back_and_started_in_the_bytes_of_the_standard() -> None:
+    assert started().state is NodeState.OPERATIONAL
+
+
+def test_a_node_that_reads_back_something_else_is_never_started() -> None:
+    node = keeper()
+    for request, answer in DIALOGUE[:5]:
+        assert hexed(node.tick(0)) == request
+        if answer is not None:
+            node.take(said(answer.replace("4B 17 10 00 32", "4B 17 10 00 33")), 0)
+    assert node.state is NodeState.ABSENT
+    assert node.trouble == "0x1017:00 reads back 3300"
+
+
+def test_a_refused_object_is_named_with_its_abort_code() -> None:
+    node = keeper()
+    node.tick(0)
+    node.tick(0)
+    node.take(said("583 80 17 10 00 02 00 01 06"), 0)
+    assert node.trouble == "SDO 0x1017:00 refused with 0x06010002"
+
+
+def test_the_late_answer_to_an_earlier_question_is_not_taken() -> None:
+    node = keeper()
+    node.tick(0)
+    node.tick(0)
+    node.take(said("583 60 00 18 02 00 00 00 00"), 0)
+    assert node.tick(0) is None
+
+
+def test_a_silent_node_is_asked_again_after_a_pause() -> None:
+    node = keeper()
+    node.tick(0)
+    node.tick(0)
+    assert node.tick(201 * MS) is None
+    assert node.trouble == "no answer to SDO 0x1017:00"
+    assert node.tick(500 * MS) is None
+    assert hexed(node.tick(502 * MS)) == "000 80 03"
+
+
+@pytest.mark.parametrize(
+    ("frame", "trouble"),
+    [("703 00", "booted"), ("703 7F", "NMT state 0x7F"), ("703 04", "NMT state 0x04")],
+)
+def test_a_node_that_leaves_operation_is_lost_at_once(frame: str, trouble: str) -> None:
+    node = started()
+    node.take(said(frame), 0)
+    assert not node.good
+    assert node.trouble == trouble
+    assert hexed(node.tick(0)) == "000 80 03"
+
+
+def test_three_missing_heartbeats_are_a_lost_node() -> None:
+    node = started()
+    assert node.tick(150 * MS) is None
+    assert node.good
+    node.tick(151 * MS)
+    assert node.trouble == "heartbeat lost"
+
+
+def test_an_emergency_stops_the_output_until_the_node_takes_it_back() -> None:
+    node = started()
+    node.take(said("083 10 23 11 00 00 00 00 00"), 0)  # 0x2310: continuous over-current
+    assert not node.good
+    assert node.trouble == "EMCY 0x2310"
+    node.take(said("083 00 00 00 00 00 00 00 00"), 0)
+    assert node.good
+
+
+def test_an_emergency_about_our_own_absence_does_not_keep_us_away() -> None:
+    node = started()
+    node.take(said("083 50 82 11 00 00 00 00 00"), 0)
+    assert node.good
+
+
+def test_the_shipped_site_runs_against_the_package_s_own_nodes() -> None:
+    bench = CanopenBench()
+    bench.run(0.6)
+    shot = bench.tick()
+    assert shot.fresh
+    assert bench.link.troubles == ()
+    assert shot.values[1:6] == pytest.approx((90.0, 1.0, 0.15, 1.0, 95.0), abs=1e-4)
+    drive = bench.device("unwind_drive")
+    assert drive.number(0x6007) == 0xFFFF  # -1: offset to zero, keep running
+    assert drive.number(0x1016, 1) == 100 << 16 | 80
+    assert drive.number(0x1400, 5) == 80
+    assert drive.number(0x1400, 2) == 1
+
+
+def test_sync_follows_the_process_data_of_a_tick() -> None:
+    bench = CanopenBench()
+    bench.run(0.6)
+    bench.bus.sent.clear()
+    bench.tick()
+    ids = [frame.can_id for frame in bench.bus.sent if frame.can_id != 0x764]
+    assert ids == [0x201, 0x203, 0x204, 0x301, 0x080]
+
+
+def test_the_correction_is_the_velocity_offset_in_little_endian_counts() -> None:
+    bench = CanopenBench()
+    bench.run(0.6)
+    bench.bus.sent.clear()
+    bench.tick((-0.01234, 0.00002))
+    data = {frame.can_id: frame.data for frame in bench.bus.sent}
+    assert data[0x203] == (-1234).to_bytes(4, "little", signed=True)
+    assert data[0x204] == bytes.fromhex("02000000")
+
+
+def test_a_reset_node_is_configured_again_by_itself() -> None:
+    bench = CanopenBench()
+    bench.run(0.6)
+    bench.fault("reset")
+    bench.tick()
+    assert not bench.tick().fresh
+    bench.run(0.6)
+    assert bench.tick().fresh
+    assert [keeper.resets for keeper in bench.link.keepers] == [2, 2, 2]
+
+
+def test_lost_sync_is_silence() -> None:
+    bench = CanopenBench()
+    bench.run(0.6)
+    bench.fault("sync:0.2")
+    bench.tick()
+    assert bench.tick().outcome.name == "TIMEOUT"
+
+
+@pytest.mark.parametrize("place", ["60B1h", "0x12", "0x1016:x", "", "0x60B1:100"])
+def test_an_object_is_spelt_in_one_way(place: str) -> None:
+    with pytest.raises(ConfigError):
+        object_of(place)
+
+
+def test_rubbish_is_no_eds() -> None:
+    with pytest.raises(ConfigError, match="cannot be read as EDS"):
+        load_eds("no section\n", "x.eds", 3)
+
+
+def test_nothing_in_the_shipped_eds_is_out_of_its_object_lists() -> None:
+    for name, node_id in (("euclid_drive.eds", 3), ("euclid_line.eds", 1)):
+        text = (CONFIG / name).read_text()
+        od = load_eds(text, name, node_id)
+        listed = {int(line.split("=")[1], 16) for line in text.splitlines() if "=0x" in line
+                  and line.split("=")[0].isdigit()}  # fmt: skip
+        assert {index for index in od if index >= 0x1000} == listed

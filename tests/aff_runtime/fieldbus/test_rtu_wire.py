@@ -1,0 +1,132 @@
+"""Modbus RTU over a pty pair; the other end is pymodbus' own RTU framer."""
+
+from __future__ import annotations
+
+import os
+import select
+import threading
+import tty
+from collections.abc import Iterator
+
+import pytest
+from pymodbus.framer import FramerRTU
+from pymodbus.pdu import DecodePDU
+
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.signals import Outcome
+from aff_runtime.fieldbus.catalogue import modbus_rtu
+from aff_runtime.fieldbus.modbus_frames import WireFunction
+from aff_runtime.fieldbus.rtu_wire import crc16, reply_length, rtu_of
+from aff_runtime.fieldbus.serial_time import transaction_ms
+from sim_plant.servers.modbus_device import ModbusDevice
+from sim_plant.servers.registers import Registers
+from tests.aff_runtime.fieldbus.euclid_map import euclid_map
+from tests.sim_plant.servers.fake_line import default_map
+
+PATIENCE_NS = 2_000_000_000
+
+
+def test_the_crc_of_the_specification() -> None:
+    # Modbus over Serial Line V1.02, 6.2.2: device 2, function 7 -> 0x1241, low byte first 41 12
+    assert crc16(bytes.fromhex("02 07")) == 0x1241
+    assert rtu_of(bytes.fromhex("0001 0000 0002 02 07")) == bytes.fromhex("02 07 41 12")
+
+
+def test_hand_written_frame_of_fc3() -> None:
+    # widely published example: 11 03 006B 0003 CRC 76 87
+    assert rtu_of(bytes.fromhex("0000 0000 0006 11 03 006B 0003")).hex() == "1103006b00037687"
+
+
+@pytest.mark.parametrize(
+    ("head", "length"),
+    [("0103", 0), ("010306", 11), ("011702", 7), ("018302", 5), ("011000", 8), ("016300", -1)],
+)
+def test_reply_lengths(head: str, length: int) -> None:
+    assert reply_length(bytes.fromhex(head)) == length
+
+
+def test_a_cycle_takes_as_long_as_its_characters() -> None:
+    # 13 + 20 request and 5 + 30 reply characters of 11 bits at 115200, two silences of 1.75 ms
+    assert transaction_ms(15, 10, 115_200, fc23=True) == pytest.approx(68 * 11 / 115.2 + 3.5)
+
+
+class Slave:
+    """A device on the other end of the line; ``spoil`` changes what it answers."""
+
+    def __init__(self) -> None:
+        self.master, self.slave = os.openpty()
+        tty.setraw(self.slave)
+        self.path = os.ttyname(self.slave)
+        self.registers = Registers(default_map())
+        self.device = ModbusDevice(self.registers)
+        self.framer = FramerRTU(DecodePDU(is_server=True))
+        self.spoil = lambda frame: frame
+        self._on = True
+        self._thread = threading.Thread(target=self._serve)
+        self._thread.start()
+
+    def _serve(self) -> None:
+        buffer = b""
+        while self._on:
+            if not select.select([self.master], [], [], 0.02)[0]:
+                continue
+            buffer += os.read(self.master, 512)
+            used, device_id, _, pdu = self.framer.decode(buffer)
+            buffer = buffer[used:]
+            if pdu:
+                answer = self.framer.encode(self.device.answer(pdu), device_id, 0)
+                os.write(self.master, self.spoil(answer))
+
+    def close(self) -> None:
+        self._on = False
+        self._thread.join(5)
+        os.close(self.master)
+        os.close(self.slave)
+
+
+@pytest.fixture
+def slave() -> Iterator[Slave]:
+    device = Slave()
+    yield device
+    device.close()
+
+
+def exchange(
+    slave: Slave, function: WireFunction, ticks: int = 4
+) -> list[tuple[Outcome, list[int]]]:
+    transport = modbus_rtu(
+        device=slave.path, baud=115_200, parity="N", stop_bits=1, device_id=1,
+        register_map=euclid_map(), clock=MonotonicClock(), function=function,
+    )  # fmt: skip
+    clock = MonotonicClock()
+    seen = [transport.transact([7] * 10, clock.now_ns() + PATIENCE_NS // 10) for _ in range(ticks)]
+    transport.close()
+    return seen
+
+
+@pytest.mark.wire
+@pytest.mark.parametrize("function", [WireFunction.FC23, WireFunction.FC3_FC16])
+def test_words_go_both_ways(slave: Slave, function: WireFunction) -> None:
+    slave.registers.publish(list(range(100, 115)))
+    seen = exchange(slave, function)
+    assert seen[0][0] is Outcome.NOT_CONNECTED  # the tick that opens the line
+    assert seen[-1] == (Outcome.OK, list(range(100, 115)))
+    assert slave.registers.write_words == [7] * 10
+
+
+@pytest.mark.wire
+def test_a_flipped_bit_is_never_a_value(slave: Slave) -> None:
+    slave.spoil = lambda frame: frame[:5] + bytes([frame[5] ^ 1]) + frame[6:]
+    assert all(words == [] for _, words in exchange(slave, WireFunction.FC23))
+
+
+@pytest.mark.wire
+def test_an_answer_of_another_device_is_a_bad_reply(slave: Slave) -> None:
+    def other(frame: bytes) -> bytes:
+        body = b"\x02" + frame[1:-2]
+        return body + crc16(body).to_bytes(2, "little")
+
+    slave.spoil = other
+    outcomes = {outcome for outcome, _ in exchange(slave, WireFunction.FC23)}
+    assert Outcome.BAD_REPLY in outcomes
+    assert Outcome.OK not in outcomes

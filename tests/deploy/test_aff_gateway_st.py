@@ -1,0 +1,176 @@
+"""The Structured Text block and the simulated PLC take the same cases and must agree."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("blark", reason="blark (the Structured Text parser) is not installed")
+
+from aff_runtime.base.signals import StateBits, Status
+from sim_plant.servers.plc import ALL_WELL, Plc
+from tests.deploy.st_machine import StMachine
+from tests.sim_plant.servers.fake_line import default_map
+
+BLOCK = Path(__file__).parents[2] / "deploy" / "plc" / "AFF_GATEWAY.st"
+MAP = default_map()
+SCAN_S = 0.005
+COUNT_M_S = 0.00001
+MEASURED = {item.name: 0.0 for item in MAP.channels}
+REFUSALS = {"": 0, "watchdog": 1, "state": 2, "rearm": 3, "permissive": 4, "complement": 5,
+            "limit": 6}  # fmt: skip
+LIMIT_2 = round(MAP.corrections[1].limit_m_s / COUNT_M_S)
+ACTIVE, FADING = int(StateBits.ACTIVE), int(StateBits.FADING)
+
+
+class Both:
+    """Scans block and simulated PLC with the same words and compares everything they decide."""
+
+    def __init__(self) -> None:
+        self.block = StMachine(BLOCK)
+        self.plc = Plc(MAP)
+        self.scans = 0
+
+    def scan(
+        self, heartbeat: int, one: int = 0, two: int = 0, *, state: int = ACTIVE,
+        well: bool = True, spoil: int = 0,
+    ) -> dict[str, Any]:  # fmt: skip
+        self.scans += 1
+        copies = [~one & 0xFFFF, ~two & 0xFFFF]
+        if spoil:
+            copies[spoil - 1] ^= 0x0100
+        words = [heartbeat, state, 0, one & 0xFFFF, copies[0], 0, 0, 0, two & 0xFFFF, copies[1]]
+        self.plc.status = ALL_WELL if well else ALL_WELL & ~Status.WEB_INTACT
+        seen = self.plc.scan(self.scans * SCAN_S, MEASURED, words)
+        out = self.block.call(
+            AffHeartbeat=heartbeat, AffState=state, Word1=one, Copy1=copies[0], Word2=two,
+            Copy2=copies[1], Permissives=well, ScanTime=SCAN_S,
+        )  # fmt: skip
+        assert out["Refusal"] == REFUSALS[seen.refusal.partition(":")[0]], self.scans
+        assert out["Accepted"] is (not seen.refusal)
+        assert out["Trips"] == self.plc.trips
+        assert out["PlcHeartbeat"] == seen.read_words[MAP.read["plc_heartbeat"] - MAP.read_start]
+        for name, key in (("unwind", "Correction1"), ("swrap_follower", "Correction2")):
+            counts = seen.corrections_m_s[name] / COUNT_M_S
+            assert out[key] == pytest.approx(counts, abs=0.05), (self.scans, name)
+        return out
+
+    def accepted(self) -> Both:
+        self.scan(1, state=0)
+        self.scan(2, state=0)
+        assert self.scan(3, 1234, -567)["Correction1"] == 1234.0
+        return self
+
+
+def test_nothing_counts_before_a_heartbeat_moved_and_a_state_without_active_was_seen() -> None:
+    both = Both()
+    assert both.scan(7, 100)["Refusal"] == 1
+    assert both.scan(8, 100)["Refusal"] == 3
+    assert both.scan(9, 100, state=0)["Refusal"] == 2
+    assert both.scan(10, 100)["Refusal"] == 0
+
+
+def test_a_dead_heartbeat_trips_after_the_watchdog_and_is_zero_after_the_fade() -> None:
+    both = Both().accepted()
+    outs = [dict(both.scan(3, 1234, -567)) for _ in range(60)]
+    tripped = next(i for i, out in enumerate(outs) if out["Refusal"] == 1)
+    assert tripped == 16  # 80 ms are 16 scans; the 17th is late
+    assert all(out["Correction1"] == 0.0 for out in outs[tripped + 40 :])
+    assert both.scan(4, 1234)["Refusal"] == 3
+
+
+@pytest.mark.parametrize(
+    ("case", "refusal"),
+    [
+        ({"state": 0}, 2),
+        ({"well": False}, 4),
+        ({"spoil": 1}, 5),
+        ({"spoil": 2}, 5),
+        ({"one": 6001}, 6),
+        ({"one": -6001}, 6),
+        ({"two": LIMIT_2 + 1}, 6),
+        ({"one": -32768}, 6),
+    ],
+)
+def test_a_correction_that_breaks_a_rule_fades_and_comes_back(
+    case: dict[str, Any], refusal: int
+) -> None:
+    both = Both().accepted()
+    first = dict(both.scan(4, **{"one": 1234, "two": -567, **case}))
+    assert first["Refusal"] == refusal
+    assert 0.0 < first["Correction1"] < 1234.0
+    for heartbeat in range(5, 50):
+        last = both.scan(heartbeat, **{"one": 1234, "two": -567, **case})
+    assert last["Correction1"] == 0.0
+    assert both.scan(50, 1234, -567, state=FADING)["Correction1"] == 1234.0
+
+
+def test_an_intact_zero_of_a_live_runtime_ends_the_fade() -> None:
+    both = Both().accepted()
+    assert both.scan(4, 0, 0, state=0)["Correction1"] == 0.0
+
+
+def test_our_heartbeat_wraps_without_an_overflow() -> None:
+    both = Both()
+    both.block.v["PlcHeartbeat"] = 65534
+    both.plc._heartbeat = 65534
+    assert both.scan(1)["PlcHeartbeat"] == 65535
+    assert both.scan(2)["PlcHeartbeat"] == 0
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_block_and_simulated_plc_agree_on_random_runs(seed: int) -> None:
+    dice = random.Random(seed)
+    both = Both()
+    heartbeat, state, well, silent = 0, 0, True, 0
+    for _ in range(800):
+        silent = max(0, silent - 1) or (dice.random() < 0.01) * dice.randrange(1, 40)
+        heartbeat = heartbeat if silent else (heartbeat + 1) & 0xFFFF
+        if dice.random() < 0.05:
+            state = dice.choice((0, ACTIVE, ACTIVE, FADING, 3, 0x80))
+        well = dice.random() > 0.2 if dice.random() < 0.03 else well
+        one = dice.choice((0, 1, -1, dice.randrange(-6100, 6101), 6000, -6000))
+        two = dice.choice((0, dice.randrange(-LIMIT_2 - 50, LIMIT_2 + 51)))
+        spoil = dice.choice((0,) * 30 + (1, 2))
+        both.scan(heartbeat, one, two, state=state, well=well, spoil=spoil)
+
+
+MUTANTS = (
+    ("Silence <= Watchdog", "Silence <= Watchdog + 1.0"),
+    ("NeedsRearm := TRUE;\n    Trips", "Trips"),
+    ("ELSIF NOT Permissives THEN\n    Refusal := 4;\n", ""),
+    ("(INT_TO_WORD(Word2) XOR Copy2) = 16#FFFF", "TRUE"),
+    ("Word1 > Limit1", "Word1 > 32000"),
+    ("Word2 < -Limit2", "Word2 < -32000"),
+    ("16#000C", "16#00FF"),
+    ("1.0 - Since / Fade", "1.0"),
+    ("        Held1 := 0.0;\n", ""),
+    ("Known AND AffHeartbeat", "AffHeartbeat"),
+)
+
+
+@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda pair: pair[1][:30] or pair[0][:30])
+def test_every_rule_of_the_block_is_missed_when_it_is_gone(
+    mutant: tuple[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = BLOCK.read_text()
+    assert text.count(mutant[0]) == 1, mutant[0]
+    spoilt = tmp_path / "mutant.st"
+    spoilt.write_text(text.replace(*mutant))
+    monkeypatch.setattr("tests.deploy.test_aff_gateway_st.BLOCK", spoilt)
+    caught = 0
+    cases = (
+        test_nothing_counts_before_a_heartbeat_moved_and_a_state_without_active_was_seen,
+        test_a_dead_heartbeat_trips_after_the_watchdog_and_is_zero_after_the_fade,
+        test_an_intact_zero_of_a_live_runtime_ends_the_fade,
+        *(lambda s=s: test_block_and_simulated_plc_agree_on_random_runs(s) for s in range(3)),
+    )
+    for case in cases:
+        try:
+            case()
+        except AssertionError:
+            caught += 1
+    assert caught

@@ -1,0 +1,211 @@
+"""Runtime and plant in lockstep over one of the three wires, with a law that asks for too much."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from aff_runtime.app.site_to_guard import guard_params
+from aff_runtime.app.site_to_wire import register_map
+from aff_runtime.base.clock import VirtualClock
+from aff_runtime.base.ports import Gateway
+from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot, State
+from aff_runtime.config.can_wire import can_map_of, network_of, wire_files
+from aff_runtime.config.loader import load_site
+from aff_runtime.fieldbus.can_gateway import CanGateway
+from aff_runtime.fieldbus.can_reader import CanReader
+from aff_runtime.fieldbus.can_writer import CanWriter
+from aff_runtime.fieldbus.canopen_link import CanopenLink
+from aff_runtime.fieldbus.codec import WordCodec
+from aff_runtime.fieldbus.gateway import WordGateway
+from aff_runtime.loop.cycle import Cycle, CycleSettings
+from aff_runtime.loop.messages import Arm, Bypass, Message, SupervisorLost
+from aff_runtime.loop.seams import Advice
+from aff_runtime.safety.guard import Guard
+from sim_plant.servers.can_catalogue import can_node
+from sim_plant.servers.can_lockstep import LockstepBus
+from sim_plant.servers.faults import parse_fault
+from sim_plant.servers.lockstep import LockstepPlant
+from sim_plant.servers.plc import Plc
+from tests.sim_plant.servers.fake_line import FakeLine, default_map
+
+CONFIG = Path(__file__).parents[2] / "config"
+WIRES = {"modbus": "euclid.yaml", "can": "euclid_can.yaml", "canopen": "euclid_canopen.yaml"}
+SITES = {wire: load_site(CONFIG / name) for wire, name in WIRES.items()}
+FILES = {wire: wire_files(site, CONFIG) for wire, site in SITES.items()}
+SAMPLE_S = 0.005
+LIMIT_M_S = 0.05
+
+
+class QuietLine(FakeLine):
+    """A line that hardly answers to the correction, so that only the fault under test acts."""
+
+    def step(self, inputs: Mapping[str, float]) -> Mapping[str, float]:
+        quiet = {n: 0.0 if n.startswith("aff_") else v for n, v in inputs.items()}
+        measured = dict(super().step(quiet))
+        measured["pullroll_tension_N"] = 95.0 + math.sin(7.0 * self._angle_rad)
+        return measured
+
+
+class Greedy:
+    """A law that asks for more than every limit, without pause."""
+
+    def __init__(self) -> None:
+        self.fails = False
+        self._k = 0
+
+    def step(
+        self, snapshot: Snapshot, dt_s: float, permission: Permission
+    ) -> tuple[ActuatorStep, ...]:
+        if self.fails:
+            raise RuntimeError("the law is broken")
+        self._k += 1
+        value = 0.08 * math.cos(0.02 * self._k)
+        step = ActuatorStep(value=value, peak_bound=0.08, slew_bound=0.4)
+        return (step, replace(step, value=0.5 * value, peak_bound=0.04))
+
+    def telemetry(self) -> tuple[float, ...]:
+        return ()
+
+    def telemetry_names(self) -> tuple[str, ...]:
+        return ()
+
+
+class Around:
+    """The outside of the cycle: an inbox, and nothing kept."""
+
+    def __init__(self, guard: Guard) -> None:
+        self.guard = guard
+        self.inbox: list[Message] = []
+        self.codes: list[int] = []
+
+    def publish(self, record: Sequence[float]) -> None:
+        pass
+
+    def event(self, tick: int, t_ns: int, code: int) -> None:
+        self.codes.append(code)
+
+    def fault_text(self, text: str) -> None:
+        pass
+
+    def blocked(self, text: str) -> None:
+        pass
+
+    def poll(self) -> Sequence[Message]:
+        messages, self.inbox = self.inbox, []
+        return messages
+
+    def advise(self, law: object) -> Advice:
+        return Advice()
+
+    def adopt(self, settings: object) -> None:
+        pass
+
+    def tick_done(self, first_exchange_ok: bool) -> None:
+        pass
+
+
+class MatrixBench:
+    """One plant, one wire, one runtime that can be killed and started again."""
+
+    def __init__(self, wire: str, seed: int = 0) -> None:
+        self.wire = wire
+        self.site = SITES[wire]
+        self.clock = VirtualClock()
+        self.lockstep = LockstepPlant(QuietLine(), Plc(default_map()))
+        self.plant = self.lockstep.plant
+        self.bus: LockstepBus | None = None
+        if wire != "modbus":
+            protocol = {"can": "dbc", "canopen": "canopen"}[wire]
+            node = can_node(self.plant, protocol, CONFIG / "plc" / f"can_{protocol}.yaml")
+            self.bus = LockstepBus(self.lockstep, node, self.clock, seed=seed)
+        self.law = Greedy()
+        self.applied: list[float] = []
+        self.running = True
+        self.start()
+
+    def start(self) -> None:
+        """Start the runtime, as after power-up."""
+        guarded = guard_params(self.site)
+        outputs = tuple(replace(a, soft_start_s=0.2) for a in guarded.actuators)
+        self.guard = Guard(replace(guarded, actuators=outputs, splice_settle_s=0.1))
+        self.around = Around(self.guard)
+        settings = CycleSettings(
+            period_ns=5_000_000,
+            io_deadline_ns=3_000_000,
+            fade_s=self.site.freshness.fade_ms * 1e-3,
+            channel_count=len(self.site.gateway.read.channels),
+            output_count=2,
+            law_columns=0,
+            config_revision=1,
+        )
+        self.cycle = Cycle(
+            settings=settings,
+            clock=self.clock,
+            gateway=self._gateway(),
+            guard=self.guard,
+            law=self.law,
+            outside=self.around,
+        )
+        self.cycle._ticker.start()
+
+    def _gateway(self) -> Gateway:
+        site, clock = self.site, self.clock
+        if self.bus is None:
+            return WordGateway(self.lockstep, WordCodec(register_map(site)), clock)
+        if self.wire == "can":
+            can_map = can_map_of(site, FILES[self.wire])
+            return CanGateway(self.bus, CanReader(can_map), CanWriter(can_map), clock)
+        network = network_of(site, FILES[self.wire])
+        link = CanopenLink(self.bus, network.plans, own_node=100, heartbeat_ms=20, clock=clock)
+        can_map = network.can_map
+        return CanGateway(link, CanReader(can_map), CanWriter(can_map), clock)
+
+    def run(self, seconds: float) -> list[float]:
+        """Advance both sides; return the largest correction at the plant, sample by sample."""
+        begin = len(self.applied)
+        for _ in range(round(seconds / SAMPLE_S)):
+            self.lockstep.advance(SAMPLE_S)
+            if self.running:
+                self.running = self.cycle.tick()
+            else:
+                self.clock.advance_ns(5_000_000)
+            self.applied.append(max(abs(v) for v in self.plant.applied_m_s.values()))
+        return self.applied[begin:]
+
+    def arm(self) -> None:
+        self.around.inbox.append(Arm())
+
+    def bypass(self) -> None:
+        self.around.inbox.append(Bypass())
+
+    def until(self, *states: State, within_s: float = 3.0) -> bool:
+        for _ in range(round(within_s / SAMPLE_S)):
+            if self.guard.state in states:
+                return True
+            self.run(SAMPLE_S)
+        return False
+
+    def begin(self, spec: str) -> None:
+        """Begin a fault of the wire, the plant, or (``!``) of the runtime itself."""
+        name, _, _ = spec.partition(":")
+        if name in {"!kill", "!stall"}:
+            self.running = False
+        elif name == "!supervisor":
+            self.around.inbox.append(SupervisorLost())
+        elif name == "!law":
+            self.law.fails = True
+        else:
+            self.lockstep.inject(parse_fault(spec))
+
+    def end(self, spec: str) -> None:
+        """End what ``begin`` began, where time alone does not."""
+        name, _, _ = spec.partition(":")
+        self.law.fails = False
+        if name in {"!kill", "!supervisor"}:
+            if self.bus is not None:
+                self.bus.closed = False
+            self.start()
+        self.running = True

@@ -1,0 +1,121 @@
+"""Every cell of the matrix, and the judgement of one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from aff_runtime.base.signals import State
+from tests.matrix.bench import LIMIT_M_S, SAMPLE_S, WIRES, MatrixBench
+
+TABLE: dict[str, Any] = yaml.safe_load((Path(__file__).parent / "table.yaml").read_text())
+STATES = ("OFF", "SOFT_START", "ACTIVE", "FADING", "BYPASS")
+ZERO_S = TABLE["zero_ms"] * 1e-3
+_ROUNDING = 1.0 + 1e-6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """One fault on one wire in one state, and what must happen."""
+
+    fault: str
+    spec: str
+    wire: str
+    state: str
+    reaction: str
+
+    def __str__(self) -> str:
+        return f"{self.wire}-{self.state}-{self.fault}".replace(" ", "_")
+
+
+def cells(states: tuple[str, ...] = STATES) -> Iterator[Cell]:
+    """Yield every cell that can happen."""
+    for row in TABLE["faults"]:
+        for wire in WIRES:
+            for state in states if row[wire] != "-" else ():
+                yield Cell(
+                    fault=row["name"], spec=row["spec"], wire=wire, state=state,
+                    reaction=row[wire],
+                )  # fmt: skip
+
+
+def judge(cell: Cell) -> str:  # noqa: PLR0911 (one return per verdict)
+    """Run one cell; return what is wrong, empty when nothing is."""
+    bench = MatrixBench(cell.wire, seed=len(cell.fault))
+    wrong = _reach(bench, cell.state)
+    if wrong:
+        return wrong
+    duration_s = float(cell.spec.partition(":")[2] or 0.5)
+    bench.begin(cell.spec)
+    during = bench.run(duration_s)
+    bench.end(cell.spec)
+    zero_from = round(ZERO_S / SAMPLE_S) + 1
+    after = bench.run(max(0.4, ZERO_S + 0.1 - duration_s))
+    whole = during + after
+    if max(bench.applied) > LIMIT_M_S * _ROUNDING:
+        return f"{max(bench.applied):.4f} m/s is above the limit"
+    if cell.state in {"OFF", "BYPASS"}:
+        return "a correction without an operator" if any(whole) else _recovers(bench)
+    if cell.reaction == "latch":
+        if any(whole[zero_from:]):
+            return f"not zero {ZERO_S * 1e3:.0f} ms after the fault began"
+        if bench.guard.state is not State.FAULT:
+            return f"state {bench.guard.state.name}, not latched"
+        return _recovers(bench)
+    if cell.reaction == "stay":
+        if any(whole[zero_from:]):
+            return f"not zero {ZERO_S * 1e3:.0f} ms after the fault began"
+        bench.bypass()
+        return _recovers(bench)
+    if cell.reaction == "fade":
+        if any(during[zero_from:]):
+            return f"not zero {ZERO_S * 1e3:.0f} ms after the fault began"
+        back = bench.run(1.5)
+        return "" if cell.state == "FADING" or any(back) else "did not come back by itself"
+    if cell.state != "FADING" and (bench.guard.state is not State.ACTIVE or not any(after[-20:])):
+        return f"did not ride through: {bench.guard.state.name}"
+    return ""
+
+
+def _reach(bench: MatrixBench, state: str) -> str:
+    """Bring a fresh bench into a state; return why that failed."""
+    bench.run(1.0 if bench.wire == "canopen" else 0.3)
+    if state == "OFF":
+        return "" if bench.guard.state in (State.FAULT, State.OFF, State.READY) else "armed itself"
+    bench.arm()
+    if not bench.until(State.ACTIVE, within_s=1.0):
+        return f"never ACTIVE: {bench.guard.state.name} {bench.guard.first_blocking()}"
+    if state == "SOFT_START":
+        bench.run(0.05)
+        return ""
+    bench.run(0.4)
+    if not any(bench.applied[-20:]):
+        return f"no correction at the plant: {bench.plant.refusal}"
+    if state == "BYPASS":
+        bench.bypass()
+        bench.run(0.4)
+    elif state == "FADING":
+        bench.begin("permissive=LINE_RUN:0.2")
+        bench.run(0.05)
+    return ""
+
+
+def _recovers(bench: MatrixBench) -> str:
+    """Arm again and expect the correction back, without a restart of either side."""
+    if any(bench.run(0.5)):
+        return "came back without an operator"
+    for _ in range(4):
+        bench.arm()
+        if bench.until(State.ACTIVE, within_s=0.7):
+            break
+    bench.run(0.4)
+    if bench.guard.state is not State.ACTIVE or not any(bench.applied[-20:]):
+        return (
+            f"does not recover: {bench.guard.state.name} {bench.guard.first_blocking()} "
+            f"{bench.plant.refusal}"
+        )
+    return ""
