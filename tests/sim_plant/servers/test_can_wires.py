@@ -71,11 +71,11 @@ class Bench:
     def fault(self, spec: str) -> None:
         control = ControlSocket(Path(), self.service.plant, self.service.status)
 
-        async def inject() -> object:
+        async def inject() -> dict[str, object]:
             return control.answer(f"fault {spec}")
 
         done = asyncio.run_coroutine_threadsafe(inject(), self.loop)
-        assert done.result(PATIENCE_s) == {"ok": True}
+        assert done.result(PATIENCE_s)["ok"]
 
     def close(self) -> None:
         self.gateway.close()
