@@ -36,7 +36,7 @@ for module in {modules}; do /bin/busybox insmod /modules/$module.ko; done
 echo "host mounted: $(/bin/busybox ls /host | /bin/busybox wc -w) entries"
 cd /host
 /bin/busybox chroot /host /bin/sh -c 'cd {root} && HOME=/tmp PYTHONDONTWRITEBYTECODE=1 \\
-  {python} -m pytest -v -p no:cacheprovider -p no:hypothesispytest --timeout 300 \\
+  {python} -m pytest -v -x --tb=short -p no:cacheprovider -p no:hypothesispytest --timeout 300 \\
   tests/socketcan/on_vcan.py'
 echo "SOCKETCAN-EXIT $?"
 /bin/busybox poweroff -f
