@@ -36,8 +36,8 @@ for module in {modules}; do /bin/busybox insmod /modules/$module.ko; done
 echo "host mounted: $(/bin/busybox ls /host | /bin/busybox wc -w) entries"
 cd /host
 /bin/busybox chroot /host /bin/sh -c 'cd {root} && HOME=/tmp PYTHONDONTWRITEBYTECODE=1 \\
-  {python} -c "import time; t=time.monotonic(); import can; print(time.monotonic() - t)"; \\
-  {python} -m pytest -v -p no:cacheprovider --timeout 300 tests/socketcan/on_vcan.py'
+  {python} -m pytest -v -x --tb=short -p no:cacheprovider -p no:hypothesispytest --timeout 300 \\
+  tests/socketcan/on_vcan.py'
 echo "SOCKETCAN-EXIT $?"
 /bin/busybox poweroff -f
 """

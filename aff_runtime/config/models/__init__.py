@@ -2,16 +2,11 @@
 
 from aff_runtime.config.models.actuators import Actuator, Block, ErrorSignal
 from aff_runtime.config.models.gateway import (
-    CanDbc,
-    Canopen402,
     Channel,
     Correction,
     Gateway,
-    ModbusRtu,
-    ModbusTcp,
     ReadBlock,
     ReadWord,
-    Tls,
     WriteBlock,
     WriteWord,
 )
@@ -19,6 +14,7 @@ from aff_runtime.config.models.guard import Freshness, Permissives, PlausibleRan
 from aff_runtime.config.models.rolls import Roll
 from aff_runtime.config.models.service import Probe, Recording
 from aff_runtime.config.models.site import Line, Site
+from aff_runtime.config.models.wires import CanDbc, Canopen402, ModbusRtu, ModbusTcp, Tls
 
 __all__ = [
     "Actuator",

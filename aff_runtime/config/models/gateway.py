@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from annotated_types import MaxLen
-
+from aff_runtime.config.models.wires import CanDbc, Canopen402, ModbusRtu, ModbusTcp
 from aff_runtime.config.quantity import (
     Few,
     Flag,
-    Milliseconds,
     Name,
     Register,
     Section,
@@ -21,166 +19,11 @@ from aff_runtime.config.quantity import (
 )
 
 WordType = Literal["u16", "i16", "u32", "i32"]
-CanInterface = Literal["socketcan", "slcan_tty", "frame_socket", "udp_multicast"]
 WIRES = ("modbus_tcp", "modbus_rtu", "can_dbc", "canopen_402")
-Node = Annotated[int, Whole("node id")]
 SIGNAL = (
     "Signal that carries it, on CAN: MESSAGE.Signal of the DBC file, or NODE.0xIIII of an object "
     "in a PDO on CANopen."
 )
-INTERFACE = (
-    "socketcan on the gateway; slcan_tty for a serial adapter without a kernel driver; "
-    "frame_socket (a unix socket) and udp_multicast for benches."
-)
-CAN_DEADLINE = (
-    "Longest wait for the PLC's frames in one tick. Raise it when status shows timeouts on a "
-    "healthy bus; it must stay below cycle_ms."
-)
-
-
-class Tls(Section):
-    """Modbus/TCP Security; file names are relative to the folder of the site file."""
-
-    ca: Text = key("Certificate (PEM) that the PLC's certificate is checked against.")
-    certificate: Text | None = key(
-        "Our own certificate (PEM), for a PLC that asks for one.", default=None
-    )
-    private_key: Text | None = key(
-        "Its key (PEM); readable by the service's user alone.", default=None
-    )
-    server_name: Text | None = key("Name in the PLC's certificate. Absent: host.", default=None)
-
-
-class ModbusTcp(Section):
-    """How the PLC or gateway is reached."""
-
-    host: Text = key("Address of the PLC or gateway. Change it when the network plan changes.")
-    tls: Tls | None = key("Modbus/TCP Security, usually on port 802.", default=None)
-    port: Annotated[int, Whole("TCP port")] = key(
-        "TCP port of its Modbus server. Change it only when the device says another.",
-        default=502,
-        ge=1,
-        le=65535,
-    )
-    device_id: Annotated[int, Whole("unit identifier")] = key(
-        "Modbus unit identifier. Change it behind a serial gateway or when the device "
-        "answers to one number alone.",
-        default=1,
-        ge=0,
-        le=255,
-    )
-    deadline_ms: Milliseconds = key(
-        "Longest wait for the reply of one tick; a later reply counts as lost. Raise it when "
-        "status shows timeouts on a healthy network; it must stay below cycle_ms.",
-        default=3.0,
-        ge=0.5,
-        le=50,
-    )
-    function: Literal["fc23", "fc3_fc16"] = key(
-        "Function codes: fc23 reads and writes in one request; fc3_fc16 uses two, for a "
-        "device that lacks fc23 (it answers with exception 1).",
-        default="fc23",
-    )
-
-
-class ModbusRtu(Section):
-    """How a device on a serial line is reached."""
-
-    device: Text = key("Serial line of the gateway, /dev/ttyS0.")
-    baud: Annotated[int, Whole("bit/s")] = key(
-        "Bit rate of the line; `check` refuses one that is too slow for the cycle.",
-        default=115_200,
-        ge=9_600,
-        le=1_000_000,
-    )
-    parity: Literal["none", "even", "odd"] = key("Parity, as the device is set.", default="even")
-    stop_bits: Annotated[Literal[1, 2], Whole("stop bits")] = key(
-        "Stop bits, as the device is set; the standard has 2 without parity.", default=1
-    )
-    device_id: Annotated[int, Whole("unit identifier")] = key(
-        "Number of the device on the line.", default=1, ge=1, le=247
-    )
-    deadline_ms: Milliseconds = key(
-        "Longest wait for the reply of one tick; it must stay below cycle_ms.",
-        default=8.0,
-        ge=0.5,
-        le=90,
-    )
-    function: Literal["fc23", "fc3_fc16"] = key(
-        "Function codes: fc23 reads and writes in one request; fc3_fc16 uses two.",
-        default="fc23",
-    )
-
-
-class CanDbc(Section):
-    """How the PLC is reached on CAN; the DBC file says where every signal sits."""
-
-    interface: CanInterface = key(INTERFACE, default="socketcan")
-    channel: Text = key("CAN interface of the gateway (can0), or the tty of an slcan adapter.")
-    bitrate: Annotated[int, Whole("bit/s")] = key(
-        "Bit rate of the bus, for the load and for slcan; SocketCAN's own is set by the system. "
-        "Use 1 Mbit/s or 500 kbit/s.",
-        default=500_000,
-        ge=10_000,
-        le=1_000_000,
-    )
-    dbc: Text = key("DBC file, relative to the folder of the site file.")
-    deadline_ms: Milliseconds = key(CAN_DEADLINE, default=3.0, ge=0.5, le=50)
-
-
-class ObjectValue(Section):
-    """One object of a CANopen node and the value it must have."""
-
-    object: Text = key("Index in quotes, `0x6007`, or with its subindex, `0x2030:1`.")
-    value: Annotated[int, Whole("count")] = key(
-        "Value written at start and read back; a node that says another is not started.",
-        ge=-(2**31),
-        le=2**32 - 1,
-    )
-
-
-class CanopenNode(Section):
-    """One node of the CANopen network."""
-
-    node: Node = key("Node id, as set at the device.", ge=1, le=127)
-    eds: Text = key("EDS file, relative to the folder of the site file.")
-    objects: Annotated[tuple[ObjectValue, ...], MaxLen(64)] = key(
-        "Objects to set and verify at start, above all the reaction to our lost heartbeat "
-        "(0x6007 at CiA 402 drives).",
-        default=(),
-    )
-
-
-class Canopen402(Section):
-    """How PLC and drives are reached on CANopen; the EDS files say what every PDO carries."""
-
-    interface: CanInterface = key(INTERFACE, default="socketcan")
-    channel: Text = key("CAN interface of the gateway (can0), or the tty of an slcan adapter.")
-    bitrate: Annotated[int, Whole("bit/s")] = key(
-        "Bit rate of the bus. Use 1 Mbit/s or 500 kbit/s.",
-        default=500_000,
-        ge=10_000,
-        le=1_000_000,
-    )
-    own_node: Node = key("Our node id; no device may have it.", default=100, ge=1, le=127)
-    heartbeat_ms: Annotated[int, Whole("ms")] = key(
-        "Period of our heartbeat.", default=20, ge=5, le=1000
-    )
-    lost_after_ms: Annotated[int, Whole("ms")] = key(
-        "The nodes take us for dead after this time without our heartbeat, or without our PDO; "
-        "at least three periods.",
-        default=80,
-        ge=15,
-        le=290,
-    )
-    node_heartbeat_ms: Annotated[int, Whole("ms")] = key(
-        "Period asked of the nodes' heartbeats; three missing ones are a lost node.",
-        default=50,
-        ge=10,
-        le=1000,
-    )
-    nodes: Annotated[Mapping[Name, CanopenNode], *Few] = key("The devices, by name.")
-    deadline_ms: Milliseconds = key(CAN_DEADLINE, default=3.0, ge=0.5, le=50)
 
 
 class ReadWord(Section):
