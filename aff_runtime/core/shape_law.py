@@ -71,7 +71,7 @@ class ShapeLaw:
         ratio = inputs.applied_ratio if math.isfinite(inputs.applied_ratio) else 0.0
         ticks = round(dt_s / self._cycle_s)
         self.loop_filter.follow_radius(self._own.radius_m)
-        self.loop_filter.push(self.basis.b, self._sent * ratio, ticks)
+        self.loop_filter.push(self.basis.b, (ratio * self._sent) * self.basis.b, ticks)
         gate = self._gate.step(self._speed_m_s(inputs.line_speed_m_s), dt_s)
         self._learn(inputs, gate, dt_s)
         if inputs.reference > 0.0:
