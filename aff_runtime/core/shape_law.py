@@ -14,13 +14,14 @@ from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.params import ActuatorParams, DriveParams
 from aff_runtime.core.phase import Quality, RollPhase
 from aff_runtime.core.shape_basis import ShapeBasis
+from aff_runtime.core.shape_bounds import PeakBound
 from aff_runtime.core.shape_filter import LoopFilter
+from aff_runtime.core.shape_room import Room
 from aff_runtime.core.shape_kalman import ShapeFilter
 
 NEWTON_TURNS = 0.5
 GAIN_FROM, GAIN_TO = 1.0 / 3.0, 3.0
 ABSURD = 1e6
-RATIO_EPS = 1e-9
 SILENT = ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
 
 
@@ -50,13 +51,15 @@ class ShapeLaw:
         lead_s = 0.5 * cycle_s + params.transport_s
         self.basis = ShapeBasis(columns, dict(self._phases), drive, lead_s)
         count = self.basis.order.size
-        self._drive = drive
+        self._roll_of = [r for r, _ in columns] + [drive.roll] * (count - len(columns))
         self.loop_filter = LoopFilter(loop, count)
         self.filter = ShapeFilter(count, params.shape.memory_turns, params.shape.signal_sd)
         self.weight = np.zeros(count, dtype=np.complex128)
         self._sent = np.zeros(count, dtype=np.complex128)
+        self._bounds = PeakBound(self.basis.order, self._roll_of, drive.roll)
+        self._room = Room(count)
+        self._phi_size = np.zeros(count)
         self._gate = SpeedGate(params.active_above_m_s)
-        self._roll_of = [r for r, _ in columns] + [drive.roll] * (count - len(columns))
         self._tension_N = drive.tension_N
         self.adapting = False
         self._step_1_s = np.zeros(count)
@@ -66,8 +69,7 @@ class ShapeLaw:
         dt_s = inputs.dt_s
         if not 0.0 < dt_s < math.inf:
             return SILENT
-        if 0.0 < inputs.limit_ratio < 1.0 - RATIO_EPS:
-            self.weight *= inputs.limit_ratio
+        self._room.step(inputs.limit_ratio, self.basis.b, self.weight, self._phi_size, dt_s)
         ratio = inputs.applied_ratio if math.isfinite(inputs.applied_ratio) else 0.0
         ticks = round(dt_s / self._cycle_s)
         self.loop_filter.follow_radius(self._own.radius_m)
@@ -93,6 +95,7 @@ class ShapeLaw:
             self._step_1_s[:] = 0.0
             return
         phi, psi = self.loop_filter.read()
+        self._phi_size = np.abs(phi)
         turn_s = self.basis.turn_s
         self.filter.step(error, phi, psi, turn_s, dt_s)
         gain = 1.0 + self.filter.correction
@@ -109,13 +112,13 @@ class ShapeLaw:
 
     def _send(self, gate: float) -> ActuatorStep:
         b = self.basis.b
-        self._sent = gate * self.weight
+        self._sent = (gate * self._room.share) * self.weight
         parts = self._sent * b
         value = float(parts.real.sum())
-        size = np.abs(b)
-        each = np.abs(self._sent) * size
-        peak = float(each.sum())
-        slew = float(math.tau * (each @ self.basis.frequency_Hz) + self._step_1_s @ size)
+        peak, slew = self._bounds.of(parts, self.basis.omega_rad_s)
+        peak = max(peak, abs(value))
+        self._room.peak = peak
+        slew += float(self._step_1_s @ np.abs(b))
         if self._gate.moving:
             slew += peak / (max(gate, 0.01) * RAMP_S)
         if not math.isfinite(value + slew):
