@@ -130,8 +130,15 @@ class ShapeBasis:
         gain = np.where(self._owns > 0.0, tension_N, GRAVITY_SCALE_N_M) * self._pull * arm
         self.b = -self.fade * (self._owns * first + gain * (q - self._low[1]))
 
+    def restart(self) -> None:
+        """Forget the filters."""
+        self._low[:] = 0.0
+        self._before[:] = 0.0
+        self.b = np.zeros_like(self.b)
+        self._track = SpeedTrack()
+
     def adopt(self, old: ShapeBasis) -> None:
-        """Go on from the filters of ``old`` when it has the same columns."""
-        if old.names == self.names:
-            self._low, self._before, self._track = old._low, old._before, old._track
-            self.b = old.b
+        """Go on from the filters of ``old``, which has the same columns."""
+        self._low, self._before, self._track = old._low, old._before, old._track
+        self.b, self.fade, self.frequency_Hz = old.b, old.fade, old.frequency_Hz
+        self.omega_rad_s, self.turn_s = old.omega_rad_s, old.turn_s

@@ -59,3 +59,8 @@ class LoopFilter:
         """Take the past of some columns out, as after a splice."""
         mask = np.tile(np.repeat(columns, 2), 2)
         self._ring[:, mask] = 0.0
+
+    def adopt(self, old: LoopFilter) -> None:
+        """Go on with the past of ``old``; a longer memory starts with what there is."""
+        if old._length == self._length and old._count == self._count:
+            self._ring, self._at = old._ring, old._at

@@ -15,6 +15,8 @@ CORRECTION_PER_TURN = 0.05
 BIAS_PER_SQRT_S = 0.1
 START_BIAS = 3.0
 SMALLEST_GAIN = 1e-6
+KNOWN_SHARE = 0.2
+KNOWN_M = 3e-5
 
 
 class ShapeFilter:
@@ -103,10 +105,43 @@ class ShapeFilter:
         np.minimum(noise, self._start, out=noise)
         self._diagonal += noise * room
 
-    def forget(self, columns: npt.NDArray[np.bool_], keep_correction: bool = True) -> None:
-        """Start some columns again; what was learned of P stays unless told otherwise."""
-        again = np.concatenate([np.tile(columns, 2), np.tile(columns & (not keep_correction), 2), [False]])
+    def forget(self, columns: npt.NDArray[np.bool_]) -> None:
+        """Start the disturbances of some columns again; what was learned of P stays."""
+        again = np.concatenate([np.tile(columns, 2), np.zeros(2 * self.count + 1, dtype=bool)])
+        self._renew(again)
+
+    def _renew(self, again: npt.NDArray[np.bool_]) -> None:
         self.state[again] = 0.0
         self.covariance[again, :] = 0.0
         self.covariance[:, again] = 0.0
         self._diagonal[again] = self._start[again]
+
+    def restart(self) -> None:
+        """Forget everything."""
+        self._renew(np.ones(self.state.size, dtype=bool))
+
+    def expect(self, at: int, weight_m: complex, correction: complex | None) -> None:
+        """Start column ``at`` from a known shape: its disturbance is what the weight cancels."""
+        n = self.count
+        again = np.zeros(self.state.size, dtype=bool)
+        again[[at, n + at, 2 * n + at, 3 * n + at]] = True
+        self._renew(again)
+        given = 0j if correction is None else correction
+        deviation = -(1.0 + given) * weight_m
+        self.state[[at, n + at, 2 * n + at, 3 * n + at]] = (
+            deviation.real, deviation.imag, given.real, given.imag,
+        )  # fmt: skip
+        known = KNOWN_SHARE * abs(weight_m) + KNOWN_M
+        self._diagonal[[at, n + at]] = min(known, START_DEVIATION_M) ** 2
+
+    def adopt(self, old: ShapeFilter) -> None:
+        """Go on where a filter of the same columns stands."""
+        self.state[:] = old.state
+        self.covariance[:] = old.covariance
+
+    def check(self) -> None:
+        """Start the covariance again should rounding ever have spoilt it; the state stays."""
+        if not (self._diagonal.min() > 0.0 and math.isfinite(float(self._diagonal.sum()))):
+            state = np.where(np.isfinite(self.state), self.state, 0.0)
+            self.restart()
+            self.state[:] = state
