@@ -14,7 +14,7 @@ Complexes = npt.NDArray[np.complex128]
 Floats = npt.NDArray[np.float64]
 FADE_FROM_HZ, FADE_TO_HZ = 14.0, 16.0
 SPEED_TAU_S = 0.3
-GRAVITY_SCALE_N_M = 0.1
+IMBALANCE_N_M_PER_M = 100.0
 
 
 class SpeedTrack:
@@ -56,7 +56,7 @@ class ShapeBasis:
     the middle term is (z' - c z + c^2/(s + c) z)/K, so one low-pass per column is the only memory.
 
     Columns: every order of the drive's own roll with both terms; one for an imbalance of it,
-    -(R/(J K)) s/(s + c) q_1, in units of 0.1 N m; orders of other rolls with the first term.
+    -(R/(J K)) s/(s + c) q_1, 0.1 N m per millimetre; orders of other rolls with the first term.
     Orders fade out between 14 and 16 Hz, where the loop gives no authority.
     """
 
@@ -127,7 +127,7 @@ class ShapeBasis:
         first = z + (slope - c * (z - self._low[0])) / K
         own = self._phases[self.rolls.index(drive.roll)].radius_m
         arm = own / (drive.inertia_at(own) * K) if own > 0.0 else 0.0
-        gain = np.where(self._owns > 0.0, tension_N, GRAVITY_SCALE_N_M) * self._pull * arm
+        gain = np.where(self._owns > 0.0, tension_N, IMBALANCE_N_M_PER_M) * self._pull * arm
         self.b = -self.fade * (self._owns * first + gain * (q - self._low[1]))
 
     def restart(self) -> None:

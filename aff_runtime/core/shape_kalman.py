@@ -11,9 +11,9 @@ Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
 START_DEVIATION_M = 1e-3
 START_CORRECTION = 0.6
-CORRECTION_PER_TURN = 0.05
-BIAS_PER_SQRT_S = 0.1
-START_BIAS = 3.0
+CORRECTION_PER_TURN = 0.04
+BIAS_SDS_PER_SQRT_S = 0.17
+START_BIAS = 30.0
 SMALLEST_GAIN = 1e-6
 KNOWN_SHARE = 0.2
 KNOWN_M = 3e-5
@@ -99,7 +99,7 @@ class ShapeFilter:
         noise[:n] = noise[n : 2 * n] = rate
         walk = CORRECTION_PER_TURN**2 * turns
         noise[2 * n : 3 * n] = noise[3 * n : 4 * n] = walk
-        noise[-1] = BIAS_PER_SQRT_S**2 * dt_s
+        noise[-1] = (BIAS_SDS_PER_SQRT_S * self._sd) ** 2 * dt_s
         room = 1.0 - self._diagonal / self._start
         np.maximum(room, 0.0, out=room)
         np.minimum(noise, self._start, out=noise)

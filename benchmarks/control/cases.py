@@ -94,3 +94,54 @@ def mismatch_cases() -> list[Case]:
             cases.append(Case(**base, hidden=hidden, note=note))  # type: ignore[arg-type]
         cases.append(Case(**base, cycle_s=0.01, note="10ms"))  # type: ignore[arg-type]
     return cases
+
+
+def ramp_cases() -> list[Case]:
+    """Return the ramps 100 to 300 FPM, two of them in one run."""
+    cases = [
+        Case(material=m, fpm=100.0, radius_in=r, shape=SHAPE_AT[r])
+        for m in ("tyvek", "pe")
+        for r in (8.0, 6.375)
+    ]
+    cases.append(
+        Case(
+            material="tyvek", fpm=100.0, radius_in=8.0, shape="flat", hidden=ALL_FIVE, note="all5"
+        )
+    )
+    return cases
+
+
+RAMPS_S = ((30.0, 50.0), (100.0, 120.0))
+
+
+def ramp_profile() -> npt.NDArray[np.float64]:
+    """Return line speed, m/s: 100 FPM, up in 20 s, down, up again."""
+    time_s = np.arange(0.0, 130.0, 0.005)
+    fpm = np.array([100.0, 100.0, 300.0, 300.0, 100.0, 100.0, 300.0, 300.0])
+    at_s = np.array([0.0, 30.0, 50.0, 65.0, 85.0, 100.0, 120.0, 130.0])
+    return np.asarray(np.interp(time_s, at_s, fpm * FPM_M_S))
+
+
+def roll_cases() -> list[Case]:
+    """Return the whole rolls, 8 in to 2.5 in."""
+    base = {"radius_in": 8.0, "shape": "flat"}
+    return [
+        Case(material="tyvek", fpm=300.0, **base),  # type: ignore[arg-type]
+        Case(material="pe", fpm=300.0, **base),  # type: ignore[arg-type]
+        Case(material="tyvek", fpm=200.0, **base),  # type: ignore[arg-type]
+        Case(material="tyvek", fpm=300.0, hidden=ALL_FIVE, note="all5", **base),  # type: ignore[arg-type]
+    ]
+
+
+def roll_duration_s(case: Case, end_in: float = 2.5) -> float:
+    """Return how long the roll lasts down to a radius, s."""
+    start_m, end_m = case.radius_in * INCH_M, end_in * INCH_M
+    return math.pi * (start_m**2 - end_m**2) / case.line().web.thickness_m / case.speed_m_s
+
+
+def follower_cases() -> list[Case]:
+    """Return lines with a follower 0.5 mm out and an unwind that is not round."""
+    return [
+        Case(material=m, fpm=v, radius_in=8.0, shape="flat", follower_m=0.0005, lead_m=0.0)
+        for m, v in (("tyvek", 200.0), ("tyvek", 300.0), ("pe", 200.0))
+    ]

@@ -195,3 +195,29 @@ def measured(loop: LoopModel, cycle_s: float) -> Response:
         )
     provenance = Provenance(actuator="unwind", signal="unwind_tension_N")
     return Response(points=points, delay_s=0.05, provenance=provenance)
+
+
+def follower_law(material: str, cycle_s: float = 0.005, *, velocity: bool = False) -> LawBuilder:
+    """Return the shape law on the S-wrap follower: pull-roll tension, or its own speed (5.10)."""
+    line = nominal(material, 0.2032)
+    drive = DriveParams(
+        roll="swrap_follower", K_ref_rad_s=20.0, zeta=1.1, inertia_kg_m2=0.35,
+        tension_N=1.016 if velocity else line.operating_point.tension_N,
+        torque_term=False, imbalance=False,
+    )  # fmt: skip
+    channel = "swrap_follower_speed_m_s" if velocity else "pullroll_tension_N"
+    loop = nominal_loop(
+        material, "swrap_follower", channel, cycle_s, 4.0 if velocity else 12.0, (0.2032,)
+    )
+    params = ActuatorParams(
+        name="swrap_follower", signal=channel, transport_s=cycle_s, law=LawKind.SHAPE, drive=drive,
+        shape=ShapeParams(signal_sd=2e-4 if velocity else 0.6),
+        blocks=(
+            BlockParams(
+                roll="swrap_follower", orders=(1, 2, 3, 4), settle_s=6.0, amp_limit=LIMIT_M_S
+            ),
+        ),
+    )  # fmt: skip
+    return lambda phases, cycle: ShapeLaw(
+        params, drive=drive, phases=phases, loop=loop, cycle_s=cycle
+    )

@@ -49,7 +49,7 @@ ROLLS = (
         radius_m=0.15367,
     ),
 )
-SIGNAL_OF = {"unwind": 0, "swrap_follower": 4}
+SIGNAL_OF = {"unwind": 0, "swrap_follower": 4, "swrap_follower speed": 7}
 SOFT_START_S = 1.5
 LIMIT_M_S = 0.3
 WORD_SPAN_N = 400.0
@@ -78,9 +78,9 @@ class Record:
 class _Actuator:
     """A law, its way to the line, and the guard's envelope and limit around it."""
 
-    def __init__(self, roller: str, law: ActuatorLaw, delay: int) -> None:
+    def __init__(self, wanted: str, law: ActuatorLaw, delay: int) -> None:
         self.law = law
-        self.signal = SIGNAL_OF[roller]
+        self.signal = SIGNAL_OF[wanted]
         self.pipe = deque([0.0] * delay)
         self.inputs = Inputs(limit_ratio=1.0, applied_ratio=0.0)
         self.level = 0.0
@@ -89,7 +89,7 @@ class _Actuator:
         """Return the correction that acts during the coming sample."""
         given = self.inputs
         given.signal = values[self.signal]
-        given.reference = values[1]
+        given.reference = values[1] if self.signal == 0 else math.nan
         given.line_speed_m_s = values[2]
         given.dt_s = dt_s
         given.fresh = True
@@ -109,7 +109,7 @@ def run(
     laws: Mapping[str, LawBuilder],
     speed_m_s: Array,
     *,
-    seed: int,
+    seed: int | None,
     on_s: float,
     cycle_s: float = 0.005,
     hidden: Hidden | None = None,
@@ -119,7 +119,7 @@ def run(
 ) -> Record:
     """Run the line over a speed profile (m/s per sample), the laws enabled from ``on_s``.
 
-    Laws are named by the driven roller they correct. The value of tick k acts from tick k + 1 on
+    Laws are named by the driven roller they correct (``SIGNAL_OF`` says what they read). The value of tick k acts from tick k + 1 on
     (one sample of transport), plus what ``hidden`` adds.
     """
     secret = hidden or Hidden()
@@ -134,7 +134,7 @@ def run(
     actuators = {
         name: _Actuator(name, build(phases.by_name, cycle_s), delay) for name, build in laws.items()
     }
-    drives = {name: line.drive_index(name) for name in laws}
+    drives = {name: line.drive_index(name.split()[0]) for name in laws}
     count = speed_m_s.size
     cells, d, n = line.arrays.cells.size, line.arrays.drives.size, line.layout.n
     log = np.zeros((count, 3 * cells + 2 * d + n + 2 + n - 1))
@@ -143,7 +143,7 @@ def run(
     state, arrays, lay, work = line.state, line.arrays, line.layout, line.work
     aff = np.zeros(d)
     rng = np.random.default_rng(seed)
-    arrays.timing["noisy"] = 1
+    arrays.timing["noisy"] = 0 if seed is None else 1
     width = cells + d * (1 + line.timing.ticks_per_frame)
     theta0 = line.angles().copy()
     tension_ref = np.full(arrays.loops.size, declaration.operating_point.tension_N)
@@ -168,7 +168,7 @@ def run(
         if k + 1 == count:
             break
         if k % 4096 == 0:
-            noise = rng.standard_normal((4096, width))
+            noise = rng.standard_normal((4096, width)) if seed is not None else np.zeros((4096, width))
         advance_frame(
             arrays, lay, state, work, speed_m_s[k], speed_m_s[k + 1], tension_ref, aff,
             noise[k % 4096],
