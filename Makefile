@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 SPEED  ?= 200
 
-.PHONY: demo test check bench setup clean
+.PHONY: demo test check bench bench-control setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -33,6 +33,10 @@ check: setup
 # speed, as ratios measured in one run
 bench: setup
 	$(BIN)/python -m sim_plant.cli.main bench
+
+# the laws and their rivals on one line, in lockstep time; QUICK=1 for the short set
+bench-control: setup
+	QUICK=$(QUICK) $(BIN)/python -m benchmarks.control --docs docs
 
 clean:
 	rm -rf $(VENV) out runs .pytest_cache .mypy_cache .ruff_cache

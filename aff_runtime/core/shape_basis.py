@@ -12,7 +12,7 @@ from aff_runtime.core.phase import RollPhase
 
 Complexes = npt.NDArray[np.complex128]
 Floats = npt.NDArray[np.float64]
-FADE_FROM_HZ, FADE_TO_HZ = 14.0, 16.0
+FADE_FROM_HZ, FADE_TO_HZ = 17.0, 19.0
 SPEED_TAU_S = 0.3
 IMBALANCE_N_M_PER_M = 100.0
 
@@ -57,7 +57,7 @@ class ShapeBasis:
 
     Columns: every order of the drive's own roll with both terms; one for an imbalance of it,
     -(R/(J K)) s/(s + c) q_1, 0.1 N m per millimetre; orders of other rolls with the first term.
-    Orders fade out between 14 and 16 Hz, where the loop gives no authority.
+    Orders fade out between 17 and 19 Hz, where the loop gives no authority.
     """
 
     __slots__ = (

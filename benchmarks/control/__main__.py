@@ -7,6 +7,7 @@ import json
 import os
 import sys
 import time
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -66,6 +67,7 @@ def main() -> int:
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "control-bench")
     parser.add_argument("--docs", type=Path, default=None, help="also write the page and plots")
+    parser.add_argument("--own", action="store_true", help="the shape law alone, no rivals")
     parser.add_argument("--report-only", action="store_true")
     given = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -74,10 +76,12 @@ def main() -> int:
     if not given.report_only:
         for section in given.sections.split(","):
             started = time.monotonic()  # noqa: TID251
-            rows = _run(section, quick, given.processes)
-            took_s = time.monotonic() - started  # noqa: TID251
-            text = {"section": section, "quick": quick, "took_s": took_s, "rows": rows}
-            (given.out / f"{section}.json").write_text(json.dumps(text, indent=1))
+            rows: list[Row] = []
+            for found_rows in _run(section, quick, given.processes, given.own):
+                rows += found_rows
+                took_s = time.monotonic() - started  # noqa: TID251
+                text = {"section": section, "quick": quick, "took_s": took_s, "rows": rows}
+                (given.out / f"{section}.json").write_text(json.dumps(text, indent=1))
     found = [
         json.loads(path.read_text())
         for name in (*SECTIONS, "timing")
@@ -92,19 +96,20 @@ def main() -> int:
     return 0
 
 
-def _run(section: str, quick: bool, processes: int) -> list[Row]:
+def _run(section: str, quick: bool, processes: int, own: bool) -> Iterator[list[Row]]:
     if section == "timing":
-        return [timing(16), timing(24)]
+        yield [timing(16), timing(24)]
+        return
     jobs = jobs_of(section, quick=quick, seed=TUNED_SEED, unseen=False)
+    if own:
+        jobs = [replace(job, laws=job.laws and OWN, extras=False) for job in jobs]
     if not quick:
         jobs += jobs_of(section, quick=False, seed=UNSEEN_SEED, unseen=True)
-    rows: list[Row] = []
     with ProcessPoolExecutor(processes) as pool:
-        for found in pool.map(do, jobs):
-            rows += found
-            for row in found:
+        for rows in pool.map(do, jobs):
+            for row in rows:
                 sys.stderr.write(f"{report.line(row)}\n")
-    return rows
+            yield rows
 
 
 if __name__ == "__main__":
