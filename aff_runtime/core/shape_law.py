@@ -14,7 +14,7 @@ from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.monitor import Trend
 from aff_runtime.core.params import ActuatorParams, DriveParams
-from aff_runtime.core.phase import Quality, RollPhase
+from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.response import Response, arming_objections
 from aff_runtime.core.shape_basis import FADE_TO_HZ, ShapeBasis
 from aff_runtime.core.shape_bounds import PeakBound

@@ -175,13 +175,16 @@ def _follower(job: Job) -> list[Row]:
 def _zones(record: Record, plain: Record, part: slice) -> dict[str, float]:
     def first(r: Record, signal: Any) -> float:
         return float(
-            judge.order_amplitudes(signal[part], r.follower_rad[part], r.unwind_rad[part], 0.005)[0]
+            judge.order_amplitudes(signal[part], r.follower_rad[part], r.unwind_rad[part], 0.005)[
+                0
+            ]
         )
 
     return {
         "pullroll_1x_dB": float(
             judge.ratio_dB(
-                np.array(first(plain, plain.pullroll_N)), np.array(first(record, record.pullroll_N))
+                np.array(first(plain, plain.pullroll_N)),
+                np.array(first(record, record.pullroll_N)),
             )
         ),
         "pullroll": judge.rms(record.pullroll_N[part]) / judge.rms(plain.pullroll_N[part]),

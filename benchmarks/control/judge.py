@@ -101,7 +101,9 @@ def settle_turns(record: Record, plain: Record, on_s: float, wanted_dB: float) -
     S-wrap.
     """
     ends = turn_times_s(record, on_s)
-    halves = np.interp(np.arange(0.0, min(ends.size - 1, 30) + 0.01, 0.5), np.arange(ends.size), ends)
+    halves = np.interp(
+        np.arange(0.0, min(ends.size - 1, 30) + 0.01, 0.5), np.arange(ends.size), ends
+    )
     without = amplitudes(plain, between(plain, on_s, float(plain.time_s[-1])))[:4]
     last_bad = -1
     for i in range(halves.size - 4):
@@ -141,8 +143,7 @@ def judge_constant(record: Record, plain: Record, on_s: float) -> Constant:
         ripple_ratio=rms(record.tension_N[late]) / rms(plain.tension_N[late]),
         floor_ratio=math.nan,
         peak_ratio=float(
-            np.max(np.abs(record.tension_N[start] - mean))
-            / np.max(np.abs(plain.tension_N - mean))
+            np.max(np.abs(record.tension_N[start] - mean)) / np.max(np.abs(plain.tension_N - mean))
         ),
         plain_N=before_late,
     )
@@ -159,7 +160,9 @@ class Moving:
     worse_share: float
 
 
-def judge_moving(record: Record, plain: Record, start_s: float, end_s: float, turns: int) -> Moving:
+def judge_moving(
+    record: Record, plain: Record, start_s: float, end_s: float, turns: int
+) -> Moving:
     """Return the verdict between two times, in windows of ``turns`` turns.
 
     Orders in dB: mean over the windows of the root-mean-square amplitudes, and the worst window.

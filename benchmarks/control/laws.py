@@ -44,10 +44,15 @@ class Setting:
 SETTINGS = (
     Setting(name="shape-KF", tuning="24 orders and S-wrap 1x, memory 6 turns, one setting"),
     Setting(name="plain blocks", tuning="8 orders, settle 6 s, measured P, weights in metres"),
-    Setting(name="printed (5.14)", tuning="4 orders, v/R, g1 0.0005: the largest that helps at 100 FPM"),
+    Setting(
+        name="printed (5.14)", tuning="4 orders, v/R, g1 0.0005: the largest that helps at 100 FPM"
+    ),
     Setting(name="angle, no phase", tuning="4 orders, same g1, encoder angle"),
     Setting(name="resonators", tuning="8 orders, P phase, 1/|P|, 0.3 1/s: fastest stable on all"),
-    Setting(name="FxLMS", tuning="24 orders, same P, fade and S-wrap, 3 turns: fastest stable on nominal"),
+    Setting(
+        name="FxLMS",
+        tuning="24 orders, same P, fade and S-wrap, 3 turns: fastest stable on nominal",
+    ),
     Setting(name="repetitive", tuning="angle table, inverse of P, Q 8 Hz, gain 0.4"),
 )
 RIVALS = tuple(s.name for s in SETTINGS[1:])

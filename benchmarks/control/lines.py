@@ -97,7 +97,10 @@ def spoilt(
                 },
             )
         )  # fmt: skip
-    turned = (("swrap_lead", lead_m, LEAD_ANGLE_RAD), ("swrap_follower", follower_m, FOLLOWER_ANGLE_RAD))
+    turned = (
+        ("swrap_lead", lead_m, LEAD_ANGLE_RAD),
+        ("swrap_follower", follower_m, FOLLOWER_ANGLE_RAD),
+    )
     for roller, size_m, angle_rad in turned:
         if size_m > 0.0:
             parameters = {"eccentricity_m": size_m, "angle_rad": angle_rad}
@@ -123,4 +126,3 @@ def with_hidden(line: Declaration, hidden: Hidden) -> Declaration:
         for s in line.sensors
     )
     return line.model_copy(update={"web": web, "sensors": sensors})
-

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from aff_runtime.base.signals import Outcome, Permission, Snapshot
+from aff_runtime.base.signals import Outcome, Snapshot
 from aff_runtime.core.controller import RollPhases
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.params import RollParams, SiteParams
@@ -132,7 +132,8 @@ def run(
     phases = RollPhases(site)
     delay = 1 + round(secret.delay_s / cycle_s)
     actuators = {
-        name: _Actuator(name, build(phases.by_name, cycle_s), delay) for name, build in laws.items()
+        name: _Actuator(name, build(phases.by_name, cycle_s), delay)
+        for name, build in laws.items()
     }
     drives = {name: line.drive_index(name.split()[0]) for name in laws}
     count = speed_m_s.size
@@ -168,7 +169,9 @@ def run(
         if k + 1 == count:
             break
         if k % 4096 == 0:
-            noise = rng.standard_normal((4096, width)) if seed is not None else np.zeros((4096, width))
+            noise = (
+                rng.standard_normal((4096, width)) if seed is not None else np.zeros((4096, width))
+            )
         advance_frame(
             arrays, lay, state, work, speed_m_s[k], speed_m_s[k + 1], tension_ref, aff,
             noise[k % 4096],

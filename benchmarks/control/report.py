@@ -135,7 +135,9 @@ def plots(found: Sequence[dict[str, Any]], folder: Path) -> None:
         for row in rolls:
             if row["case"] == rolls[0]["case"]:
                 axes.semilogy(row["radius_in"], row["trace"], label=row["law"], lw=1)
-        axes.set(xlabel="roll radius [in]", ylabel="ripple / PI alone, 5 s", title=rolls[0]["case"])
+        axes.set(
+            xlabel="roll radius [in]", ylabel="ripple / PI alone, 5 s", title=rolls[0]["case"]
+        )
         axes.invert_xaxis()
         axes.set_ylim(0.01, 30)
         axes.axhline(1.0, color="k", lw=0.5)

@@ -56,7 +56,9 @@ class AngleBlocks(Rival):
         error = inputs.reference - inputs.signal
         if inputs.adapt:
             self._w += inputs.dt_s * error * self._rate * carrier.conj()
-        sent = carrier if self._loop is None else np.exp(1j * self._order * self._phase.lead(ahead_s))
+        sent = (
+            carrier if self._loop is None else np.exp(1j * self._order * self._phase.lead(ahead_s))
+        )
         value = float((self._w * sent).real.sum())
         return ActuatorStep(value=value, peak_bound=max(abs(value), 1e-9), slew_bound=0.0)
 

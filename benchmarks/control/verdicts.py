@@ -74,7 +74,9 @@ def targets(rows: Sequence[Row]) -> list[Target]:
         found.append(_each("5 mismatch, no divergence", "ripple < 1", v, [x < 1 for x in v], 3))
     rolls = [r["ripple"] for r in own if r["section"] == "roll" and "all5" in r["case"]]
     if rolls:
-        found.append(_each("5 whole roll, all five", "<= 0.1", rolls, [x <= 0.1 for x in rolls], 3))
+        found.append(
+            _each("5 whole roll, all five", "<= 0.1", rolls, [x <= 0.1 for x in rolls], 3)
+        )
     peaks = [r["peak"] for r in own if "peak" in r]
     if peaks:
         found.append(_each("6 start-up peak", "<= 1.0", peaks, [p <= 1.0 for p in peaks], 2))
@@ -154,7 +156,8 @@ def _rivals(rows: Sequence[Row]) -> list[Target]:
             for r in rows
             if r["law"] == law and (r["section"], r["case"], r["seed"]) in own
         ]
-        text = f"{law} leaves {min(ratios):.2f} to {max(ratios):.0f} times its ripple, median {np.median(ratios):.1f}"
+        spread = f"{min(ratios):.2f} to {max(ratios):.0f}, median {np.median(ratios):.1f}"
+        text = f"{law} leaves {spread} times its ripple"
         share = float(np.mean([x >= 1.0 for x in ratios]))
         found.append(
             Target(what=f"7 ahead of {law}", asked="every row", reached=text, met=_met(share))

