@@ -1,4 +1,4 @@
-"""P as an impulse response: what filtered-x needs, from measured points or from a declared line."""
+"""P as an impulse response, from measured points or a declared line: filtered-x needs it."""
 
 from __future__ import annotations
 

@@ -14,6 +14,7 @@ Complexes = npt.NDArray[np.complex128]
 Floats = npt.NDArray[np.float64]
 FADE_FROM_HZ, FADE_TO_HZ = 17.0, 19.0
 SPEED_TAU_S = 0.3
+ABSURD = 1e4  # no line runs at that speed (m/s), no roll turns at it (rad/s)
 IMBALANCE_N_M_PER_M = 100.0
 
 
@@ -30,7 +31,7 @@ class SpeedTrack:
     def step(self, measured_m_s: float, dt_s: float) -> None:
         """Take one reading; a missing one is predicted."""
         self.speed_m_s += self.slope_m_s2 * dt_s
-        if not math.isfinite(measured_m_s):
+        if not abs(measured_m_s) < ABSURD:
             return
         if not self._seeded:
             self.speed_m_s = measured_m_s
@@ -105,8 +106,10 @@ class ShapeBasis:
         for phase in self._phases:
             radius = phase.radius_m
             turning = self._track.speed_m_s / radius if radius > 0.0 else phase.omega_rad_s
-            angle.append(phase.theta_rad + phase.omega_rad_s * self._lead_s)
-            omega.append(turning)
+            now = phase.theta_rad + phase.omega_rad_s * self._lead_s
+            believable = abs(turning) < ABSURD and math.isfinite(now)
+            angle.append(math.remainder(now, math.tau) if believable else 0.0)
+            omega.append(turning if believable else 0.0)
             alpha.append(self._track.slope_m_s2 / radius if radius > 0.0 else 0.0)
         at = self._index
         turns = np.array([angle, omega, alpha])[:, at]

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from aff_runtime.core.impulse import LoopModel
 
 Complexes = npt.NDArray[np.complex128]
+Seen = npt.NDArray[np.complex64]
 RADIUS_STEP = 0.002
 MAX_MISSED = 40
 
@@ -49,7 +50,7 @@ class LoopFilter:
                 row[2 * n :].view(np.complex64)[:] = sent
             self._at = (self._at + 1) % self._length
 
-    def read(self) -> tuple[npt.NDArray[np.complex64], npt.NDArray[np.complex64]]:
+    def read(self) -> tuple[Seen, Seen]:
         """Return P[plain] and P[sent] now, (columns,) each; views, valid until the next call."""
         np.dot(self._taps, self._ring[self._at : self._at + self._length], out=self._out)
         n = 2 * self._count

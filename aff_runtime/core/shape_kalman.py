@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
+Seen = npt.NDArray[np.complex64] | Complexes
 START_DEVIATION_M = 1e-3
 START_CORRECTION = 0.6
 CORRECTION_PER_TURN = 0.04
@@ -72,9 +73,7 @@ class ShapeFilter:
         n = self.count
         return self.state[2 * n : 3 * n] + 1j * self.state[3 * n : 4 * n]
 
-    def step(
-        self, error: float, phi: Complexes, psi: Complexes, turn_s: Floats, dt_s: float
-    ) -> None:
+    def step(self, error: float, phi: Seen, psi: Seen, turn_s: Floats, dt_s: float) -> None:
         """Take one reading of the signal's deviation from its reference."""
         n, h, P = self.count, self._h, self.covariance
         h[:n], h[n : 2 * n] = phi.real, -phi.imag
@@ -89,7 +88,7 @@ class ShapeFilter:
         P -= self._work
         self._forget(phi, turn_s, dt_s)
 
-    def _forget(self, phi: Complexes, turn_s: Floats, dt_s: float) -> None:
+    def _forget(self, phi: Seen, turn_s: Floats, dt_s: float) -> None:
         n, noise = self.count, self._noise
         turns = dt_s / turn_s
         info = phi.real * phi.real + phi.imag * phi.imag

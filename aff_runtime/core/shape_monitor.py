@@ -11,6 +11,7 @@ import numpy.typing as npt
 from aff_runtime.core.monitor import Trend
 
 Complexes = npt.NDArray[np.complex128]
+Seen = npt.NDArray[np.complex64] | Complexes
 Floats = npt.NDArray[np.float64]
 TURNS = 2.0
 SLOW_TURNS = 8.0
@@ -52,7 +53,7 @@ class ShapeMonitor:
         self.meets = np.zeros(count, dtype=bool)
 
     def step(
-        self, error: float, phi: Complexes, deviation: Complexes, turn_s: Floats, dt_s: float
+        self, error: float, phi: Seen, deviation: Complexes, turn_s: Floats, dt_s: float
     ) -> None:
         """Take one good sample; ``phi`` carries the angle of every column."""
         size = np.abs(phi)

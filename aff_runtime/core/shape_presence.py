@@ -30,7 +30,7 @@ class Presence:
         self.fade_s = FADE_S
 
     def leave(self, roll: str) -> None:
-        """The roll was changed: fade its columns, then have them forgotten."""
+        """Fade the columns of a roll that was changed, then have them forgotten."""
         self._leaving |= self._roll_of == roll
 
     def step(self, dt_s: float) -> npt.NDArray[np.bool_] | None:
@@ -48,4 +48,4 @@ class Presence:
         if not gone.any():
             return None
         self._leaving &= ~gone
-        return gone
+        return np.asarray(gone, dtype=np.bool_)

@@ -119,8 +119,8 @@ def run(
 ) -> Record:
     """Run the line over a speed profile (m/s per sample), the laws enabled from ``on_s``.
 
-    Laws are named by the driven roller they correct (``SIGNAL_OF`` says what they read). The value of tick k acts from tick k + 1 on
-    (one sample of transport), plus what ``hidden`` adds.
+    Laws are named by the driven roller they correct (``SIGNAL_OF`` says what they read). The
+    value of tick k acts from tick k + 1 on (one sample of transport), plus what ``hidden`` adds.
     """
     secret = hidden or Hidden()
     line = make_line(

@@ -72,7 +72,8 @@ TITLES = {
 def line(row: Row) -> str:
     """Return one row as plain text."""
     cells = " | ".join(f"{head} {show(row)}" for head, show in COLUMNS[row["section"]])
-    return f"{row['section']:9s} {row['case']:34s} {row['law']:24s} seed {row.get('seed', '')}: {cells}"
+    name = f"{row['section']:9s} {row['case']:34s} {row['law']:24s}"
+    return f"{name} seed {row.get('seed', '')}: {cells}"
 
 
 def _table(section: str, rows: Iterable[Row]) -> list[str]:
@@ -107,13 +108,13 @@ def page(found: Sequence[dict[str, Any]]) -> str:
 
 
 INTRODUCTION = [
-    "Written by `make bench-control` (`QUICK=1` for the short set). One line, one noise, one limit",
-    "(0.3 m/s), 5 ms, one sample of transport, laws in lockstep with the simulated line, no sockets.",
-    "Judged on the true mean tension of the spans at the load cell, by least squares on the roll's",
-    "angle; dB against the same run with the tension PI alone. Lead and follower are 0.3 mm",
-    "eccentric, so ripple of other rolls is part of every row. Seed 1 was used for tuning, seed 101",
-    "never. P is the declared line's own noise-free answer to a push (six radii): nominal rows are",
-    "a best case, hidden-mismatch rows use the same P on a line that differs.",
+    "Written by `make bench-control` (`QUICK=1` for the short set). One line, one noise, one",
+    "limit (0.3 m/s), 5 ms, one sample of transport, laws in lockstep with the simulated line, no",
+    "sockets. Judged on the true mean tension of the spans at the load cell, by least squares on",
+    "the roll's angle; dB against the same run with the tension PI alone. Lead and follower are",
+    "0.3 mm eccentric, so ripple of other rolls is part of every row. Seed 1 was used for tuning,",
+    "seed 101 never. P is the declared line's own noise-free answer to a push (six radii):",
+    "nominal rows are a best case, hidden-mismatch rows use the same P on a line that differs.",
     "Noise reference: what averaging white load-cell noise over ten turns leaves; a yardstick.",
     "",
     "![Whole roll](control-bench-roll.svg) ![By law](control-bench-laws.svg)",
