@@ -51,7 +51,7 @@ SETTINGS = (
     Setting(name="resonators", tuning="8 orders, P phase, 1/|P|, 0.3 1/s: fastest stable on all"),
     Setting(
         name="FxLMS",
-        tuning="24 orders, same P, fade and S-wrap, 3 turns: fastest stable on nominal",
+        tuning="24 orders to 14-16 Hz, same P and S-wrap, 3 turns: fastest stable nominally",
     ),
     Setting(name="repetitive", tuning="angle table, inverse of P, Q 8 Hz, gain 0.4"),
 )

@@ -144,9 +144,10 @@ def test_nan_never_reaches_the_output(bad):
     rig.run(1.0)
     for value in bad:
         rig.tick(signal=value)
-        rig.phases["unwind"].omega_rad_s = value
+        unwind, theta = rig.phases["unwind"], rig.phases["unwind"].theta_rad
+        unwind.omega_rad_s = value
         rig.tick()
-        rig.phases["unwind"].omega_rad_s = 5.0
+        unwind.omega_rad_s, unwind.theta_rad = 5.0, theta
         assert math.isfinite(rig.last.value)
         assert math.isfinite(rig.last.peak_bound)
         assert math.isfinite(rig.last.slew_bound)
