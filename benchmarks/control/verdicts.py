@@ -28,7 +28,7 @@ def _met(share: float) -> str:
 
 def _each(what: str, asked: str, values: Sequence[float], good: Sequence[bool], digits: int = 0
           ) -> Target:  # fmt: skip
-    low, middle, high = (float(np.percentile(values, q)) for q in (0, 50, 100))
+    low, middle, high = (float(np.percentile(values, q, method="nearest")) for q in (0, 50, 100))
     text = f"min {low:.{digits}f}, median {middle:.{digits}f}, max {high:.{digits}f}"
     return Target(what=what, asked=asked, reached=text, met=_met(float(np.mean(good))))
 
@@ -145,7 +145,7 @@ def _ramp(ramp: Sequence[Row], rows: Sequence[Row]) -> list[Target]:
 def _rivals(rows: Sequence[Row]) -> list[Target]:
     """Compare total ripple row by row; the same case and seed."""
     key = {"constant": "ripple", "mismatch": "ripple", "roll": "ripple", "ramp": "first_ripple"}
-    own = {(r["section"], r["case"], r["seed"]): r for r in rows if r["law"] == OWN}
+    own = {(r["section"], r["case"], r.get("seed")): r for r in rows if r["law"] == OWN}
     found = []
     passed = {OWN, "oracle", "perfect roll", "shape-KF, saved profile", "shape-KF, no S-wrap"}
     for law in dict.fromkeys(r["law"] for r in rows if r["section"] in key):
@@ -154,7 +154,7 @@ def _rivals(rows: Sequence[Row]) -> list[Target]:
         ratios = [
             r[key[r["section"]]] / own[(r["section"], r["case"], r["seed"])][key[r["section"]]]
             for r in rows
-            if r["law"] == law and (r["section"], r["case"], r["seed"]) in own
+            if r["law"] == law and (r["section"], r["case"], r.get("seed")) in own
         ]
         spread = f"{min(ratios):.2f} to {max(ratios):.0f}, median {np.median(ratios):.1f}"
         text = f"{law} leaves {spread} times its ripple"
