@@ -43,17 +43,15 @@ class Setting:
 
 SETTINGS = (
     Setting(name="shape-KF", tuning="24 orders and S-wrap 1x, memory 6 turns, one setting"),
-    Setting(name="plain blocks", tuning="8 orders, settle 6 s, measured P, weights in metres"),
-    Setting(
-        name="printed (5.14)", tuning="4 orders, v/R, g1 0.0005: the largest that helps at 100 FPM"
-    ),
+    Setting(name="plain blocks", tuning="8 orders, settle 6 s, P at 8 in, not swept"),
+    Setting(name="printed (5.14)", tuning="4 orders, v/R, g1 0.0005, gain not swept"),
     Setting(name="angle, no phase", tuning="4 orders, same g1, encoder angle"),
-    Setting(name="resonators", tuning="8 orders, P phase, 1/|P|, 0.3 1/s: fastest stable on all"),
+    Setting(name="resonators", tuning="8 orders, P phase, 1/|P|, 0.3 1/s, gain not swept"),
     Setting(
         name="FxLMS",
-        tuning="24 orders to 14-16 Hz, same P and S-wrap, 3 turns: fastest stable nominally",
+        tuning="24 orders to 14-16 Hz, same P and S-wrap, 3 turns, not swept",
     ),
-    Setting(name="repetitive", tuning="angle table, inverse of P, Q 8 Hz, gain 0.4"),
+    Setting(name="repetitive", tuning="angle table, inverse of P, Q 8 Hz, gain 0.4, not swept"),
 )
 RIVALS = tuple(s.name for s in SETTINGS[1:])
 
