@@ -106,9 +106,9 @@ class ShapeBasis:
         for phase in self._phases:
             radius = phase.radius_m
             turning = self._track.speed_m_s / radius if radius > 0.0 else phase.omega_rad_s
-            now = phase.theta_rad + phase.omega_rad_s * self._lead_s
-            believable = abs(turning) < ABSURD and math.isfinite(now)
-            angle.append(math.remainder(now, math.tau) if believable else 0.0)
+            acts_at = phase.theta_rad + phase.omega_rad_s * self._lead_s
+            believable = abs(turning) < ABSURD and math.isfinite(acts_at)
+            angle.append(math.remainder(acts_at, math.tau) if believable else 0.0)
             omega.append(turning if believable else 0.0)
             alpha.append(self._track.slope_m_s2 / radius if radius > 0.0 else 0.0)
         at = self._index
