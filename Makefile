@@ -6,7 +6,7 @@ STAMP  := $(VENV)/.installed
 SPEED  ?= 200
 WIRE   ?= modbus
 
-.PHONY: demo test check bench size matrix test-socketcan setup clean
+.PHONY: demo test check bench bench-control size matrix test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -58,6 +58,10 @@ size:
 		case "$$package" in *.dist-info/) ;; *) du -sm --apparent-size "$$package" ;; esac; \
 	done | sed "s#$$folder/venv/lib/##" | sort -rn | head -8; \
 	echo "aff-runtime without extras: $$(du -sm --apparent-size "$$folder/venv" | cut -f1) MB (empty environment $$empty MB)"
+
+# the laws and their rivals on one line, in lockstep time; QUICK=1 for the short set
+bench-control: setup
+	QUICK=$(QUICK) $(BIN)/python -m benchmarks.control --docs docs
 
 clean:
 	rm -rf $(VENV) out runs .pytest_cache .mypy_cache .ruff_cache

@@ -8,12 +8,14 @@ from collections.abc import Mapping
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
 from aff_runtime.core.bank import Bank
+from aff_runtime.core.impulse import from_response
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.monitor import SLOWEST_RAD_S
 from aff_runtime.core.params import ActuatorParams, LawKind, SiteParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.printed import PrintedLaw
 from aff_runtime.core.response import Response
+from aff_runtime.core.shape_law import ShapeLaw
 
 
 class RollPhases:
@@ -69,6 +71,13 @@ class Controller:
         phases = self._phases.by_name
         if params.law is LawKind.PRINTED:
             return PrintedLaw(params, phases=phases)
+        if params.law is LawKind.SHAPE and params.drive is not None and response is not None:
+            memory_s = params.shape.response_s
+            loop = from_response(response, cycle_s=self._site.cycle_s, memory_s=memory_s)
+            return ShapeLaw(
+                params, drive=params.drive, phases=phases, loop=loop, response=response,
+                cycle_s=self._site.cycle_s,
+            )  # fmt: skip
         return Bank(params, phases=phases, response=response, cycle_s=self._site.cycle_s)
 
     def step(
@@ -163,3 +172,6 @@ def _check(
     for block in actuator.blocks:
         if block.roll not in rolls:
             raise ConfigError(f"actuator {actuator.name} names roll {block.roll}, not declared")
+    drive = actuator.drive
+    if drive is not None and drive.roll not in {block.roll for block in actuator.blocks}:
+        raise ConfigError(f"actuator {actuator.name}: its drive turns {drive.roll}, no block does")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -18,6 +19,7 @@ class LawKind(StrEnum):
 
     PLAIN = "plain"
     PRINTED = "printed"
+    SHAPE = "shape"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +70,58 @@ class BlockParams:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DriveParams:
+    """The inner speed loop of one actuator and the roll it turns, as its owner declares them.
+
+    Attributes
+    ----------
+    roll : the roll this drive turns; its radius channel gives the present radius.
+    K_ref_rad_s, zeta : torque = J K (e + K/(4 zeta^2) integral e)   [source 2.24].
+    inertia_kg_m2 : everything that turns except wound web.
+    web_density_kg_m3, web_width_m, core_radius_m : wound web on top; density 0 for a roller.
+    tension_N : used where the actuator has no reference channel.
+    torque_term : the tension pulls through the varying arm (a roll whose own shape is learned).
+    imbalance : learn a gravity torque of the roll beside its shape.
+    """
+
+    roll: str
+    K_ref_rad_s: float
+    zeta: float
+    inertia_kg_m2: float
+    web_density_kg_m3: float = 0.0
+    web_width_m: float = 0.0
+    core_radius_m: float = 0.0
+    tension_N: float = 0.0
+    torque_term: bool = True
+    imbalance: bool = True
+
+    @property
+    def corner_rad_s(self) -> float:
+        """Corner K/(4 zeta^2) of the speed loop's integral, rad/s."""
+        return self.K_ref_rad_s / (4.0 * self.zeta**2)
+
+    def inertia_at(self, radius_m: float) -> float:
+        """Return the inertia at a roll radius, kg m2   [source 2.4]."""
+        wound = radius_m**4 - self.core_radius_m**4
+        share = 0.5 * math.pi * self.web_density_kg_m3 * self.web_width_m
+        return self.inertia_kg_m2 + share * max(0.0, wound)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShapeParams:
+    """Settings of the shape law; the operator's one number is ``memory_turns``.
+
+    ``signal_sd`` is how far one reading may be off (noise and what no order explains), in the
+    signal's unit; ``weight_limit_m`` bounds every weight; ``response_s`` is how long P remembers.
+    """
+
+    memory_turns: float = 6.0
+    signal_sd: float = 0.6
+    weight_limit_m: float = 0.015
+    response_s: float = 4.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ActuatorParams:
     """One correction output and the blocks that make it.
 
@@ -80,6 +134,7 @@ class ActuatorParams:
     speed_scaled : weights in metres that multiply the roll's speed; None: on for velocity outputs.
     mean_tau_s : time constant of the mean that is taken out of the error.
     printed_gain : g1 of (5.10), (5.14) for ``LawKind.PRINTED`` (output unit per signal unit, 1/s).
+    drive, shape : for ``LawKind.SHAPE``; without a drive the plain blocks stand in.
     """
 
     name: str
@@ -92,6 +147,8 @@ class ActuatorParams:
     mean_tau_s: float = 10.0
     law: LawKind = LawKind.PLAIN
     printed_gain: float = 0.0
+    drive: DriveParams | None = None
+    shape: ShapeParams = field(default_factory=ShapeParams)
     blocks: tuple[BlockParams, ...] = ()
 
     @property

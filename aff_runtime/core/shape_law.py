@@ -1,0 +1,263 @@
+"""The shape law of one actuator: weights are the roll's shape in metres."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.base.signals import ActuatorStep
+from aff_runtime.core.gate import RAMP_S, SpeedGate
+from aff_runtime.core.impulse import LoopModel
+from aff_runtime.core.law import ActuatorLaw, Inputs
+from aff_runtime.core.monitor import Trend
+from aff_runtime.core.params import ActuatorParams, DriveParams
+from aff_runtime.core.phase import RollPhase
+from aff_runtime.core.response import Response, arming_objections
+from aff_runtime.core.shape_basis import FADE_TO_HZ, ShapeBasis
+from aff_runtime.core.shape_bounds import PeakBound
+from aff_runtime.core.shape_filter import LoopFilter
+from aff_runtime.core.shape_kalman import ShapeFilter
+from aff_runtime.core.shape_monitor import ShapeMonitor
+from aff_runtime.core.shape_presence import Presence
+from aff_runtime.core.shape_profile import ShapeProfile
+from aff_runtime.core.shape_room import Room
+
+NEWTON_TURNS = 0.5
+GAIN_FROM, GAIN_TO = 1.0 / 3.0, 3.0
+ABSURD = 1e6
+CHECK_TICKS = 100
+SILENT = ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
+
+
+class ShapeLaw:
+    """Learns a shape per roll, and a correction of P per order; sends what cancels it.
+
+    v_ff = Re sum_n W_n b_n with b_n of ``ShapeBasis``; the filter estimates what is left of every
+    order, m_n = a_n + (1 + d_n) W_n, and the weight follows by Newton steps,
+    W_n <- W_n - rate m_n / (1 + d_n), so an error of the gain correction slows but leaves nothing
+    behind. The weights stay when the speed changes. What goes out of a column is its weight times
+    shares: of the speed gate, of the roll's presence (its angle is known, it was not changed), of
+    the limit's room, of the monitor's trust; the filter is told what went out, so none of these
+    is mistaken for the roll.
+    """
+
+    def __init__(
+        self,
+        params: ActuatorParams,
+        *,
+        drive: DriveParams,
+        phases: Mapping[str, RollPhase],
+        loop: LoopModel,
+        cycle_s: float,
+        response: Response | None = None,
+    ) -> None:
+        self._p = params
+        self._cycle_s = cycle_s
+        self._response = response
+        self._keys = params.orders
+        self._own = phases[drive.roll]
+        lead_s = 0.5 * cycle_s + params.transport_s
+        used = {name: phases[name] for name in dict.fromkeys(r for r, _ in self._keys)}
+        self.basis = ShapeBasis(list(self._keys), used, drive, lead_s)
+        count = self.basis.order.size
+        self._roll_of = [r for r, _ in self._keys] + [drive.roll] * (count - len(self._keys))
+        self._loop = LoopFilter(loop, count)
+        self.filter = ShapeFilter(count, params.shape.memory_turns, params.shape.signal_sd)
+        self.monitor = ShapeMonitor(self._roll_of, params.shape.signal_sd)
+        self.presence = Presence(self._roll_of, used)
+        self.room = Room(count)
+        self._bounds = PeakBound(self.basis.order, self._roll_of, drive.roll)
+        self._gate = SpeedGate(params.active_above_m_s)
+        self.weight = np.zeros(count, dtype=np.complex128)
+        self._sent = np.zeros(count, dtype=np.complex128)
+        self._signal_per_m = np.zeros(count)
+        self._step_1_s = np.zeros(count)
+        self._tension_N = drive.tension_N
+        self._ticks = 0
+        self.adapting = False
+
+    def step(self, inputs: Inputs) -> ActuatorStep:
+        """Advance by one tick; weights move only on a fresh sample and with permission."""
+        dt_s = inputs.dt_s
+        if not 0.0 < dt_s < math.inf:
+            return SILENT
+        self._ticks += 1
+        ratio = inputs.applied_ratio if 0.0 <= inputs.applied_ratio <= 1.0 else 0.0
+        b = self.basis.b
+        self.room.step(inputs.limit_ratio, b, self.weight, self._signal_per_m, dt_s)
+        self._loop.follow_radius(self._own.radius_m)
+        self._loop.push(b, (ratio * self._sent) * b, round(dt_s / self._cycle_s))
+        self._settle_presence(dt_s)
+        speed_m_s = self._speed_m_s(inputs.line_speed_m_s)
+        gate = self._gate.step(speed_m_s, dt_s)
+        self._learn(inputs, gate, dt_s)
+        if 0.0 < inputs.reference < ABSURD:
+            self._tension_N = inputs.reference
+        self.basis.step(speed_m_s, self._tension_N, dt_s)
+        return self._send(gate)
+
+    def _speed_m_s(self, line_speed_m_s: float) -> float:
+        if math.isfinite(line_speed_m_s):
+            return line_speed_m_s
+        speed = self._own.omega_rad_s * self._own.radius_m
+        return speed if math.isfinite(speed) else 0.0
+
+    def _settle_presence(self, dt_s: float) -> None:
+        gone = self.presence.step(dt_s)
+        if gone is not None:
+            self._forget(gone)
+
+    def _forget(self, columns: npt.NDArray[np.bool_]) -> None:
+        self.weight[columns] = 0.0
+        self._sent[columns] = 0.0
+        self.filter.forget(columns)
+        self._loop.forget(columns)
+        self.monitor.reset(columns)
+
+    def _learn(self, inputs: Inputs, gate: float, dt_s: float) -> None:
+        reference = inputs.reference if math.isfinite(inputs.reference) else self._tension_N
+        error = inputs.signal - reference
+        good = inputs.fresh and abs(error) < ABSURD
+        self.adapting = inputs.adapt and gate == 1.0 and good and self.presence.known
+        if not self.adapting:
+            self._step_1_s[:] = 0.0
+            return
+        phi, psi = self._loop.read()
+        turn_s = self.basis.turn_s
+        self.filter.step(error, phi, psi, turn_s, dt_s)
+        deviation = self.filter.deviation
+        self.monitor.step(error, phi, deviation, turn_s, dt_s)
+        if self._ticks % CHECK_TICKS == 0:
+            memory = self._p.shape.memory_turns
+            self.monitor.compare(self.basis.frequency_Hz, turn_s, memory)
+            self.filter.check()
+        self._signal_per_m = np.abs(phi)
+        self._newton(deviation, turn_s, dt_s)
+
+    def _newton(
+        self, deviation: npt.NDArray[np.complex128], turn_s: npt.NDArray[np.float64], dt_s: float
+    ) -> None:
+        gain = 1.0 + self.filter.correction
+        left = deviation + gain * self.weight
+        size = np.abs(gain)
+        gain *= np.minimum(np.maximum(size, GAIN_FROM), GAIN_TO) / np.maximum(size, 1e-9)
+        share = -np.expm1(-dt_s / (NEWTON_TURNS * turn_s))
+        move = np.where(self.monitor.resting, 0.0, share * left / gain)
+        self.weight -= move
+        limit = self._p.shape.weight_limit_m
+        self.weight *= limit / np.maximum(np.abs(self.weight), limit)
+        self._step_1_s = np.abs(move) / dt_s
+
+    def _send(self, gate: float) -> ActuatorStep:
+        b = self.basis.b
+        shares = self.room.share * self.presence.share * self.monitor.share
+        self._sent = (gate * shares) * self.weight
+        parts = self._sent * b
+        value = float(parts.real.sum())
+        peak, slew = self._bounds.of(parts, self.basis.omega_rad_s)
+        peak = max(peak, abs(value))
+        slew += float(self._step_1_s @ np.abs(b))
+        if self._gate.moving or self.presence.moving:
+            slew += float(np.abs(self.weight * b).sum()) / min(RAMP_S, self.presence.fade_s)
+        if not math.isfinite(value + slew):
+            self._restart()
+            return SILENT
+        self.room.peak = peak
+        return ActuatorStep(value=value, peak_bound=peak, slew_bound=slew)
+
+    def _restart(self) -> None:
+        """Start from nothing: a number stopped being one."""
+        self._forget(np.ones(self.weight.size, dtype=bool))
+        self.filter.restart()
+        self.basis.restart()
+        self.room.peak = 0.0
+
+    def reset_roll(self, roll: str) -> None:
+        """Let the shape of a changed roll fade, then forget it; P's correction stays."""
+        self.presence.leave(roll)
+
+    def weights(self) -> Mapping[tuple[str, int], complex]:
+        """Return the shape by (roll, order), m; an imbalance is not among them."""
+        return {key: complex(w) for key, w in zip(self._keys, self.weight, strict=False)}
+
+    def profile(self) -> ShapeProfile:
+        """Return what is worth keeping: orders that meet another roll's now are left out."""
+        correction = self.filter.correction
+        kept = [i for i in range(len(self._keys)) if not self.monitor.meets[i]]
+        return ShapeProfile(
+            weight_m={self._keys[i]: complex(self.weight[i]) for i in kept},
+            correction={self._keys[i]: complex(correction[i]) for i in kept},
+        )
+
+    def start_from(self, profile: ShapeProfile) -> None:
+        """Start with known shapes: from a saved profile or a refinement's verdict."""
+        for i, key in enumerate(self._keys):
+            if key in profile.weight_m:
+                self.weight[i] = profile.weight_m[key]
+                self.filter.expect(i, self.weight[i], profile.correction.get(key))
+
+    def adopt(self, old: ActuatorLaw) -> None:
+        """Take over weights and what was learned; orders that ``old`` lacks start from zero."""
+        if isinstance(old, ShapeLaw):
+            self._follow(old)
+
+    def _follow(self, old: ShapeLaw) -> None:
+        self._gate.share, self._gate.opened = old._gate.share, old._gate.opened
+        self._tension_N = old._tension_N
+        if old.basis.names == self.basis.names:
+            self.weight[:], self._sent[:] = old.weight, old._sent
+            self.basis.adopt(old.basis)
+            self.filter.adopt(old.filter)
+            self._loop.adopt(old._loop)
+            self.monitor, self.room, self.presence = old.monitor, old.room, old.presence
+            return
+        self.start_from(old.profile())
+
+    def objections(self) -> tuple[str, ...]:
+        """Return why this actuator may not arm now; orders that fade out need no response."""
+        omega = self.basis.omega_rad_s
+        wanted = [
+            (name, n * w / math.tau)
+            for name, n, w in zip(self.basis.names, self.basis.order, omega, strict=True)
+            if abs(n * w) < math.tau * FADE_TO_HZ
+        ]
+        return arming_objections(self._response, wanted) if self._response else ()
+
+    def ripple(self) -> tuple[float, float]:
+        """Return the root sum of squares of all columns' amplitudes, without and now."""
+        without, now = self.monitor.without, self.monitor.now
+        return float(np.sqrt((without**2).sum())), float(np.sqrt((now**2).sum()))
+
+    def telemetry(self) -> tuple[float, ...]:
+        """Return shape, state and ripple per column."""
+        row: list[float] = []
+        correction = self.filter.correction
+        for i, w in enumerate(self.weight):
+            row += (
+                1e3 * abs(w),
+                math.degrees(math.atan2(w.imag, w.real)),
+                float(self._state(i)),
+                float(self.monitor.without[i]),
+                float(self.monitor.now[i]),
+                float(abs(1.0 + correction[i])),
+            )
+        return tuple(row)
+
+    def telemetry_names(self) -> tuple[str, ...]:
+        """Return six columns per order; a shape is in millimetres, as a technician reads it."""
+        columns = ("shape_mm", "phase_deg", "state", "ripple_before", "ripple", "gain_of_P")
+        return tuple(f"{name}.{column}" for name in self.basis.names for column in columns)
+
+    def _state(self, at: int) -> Trend:
+        if self._gate.share == 0.0:
+            return Trend.IDLE
+        if self.basis.fade[at] < 1.0:
+            return Trend.HELD_FREQUENCY
+        if self.room.share[at] < 1.0:
+            return Trend.CLAMPED
+        if not self.adapting:
+            return Trend.FROZEN
+        return self.monitor.trend(at)

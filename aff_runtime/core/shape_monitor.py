@@ -1,0 +1,106 @@
+"""Does a column help? Its ripple with and without correction, and a verdict that holds it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.core.monitor import Trend
+
+Complexes = npt.NDArray[np.complex128]
+Seen = npt.NDArray[np.complex64] | Complexes
+Floats = npt.NDArray[np.float64]
+TURNS = 2.0
+SLOW_TURNS = 8.0
+HARM = 1.4
+SETTLED = 0.3
+HARM_TURNS = 4.0
+REST_TURNS = 20.0
+FADE_S = 1.0
+
+
+class ShapeMonitor:
+    """Per column: amplitude in the signal now (lock-in over two turns) and without correction.
+
+    ``without`` is what the filter attributes to the roll, |a_n phi_n|, but never less than what
+    was seen before the correction went out at this frequency. A column whose ripple stays above
+    1.4 times that for four turns does harm: its ``share`` fades to zero within a second and it
+    rests for twenty turns. Columns that meet in frequency are not judged: the signal cannot tell
+    them apart, so ``meets`` marks them, and nothing learned then is worth saving.
+    """
+
+    __slots__ = (
+        "_age", "_bad", "_noise", "_others", "_phasor", "_rest", "_slow", "meets", "now", "share",
+        "without",
+    )  # fmt: skip
+
+    def __init__(self, roll_of: Sequence[str], signal_sd: float) -> None:
+        count = len(roll_of)
+        names = np.array(roll_of)
+        self._others = names[:, None] != names[None, :]
+        self._phasor = np.zeros(count, dtype=np.complex128)
+        self._slow = np.zeros(count)
+        self._age = np.zeros(count)
+        self._bad = np.zeros(count)
+        self._rest = np.zeros(count)
+        self._noise = signal_sd
+        self.now = np.full(count, math.nan)
+        self.without = np.full(count, math.nan)
+        self.share = np.ones(count)
+        self.meets = np.zeros(count, dtype=bool)
+
+    def step(
+        self, error: float, phi: Seen, deviation: Complexes, turn_s: Floats, dt_s: float
+    ) -> None:
+        """Take one good sample; ``phi`` carries the angle of every column."""
+        size = np.abs(phi)
+        turns = dt_s / turn_s
+        self._age = np.minimum(self._age + turns, SLOW_TURNS)
+        carrier = phi / np.maximum(size, 1e-9)
+        share = turns / np.minimum(np.maximum(self._age, turns), TURNS)
+        self._phasor += share * (2.0 * error * carrier.conj() - self._phasor)
+        self.now = np.abs(self._phasor)
+        self._slow += turns / np.maximum(self._age, turns) * (self.now - self._slow)
+        self.without = np.abs(deviation) * size
+        # what white noise of one reading leaves in a lock-in over two turns
+        noise = 2.0 * self._noise * np.sqrt(dt_s / (TURNS * turn_s))
+        bad = (self.now > HARM * self.without + 3.0 * noise) & (self._age > TURNS) & ~self.meets
+        self._bad = np.where(bad, self._bad + turns, 0.0)
+        started = (self._bad > HARM_TURNS) & (self._rest <= 0.0)
+        self._rest = np.where(started, REST_TURNS, np.maximum(0.0, self._rest - turns))
+        self._bad[started] = 0.0
+        change = dt_s / FADE_S
+        target = np.where(self._rest > 0.0, -change, change)
+        self.share = np.minimum(1.0, np.maximum(0.0, self.share + target))
+
+    def compare(self, frequency_Hz: Floats, turn_s: Floats, memory_turns: float) -> None:
+        """Mark columns of different rolls that their memories cannot tell apart."""
+        apart = np.abs(frequency_Hz[:, None] - frequency_Hz[None, :])
+        memory_s = memory_turns * np.maximum.outer(turn_s, turn_s)
+        self.meets = (self._others & (apart * memory_s < 1.0)).any(axis=1)
+
+    @property
+    def resting(self) -> npt.NDArray[np.bool_]:
+        """Columns that did harm and are held."""
+        return self._rest > 0.0
+
+    def reset(self, columns: npt.NDArray[np.bool_]) -> None:
+        """Forget some columns, as after a splice."""
+        self._phasor[columns] = 0.0
+        for part in (self._slow, self._age, self._bad, self._rest):
+            part[columns] = 0.0
+        self.now[columns] = self.without[columns] = math.nan
+
+    def trend(self, at: int) -> Trend:
+        """Return where a column stands."""
+        now, without = float(self.now[at]), float(self.without[at])
+        if not (math.isfinite(now) and math.isfinite(without)) or self._age[at] < TURNS:
+            return Trend.IDLE
+        if self._rest[at] > 0.0 or self._bad[at] > 1.0:
+            return Trend.DIVERGING
+        if now <= SETTLED * without:
+            return Trend.SETTLED
+        return Trend.CONVERGING if now < 0.95 * self._slow[at] else Trend.STALLED

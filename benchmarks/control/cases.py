@@ -1,0 +1,147 @@
+"""The rows of the bench: what is run, how long, and when the law is enabled."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from benchmarks.control.lines import ALL_FIVE, FPM_M_S, INCH_M, Hidden, nominal, spoilt
+from sim_plant.line.declaration import Declaration
+
+ON_S = 10.0
+ECCENTRIC_M = 0.0003
+SHAPE_AT = {8.0: "flat", 6.375: "bulge", 4.75: "asym"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """One row: a line, a speed, and what is hidden from the law."""
+
+    material: str
+    fpm: float
+    radius_in: float
+    shape: str | None
+    hidden: Hidden = field(default_factory=Hidden)
+    cycle_s: float = 0.005
+    note: str = ""
+    follower_m: float = ECCENTRIC_M
+    lead_m: float = ECCENTRIC_M
+
+    @property
+    def name(self) -> str:
+        """What the table calls it."""
+        web = "Tyvek" if self.material == "tyvek" else "PE"
+        text = f"{web} {self.fpm:g} FPM R{self.radius_in:g} {self.shape or 'round'}"
+        return f"{text} {self.note}".strip()
+
+    @property
+    def speed_m_s(self) -> float:
+        """Line speed."""
+        return self.fpm * FPM_M_S
+
+    @property
+    def turn_s(self) -> float:
+        """Duration of one roll turn at the start."""
+        return math.tau * self.radius_in * INCH_M / self.speed_m_s
+
+    def line(self) -> Declaration:
+        """Return the line with its faults of shape; the hidden ones are put in by ``run``."""
+        return spoilt(
+            nominal(self.material, self.radius_in * INCH_M),
+            shape=self.shape, lead_m=self.lead_m, follower_m=self.follower_m,
+        )  # fmt: skip
+
+    def profile(self) -> npt.NDArray[np.float64]:
+        """Return the speed of a constant run: 35 s or 30 turns after the start."""
+        duration_s = ON_S + max(35.0, 26.0 * self.turn_s)
+        return np.full(round(duration_s / self.cycle_s), self.speed_m_s)
+
+
+def constant_cases() -> list[Case]:
+    """Return the constant-speed rows."""
+    grid = itertools.product(("tyvek", "pe"), (100.0, 200.0, 300.0), (8.0, 6.375, 4.75))
+    cases = [Case(material=m, fpm=v, radius_in=r, shape=SHAPE_AT[r]) for m, v, r in grid]
+    cases += [
+        Case(material="tyvek", fpm=200.0, radius_in=8.0, shape="bulge"),
+        Case(material="tyvek", fpm=200.0, radius_in=8.0, shape="asym"),
+        Case(material="tyvek", fpm=300.0, radius_in=4.75, shape="flat"),
+    ]
+    return cases
+
+
+HIDDEN = {
+    "delay50": Hidden(delay_s=0.05),
+    "cell3Hz": Hidden(cell_Hz=3.0),
+    "EAx0.7": Hidden(EA_ratio=0.7),
+    "Rtag+2%": Hidden(radius_tag_ratio=1.02),
+    "wound50": Hidden(wound_in_ratio=0.5),
+    "all5": ALL_FIVE,
+    "12bit": Hidden(word_bits=12),
+}
+
+
+def mismatch_cases() -> list[Case]:
+    """Return the rows with something hidden from the law."""
+    places = (("tyvek", 200.0, 8.0), ("tyvek", 300.0, 4.75), ("pe", 200.0, 6.375))
+    cases = []
+    for material, fpm, radius in places:
+        base = {"material": material, "fpm": fpm, "radius_in": radius, "shape": "flat"}
+        for note, hidden in HIDDEN.items():
+            cases.append(Case(**base, hidden=hidden, note=note))  # type: ignore[arg-type]
+        cases.append(Case(**base, cycle_s=0.01, note="10ms"))  # type: ignore[arg-type]
+    return cases
+
+
+def ramp_cases() -> list[Case]:
+    """Return the ramps 100 to 300 FPM, two of them in one run."""
+    cases = [
+        Case(material=m, fpm=100.0, radius_in=r, shape=SHAPE_AT[r])
+        for m in ("tyvek", "pe")
+        for r in (8.0, 6.375)
+    ]
+    cases.append(
+        Case(
+            material="tyvek", fpm=100.0, radius_in=8.0, shape="flat", hidden=ALL_FIVE, note="all5"
+        )
+    )
+    return cases
+
+
+RAMPS_S = ((30.0, 50.0), (100.0, 120.0))
+
+
+def ramp_profile() -> npt.NDArray[np.float64]:
+    """Return line speed, m/s: 100 FPM, up in 20 s, down, up again."""
+    time_s = np.arange(0.0, 130.0, 0.005)
+    fpm = np.array([100.0, 100.0, 300.0, 300.0, 100.0, 100.0, 300.0, 300.0])
+    at_s = np.array([0.0, 30.0, 50.0, 65.0, 85.0, 100.0, 120.0, 130.0])
+    return np.asarray(np.interp(time_s, at_s, fpm * FPM_M_S))
+
+
+def roll_cases() -> list[Case]:
+    """Return the whole rolls, 8 in to 2.5 in."""
+    base = {"radius_in": 8.0, "shape": "flat"}
+    return [
+        Case(material="tyvek", fpm=300.0, **base),  # type: ignore[arg-type]
+        Case(material="pe", fpm=300.0, **base),  # type: ignore[arg-type]
+        Case(material="tyvek", fpm=200.0, **base),  # type: ignore[arg-type]
+        Case(material="tyvek", fpm=300.0, hidden=ALL_FIVE, note="all5", **base),  # type: ignore[arg-type]
+    ]
+
+
+def roll_duration_s(case: Case, end_in: float = 2.5) -> float:
+    """Return how long the roll lasts down to a radius, s."""
+    start_m, end_m = case.radius_in * INCH_M, end_in * INCH_M
+    return math.pi * (start_m**2 - end_m**2) / case.line().web.thickness_m / case.speed_m_s
+
+
+def follower_cases() -> list[Case]:
+    """Return lines with a follower 0.5 mm out and an unwind that is not round."""
+    return [
+        Case(material=m, fpm=v, radius_in=8.0, shape="flat", follower_m=0.0005, lead_m=0.0)
+        for m, v in (("tyvek", 200.0), ("tyvek", 300.0), ("pe", 200.0))
+    ]

@@ -1,0 +1,240 @@
+"""A law and a line in lockstep: no sockets, one sample of transport, the guard's limits."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.base.signals import Outcome, Snapshot
+from aff_runtime.core.controller import RollPhases
+from aff_runtime.core.law import ActuatorLaw, Inputs
+from aff_runtime.core.params import RollParams, SiteParams
+from aff_runtime.core.phase import RollPhase
+from benchmarks.control.lines import Hidden, with_hidden
+from sim_plant.line.declaration import Declaration
+from sim_plant.line.kernel import advance_frame, log_frame
+from sim_plant.line.open import make_line
+
+Array = npt.NDArray[np.float64]
+CHANNELS = (
+    "unwind_tension_N",
+    "tension_ref_N",
+    "line_speed_m_s",
+    "unwind_radius_m",
+    "pullroll_tension_N",
+    "unwind_angle_rad",
+    "swrap_follower_angle_rad",
+    "swrap_follower_speed_m_s",
+)
+COUNT_RAD = math.tau / 4096
+ROLLS = (
+    RollParams(
+        name="unwind",
+        angle="unwind_angle_rad",
+        line_speed="line_speed_m_s",
+        radius="unwind_radius_m",
+        radius_min_m=0.04,
+        radius_max_m=0.45,
+        resets_on_splice=True,
+    ),
+    RollParams(
+        name="swrap_follower",
+        angle="swrap_follower_angle_rad",
+        line_speed="line_speed_m_s",
+        radius_m=0.15367,
+    ),
+)
+SIGNAL_OF = {"unwind": 0, "swrap_follower": 4, "swrap_follower speed": 7}
+SOFT_START_S = 1.5
+LIMIT_M_S = 0.3
+WORD_SPAN_N = 400.0
+LawBuilder = Callable[[Mapping[str, RollPhase], float], ActuatorLaw]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """What a run leaves: one entry per control sample.
+
+    ``tension_N`` and ``pullroll_N`` are the true means of the two spans at the cells, without
+    filter and noise; ``correction_m_s`` is (actuators, samples), as applied.
+    """
+
+    time_s: Array
+    tension_N: Array
+    pullroll_N: Array
+    follower_m_s: Array
+    unwind_rad: Array
+    follower_rad: Array
+    radius_m: Array
+    speed_m_s: Array
+    correction_m_s: Array
+
+
+class _Actuator:
+    """A law, its way to the line, and the guard's envelope and limit around it."""
+
+    def __init__(self, wanted: str, law: ActuatorLaw, delay: int) -> None:
+        self.law = law
+        self.signal = SIGNAL_OF[wanted]
+        self.pipe = deque([0.0] * delay)
+        self.inputs = Inputs(limit_ratio=1.0, applied_ratio=0.0)
+        self.level = 0.0
+
+    def step(self, values: Sequence[float], dt_s: float, enabled: bool) -> float:
+        """Return the correction that acts during the coming sample."""
+        given = self.inputs
+        given.signal = values[self.signal]
+        given.reference = values[1] if self.signal == 0 else math.nan
+        given.line_speed_m_s = values[2]
+        given.dt_s = dt_s
+        given.fresh = True
+        given.adapt = enabled
+        wish = self.law.step(given)
+        room = dt_s / SOFT_START_S
+        self.level = min(1.0, self.level + room) if enabled else max(0.0, self.level - room)
+        scale = min(1.0, LIMIT_M_S / wish.peak_bound) if wish.peak_bound > 0.0 else 1.0
+        given.limit_ratio = scale
+        given.applied_ratio = scale * self.level
+        self.pipe.append(wish.value * given.applied_ratio)
+        return self.pipe.popleft()
+
+
+def run(
+    declaration: Declaration,
+    laws: Mapping[str, LawBuilder],
+    speed_m_s: Array,
+    *,
+    seed: int | None,
+    on_s: float,
+    cycle_s: float = 0.005,
+    hidden: Hidden | None = None,
+    watch: Callable[[int, Mapping[str, ActuatorLaw]], None] | None = None,
+    roll_id: Array | None = None,
+    enabled: npt.NDArray[np.bool_] | None = None,
+) -> Record:
+    """Run the line over a speed profile (m/s per sample), the laws enabled from ``on_s``.
+
+    Laws are named by the driven roller they correct (``SIGNAL_OF`` says what they read). The
+    value of tick k acts from tick k + 1 on (one sample of transport), plus what ``hidden`` adds.
+    """
+    secret = hidden or Hidden()
+    line = make_line(
+        with_hidden(declaration, secret),
+        seed=seed, sample_time_s=cycle_s, speed_m_s=float(speed_m_s[0]),
+    )  # fmt: skip
+    line.settle()
+    site = SiteParams(cycle_s=cycle_s, channels=CHANNELS, rolls=ROLLS, actuators=())
+    phases = RollPhases(site)
+    delay = 1 + round(secret.delay_s / cycle_s)
+    actuators = {
+        name: _Actuator(name, build(phases.by_name, cycle_s), delay)
+        for name, build in laws.items()
+    }
+    drives = {name: line.drive_index(name.split()[0]) for name in laws}
+    count = speed_m_s.size
+    cells, d, n = line.arrays.cells.size, line.arrays.drives.size, line.layout.n
+    log = np.zeros((count, 3 * cells + 2 * d + n + 2 + n - 1))
+    corrections = np.zeros((max(1, len(laws)), count))
+    columns = _Columns(line.declaration, cells, d, n, secret)
+    state, arrays, lay, work = line.state, line.arrays, line.layout, line.work
+    aff = np.zeros(d)
+    rng = np.random.default_rng(seed)
+    arrays.timing["noisy"] = 0 if seed is None else 1
+    width = cells + d * (1 + line.timing.ticks_per_frame)
+    theta0 = line.angles().copy()
+    tension_ref = np.full(arrays.loops.size, declaration.operating_point.tension_N)
+    noise = rng.standard_normal((0, width))
+    row = log[0]
+    log_frame(arrays, lay, state, work, cells, d, n, row)
+    for k in range(count):
+        values = columns.values(row, theta0, float(tension_ref[0]))
+        on = k * cycle_s >= on_s if enabled is None else bool(enabled[k])
+        snapshot = Snapshot(
+            tick=k, t_ns=0, outcome=Outcome.OK, fresh=True, age_s=0.0, plc_heartbeat=k,
+            status=255, roll_id=1 if roll_id is None else int(roll_id[k]), values=values,
+        )  # fmt: skip
+        if phases.step(snapshot, cycle_s):
+            for actuator in actuators.values():
+                for roll in phases.spliced:
+                    actuator.law.reset_roll(roll)
+        for i, (name, actuator) in enumerate(actuators.items()):
+            aff[drives[name]] = corrections[i, k] = actuator.step(values, cycle_s, on)
+        if watch is not None:
+            watch(k, {name: a.law for name, a in actuators.items()})
+        if k + 1 == count:
+            break
+        if k % 4096 == 0:
+            noise = (
+                rng.standard_normal((4096, width)) if seed is not None else np.zeros((4096, width))
+            )
+        advance_frame(
+            arrays, lay, state, work, speed_m_s[k], speed_m_s[k + 1], tension_ref, aff,
+            noise[k % 4096],
+        )  # fmt: skip
+        row = log[k + 1]
+        log_frame(arrays, lay, state, work, cells, d, n, row)
+    return columns.record(log, theta0, corrections, speed_m_s, cycle_s)
+
+
+class _Columns:
+    """Where a log row keeps what the gateway and the judge read."""
+
+    def __init__(
+        self, declaration: Declaration, cells: int, drives: int, n: int, hidden: Hidden
+    ) -> None:
+        names = [r.name for r in declaration.rollers]
+        channels = [s.channel for s in declaration.sensors if s.low_pass_Hz is not None]
+        driven = [d.roller for d in declaration.control.drives]
+        self.tension = channels.index("unwind_tension_N")
+        self.pullroll = channels.index("pullroll_tension_N")
+        self.cells = cells
+        self.lead = 3 * cells + driven.index("swrap_lead")
+        self.follower = 3 * cells + driven.index("swrap_follower")
+        self.drives = drives
+        self.angles = 3 * cells + 2 * drives
+        self.follower_body = names.index("swrap_follower")
+        self.radius = self.angles + n
+        self.hidden = hidden
+
+    def values(self, row: Array, theta0: Array, tension_ref_N: float) -> tuple[float, ...]:
+        """Return the gateway's channels of one row, at the resolution of its words."""
+        a, f = self.angles, self.follower_body
+        tension = float(row[self.tension])
+        if self.hidden.word_bits is not None:
+            lsb = WORD_SPAN_N / 2**self.hidden.word_bits
+            tension = lsb * math.floor(tension / lsb + 0.5)
+        unwind = COUNT_RAD * math.floor((float(row[a]) - theta0[0]) / COUNT_RAD + 0.5)
+        follower = COUNT_RAD * math.floor((float(row[a + f]) - theta0[f]) / COUNT_RAD + 0.5)
+        radius = float(row[self.radius]) * self.hidden.radius_tag_ratio
+        return (
+            tension,
+            tension_ref_N,
+            float(row[self.lead]) * 0.15367,
+            2e-5 * math.floor(radius / 2e-5 + 0.5),
+            float(row[self.pullroll]),
+            unwind,
+            follower,
+            float(row[self.follower]) * 0.15367,
+        )
+
+    def record(
+        self, log: Array, theta0: Array, corrections: Array, speed_m_s: Array, cycle_s: float
+    ) -> Record:
+        """Return the run's true signals."""
+        a, f = self.angles, self.follower_body
+        return Record(
+            time_s=np.asarray(np.arange(len(log)) * cycle_s, dtype=np.float64),
+            tension_N=log[:, 2 * self.cells + self.tension].copy(),
+            pullroll_N=log[:, 2 * self.cells + self.pullroll].copy(),
+            follower_m_s=log[:, self.follower + self.drives] * 0.15367,
+            unwind_rad=log[:, a] - theta0[0],
+            follower_rad=log[:, a + f] - theta0[f],
+            radius_m=log[:, self.radius].copy(),
+            speed_m_s=speed_m_s,
+            correction_m_s=corrections,
+        )
