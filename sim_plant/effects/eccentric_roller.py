@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import Effect, Value
+from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
+from sim_plant.effects.phasor import amplitude, angle, component, phasor
 from sim_plant.effects.shape_rows import add_heavy, add_shape
 from sim_plant.geometry.shapes import eccentric
 
 GRAVITY_M_S2 = 9.80665
+PAIR = Quadrature(cos="cos_m", sin="sin_m", amplitude="eccentricity_m", angle="angle_rad")
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -17,18 +20,30 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
 
     h = R + e cos(psi - angle)   [source 3.9, by support function: exact on both spans]
     """
-    offset, angle = float(parameters["eccentricity_m"]), float(parameters["angle_rad"])
-    heavy = float(parameters["mass_kg"]) * GRAVITY_M_S2 * offset
-    if heavy != 0.0:
-        add_heavy(arrays, place, heavy, angle)
-    radius = float(arrays.bodies["radius_m"][place])
-    return add_shape(arrays, place, eccentric(radius, offset, angle))
+    centre_m = phasor(parameters, PAIR)
+    heavy_N_m = float(parameters["mass_kg"]) * GRAVITY_M_S2 * abs(centre_m)
+    if heavy_N_m != 0.0:
+        add_heavy(arrays, place, heavy_N_m, cmath.phase(centre_m))
+    radius_m = float(arrays.bodies["radius_m"][place])
+    return add_shape(arrays, place, eccentric(radius_m, abs(centre_m), cmath.phase(centre_m)))
 
 
 EFFECT = Effect(
     name="eccentric_roller",
     place="body",
-    parameters={"eccentricity_m": 0.0, "angle_rad": 0.0, "mass_kg": 0.0},
+    candidates="roller",
+    accepts={
+        "eccentricity_m": amplitude("m", 2e-4, 5e-3),
+        "angle_rad": angle(),
+        "cos_m": component("m", 2e-4, 5e-3),
+        "sin_m": component("m", 2e-4, 5e-3),
+        "mass_kg": Parameter(
+            default=0.0, unit="kg", typical=5.0, low=0.0, high=1e4, linear=True, role="shape"
+        ),
+    },
+    traced=("cos_m", "sin_m"),
+    quadratures=(PAIR,),
     apply=apply,
     text="a roller turns off its centre: ripple once per turn in both its spans",
+    order_locked=True,
 )

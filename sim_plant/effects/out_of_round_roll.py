@@ -5,21 +5,28 @@ from __future__ import annotations
 import cmath
 from collections.abc import Mapping
 
+import numpy as np
+
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import Effect, Value
+from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
+from sim_plant.effects.phasor import amplitude, angle, component, phasor
 from sim_plant.effects.shape_rows import add_heavy, add_shape
 from sim_plant.geometry.roll_profiles import asymmetric, bulge, flat_spot, flattened_bulge
-from sim_plant.geometry.shapes import Shape, circle, ellipse, orders
+from sim_plant.geometry.shapes import Shape, circle, ellipse, orders, require_convex
 from sim_plant.geometry.wound_mass import wound_mass
 
 GRAVITY_M_S2 = 9.80665
 KINDS = ("flat", "bulge", "asym", "flattened_bulge", "ellipse", "orders")
+HIGHEST_ORDER = 6
+PAIRS = tuple(Quadrature(cos=f"cos{n}_m", sin=f"sin{n}_m") for n in range(1, HIGHEST_ORDER + 1))
 
 
-def shape_of(kind: str, size_m: float, radius_m: float, angle_rad: float) -> Shape:
+def named(kind: str, size_m: float, radius_m: float, angle_rad: float) -> Shape:
     """Return the named profile round ``radius_m``; size is depth, height or half axis spread."""
-    if size_m == 0.0:
+    if kind not in KINDS:
+        raise PlantError(f"out_of_round_roll.shape: read {kind!r}; expected one of {KINDS}")
+    if size_m == 0.0 or kind == "orders":
         return circle(radius_m)
     if kind == "flat":
         return flat_spot(size_m, radius_m, angle_rad)
@@ -29,25 +36,36 @@ def shape_of(kind: str, size_m: float, radius_m: float, angle_rad: float) -> Sha
         return asymmetric(size_m, radius_m, angle_rad)
     if kind == "flattened_bulge":
         return flattened_bulge(size_m, 6.0 * size_m, radius_m, angle_rad)
-    if kind == "ellipse":
-        return ellipse(radius_m + size_m, radius_m - size_m).turned(angle_rad)
-    raise PlantError(f"out_of_round_roll.shape: read {kind!r}; expected one of {KINDS}")
+    return ellipse(radius_m + size_m, radius_m - size_m).turned(angle_rad)
+
+
+def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
+    """Return the named profile, rounded, plus h = sum cos_n cos(n psi) + sin_n sin(n psi)."""
+    kind, size_m = str(parameters["shape"]), float(parameters["size_m"])
+    shape = named(kind, size_m, radius_m, float(parameters["angle_rad"]))
+    if float(parameters["smoothing_rad"]) != 0.0:
+        shape = shape.smoothed(float(parameters["smoothing_rad"]))
+    rows = []
+    for order, pair in enumerate(PAIRS, start=1):
+        value = phasor(parameters, pair)
+        if value != 0.0:
+            rows.append((order, abs(value), -cmath.phase(value)))
+    if not rows:
+        return shape
+    low_orders = orders(radius_m, rows).deviation_m
+    size = max(low_orders.size, shape.deviation_m.size)
+    total = np.zeros(size, dtype=np.complex128)
+    total[: low_orders.size] += low_orders
+    total[: shape.deviation_m.size] += shape.deviation_m
+    return require_convex(Shape(mean_radius_m=shape.mean_radius_m, deviation_m=total))
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
-    """Give body ``place`` the profile, and the gravity torque of its displaced mass."""
-    body = arrays.bodies[place]
-    radius = float(body["radius_m"])
-    if parameters["shape"] == "orders":
-        rows = [
-            (n, float(parameters[f"cos{n}_m"]), float(parameters[f"sin{n}_m"])) for n in (1, 2, 3)
-        ]
-        shape = sum_orders(radius, rows)
-    else:
-        shape = shape_of(
-            str(parameters["shape"]), float(parameters["size_m"]), radius,
-            float(parameters["angle_rad"]),
-        )  # fmt: skip
+    """Give body ``place`` the profile, and the gravity torque of its displaced mass.
+
+    Moment arm p(theta) of the exact identity in ``physics.md`` [source 4.46 corrected].
+    """
+    shape = profile(float(arrays.bodies["radius_m"][place]), parameters)
     web = arrays.web[0]
     if float(parameters["gravity"]) != 0.0:
         mass = wound_mass(
@@ -59,23 +77,33 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return add_shape(arrays, place, shape)
 
 
-def sum_orders(radius_m: float, rows: list[tuple[int, float, float]]) -> Shape:
-    """Return h = R + sum cos_n cos(n psi) + sin_n sin(n psi) from (order, cos_m, sin_m)."""
-    polar = []
-    for order, cos_m, sin_m in rows:
-        phasor = complex(cos_m, -sin_m)
-        if phasor != 0:
-            polar.append((order, abs(phasor), cmath.phase(phasor)))
-    return orders(radius_m, polar)
+def _components() -> dict[str, Parameter]:
+    found = {}
+    for order, pair in enumerate(PAIRS, start=1):
+        for name in (pair.cos, pair.sin):
+            found[name] = component("m", 5e-4 / order, 0.02)
+    return found
 
 
 EFFECT = Effect(
     name="out_of_round_roll",
     place="body",
-    parameters={
-        "shape": "flat", "size_m": 0.0, "angle_rad": 0.0, "gravity": 1.0,
-        "cos1_m": 0.0, "sin1_m": 0.0, "cos2_m": 0.0, "sin2_m": 0.0, "cos3_m": 0.0, "sin3_m": 0.0,
+    candidates="roll",
+    accepts={
+        "shape": Parameter(default="flat", unit="", role="option", tries=KINDS[:-1]),
+        "size_m": amplitude("m", 5e-3, 0.05),
+        "angle_rad": angle(),
+        "smoothing_rad": Parameter(
+            default=0.0, unit="rad", typical=0.03, low=0.0, high=0.5, role="shape"
+        ),
+        "gravity": Parameter(
+            default=1.0, unit="1", typical=0.0, low=0.0, high=2.0, linear=True, role="shape"
+        ),
+        **_components(),
     },
+    traced=tuple(name for pair in PAIRS for name in (pair.cos, pair.sin)),
+    quadratures=PAIRS,
     apply=apply,
     text="the roll is not round: ripple at its turning frequency and several harmonics",
-)  # fmt: skip
+    order_locked=True,
+)

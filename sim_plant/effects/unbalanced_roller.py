@@ -2,27 +2,40 @@
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import Effect, Value
+from sim_plant.base.effects import Effect, Quadrature, Value
+from sim_plant.effects.phasor import amplitude, angle, component, phasor
 from sim_plant.effects.shape_rows import add_heavy
 
 GRAVITY_M_S2 = 9.80665
+PAIR = Quadrature(cos="cos_kg_m", sin="sin_kg_m", amplitude="unbalance_kg_m", angle="angle_rad")
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
     """Add the gravity torque -sigma m g e cos(gamma) to body ``place`` [source 3.17 corrected]."""
-    heavy = float(parameters["unbalance_kg_m"]) * GRAVITY_M_S2
-    if heavy != 0.0:
-        add_heavy(arrays, place, heavy, float(parameters["angle_rad"]))
+    unbalance_kg_m = phasor(parameters, PAIR)
+    if unbalance_kg_m != 0.0:
+        heavy_N_m = abs(unbalance_kg_m) * GRAVITY_M_S2
+        add_heavy(arrays, place, heavy_N_m, cmath.phase(unbalance_kg_m))
     return arrays
 
 
 EFFECT = Effect(
     name="unbalanced_roller",
     place="body",
-    parameters={"unbalance_kg_m": 0.0, "angle_rad": 0.0},
+    candidates="turning",
+    accepts={
+        "unbalance_kg_m": amplitude("kg m", 2e-3, 10.0),
+        "angle_rad": angle(),
+        "cos_kg_m": component("kg m", 2e-3, 10.0),
+        "sin_kg_m": component("kg m", 2e-3, 10.0),
+    },
+    traced=("cos_kg_m", "sin_kg_m"),
+    quadratures=(PAIR,),
     apply=apply,
     text="a body is heavier on one side: a torque once per turn that does not grow with speed",
+    order_locked=True,
 )

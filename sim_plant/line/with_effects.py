@@ -11,8 +11,8 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Value
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration, EffectEntry
+from sim_plant.line.locations import places_of
 
 
 def apply_effects(
@@ -29,7 +29,7 @@ def apply_effects(
         where = f"effects.{number}"
         effect = _known(BY_NAME, entry.effect, f"{where}.effect")
         values = merged(effect, entry.parameters, where)
-        for place in places(declaration, arrays, effect, entry.location, where):
+        for place in places_of(declaration, effect, entry.location, f"{where}.location"):
             arrays = effect.apply(arrays, place, values)
     return arrays
 
@@ -57,43 +57,3 @@ def merged(effect: Effect, given: Mapping[str, Value], where: str) -> dict[str, 
         else:
             values[key] = float(value)
     return values
-
-
-def places(
-    declaration: Declaration, arrays: LineArrays, effect: Effect, location: str, where: str
-) -> list[int]:
-    """Return the indices that ``location`` names for this kind of effect."""
-    if effect.place == "web":
-        return [0]
-    if effect.place == "span":
-        pairs = [f"{span.start}-{span.end}" for span in declaration.spans]
-        return [_index(pairs, location, f"{where}.location")]
-    if effect.place == "cell":
-        names = [s.roller for s in cell_sensors(declaration)]
-        if location == "all":
-            return list(range(len(names)))
-        return [_index(names, location, f"{where}.location")]
-    if effect.place == "loop":
-        names = [loop.acts_on for loop in declaration.control.tension_pi]
-        return [_index(names, location, f"{where}.location")]
-    return [_body_or_drive(declaration, arrays, effect, location, f"{where}.location")]
-
-
-def _body_or_drive(
-    declaration: Declaration, arrays: LineArrays, effect: Effect, location: str, where: str
-) -> int:
-    body = _index([r.name for r in declaration.rollers], location, where)
-    if effect.place == "body":
-        return body
-    drives = [int(b) for b in arrays.drives["body"]]
-    if body not in drives:
-        raise PlantError(f"{where}: roller {location!r} has no drive")
-    return drives.index(body)
-
-
-def _index(names: list[str], name: str, where: str) -> int:
-    if name not in names:
-        near = difflib.get_close_matches(name, names, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        raise PlantError(f"{where}: read {name!r}; expected one of {names}{hint}")
-    return names.index(name)

@@ -1,0 +1,97 @@
+"""What a location in a declaration names, and where an effect is worth trying."""
+
+from __future__ import annotations
+
+import difflib
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.effects import Effect
+from sim_plant.line.build import cell_sensors
+from sim_plant.line.declaration import Declaration
+
+
+def zones(declaration: Declaration) -> dict[str, list[int]]:
+    """Return the spans of each zone: up to the first driven roller, to the last, and after it.
+
+    ``unwind_zone`` runs from the unwind to the first driven roller, ``pull_roll_zone`` between
+    the last two driven rollers, ``rewind_zone`` from the last one to the rewind.
+    """
+    driven = [k for k, roller in enumerate(declaration.rollers) if roller.kind == "driven"]
+    spans = len(declaration.spans)
+    if not driven:
+        return {"unwind_zone": list(range(spans))}
+    found = {"unwind_zone": list(range(driven[0]))}
+    if len(driven) > 1:
+        found["pull_roll_zone"] = list(range(driven[-2], driven[-1]))
+    found["rewind_zone"] = list(range(driven[-1], spans))
+    return found
+
+
+def places_of(declaration: Declaration, effect: Effect, location: str, where: str) -> list[int]:
+    """Return the indices that ``location`` names for this kind of effect.
+
+    Raises
+    ------
+    PlantError
+        When there is no such location; the message offers the nearest name.
+    """
+    names = [roller.name for roller in declaration.rollers]
+    drives = [drive.roller for drive in declaration.control.drives]
+    if effect.place == "web":
+        return [_index(["web"], location, where)]
+    if effect.place == "span":
+        return _spans(declaration, location, where)
+    if effect.place == "cell":
+        cells = [sensor.roller for sensor in cell_sensors(declaration)]
+        return list(range(len(cells))) if location == "all" else [_index(cells, location, where)]
+    if effect.place == "loop":
+        loops = [loop.acts_on for loop in declaration.control.tension_pi]
+        return [_index(loops, location, where)]
+    body = _index(names, location, where)
+    if effect.place == "body":
+        return [body]
+    if location not in drives:
+        raise PlantError(f"{where}: roller {location!r} has no drive")
+    return [drives.index(location)]
+
+
+def _spans(declaration: Declaration, location: str, where: str) -> list[int]:
+    by_zone = zones(declaration)
+    if location in by_zone:
+        return by_zone[location]
+    pairs = [f"{span.start}-{span.end}" for span in declaration.spans]
+    if location in pairs:
+        return [pairs.index(location)]
+    return [_index(list(by_zone) + pairs, location, where)]
+
+
+def _index(names: list[str], name: str, where: str) -> int:
+    if name not in names:
+        near = difflib.get_close_matches(name, names, n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        raise PlantError(f"{where}: read {name!r}; expected one of {names}{hint}")
+    return names.index(name)
+
+
+def candidate_locations(declaration: Declaration, effect: Effect) -> list[str]:
+    """Return the locations at which tracing should try ``effect``, in web order."""
+    rollers = declaration.rollers
+    kind = effect.candidates
+    if kind == "web":
+        return ["web"]
+    if kind == "zone":
+        return [name for name, spans in zones(declaration).items() if spans]
+    if kind == "cell":
+        cells = [sensor.roller for sensor in cell_sensors(declaration)]
+        return [*cells, "all"] if len(cells) > 1 else cells
+    if kind in ("drive", "trimmed_drive"):
+        trimmed = {loop.acts_on for loop in declaration.control.tension_pi}
+        drives = [drive.roller for drive in declaration.control.drives]
+        return [name for name in drives if kind == "drive" or name in trimmed]
+    wanted = {
+        "unwind": {"unwind"}, "roll": {"unwind", "rewind"}, "roller": {"idler", "driven"},
+        "driven": {"driven"}, "turning": {"unwind", "rewind", "idler", "driven"},
+    }[kind]  # fmt: skip
+    last = len(rollers) - 1
+    ends = {0: "unwind", last: "rewind"}
+    return [r.name for k, r in enumerate(rollers) if ends.get(k, r.kind) in wanted]
