@@ -11,7 +11,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
-from sim_plant.effects.shape_rows import add_heavy, add_shape
+from sim_plant.effects.shape_rows import add_heavy, add_mean, add_shape
 from sim_plant.geometry.roll_profiles import asymmetric, bulge, flat_spot, flattened_bulge
 from sim_plant.geometry.shapes import Shape, circle, ellipse, orders, require_convex
 from sim_plant.geometry.wound_mass import wound_mass
@@ -63,7 +63,8 @@ def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
     """Give body ``place`` the profile, and the gravity torque of its displaced mass.
 
-    Moment arm p(theta) of the exact identity in ``physics.md`` [source 4.46 corrected].
+    The declared radius is that of the round part: the web feels the profile's own mean radius,
+    the drive and the radius sensor keep the declared one. Moment arm p(theta) of the exact identity in ``physics.md`` [source 4.46 corrected].
     """
     shape = profile(float(arrays.bodies["radius_m"][place]), parameters)
     web = arrays.web[0]
@@ -74,7 +75,8 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
         )  # fmt: skip
         heavy = mass.mass_kg * GRAVITY_M_S2 * mass.offset_m * float(parameters["gravity"])
         add_heavy(arrays, place, heavy, mass.offset_angle_rad)
-    return add_shape(arrays, place, shape)
+    mean_m = shape.mean_radius_m - float(arrays.bodies["radius_m"][place])
+    return add_mean(add_shape(arrays, place, shape), place, mean_m + float(parameters["mean_m"]))
 
 
 def _components() -> dict[str, Parameter]:
@@ -98,6 +100,9 @@ EFFECT = Effect(
         ),
         "gravity": Parameter(
             default=1.0, unit="1", typical=0.0, low=0.0, high=2.0, linear=True, role="shape"
+        ),
+        "mean_m": Parameter(
+            default=0.0, unit="m", typical=2e-4, low=-0.02, high=0.02, linear=True, role="shape"
         ),
         **_components(),
     },

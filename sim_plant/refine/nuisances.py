@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from sim_plant.base.arrays import IDLER, LineArrays
+from sim_plant.effects.shape_rows import add_mean
 from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
 
@@ -20,6 +21,7 @@ DEFAULT_TOLERANCE = {
     "friction": 0.1,
     "inertia": 0.02,
     "radius": 5e-5,
+    "effective_radius": 2e-3,  # a roll's perimeter / 2 pi against its declared radius
     "draw": 2e-5,
     "gain": 0.003,
     "offset": 0.3,
@@ -30,6 +32,9 @@ DEFAULT_TOLERANCE = {
 """Assumed where a declaration gives none: two standard deviations, relative (offset in N)."""
 
 
+Shift = Callable[[LineArrays, float], LineArrays]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Nuisance:
     """One declared parameter with its tolerance.
@@ -38,41 +43,52 @@ class Nuisance:
     ----------
     name : dotted path in the declaration.
     tolerance : two standard deviations, in units of ``shift``'s argument (mostly relative).
-    shift : changes arrays in place by this much.
+    shift : returns arrays changed by this much; those given may be changed in place.
     """
 
     name: str
     tolerance: float
-    shift: Callable[[LineArrays, float], None]
+    shift: Shift
 
 
-def _scale(record: str, field: str, index: int | slice) -> Callable[[LineArrays, float], None]:
-    def shift(arrays: LineArrays, amount: float) -> None:
+def _scale(record: str, field: str, index: int | slice) -> Shift:
+    def shift(arrays: LineArrays, amount: float) -> LineArrays:
         getattr(arrays, record)[field][index] *= 1.0 + amount
+        return arrays
 
     return shift
 
 
-def _add(record: str, field: str, index: int | slice) -> Callable[[LineArrays, float], None]:
-    def shift(arrays: LineArrays, amount: float) -> None:
+def _add(record: str, field: str, index: int | slice) -> Shift:
+    def shift(arrays: LineArrays, amount: float) -> LineArrays:
         getattr(arrays, record)[field][index] += amount
+        return arrays
 
     return shift
 
 
-def _idler_inertia(arrays: LineArrays, amount: float) -> None:
+def _idler_inertia(arrays: LineArrays, amount: float) -> LineArrays:
     idlers = arrays.bodies["kind"] == IDLER
     arrays.bodies["inertia_kg_m2"][idlers] *= 1.0 + amount
+    return arrays
 
 
-def _corner(arrays: LineArrays, amount: float) -> None:
+def _corner(arrays: LineArrays, amount: float) -> LineArrays:
     arrays.cells["corner_Hz"] *= 1.0 + amount
+    return arrays
+
+
+def _felt(body: int) -> Shift:
+    def shift(arrays: LineArrays, amount: float) -> LineArrays:
+        return add_mean(arrays, body, amount * float(arrays.bodies["radius_m"][body]))
+
+    return shift
 
 
 def declared_nuisances(line: Declaration) -> list[Nuisance]:
     """Return one nuisance per declared parameter that the record could feel."""
     every = slice(None)
-    rows: list[tuple[str, str, Callable[[LineArrays, float], None]]] = [
+    rows: list[tuple[str, str, Shift]] = [
         ("web.EA_N", "web.EA_N", _scale("spans", "EA_N", every)),
         ("web.kelvin_voigt_eta_s", "web.kelvin_voigt_eta_s", _scale("web", "viscosity_s", 0)),
         ("web.density_kg_m3", "web.density_kg_m3", _scale("web", "density_kg_m3", 0)),
@@ -87,6 +103,8 @@ def declared_nuisances(line: Declaration) -> list[Nuisance]:
                      _scale("bodies", "friction_constant_N_m", k)))  # fmt: skip
         if roller.kind != "idler":
             rows.append((path + "inertia_kg_m2", "inertia", _scale("bodies", "inertia_kg_m2", k)))
+            if roller.kind == "roll":
+                rows.append((path + "effective_radius", "effective_radius", _felt(k)))
             rows.append((path + "radius_m", "radius", _scale("bodies", "radius_m", k)))
     rows += _control_rows(line)
     for c, sensor in enumerate(cell_sensors(line)):
@@ -99,8 +117,8 @@ def declared_nuisances(line: Declaration) -> list[Nuisance]:
     ]
 
 
-def _control_rows(line: Declaration) -> list[tuple[str, str, Callable[[LineArrays, float], None]]]:
-    rows: list[tuple[str, str, Callable[[LineArrays, float], None]]] = []
+def _control_rows(line: Declaration) -> list[tuple[str, str, Shift]]:
+    rows: list[tuple[str, str, Shift]] = []
     for d, drive in enumerate(line.control.drives):
         path = f"control.drives.{drive.roller}."
         rows.append((path + "K_ref_rad_s", "drive", _scale("drives", "gain_rad_s", d)))

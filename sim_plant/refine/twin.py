@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,8 +10,8 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.base.effects import Value
-from sim_plant.effects.out_of_round_roll import sum_orders
-from sim_plant.effects.shape_rows import add_shape
+from sim_plant.effects.shape_rows import add_mean, add_shape
+from sim_plant.geometry.shapes import orders
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.simulation import LineSimulation
@@ -96,11 +97,16 @@ class Twin:
         arrays = build_arrays(line, timing_of(line, line.sample_time_s))
         table = {n.name: n for n in declared_nuisances(self.declaration)} if case.shifts else {}
         for name, amount in case.shifts:
-            table[name].shift(arrays, amount)
+            arrays = table[name].shift(arrays, amount)
         entries = (*line.effects, *(added.entry() for added in case.effects))
         arrays = apply_effects(line, arrays, entries)
         for body, order, cos_m, sin_m in case.ripples:
-            shape = sum_orders(float(arrays.bodies["radius_m"][body]), [(order, cos_m, sin_m)])
+            if order == 0:
+                arrays = add_mean(arrays, body, cos_m)
+                continue
+            radius_m = float(arrays.bodies["radius_m"][body])
+            polar = (order, math.hypot(cos_m, sin_m), math.atan2(-sin_m, cos_m))
+            shape = orders(radius_m, [polar])
             arrays = add_shape(arrays, body, shape)
         if case.seed is None:
             arrays.cells["lsb_N"] = 0.0  # mean of a dithered word; the steps only add chaos
