@@ -19,6 +19,9 @@ Records = np.ndarray[Any, np.dtype[Any]]
 IDLER, DRIVEN, UNWIND, REWIND = 0, 1, 2, 3
 """Values of the field ``kind`` of a body."""
 
+DELAY_RING_TICKS = 512
+"""Length of the ring buffer of corrections: the longest delay, plus one."""
+
 
 def record_type(integers: str, floats: str) -> np.dtype[Any]:
     """Return a structured type with these integer and float fields, in this order."""
@@ -41,7 +44,10 @@ WEB = record_type(
     "viscosity_s "  # Kelvin-Voigt: T = EA (strain + viscosity * d strain/dt)
     "maxwell_ratio maxwell_time_s "  # one Maxwell branch, stiffness over EA
     "density_kg_m3 thickness_m width_m wound_in_strain core_radius_m "
-    "bounce_mass_kg bounce_Hz bounce_damping",  # unwind on a soft mandrel, mass 0 = rigid
+    "bounce_mass_kg bounce_Hz bounce_damping "  # unwind on a soft mandrel, mass 0 = rigid
+    "bounce_order bounce_cos1_N bounce_sin1_N bounce_cosn_N bounce_sinn_N "  # its excitation
+    # web past splice_m of unstretched length differs by these ratios; 1 = the same web
+    "splice_m splice_EA_ratio splice_thickness_ratio",
 )
 DRIVE = record_type(
     "body delay_ticks loop",  # loop: tension loop that trims this drive, or -1
@@ -50,7 +56,9 @@ DRIVE = record_type(
     "limit_N_m slew_m_s2 "  # slew 0 = none
     "shaft_stiffness_N_m shaft_damping_N_m_s shaft_backlash_rad "  # stiffness 0 = rigid
     "motor_share "  # share of the body's fixed inertia on the motor side
-    "encoder_eccentricity encoder_angle_rad noise_rad_s lsb_rad_s",
+    "encoder_eccentricity encoder_angle_rad "
+    "encoder_loop_share "  # share of the eccentricity that the drive's own loop reads
+    "noise_rad_s lsb_rad_s",
 )
 CELL = record_type(
     "body",

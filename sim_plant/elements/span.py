@@ -32,3 +32,24 @@ def tension(EA_N: float, strain: float, viscosity_s: float, rate_1_s: float) -> 
     Equation: T = EA (eps + eta deps/dt)   [Hooke, source before 2.21; Kelvin-Voigt damping].
     """
     return max(0.0, EA_N * (strain + viscosity_s * rate_1_s))
+
+
+@compiled
+def maxwell_rate(
+    branch: float, branch_upstream: float, strain_step: float, rate_1_s: float, time_s: float,
+    renewal_1_s: float,
+) -> float:  # fmt: skip
+    """Return d branch/dt of the elastic strain in a Maxwell branch, averaged over a span, 1/s.
+
+    Equation: db/dt = deps/dt - b/tau + (ldot_A/L) (b_up + eps - eps_up - b)   [own derivation: a
+    particle keeps its branch strain over a roller and is stretched there by the step of strain;
+    ``renewal`` = ldot_A/L replaces the web in the span]. Never raises.
+    """
+    fresh = branch_upstream + strain_step
+    return rate_1_s - branch / time_s + renewal_1_s * (fresh - branch)
+
+
+@compiled
+def two_webs(EA_N: float, ratio: float, share: float) -> float:
+    """Return the EA of a span with this share of web of ``ratio`` times EA: springs in series."""
+    return EA_N / (1.0 - share + share / ratio)

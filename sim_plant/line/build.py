@@ -11,6 +11,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import (
     BODY,
     CELL,
+    DELAY_RING_TICKS,
     DRIVE,
     DRIVEN,
     IDLER,
@@ -27,8 +28,6 @@ from sim_plant.base.arrays import (
 )
 from sim_plant.line.declaration import Declaration, Sensor
 from sim_plant.line.layout import Layout, layout_of
-
-DELAY_RING_TICKS = 512
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,7 +114,8 @@ def _web(declaration: Declaration) -> Records:
     web["width_m"] = given.width_m
     web["wound_in_strain"] = given.wound_in_tension_N / given.EA_N
     web["core_radius_m"] = declaration.initial_radii_m.core
-    web["bounce_Hz"], web["bounce_damping"] = 1.0, 0.05
+    web["bounce_Hz"], web["bounce_damping"], web["bounce_order"] = 1.0, 0.05, 1.0
+    web["splice_EA_ratio"], web["splice_thickness_ratio"] = 1.0, 1.0
     return web
 
 

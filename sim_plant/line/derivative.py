@@ -10,7 +10,8 @@ from sim_plant.elements.contact import body_at, tangent
 from sim_plant.elements.load_cell import filter_rate, resonance_rates
 from sim_plant.elements.material_roll import radius_rate, wound_inertia
 from sim_plant.elements.roller import friction_torque, gravity_torque
-from sim_plant.elements.span import strain_rate, tension
+from sim_plant.elements.shaft import shaft_torque
+from sim_plant.elements.span import maxwell_rate, strain_rate, tension, two_webs
 from sim_plant.line.layout import Layout
 
 
@@ -93,11 +94,19 @@ def web_share(slip_s_m: float, threshold_m_s: float, speed_m_s: float) -> float:
 def span_tensions(
     p: LineArrays, lay: Layout, y: Array, moving: Array, phi: Array, contacts: Array,
     tensions: Array, dy: Array,
-) -> None:  # fmt: skip
-    """Write strain rates and material flow to ``dy`` and tensions (m,) from the state."""
+) -> float:  # fmt: skip
+    """Write strain rates and material flow to ``dy`` and tensions (m,) from the state.
+
+    Returns the unstretched length of web behind a splice that has reached the rewind, m.
+    """
     web = p.web[0]
     spans = lay.n - 1
+    spliced = web.splice_EA_ratio != 1.0 or web.splice_thickness_ratio != 1.0
+    behind = y[lay.flow] - web.splice_m
     upstream = web.wound_in_strain
+    if spliced and behind > 0.0:
+        upstream /= web.splice_EA_ratio
+    branch_up = 0.0
     first = p.bodies[0]
     share_a = web_share(first.slip_s_m, first.slip_speed_m_s, contacts[0, 1] * y[lay.omega])
     for i in range(spans):
@@ -113,23 +122,44 @@ def span_tensions(
             rate_in += y[lay.bounce + 1]
             dy[lay.flow] = flow * share_a / (1.0 + upstream)
         strain = y[lay.strain + i]
-        rate = strain_rate(
-            contacts[i, 0], strain, upstream, rate_in, speed_out * share_b, flow * share_a
-        )
-        dy[lay.strain + i] = rate
         span = p.spans[i]
-        pull = tension(span.EA_N, strain - span.free_strain, web.viscosity_s, rate)
+        EA_N, leaving, rate_out = span.EA_N, strain, speed_out * share_b
+        if spliced:
+            held = contacts[i, 0] / (1.0 + strain)
+            share = min(max(behind / held, 0.0), 1.0)
+            EA_N = two_webs(span.EA_N, web.splice_EA_ratio, share)
+            at_exit = span.EA_N * (web.splice_EA_ratio if share == 1.0 else 1.0)
+            leaving = span.free_strain + (strain - span.free_strain) * EA_N / at_exit
+            rate_out *= (1.0 + strain) / (1.0 + leaving)
+            behind -= held + wrapped(p, i, phi, contacts) / (1.0 + leaving)
+        rate = strain_rate(contacts[i, 0], strain, upstream, rate_in, rate_out, flow * share_a)
+        dy[lay.strain + i] = rate
+        pull = tension(EA_N, strain - span.free_strain, web.viscosity_s, rate)
         if web.maxwell_ratio != 0.0:
             branch = y[lay.maxwell + i]
-            dy[lay.maxwell + i] = rate - branch / web.maxwell_time_s
-            pull = max(0.0, pull + span.EA_N * web.maxwell_ratio * branch)
+            dy[lay.maxwell + i] = maxwell_rate(
+                branch, branch_up, strain - upstream, rate, web.maxwell_time_s,
+                flow * share_a / contacts[i, 0],
+            )  # fmt: skip
+            pull = max(0.0, pull + EA_N * web.maxwell_ratio * branch)
+            branch_up = branch
         tensions[i] = pull
-        upstream = strain
+        upstream = leaving
         share_a = share_b
     last = lay.n - 1
     wander = contacts[spans - 1, 2] * p.bodies[last].sigma * contacts[spans - 1, 4]
     speed_out = contacts[spans - 1, 2] * y[lay.omega + last]
     dy[lay.flow + 1] = (speed_out - wander) * share_a / (1.0 + upstream)
+    return float(behind) if spliced else 0.0
+
+
+@compiled
+def wrapped(p: LineArrays, i: int, phi: Array, contacts: Array) -> float:
+    """Return the length of web on the body after span ``i``, m; 0 on the last one."""
+    if i + 1 >= phi.size:
+        return 0.0
+    turn = p.bodies[i + 1].sigma * (phi[i + 1] - phi[i])
+    return float(contacts[i, 2] * (turn % (2.0 * math.pi)))
 
 
 @compiled
@@ -142,19 +172,6 @@ def ripple_torque(p: LineArrays, d: int, theta_rad: float) -> float:
             turn = term.order * theta_rad
             torque += term.cos_N_m * math.cos(turn) + term.sin_N_m * math.sin(turn)
     return torque
-
-
-@compiled
-def shaft_torque(
-    stiffness_N_m: float, damping_N_m_s: float, backlash_rad: float, twist: float, rate: float
-) -> float:
-    """Return the torque through a compliant shaft with backlash, N m."""
-    half = 0.5 * backlash_rad
-    if twist > half:
-        return stiffness_N_m * (twist - half) + damping_N_m_s * rate
-    if twist < -half:
-        return stiffness_N_m * (twist + half) + damping_N_m_s * rate
-    return 0.0
 
 
 @compiled
@@ -239,22 +256,42 @@ def sensor_rates(p: LineArrays, lay: Layout, y: Array, tensions: Array, dy: Arra
 
 
 @compiled
+def bounce_rates(p: LineArrays, lay: Layout, y: Array, pull_N: float, dy: Array) -> None:
+    """Write m x'' = T + F(theta) - m w^2 x - 2 zeta m w x' of the unwind on its soft mandrel.
+
+    F has order 1 and one other order of the roll's angle; x counts along the first span, towards
+    the line, so x' adds to the web that enters the span [own; point mass on a spring].
+    """
+    web = p.web[0]
+    w = 2.0 * math.pi * web.bounce_Hz
+    turn, high = y[lay.theta], web.bounce_order * y[lay.theta]
+    force = web.bounce_cos1_N * math.cos(turn) + web.bounce_sin1_N * math.sin(turn)
+    force += web.bounce_cosn_N * math.cos(high) + web.bounce_sinn_N * math.sin(high)
+    dy[lay.bounce] = y[lay.bounce + 1]
+    dy[lay.bounce + 1] = (
+        (pull_N + force) / web.bounce_mass_kg
+        - w * w * y[lay.bounce]
+        - 2.0 * web.bounce_damping * w * y[lay.bounce + 1]
+    )
+
+
+@compiled
 def derivative(
     p: LineArrays, lay: Layout, y: Array, torques: Array, moving: Array, phi: Array,
     contacts: Array, tensions: Array, dy: Array,
 ) -> None:  # fmt: skip
     """Write dy/dt of the whole line; work arrays are the caller's. Never raises."""
-    span_tensions(p, lay, y, moving, phi, contacts, tensions, dy)
+    behind = span_tensions(p, lay, y, moving, phi, contacts, tensions, dy)
     body_rates(p, lay, y, contacts, tensions, torques, dy)
     web = p.web[0]
-    dy[lay.radius] = growth(UNWIND, web.thickness_m, y[lay.omega])
-    dy[lay.radius + 1] = growth(REWIND, web.thickness_m, y[lay.omega + lay.n - 1])
+    unwinding = rewinding = web.thickness_m
+    if web.splice_thickness_ratio != 1.0:
+        if y[lay.flow] > web.splice_m:
+            unwinding *= web.splice_thickness_ratio
+        if behind > 0.0:
+            rewinding *= web.splice_thickness_ratio
+    dy[lay.radius] = growth(UNWIND, unwinding, y[lay.omega])
+    dy[lay.radius + 1] = growth(REWIND, rewinding, y[lay.omega + lay.n - 1])
     if web.bounce_mass_kg > 0.0:
-        w = 2.0 * math.pi * web.bounce_Hz
-        dy[lay.bounce] = y[lay.bounce + 1]
-        dy[lay.bounce + 1] = (
-            tensions[0] / web.bounce_mass_kg
-            - w * w * y[lay.bounce]
-            - 2.0 * web.bounce_damping * w * y[lay.bounce + 1]
-        )
+        bounce_rates(p, lay, y, tensions[0], dy)
     sensor_rates(p, lay, y, tensions, dy)

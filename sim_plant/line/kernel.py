@@ -80,15 +80,27 @@ def drive_reference(
 
 
 @compiled
-def drive_speed(p: LineArrays, lay: Layout, s: LineState, d: int, noise: float) -> float:
-    """Return the speed that drive ``d`` reads from its encoder, rad/s."""
+def encoder_speed(p: LineArrays, lay: Layout, s: LineState, d: int, share: float) -> float:
+    """Return the speed at the encoder of drive ``d``, rad/s: w (1 + share e cos(theta + a)).
+
+    The encoder sits on the motor. An eccentric one reads the angle theta + e sin(theta + a).
+    """
     drive = p.drives[d]
     k = drive.body
     stiff = drive.shaft_stiffness_N_m == 0.0
     omega = s.y[lay.omega + k] if stiff else s.y[lay.motor + d]
-    if drive.encoder_eccentricity != 0.0:
-        turn = s.y[lay.theta + k] + drive.encoder_angle_rad
-        omega *= 1.0 + drive.encoder_eccentricity * math.cos(turn)
+    eccentricity = share * drive.encoder_eccentricity
+    if eccentricity != 0.0:
+        turn = s.y[lay.theta + k] + s.y[lay.twist + d] + drive.encoder_angle_rad
+        omega *= 1.0 + eccentricity * math.cos(turn)
+    return float(omega)
+
+
+@compiled
+def drive_speed(p: LineArrays, lay: Layout, s: LineState, d: int, noise: float) -> float:
+    """Return the speed that the loop of drive ``d`` reads, rad/s."""
+    drive = p.drives[d]
+    omega = encoder_speed(p, lay, s, d, drive.encoder_loop_share)
     if p.timing[0].noisy == 0:
         return expected_quantise(omega, drive.lsb_rad_s, drive.noise_rad_s)
     return quantise(omega + drive.noise_rad_s * noise, drive.lsb_rad_s)
@@ -120,8 +132,13 @@ def run_drives(
 
 @compiled
 def measure(p: LineArrays, lay: Layout, s: LineState, noise: Array) -> None:
-    """Sample load cells and speeds; ``noise`` is (c + d,) standard normal."""
+    """Sample load cells and speeds; ``noise`` is (c + d,) standard normal.
+
+    A noise-free run feeds the mean reading of a cell to the tension loops and records speeds
+    without quantisation.
+    """
     cells = p.cells.size
+    noisy = p.timing[0].noisy != 0
     for c in range(cells):
         cell = p.cells[c]
         true = cell.gain * s.y[lay.cell + c] + cell.offset_N
@@ -129,9 +146,16 @@ def measure(p: LineArrays, lay: Layout, s: LineState, noise: Array) -> None:
             turn = 2.0 * math.pi * cell.hum_Hz * s.time_s[0] + cell.hum_phase_rad
             true += cell.hum_N * math.cos(turn)
         s.true_N[c] = true
-        s.measured_N[c] = quantise(true + cell.noise_N * noise[c], cell.lsb_N)
+        if noisy:
+            s.measured_N[c] = quantise(true + cell.noise_N * noise[c], cell.lsb_N)
+        else:
+            s.measured_N[c] = expected_quantise(true, cell.lsb_N, cell.noise_N)
     for d in range(p.drives.size):
-        s.measured_rad_s[d] = drive_speed(p, lay, s, d, noise[cells + d])
+        speed = encoder_speed(p, lay, s, d, 1.0)
+        if noisy:
+            drive = p.drives[d]
+            speed = quantise(speed + drive.noise_rad_s * noise[cells + d], drive.lsb_rad_s)
+        s.measured_rad_s[d] = speed
 
 
 @compiled

@@ -4,27 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array, LineArrays, LineState, copy_state
-from sim_plant.line.build import Timing, build_arrays, cell_sensors, start_state, timing_of
+from sim_plant.line.build import Timing, build_arrays, start_state, timing_of
+from sim_plant.line.channels import channel_value, channels_of, column_values
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.kernel import Work, advance_frame, log_frame, measure, run_frames
 from sim_plant.line.layout import Layout
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Channel:
-    """How one recorded channel is read from a log row."""
-
-    name: str
-    column: int  # measured value in the log row
-    true_column: int
-    scale: float
-    lsb: float  # applied here for angles and radii; forces and speeds are quantised in the kernel
 
 
 def make_work(p: LineArrays, lay: Layout, state: LineState) -> Work:
@@ -122,11 +111,14 @@ class LineSimulation:
     def settle(self, duration_s: float = 40.0) -> None:
         """Bring the line to its steady state at the present references, then rewind its rolls.
 
-        Runs without noise; angles, radii, time and counters are put back afterwards.
+        Runs without noise and before any splice; angles, radii, time and counters are put back
+        afterwards.
         """
         lay, start = self.layout, copy_state(self.state)
         rng, self._rng = self._rng, None
         p = self.arrays
+        splice = p.web.copy()
+        p.web["splice_EA_ratio"] = p.web["splice_thickness_ratio"] = 1.0
         frame_s = self.timing.ticks_per_frame * self.timing.drive_tick_s
         for _ in range(4):
             frames = round(duration_s / 4 / frame_s)
@@ -140,6 +132,8 @@ class LineSimulation:
         self.state.time_s[0] = 0.0
         self.state.counters[0] = 0
         self._rng = rng
+        p.web[:] = splice
+        self.channels = channels_of(self.declaration, lay, p)
         measure(p, lay, self.state, self._noise(1)[0])
         log_frame(p, lay, self.state, self.work, p.cells.size, p.drives.size, lay.n,
                   self._row)  # fmt: skip
@@ -236,57 +230,3 @@ def between_rows(reference: Array, frames_per_row: int) -> Array:
     rows = np.arange(reference.size * frames_per_row + 1) / frames_per_row
     fine = np.interp(rows, np.arange(reference.size), reference)
     return np.column_stack((fine[:-1], fine[1:]))
-
-
-def channels_of(declaration: Declaration, lay: Layout, p: LineArrays) -> list[Channel]:
-    """Return how each declared sensor is read from a log row."""
-    cells, drives, n = p.cells.size, p.drives.size, lay.n
-    speeds = 3 * cells
-    angles = speeds + 2 * drives
-    cell_of = {s.channel: c for c, s in enumerate(cell_sensors(declaration))}
-    found = []
-    for sensor in declaration.sensors:
-        body = declaration.body(sensor.roller)
-        if sensor.channel in cell_of:
-            c = cell_of[sensor.channel]
-            entry = (c, cells + c, 1.0, 0.0)
-        elif sensor.lsb_m is not None:
-            at = angles + n + (0 if body == 0 else 1)
-            entry = (at, at, 1.0, sensor.lsb_m)
-        elif sensor.lsb_rad is not None:
-            entry = (angles + body, angles + body, 1.0, sensor.lsb_rad)
-        else:
-            where = np.flatnonzero(p.drives["body"] == body)
-            if where.size == 0:
-                raise PlantError(f"sensors.{sensor.channel}: {sensor.roller} has no drive")
-            d = int(where[0])
-            entry = (speeds + d, speeds + drives + d, sensor.scale_radius_m or 1.0, 0.0)
-        found.append(
-            Channel(
-                name=sensor.channel, column=entry[0], true_column=entry[1],
-                scale=entry[2], lsb=entry[3],
-            )
-        )  # fmt: skip
-    return found
-
-
-def column_values(
-    channel: Channel, rows: Array, theta0: Array, exact: bool
-) -> tuple[Array, Array]:
-    """Return measured and true values of one channel for log rows (samples, columns)."""
-    measured = rows[:, channel.true_column if exact else channel.column] * channel.scale
-    true = rows[:, channel.true_column] * channel.scale
-    if channel.name.endswith("_angle_rad"):
-        spans = theta0.size - 1
-        start = rows.shape[1] - spans - 2 - theta0.size
-        zero = theta0[channel.column - start]
-        measured, true = measured - zero, true - zero
-    if channel.lsb > 0.0 and not exact:
-        measured = channel.lsb * np.floor(measured / channel.lsb + 0.5)
-    return measured, true
-
-
-def channel_value(channel: Channel, row: Array, theta0: Array, exact: bool) -> tuple[float, float]:
-    """Return measured and true value of one channel for one log row."""
-    measured, true = column_values(channel, row[None, :], theta0, exact)
-    return float(measured[0]), float(true[0])

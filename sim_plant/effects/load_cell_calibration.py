@@ -1,0 +1,34 @@
+"""A load cell with a wrong scale or zero."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from sim_plant.base.arrays import LineArrays
+from sim_plant.base.effects import Effect, Parameter, Value
+
+
+def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
+    """Read gain T + offset at cell ``place``, on top of what it reads already."""
+    cell = arrays.cells[place]
+    gain = float(parameters["gain"])
+    cell["gain"] *= gain
+    cell["offset_N"] = gain * float(cell["offset_N"]) + float(parameters["offset_N"])
+    return arrays
+
+
+EFFECT = Effect(
+    name="load_cell_calibration",
+    place="cell",
+    candidates="cell",
+    accepts={
+        "gain": Parameter(default=1.0, unit="1", typical=1.05, low=0.1, high=10.0, linear=True),
+        "offset_N": Parameter(
+            default=0.0, unit="N", typical=2.0, low=-1000.0, high=1000.0, linear=True
+        ),
+    },
+    traced=("gain", "offset_N"),
+    apply=apply,
+    text="a load cell reads a wrong scale or zero: the loop holds the reading, not the tension",
+    sensor_only=True,
+)

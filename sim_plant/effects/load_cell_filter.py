@@ -1,0 +1,40 @@
+"""A load-cell amplifier slower than declared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from sim_plant.base.arrays import LineArrays
+from sim_plant.base.effects import Effect, Parameter, Value
+
+SHORTEST_TIME_S = 5e-4  # the integration step follows nothing faster
+
+
+def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
+    """Set the corner of cell ``place``, or add ``lag_s`` to its time constant.
+
+    First order: d out/dt = (in - out) / tau, tau = 1 / (2 pi corner) + lag.
+    """
+    cell = arrays.cells[place]
+    if float(parameters["corner_Hz"]) != 0.0:
+        cell["corner_Hz"] = float(parameters["corner_Hz"])
+    lag_s = float(parameters["lag_s"])
+    if lag_s != 0.0:
+        time_s = 1.0 / (2.0 * math.pi * float(cell["corner_Hz"])) + lag_s
+        cell["corner_Hz"] = 1.0 / (2.0 * math.pi * max(time_s, SHORTEST_TIME_S))
+    return arrays
+
+
+EFFECT = Effect(
+    name="load_cell_filter",
+    place="cell",
+    candidates="cell",
+    accepts={
+        "corner_Hz": Parameter(default=0.0, unit="Hz", typical=3.0, low=0.0, high=200.0),
+        "lag_s": Parameter(default=0.0, unit="s", typical=0.02, low=-0.1, high=10.0, linear=True),
+    },
+    traced=("lag_s",),
+    apply=apply,
+    text="a load-cell amplifier filters more than declared: readings and loop lag",
+)

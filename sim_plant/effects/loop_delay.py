@@ -1,0 +1,37 @@
+"""A correction that reaches its drive late."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import DELAY_RING_TICKS, LineArrays
+from sim_plant.base.effects import Effect, Parameter, Value
+
+
+def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
+    """Delay every correction (tension loop and AFF) to drive ``place`` by whole drive ticks.
+
+    Phase -2 pi f delay, magnitude unchanged.
+    """
+    ticks = round(float(parameters["delay_s"]) / float(arrays.timing["drive_tick_s"][0]))
+    total = int(arrays.drives["delay_ticks"][place]) + ticks
+    if not 0 <= total < DELAY_RING_TICKS:
+        raise PlantError(
+            f"loop_delay.delay_s: {total} drive ticks; expected 0 to {DELAY_RING_TICKS - 1}"
+        )
+    arrays.drives["delay_ticks"][place] = total
+    return arrays
+
+
+EFFECT = Effect(
+    name="loop_delay",
+    place="drive",
+    candidates="trimmed_drive",
+    accepts={
+        "delay_s": Parameter(default=0.0, unit="s", typical=0.03, low=0.0, high=0.5, linear=True),
+    },
+    traced=("delay_s",),
+    apply=apply,
+    text="corrections reach their drive late: the tension loop rings more",
+)

@@ -1,0 +1,31 @@
+"""A drive that believes a wrong radius or gear ratio."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from sim_plant.base.arrays import LineArrays
+from sim_plant.base.effects import Effect, Parameter, Value
+
+
+def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
+    """Let drive ``place`` divide its speed reference by ``ratio`` times the true radius.
+
+    w_ref = v_ref / (ratio R)   [own]: the roller runs slow by 1 / ratio and, at a roll, the
+    inertia feed is computed for that radius.
+    """
+    arrays.drives["radius_ratio"][place] *= float(parameters["ratio"])
+    return arrays
+
+
+EFFECT = Effect(
+    name="radius_error",
+    place="drive",
+    candidates="drive",
+    accepts={
+        "ratio": Parameter(default=1.0, unit="1", typical=1.002, low=0.5, high=2.0, linear=True),
+    },
+    traced=("ratio",),
+    apply=apply,
+    text="a drive believes a wrong radius or gear ratio: its roller runs fast or slow",
+)

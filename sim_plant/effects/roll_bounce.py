@@ -1,0 +1,86 @@
+"""An unwind roll that bounces on a soft mandrel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import UNWIND, LineArrays
+from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
+from sim_plant.effects.phasor import component, phasor
+
+FIRST = Quadrature(cos="cos1_N", sin="sin1_N")
+OTHER = Quadrature(cos="cosn_N", sin="sinn_N")
+
+
+def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
+    """Let the unwind swing along its span: mass, frequency, and forces of order 1 and n.
+
+    m x'' = T + F(theta) - m w^2 x - 2 zeta m w x'; x' feeds the first span   [own]. Without mass
+    the mandrel is rigid.
+    """
+    if int(arrays.bodies["kind"][place]) != UNWIND:
+        raise PlantError("roll_bounce.location: only the unwind is modelled on a soft mandrel")
+    mass_kg = float(parameters["mass_kg"])
+    if mass_kg == 0.0:
+        return arrays
+    web = arrays.web[0]
+    web["bounce_mass_kg"], web["bounce_Hz"] = mass_kg, float(parameters["frequency_Hz"])
+    web["bounce_damping"], web["bounce_order"] = (
+        float(parameters["damping"]),
+        float(parameters["order"]),
+    )
+    first, other = phasor(parameters, FIRST), phasor(parameters, OTHER)
+    web["bounce_cos1_N"], web["bounce_sin1_N"] = first.real, first.imag
+    web["bounce_cosn_N"], web["bounce_sinn_N"] = other.real, other.imag
+    return arrays
+
+
+EFFECT = Effect(
+    name="roll_bounce",
+    place="body",
+    candidates="unwind",
+    accepts={
+        "mass_kg": Parameter(
+            default=0.0,
+            unit="kg",
+            typical=20.0,
+            low=0.0,
+            high=10000.0,
+            role="option",
+            tries=(20.0,),
+        ),
+        "frequency_Hz": Parameter(
+            default=3.4,
+            unit="Hz",
+            typical=3.4,
+            low=0.2,
+            high=50.0,
+            role="shape",
+            tries=(2.0, 2.6, 3.4, 4.4, 5.7, 7.4),
+        ),
+        "damping": Parameter(
+            default=0.05, unit="1", typical=0.05, low=0.001, high=1.0, role="shape"
+        ),
+        "order": Parameter(
+            default=4.0,
+            unit="1",
+            typical=4.0,
+            low=1.0,
+            high=20.0,
+            role="option",
+            tries=(2.0, 3.0, 4.0, 5.0, 6.0),
+        ),
+        "cos1_N": component("N", 2.0, 1000.0),
+        "sin1_N": component("N", 2.0, 1000.0),
+        "cosn_N": component("N", 2.0, 1000.0),
+        "sinn_N": component("N", 2.0, 1000.0),
+    },
+    traced=("cos1_N", "sin1_N", "cosn_N", "sinn_N", "frequency_Hz", "damping"),
+    quadratures=(
+        FIRST,
+        OTHER,
+    ),
+    apply=apply,
+    text="the roll bounces on its mandrel: a fixed frequency that an order of the roll excites",
+)

@@ -1,0 +1,67 @@
+"""A drive shaft that twists, or a gear with play."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from sim_plant.base.arrays import UNWIND, LineArrays
+from sim_plant.base.effects import Effect, Parameter, Value
+
+
+def total_inertia_kg_m2(arrays: LineArrays, body: int) -> float:
+    """Return the inertia of a body at the start, wound web included   [source 2.3, 2.4]."""
+    record = arrays.bodies[body]
+    fixed = float(record["inertia_kg_m2"])
+    if int(record["kind"]) < UNWIND:
+        return fixed
+    web = arrays.web[0]
+    ring = 0.5 * math.pi * float(web["density_kg_m3"]) * float(web["width_m"])
+    return fixed + ring * float(record["radius_m"] ** 4 - web["core_radius_m"] ** 4)
+
+
+def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
+    """Put a spring with play between motor and body of drive ``place``.
+
+    tau = K (twist -+ b/2) + D d twist/dt outside the play   [own; two-mass model]. K is at most
+    what the integration step resolves (w dt = 0.5), so a pure play has a stiff shaft behind it.
+    """
+    compliance, play = float(parameters["compliance_rad_N_m"]), float(parameters["backlash_rad"])
+    if compliance == 0.0 and play == 0.0:
+        return arrays
+    drive = arrays.drives[place]
+    share = float(parameters["motor_share"])
+    inertia = total_inertia_kg_m2(arrays, int(drive["body"]))
+    reduced = share * (1.0 - share) * inertia
+    step_s = float(arrays.timing["drive_tick_s"][0]) / float(arrays.timing["substeps"][0])
+    stiffest = reduced * (0.5 / step_s) ** 2
+    stiffness = stiffest if compliance == 0.0 else min(1.0 / compliance, stiffest)
+    drive["motor_share"] = share * inertia / float(arrays.bodies["inertia_kg_m2"][drive["body"]])
+    drive["shaft_stiffness_N_m"] = stiffness
+    drive["shaft_damping_N_m_s"] = (
+        2.0 * float(parameters["damping"]) * math.sqrt(stiffness * reduced)
+    )
+    drive["shaft_backlash_rad"] = play
+    return arrays
+
+
+EFFECT = Effect(
+    name="shaft_compliance_backlash",
+    place="drive",
+    candidates="drive",
+    accepts={
+        "compliance_rad_N_m": Parameter(
+            default=0.0, unit="rad/(N m)", typical=1e-3, low=0.0, high=0.1
+        ),
+        "backlash_rad": Parameter(default=0.0, unit="rad", typical=0.002, low=0.0, high=0.1),
+        "damping": Parameter(
+            default=0.05, unit="1", typical=0.05, low=0.0, high=1.0, role="shape"
+        ),
+        "motor_share": Parameter(
+            default=0.5, unit="1", typical=0.5, low=0.05, high=0.95, role="shape"
+        ),
+    },
+    traced=("compliance_rad_N_m", "backlash_rad"),
+    apply=apply,
+    text="a drive shaft twists or has play: the motor runs ahead of its roller",
+)

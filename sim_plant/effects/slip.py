@@ -1,0 +1,46 @@
+"""A driven roller on which the web slips once it runs fast enough."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from sim_plant.base.arrays import LineArrays
+from sim_plant.base.effects import Effect, Parameter, Value
+
+
+def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
+    """Let the web follow only the share 1 - slope (v - threshold) of roller ``place``'s speed.
+
+    [own; linear loss above the speed at which the air film carries]. A negative slope is web
+    pulled ahead. Both spans at the roller see the web's speed.
+    """
+    slope = float(parameters["slope_s_m"])
+    if slope != 0.0:
+        body = arrays.bodies[place]
+        body["slip_s_m"] = slope
+        body["slip_speed_m_s"] = float(parameters["threshold_m_s"])
+    return arrays
+
+
+EFFECT = Effect(
+    name="slip",
+    place="body",
+    candidates="driven",
+    accepts={
+        "slope_s_m": Parameter(
+            default=0.0, unit="s/m", typical=0.002, low=-0.5, high=0.5, linear=True
+        ),
+        "threshold_m_s": Parameter(
+            default=1.0,
+            unit="m/s",
+            typical=1.0,
+            low=0.0,
+            high=50.0,
+            role="shape",
+            tries=(0.0, 0.5, 0.8, 1.0, 1.2, 1.4),
+        ),
+    },
+    traced=("slope_s_m", "threshold_m_s"),
+    apply=apply,
+    text="the web slips on a driven roller above a speed: the tension it holds drops",
+)

@@ -1,0 +1,45 @@
+"""A splice after which the web is another one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from sim_plant.base.arrays import LineArrays
+from sim_plant.base.effects import Effect, Parameter, Value
+
+
+def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
+    """Change EA and thickness for all web beyond ``at_length_m`` of unstretched web unwound.
+
+    A span with both webs is two springs in series at one tension; what leaves it has the strain
+    of the web at its exit [own, from source 2.20]. The splice passes spans and wraps with the
+    web. The new web was wound at the same tension. The length counts from the start of the
+    record: speed times time, to strain.
+    """
+    web = arrays.web
+    web["splice_EA_ratio"] *= float(parameters["EA_factor"])
+    web["splice_thickness_ratio"] *= float(parameters["thickness_factor"])
+    if float(parameters["EA_factor"]) != 1.0 or float(parameters["thickness_factor"]) != 1.0:
+        web["splice_m"] = float(parameters["at_length_m"])
+    return arrays
+
+
+EFFECT = Effect(
+    name="splice",
+    place="web",
+    candidates="web",
+    accepts={
+        "EA_factor": Parameter(
+            default=1.0, unit="1", typical=0.9, low=0.1, high=10.0, linear=True
+        ),
+        "thickness_factor": Parameter(
+            default=1.0, unit="1", typical=1.1, low=0.1, high=10.0, linear=True
+        ),
+        "at_length_m": Parameter(
+            default=0.0, unit="m", typical=30.0, low=0.0, high=100000.0, role="shape"
+        ),
+    },
+    traced=("EA_factor", "thickness_factor", "at_length_m"),
+    apply=apply,
+    text="from a splice on the web is another one: tensions change zone by zone as it passes",
+)

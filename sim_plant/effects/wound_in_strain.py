@@ -1,0 +1,32 @@
+"""A roll wound tighter or looser than declared."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from sim_plant.base.arrays import LineArrays
+from sim_plant.base.effects import Effect, Parameter, Value
+
+
+def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
+    """Add ``strain`` to the strain at which web leaves the unwind   [eps_0 of source 2.20].
+
+    The roll then turns by d eps / (1 + eps) faster or slower at the same line speed.
+    """
+    arrays.web["wound_in_strain"] += float(parameters["strain"])
+    return arrays
+
+
+EFFECT = Effect(
+    name="wound_in_strain",
+    place="web",
+    candidates="web",
+    accepts={
+        "strain": Parameter(
+            default=0.0, unit="1", typical=0.001, low=-0.05, high=0.05, linear=True
+        ),
+    },
+    traced=("strain",),
+    apply=apply,
+    text="the roll was wound tighter or looser: it turns at another speed for the same web",
+)

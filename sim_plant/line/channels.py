@@ -1,0 +1,104 @@
+"""From log rows of the kernel to the channels of a declaration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import Array, LineArrays
+from sim_plant.line.build import cell_sensors
+from sim_plant.line.declaration import Declaration
+from sim_plant.line.layout import Layout
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Channel:
+    """How one recorded channel is read from a log row."""
+
+    name: str
+    column: int  # measured value in the log row
+    true_column: int
+    exact_column: int  # measured value of a noise-free run
+    scale: float = 1.0
+    lsb: float = 0.0  # applied here for angles, radii; the kernel quantises forces and speeds
+    theta_body: int = -1  # the body whose angle this is, or -1
+    eccentricity: float = 0.0  # of the encoder: the angle reads theta + e sin(theta + a)
+    eccentricity_angle_rad: float = 0.0
+
+
+def channels_of(declaration: Declaration, lay: Layout, p: LineArrays) -> list[Channel]:
+    """Return how each declared sensor is read from a log row.
+
+    Raises
+    ------
+    PlantError
+        When a speed is declared for a roller without a drive.
+    """
+    cells, drives, n = p.cells.size, p.drives.size, lay.n
+    speeds = 3 * cells
+    angles = speeds + 2 * drives
+    cell_of = {s.channel: c for c, s in enumerate(cell_sensors(declaration))}
+    found = []
+    for sensor in declaration.sensors:
+        name, body = sensor.channel, declaration.body(sensor.roller)
+        where = np.flatnonzero(p.drives["body"] == body)
+        if name in cell_of:
+            c = cell_of[name]
+            found.append(
+                Channel(name=name, column=c, true_column=cells + c, exact_column=cells + c)
+            )
+        elif sensor.lsb_m is not None:
+            at = angles + n + (0 if body == 0 else 1)
+            found.append(
+                Channel(name=name, column=at, true_column=at, exact_column=at, lsb=sensor.lsb_m)
+            )
+        elif sensor.lsb_rad is not None:
+            found.append(_angle(name, angles, body, sensor.lsb_rad, p.drives[where]))
+        elif where.size == 0:
+            raise PlantError(f"sensors.{name}: {sensor.roller} has no drive")
+        else:
+            at = speeds + int(where[0])
+            found.append(
+                Channel(
+                    name=name, column=at, true_column=at + drives, exact_column=at,
+                    scale=sensor.scale_radius_m or 1.0,
+                )
+            )  # fmt: skip
+    return found
+
+
+def _angle(name: str, angles: int, body: int, lsb_rad: float, drives: Array) -> Channel:
+    at = angles + body
+    eccentric = drives[0] if drives.size else None
+    return Channel(
+        name=name, column=at, true_column=at, exact_column=at, lsb=lsb_rad, theta_body=body,
+        eccentricity=0.0 if eccentric is None else float(eccentric["encoder_eccentricity"]),
+        eccentricity_angle_rad=0.0 if eccentric is None else float(eccentric["encoder_angle_rad"]),
+    )  # fmt: skip
+
+
+def column_values(
+    channel: Channel, rows: Array, theta0: Array, exact: bool
+) -> tuple[Array, Array]:
+    """Return measured and true values of one channel for log rows (samples, columns)."""
+    measured = rows[:, channel.exact_column if exact else channel.column] * channel.scale
+    true = rows[:, channel.true_column] * channel.scale
+    if channel.theta_body >= 0:
+        zero = float(theta0[channel.theta_body])
+        measured = measured - zero
+        if channel.eccentricity != 0.0:
+            turn = true + channel.eccentricity_angle_rad
+            start = zero + channel.eccentricity_angle_rad
+            measured = measured + channel.eccentricity * (np.sin(turn) - np.sin(start))
+        true = true - zero
+    if channel.lsb > 0.0 and not exact:
+        measured = channel.lsb * np.floor(measured / channel.lsb + 0.5)
+    return measured, true
+
+
+def channel_value(channel: Channel, row: Array, theta0: Array, exact: bool) -> tuple[float, float]:
+    """Return measured and true value of one channel for one log row."""
+    measured, true = column_values(channel, row[None, :], theta0, exact)
+    return float(measured[0]), float(true[0])
