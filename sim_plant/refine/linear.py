@@ -18,8 +18,8 @@ class Gain:
     ----------
     drop : fall of the cost, chi-square with q degrees of freedom when the effect is absent.
     values : best parameters (q,), in units of the sensitivity columns.
-    covariance : of the values (q, q).
-    seen : share of the candidate's signal that tolerances cannot imitate, 0..1.
+    covariance : of the values (q, q), tolerances of declared numbers included.
+    seen : share of the weakest column that nothing else can imitate, 0..1.
     """
 
     drop: float
@@ -29,19 +29,18 @@ class Gain:
 
 
 class Projector:
-    """Cost min over nuisances of |r - A x|^2 + x' L x, and what further columns save on it.
+    """Cost min over x of |r - A x|^2, and what further columns save on it.
 
-    ``A`` (samples, n) whitened nuisance columns, ``precision`` (n,) of their priors (0: free).
+    Priors are rows: ``A`` (rows, n) ends in one row per nuisance with a tolerance, see
+    ``Problem``. Rows of candidate columns are zero there.
     """
 
-    def __init__(self, nuisances: Array, precision: Array) -> None:
+    def __init__(self, nuisances: Array) -> None:
         self.nuisances = nuisances
-        self.precision = precision
-        scale = np.sqrt(np.einsum("ij,ij->j", nuisances, nuisances) + precision)
+        scale = np.sqrt(np.einsum("ij,ij->j", nuisances, nuisances))
         self._scale = np.where(scale > 0.0, scale, 1.0)
         self._unit = nuisances / self._scale
-        normal = self._unit.T @ self._unit + np.diag(precision / self._scale**2)
-        normal += 1e-10 * np.eye(normal.shape[0])
+        normal = self._unit.T @ self._unit + 1e-10 * np.eye(nuisances.shape[1])
         self._factor = cho_factor(normal)
 
     def estimate(self, residual: Array) -> Array:
@@ -50,7 +49,7 @@ class Projector:
         return found
 
     def project(self, columns: Array) -> Array:
-        """Return what tolerances cannot explain of columns (samples,) or (samples, q)."""
+        """Return what nuisances cannot explain of columns (rows,) or (rows, q)."""
         cut: Array = columns - self._unit @ cho_solve(self._factor, self._unit.T @ columns)
         return cut
 
@@ -59,24 +58,18 @@ class Projector:
         return float(residual @ self.project(residual))
 
     def gain(self, residual: Array, columns: Array) -> Gain:
-        """Return what ``columns`` (samples, q) with free size save on the cost."""
+        """Return what ``columns`` (rows, q) of free size save on the cost."""
         cut = self.project(columns)
-        inner = columns.T @ cut
-        size = np.sqrt(np.maximum(np.diag(columns.T @ columns), 1e-300))
-        scaled = inner / np.outer(size, size)
+        size = np.sqrt(np.maximum(np.einsum("ij,ij->j", columns, columns), 1e-300))
+        scaled = (columns.T @ cut) / np.outer(size, size)
         solve = np.linalg.pinv(scaled, rcond=1e-9, hermitian=True)
         against = (cut.T @ residual) / size
         values = solve @ against
         return Gain(
-            drop=float(against @ values),
-            values=values / size,
-            covariance=solve / np.outer(size, size),
-            seen=float(np.min(np.diag(scaled))),
-        )
+            drop=float(against @ values), values=values / size,
+            covariance=solve / np.outer(size, size), seen=float(np.min(np.diag(scaled))),
+        )  # fmt: skip
 
-    def without(self, indices: list[int]) -> Projector:
-        """Return the projector with some nuisances taken out (an effect replaces them)."""
-        if not indices:
-            return self
-        keep = np.setdiff1d(np.arange(self.precision.size), indices)
-        return Projector(self.nuisances[:, keep], self.precision[keep])
+    def beside(self, columns: Array) -> Projector:
+        """Return the projector with further free columns (rows, q)."""
+        return Projector(np.column_stack([self.nuisances, columns]))

@@ -16,12 +16,12 @@ DEFAULT_TOLERANCE = {
     "web.kelvin_voigt_eta_s": 0.3,
     "web.density_kg_m3": 0.02,
     "web.thickness_m": 0.01,
-    "web.wound_in_tension_N": 0.05,
+    "web.wound_in_tension_N": 0.02,
     "idlers.inertia_kg_m2": 0.03,
     "friction": 0.1,
     "inertia": 0.02,
     "radius": 5e-5,
-    "effective_radius": 2e-3,  # a roll's perimeter / 2 pi against its declared radius
+    "effective_radius": 2e-4,  # felt by the web; drive and radius sensor do not follow
     "draw": 2e-5,
     "gain": 0.003,
     "offset": 0.3,

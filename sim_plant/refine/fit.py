@@ -1,0 +1,150 @@
+"""Fit the numbers of effects by Gauss-Newton with a trust region, tolerances re-estimated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import Array
+from sim_plant.refine.hypotheses import Hypothesis
+from sim_plant.refine.problem import Problem
+from sim_plant.refine.twin import Added, Case
+
+STRONG = 30.0
+"""A nuisance whose shift moves the residual by more than this (norm) is simulated, not linear."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Fit:
+    """Effects with fitted numbers.
+
+    Attributes
+    ----------
+    hypotheses, values : effects and their numbers, in order.
+    shifts : declared numbers moved with them.
+    cost : least cost.
+    residual : projected residual vector.
+    covariance : of all values in a row.
+    """
+
+    hypotheses: tuple[Hypothesis, ...]
+    values: tuple[tuple[float, ...], ...]
+    shifts: dict[str, float]
+    cost: float
+    residual: Array
+    covariance: Array
+
+    @property
+    def case(self) -> Case:
+        """The simulation of this fit."""
+        return case_of(self.hypotheses, self.values, self.shifts)
+
+    @property
+    def effects(self) -> tuple[Added, ...]:
+        """The fitted effects."""
+        return self.case.effects
+
+
+def case_of(
+    hypotheses: Sequence[Hypothesis], values: Sequence[Sequence[float]], shifts: dict[str, float]
+) -> Case:
+    """Return the coarse simulation of these effects and shifts."""
+    effects = tuple(h.added(v) for h, v in zip(hypotheses, values, strict=True))
+    return Case(effects=effects, shifts=tuple(sorted(shifts.items())))
+
+
+def empty_fit(problem: Problem) -> Fit:
+    """Return the declared line itself, its strong nuisances re-estimated."""
+    return refine_fit(problem, (), (), {}, rounds=3)
+
+
+def _jacobian(
+    problem: Problem, hypotheses: Sequence[Hypothesis], values: Sequence[tuple[float, ...]],
+    shifts: dict[str, float], base: Sequence[Array],
+) -> Array:  # fmt: skip
+    cases, steps = [], []
+    for at, (h, v) in enumerate(zip(hypotheses, values, strict=True)):
+        for k, step in enumerate(h.steps(v)):
+            moved = [tuple(x) for x in values]
+            moved[at] = tuple(x + step * (j == k) for j, x in enumerate(v))
+            cases.append(case_of(hypotheses, moved, shifts))
+            steps.append(step)
+    runs = problem.bench.run(cases)
+    columns = [problem.column(r, base, s) for r, s in zip(runs, steps, strict=True)]
+    return np.stack(columns, axis=1) if columns else np.zeros((problem.projector.nuisances.shape[0], 0))
+
+
+def _moved_shifts(problem: Problem, shifts: dict[str, float], change: Array) -> dict[str, float]:
+    found = dict(shifts)
+    norms = np.linalg.norm(problem.projector.nuisances[: problem.rows], axis=0)
+    for row, delta, norm in zip(problem.nuisances, change, norms, strict=False):
+        if abs(delta) * norm > STRONG:
+            found[row.name] = found.get(row.name, 0.0) + float(delta)
+    return found
+
+
+def refine_fit(
+    problem: Problem, hypotheses: Sequence[Hypothesis], start: Sequence[Sequence[float]],
+    shifts: dict[str, float], rounds: int = 6,
+) -> Fit:  # fmt: skip
+    """Return the best fit near ``start``: linearise, step, halve the step when the cost rises.
+
+    Raises
+    ------
+    PlantError
+        When the start itself cannot be simulated.
+    """
+    hypotheses = tuple(hypotheses)
+    values = [tuple(float(x) for x in v) for v in start]
+    shifts = dict(shifts)
+    run = problem.bench.one(case_of(hypotheses, values, shifts))
+    residual = problem.residual(run, shifts)
+    cost = problem.projector.cost(residual)
+    covariance = np.zeros((0, 0))
+    for _ in range(rounds):
+        columns = _jacobian(problem, hypotheses, values, shifts, run)
+        full = problem.projector.beside(columns)
+        step = full.estimate(residual)
+        split = problem.projector.nuisances.shape[1]
+        covariance = problem.projector.gain(residual, columns).covariance if columns.size else covariance
+        found = _search(problem, hypotheses, values, shifts, step[:split], step[split:], cost)
+        if found is None:
+            break
+        values, shifts, run, residual, new_cost = found
+        gained, cost = cost - new_cost, new_cost
+        if gained < max(1.0, 1e-4 * cost):
+            break
+    return Fit(
+        hypotheses=hypotheses, values=tuple(values), shifts=shifts, cost=cost,
+        residual=problem.projector.project(residual), covariance=covariance,
+    )  # fmt: skip
+
+
+_Found = tuple[list[tuple[float, ...]], dict[str, float], list[Array], Array, float]
+
+
+def _search(
+    problem: Problem, hypotheses: Sequence[Hypothesis], values: Sequence[tuple[float, ...]],
+    shifts: dict[str, float], nuisance_step: Array, step: Array, cost: float,
+) -> _Found | None:  # fmt: skip
+    for share in (1.0, 0.4, 0.15, 0.05):
+        at, moved = 0, []
+        for h, v in zip(hypotheses, values, strict=True):
+            raw = np.array(v) + share * step[at : at + len(v)]
+            moved.append(tuple(float(x) for x in np.clip(raw, h.low, h.high)))
+            at += len(v)
+        trial = _moved_shifts(problem, shifts, share * nuisance_step)
+        if moved == list(values) and trial == shifts:
+            return None
+        try:
+            run = problem.bench.one(case_of(hypotheses, moved, trial))
+        except PlantError:
+            continue
+        residual = problem.residual(run, trial)
+        new_cost = problem.projector.cost(residual)
+        if new_cost < cost:
+            return moved, trial, run, residual, new_cost
+    return None
