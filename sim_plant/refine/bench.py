@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from types import TracebackType
 
+import numpy as np
+
+from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.refine.twin import Case, Twin
 
@@ -18,7 +21,15 @@ def _adopt(twins: Sequence[Twin]) -> None:
 
 
 def _work(job: tuple[int, Case]) -> Array:
-    return _twins[job[0]].simulate(job[1])
+    return attempt(_twins[job[0]], job[1])
+
+
+def attempt(twin: Twin, case: Case) -> Array:
+    """Return the channels of a case, all NaN when these numbers make no line that runs."""
+    try:
+        return twin.simulate(case)
+    except PlantError:
+        return np.full((len(twin.channels), twin.speed_m_s.size), np.nan)
 
 
 class Bench:
@@ -50,21 +61,17 @@ class Bench:
     def run(self, cases: Sequence[Case], keep: bool = True) -> list[list[Array]]:
         """Return, per case, one (channels, samples) array per twin."""
         jobs = [(t, case) for case in cases for t in range(len(self.twins))]
-        fresh = [job for job in dict.fromkeys(map(_key, jobs)) if job not in self._known]
+        fresh = [job for job in dict.fromkeys(jobs) if job not in self._known]
         self.simulations += len(fresh)
         if self._pool is not None:
             done = list(self._pool.map(_work, fresh, chunksize=2))
         else:
-            done = [self.twins[t].simulate(case) for t, case in fresh]
+            done = [attempt(self.twins[t], case) for t, case in fresh]
         found = {**self._known, **dict(zip(fresh, done, strict=True))}
         if keep:
             self._known = found
-        return [[found[_key((t, case))] for t in range(len(self.twins))] for case in cases]
+        return [[found[t, case] for t in range(len(self.twins))] for case in cases]
 
     def one(self, case: Case) -> list[Array]:
         """Return one case, per twin."""
         return self.run([case])[0]
-
-
-def _key(job: tuple[int, Case]) -> tuple[int, Case]:
-    return job

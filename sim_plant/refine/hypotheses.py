@@ -84,10 +84,25 @@ class Hypothesis:
         ]
 
 
+FEWER_TRIES: dict[str, tuple[Value, ...]] = {
+    "load_cell_resonance": (6.0, 13.0, 30.0), "rate_limit": (0.05, 0.2),
+    "slip": (0.0, 0.8, 1.2), "viscoelastic_web": (0.3, 3.0),
+}  # fmt: skip
+BOUNCE_TRIES_HZ: tuple[Value, ...] = (2.6, 4.4)
+SCREENED = {"bearing_drag": ("constant_N_m",), "shaft_compliance_backlash": ("compliance_rad_N_m",)}
+"""A first look takes these alone."""
+
+
+def _tries(effect: Effect, name: str) -> tuple[Value, ...]:
+    if effect.name == "roll_bounce" and name == "frequency_Hz":
+        return BOUNCE_TRIES_HZ
+    return FEWER_TRIES.get(effect.name, effect.accepts[name].tries)
+
+
 def variants(effect: Effect) -> list[tuple[tuple[str, Value], ...]]:
     """Return every combination of the values worth a candidate each."""
     tried = [
-        [(name, value) for value in p.tries]
+        [(name, value) for value in _tries(effect, name)]
         for name, p in effect.accepts.items()
         if p.tries and (name in effect.traced or p.role == "option") and effect.name
         != "out_of_round_roll"
@@ -119,7 +134,7 @@ def hypothesis(
 def library(line: Declaration, without: Collection[str] = ()) -> list[Hypothesis]:
     """Return every hypothesis of the library on this line, effects in ``without`` left out."""
     return [
-        hypothesis(effect, location, choice)
+        hypothesis(effect, location, choice, SCREENED.get(effect.name))
         for effect in CATALOGUE
         if effect.name not in without
         for location in candidate_locations(line, effect)

@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 from sim_plant.base.arrays import Array
 
 AR_ORDER = 24
+CLEARLY_NOISIER = 1.06
 SETTLING_S = 20.0
 """Judged from here on: the start state of a record is unknown (pull-roll zone: about 10 s)."""
 
@@ -103,4 +104,5 @@ def measured_scale(whitened: Array) -> Array:
     """
     power = np.abs(np.fft.rfft(whitened, axis=1)) ** 2 / whitened.shape[1]
     upper = power[:, power.shape[1] // 2 :]
-    return np.maximum(1.0, np.sqrt(np.median(upper, axis=1) / np.log(2.0)))
+    scale = np.sqrt(np.median(upper, axis=1) / np.log(2.0))
+    return np.where(scale > CLEARLY_NOISIER, scale, 1.0)

@@ -1,0 +1,280 @@
+"""Trace a residual to effects, one after another, against generic terms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import Array
+from sim_plant.refine.coordinates import Travel, spectra, travel_of
+from sim_plant.refine.fit import Fit, empty_fit, refine_fit
+from sim_plant.refine.generic import LineSpectrum
+from sim_plant.refine.hypotheses import Hypothesis
+from sim_plant.refine.problem import Problem
+from sim_plant.refine.screen import Scored, neighbours, price, screen, thinned, worth_trying
+from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
+from sim_plant.refine.shapes import profile_starts
+
+MOST_EFFECTS = 4
+SCORE_THRESHOLD = 60.0
+LINE_THRESHOLD = 260.0
+"""Free-line drop (72 degrees of freedom, best of all bins) of healthy records stays below this."""
+COMPLETENESS = 0.8
+RUNNERS = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Step:
+    """One accepted effect, and what it was chosen against."""
+
+    hypothesis: Hypothesis
+    score: float
+    runner_up: str
+    margin: float
+    rejected: tuple[tuple[str, str, float], ...]  # effect, location, score
+    ambiguous: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Unknown:
+    """A residual that no effect of the library explains."""
+
+    kind: str
+    coordinate: dict[str, float | str]
+    strength: float
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Trace:
+    """Everything the search found."""
+
+    nominal: Fit
+    fit: Fit
+    travels: list[Travel]
+    before: list[list[LineSpectrum]]
+    after: list[list[LineSpectrum]]
+    steps: list[Step] = field(default_factory=list)
+    unknown: list[Unknown] = field(default_factory=list)
+    first_look: list[Scored] = field(default_factory=list)
+
+
+Say = Callable[[str], None]
+
+
+def _lines(problem: Problem, fit: Fit, travels: Sequence[Travel]) -> list[list[LineSpectrum]]:
+    return [
+        spectra(travel, part)
+        for travel, part in zip(travels, problem.split(fit.residual), strict=True)
+    ]
+
+
+def strongest(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, float, float]:
+    """Return the strongest free line of all records: spectrum, coordinate, drop."""
+    best = max((s for record in found for s in record), key=lambda s: s.peak[1])
+    return best, *best.peak
+
+
+def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
+    """Return effects that explain the records, and what remains unexplained."""
+    nominal = empty_fit(problem)
+    travels = [
+        travel_of(twin, measured, nominal.case, noise.first)
+        for twin, measured, noise in zip(
+            problem.bench.twins, problem.measured, problem.noise, strict=True
+        )
+    ]
+    before = _lines(problem, nominal, travels)
+    found = Trace(nominal=nominal, fit=nominal, travels=travels, before=before, after=before)
+    for _ in range(MOST_EFFECTS):
+        accepted = _search(problem, found, library, say)
+        if accepted is None:
+            break
+        step, found.fit = accepted
+        found.steps.append(step)
+        found.after = _lines(problem, found.fit, travels)
+        if _at_floor(problem, found):
+            break
+    found.unknown = unknowns(problem, found)
+    return found
+
+
+def _search(
+    problem: Problem, found: Trace, library: Sequence[Hypothesis], say: Say
+) -> tuple[Step, Fit] | None:
+    """Look among lines first when there is one, then among effects that are none."""
+    lines, others = worth_trying(library, found.travels, found.after)
+    taken = {h.key for h in found.fit.hypotheses}
+    line = problem.bench.twins[0].declaration
+    idlers = [r.name if r.kind == "idler" else "" for r in line.rollers]
+    residual = problem.residual(problem.bench.one(found.fit.case), found.fit.shifts)
+    say(f"cost {found.fit.cost:.0f}, noise alone {problem.expected_cost:.0f}")
+    for group in (lines, others):
+        group = [h for h in group if h.key not in taken]
+        if not group:
+            continue
+        say(f"  {len(group)} hypotheses")
+        ranked = screen(problem, found.fit, thinned(group, idlers), residual, found.fit)
+        more = neighbours(group, ranked, idlers)
+        if more:
+            ranked += screen(problem, found.fit, more, residual, found.fit)
+            ranked.sort(key=lambda s: -s.score)
+        found.first_look.extend(ranked if not found.steps else [])
+        accepted = _next(problem, found, ranked, say)
+        if accepted is not None:
+            return accepted
+    return None
+
+
+def _at_floor(problem: Problem, found: Trace) -> bool:
+    quiet = found.fit.cost < 1.003 * problem.expected_cost
+    return quiet and strongest(found.after)[2] < LINE_THRESHOLD
+
+
+def _shortlist(ranked: Sequence[Scored]) -> list[Scored]:
+    """Return the best few of distinct effect and place; curved ones get a second chance."""
+    best = ranked[0].score
+    kept: list[Scored] = []
+    for s in ranked:
+        curved = not all(s.hypothesis.linear)
+        share = 0.25 if curved else 0.85
+        if s.score < max(0.5 * SCORE_THRESHOLD, share * best):
+            continue
+        same = [k for k in kept if k.hypothesis.key == s.hypothesis.key]
+        effect = [k for k in kept if k.hypothesis.effect.name == s.hypothesis.effect.name]
+        if same or len(effect) >= 3:
+            continue
+        kept.append(s)
+    return kept[: RUNNERS + 2]
+
+
+def _next(
+    problem: Problem, found: Trace, ranked: list[Scored], say: Say
+) -> tuple[Step, Fit] | None:
+    """Return the effect that explains most, fitted, or None when none may be claimed."""
+    if not ranked or ranked[0].score < 0.5 * SCORE_THRESHOLD:
+        return None
+    fits: list[tuple[float, Fit, Hypothesis]] = []
+    for s in _shortlist(ranked):
+        fit = _fit_one(problem, found.fit, s)
+        if fit is None:
+            continue
+        h = fit.hypotheses[-1]
+        score = found.fit.cost - fit.cost - price(problem, len(h.names))
+        say(f"  {h.effect.name} at {h.location}: score {score:.0f}")
+        fits.append((score, fit, h))
+    fits = sorted((row for row in fits if np.isfinite(row[0])), key=lambda row: -row[0])
+    if not fits or fits[0][0] < SCORE_THRESHOLD:
+        return None
+    score, fit, h = fits[0]
+    if not complete(problem, found, fit):
+        say(f"  {h.effect.name} at {h.location} leaves too much of its own line: not accepted")
+        return None
+    others = [(s, k) for s, _, k in fits[1:] if k.key != h.key]
+    others += [(s.score, s.hypothesis) for s in ranked
+               if s.hypothesis.key not in {k.key for _, _, k in fits}]  # fmt: skip
+    others.sort(key=lambda row: -row[0])
+    runner, second = (others[0][1], others[0][0]) if others else (None, 0.0)
+    say(f"accepted: {h.effect.name} at {h.location}, score {score:.0f}")
+    step = Step(
+        hypothesis=h, score=score, runner_up=" at ".join(runner.key) if runner else "",
+        margin=score - max(second, 0.0),
+        rejected=tuple((k.effect.name, k.location, s) for s, k in others[:12]),
+        ambiguous=tuple(k.key for s, k in others if score - s < 10.0),
+    )  # fmt: skip
+    return step, fit
+
+
+def _fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
+    starts: list[tuple[Hypothesis, tuple[float, ...]]] = [(scored.hypothesis, scored.start)]
+    h = scored.hypothesis
+    if h.effect.name == OUT_OF_ROUND:
+        starts = _profiles(problem, fit, h) + starts
+    best: Fit | None = None
+    for hyp, start in starts:
+        try:
+            new = refine_fit(
+                problem, (*fit.hypotheses, hyp), (*fit.values, start), fit.shifts,
+                rounds=4 if best is not None else 6,
+            )  # fmt: skip
+        except PlantError:
+            continue
+        if best is None or _worth(problem, new) < _worth(problem, best):
+            best = new
+    return best
+
+
+def _worth(problem: Problem, fit: Fit) -> float:
+    return fit.cost + price(problem, len(fit.hypotheses[-1].names))
+
+
+def _profiles(problem: Problem, fit: Fit, h: Hypothesis) -> list[tuple[Hypothesis, tuple[float, ...]]]:
+    case = fit.case
+    runs = problem.bench.run(
+        [case, *(replace(case, effects=(*case.effects, a)) for a in h.probes())]
+    )
+    columns = np.stack([problem.column(r, runs[0], 1.0) for r in runs[1:]], axis=1)
+    residual = problem.residual(runs[0], fit.shifts)
+    cut = problem.projector.project(columns)
+    line = problem.bench.twins[0].declaration
+    radius = line.rollers[line.body(h.location)].radius_m
+    inner: Array = columns.T @ cut
+    return profile_starts(h.location, radius, inner, cut.T @ residual, h.start)
+
+
+def complete(problem: Problem, found: Trace, fit: Fit) -> bool:
+    """Return whether an effect explains what a free line at its coordinates would explain."""
+    drop = found.fit.cost - fit.cost
+    best, _, line = strongest(found.after)
+    if drop < COMPLETENESS * (line - LINE_THRESHOLD):
+        return False
+    if not fit.hypotheses[-1].effect.order_locked:
+        return True
+    left = _lines(problem, fit, found.travels)
+    same = [s for r in left for s in r if s.kind == best.kind and s.roll == best.roll]
+    return max(s.peak[1] for s in same) < 0.15 * line + LINE_THRESHOLD
+
+
+def unknowns(problem: Problem, found: Trace) -> list[Unknown]:
+    """Return the class and coordinate of what is left, nothing when it is noise."""
+    spectrum, coordinate, drop = strongest(found.after)
+    excess = found.fit.cost - problem.expected_cost
+    if found.steps and excess < 0.02 * (found.nominal.cost - problem.expected_cost):
+        return []
+    if drop > LINE_THRESHOLD and drop > 0.12 * excess:
+        return [Unknown(kind=spectrum.kind, strength=drop,
+                        coordinate=_coordinate(spectrum, coordinate, found.travels[0]))]  # fmt: skip
+    pull = _pulled(problem, found.fit)
+    if pull is not None:
+        return [pull]
+    if excess > 0.01 * problem.expected_cost:
+        return [Unknown(kind="broadband", strength=excess, coordinate={})]
+    return []
+
+
+def _coordinate(
+    spectrum: LineSpectrum, at: float, travel: Travel
+) -> dict[str, float | str]:  # fmt: skip
+    if spectrum.kind == "time":
+        return {"frequency_Hz": at}
+    if spectrum.kind == "travel":
+        return {"wavenumber_1_m": at, "equivalent_radius_m": 1.0 / (2.0 * np.pi * at)}
+    return {"roll": spectrum.roll, "order": at}
+
+
+def _pulled(problem: Problem, fit: Fit) -> Unknown | None:
+    """Return a state-dependent unknown when declared numbers are pulled beyond tolerance."""
+    estimate = problem.projector.estimate(
+        problem.residual(problem.bench.one(fit.case), fit.shifts)
+    )[: problem.sd.size]
+    total = np.array([fit.shifts.get(n.name, 0.0) for n in problem.nuisances]) + estimate
+    z = total / problem.sd
+    if float(z @ z) < z.size + 6.0 * np.sqrt(2.0 * z.size):
+        return None
+    at = int(np.argmax(np.abs(z)))
+    return Unknown(
+        kind="state", strength=float(z @ z),
+        coordinate={"declared": problem.nuisances[at].name, "standard_deviations": float(z[at])},
+    )
