@@ -45,7 +45,8 @@ WEB = record_type(
     "maxwell_ratio maxwell_time_s "  # one Maxwell branch, stiffness over EA
     "density_kg_m3 thickness_m width_m wound_in_strain core_radius_m "
     "bounce_mass_kg bounce_Hz bounce_damping "  # unwind on a soft mandrel, mass 0 = rigid
-    "bounce_order bounce_cos1_N bounce_sin1_N bounce_cosn_N bounce_sinn_N "  # its excitation
+    "bounce_order "  # driven by unbalance of order 1 and of this order
+    "bounce_cos1_kg_m bounce_sin1_kg_m bounce_cosn_kg_m bounce_sinn_kg_m "
     # web past splice_m of unstretched length differs by these ratios; 1 = the same web
     "splice_m splice_EA_ratio splice_thickness_ratio",
 )

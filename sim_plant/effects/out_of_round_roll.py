@@ -40,9 +40,15 @@ def named(kind: str, size_m: float, radius_m: float, angle_rad: float) -> Shape:
 
 
 def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
-    """Return the named profile, rounded, plus h = sum cos_n cos(n psi) + sin_n sin(n psi)."""
+    """Return the named profile, rounded, plus h = sum cos_n cos(n psi) + sin_n sin(n psi).
+
+    Winding and unwinding lead to parallel curves: a profile formed at another radius keeps its
+    deviations from the round part.
+    """
     kind, size_m = str(parameters["shape"]), float(parameters["size_m"])
-    shape = named(kind, size_m, radius_m, float(parameters["angle_rad"]))
+    formed_m = float(parameters["formed_radius_m"]) or radius_m
+    shape = named(kind, size_m, formed_m, float(parameters["angle_rad"]))
+    shape = shape.at_radius(shape.mean_radius_m + radius_m - formed_m)
     if float(parameters["smoothing_rad"]) != 0.0:
         shape = shape.smoothed(float(parameters["smoothing_rad"]))
     rows = []
@@ -97,6 +103,9 @@ EFFECT = Effect(
         "angle_rad": angle(),
         "smoothing_rad": Parameter(
             default=0.0, unit="rad", typical=0.03, low=0.0, high=0.5, role="shape"
+        ),
+        "formed_radius_m": Parameter(  # 0: the radius of the roll at the start
+            default=0.0, unit="m", typical=0.2, low=0.0, high=5.0, role="shape"
         ),
         "gravity": Parameter(
             default=1.0, unit="1", typical=0.0, low=0.0, high=2.0, linear=True, role="shape"

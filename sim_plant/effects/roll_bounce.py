@@ -9,15 +9,15 @@ from sim_plant.base.arrays import UNWIND, LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.effects.phasor import component, phasor
 
-FIRST = Quadrature(cos="cos1_N", sin="sin1_N")
-OTHER = Quadrature(cos="cosn_N", sin="sinn_N")
+FIRST = Quadrature(cos="cos1_kg_m", sin="sin1_kg_m")
+OTHER = Quadrature(cos="cosn_kg_m", sin="sinn_kg_m")
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
-    """Let the unwind swing along its span: mass, frequency, and forces of order 1 and n.
+    """Let the unwind swing along its span: mass, frequency, and unbalance of order 1 and n.
 
-    m x'' = T + F(theta) - m w^2 x - 2 zeta m w x'; x' feeds the first span   [own]. Without mass
-    the mandrel is rigid.
+    m x'' = T + u(theta) omega^2 - m w^2 x - 2 zeta m w x'; x' feeds the first span [own]. Without
+    mass the mandrel is rigid.
     """
     if int(arrays.bodies["kind"][place]) != UNWIND:
         raise PlantError("roll_bounce.location: only the unwind is modelled on a soft mandrel")
@@ -31,8 +31,8 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
         float(parameters["order"]),
     )
     first, other = phasor(parameters, FIRST), phasor(parameters, OTHER)
-    web["bounce_cos1_N"], web["bounce_sin1_N"] = first.real, first.imag
-    web["bounce_cosn_N"], web["bounce_sinn_N"] = other.real, other.imag
+    web["bounce_cos1_kg_m"], web["bounce_sin1_kg_m"] = first.real, first.imag
+    web["bounce_cosn_kg_m"], web["bounce_sinn_kg_m"] = other.real, other.imag
     return arrays
 
 
@@ -71,12 +71,12 @@ EFFECT = Effect(
             role="option",
             tries=(2.0, 3.0, 4.0, 5.0, 6.0),
         ),
-        "cos1_N": component("N", 2.0, 1000.0),
-        "sin1_N": component("N", 2.0, 1000.0),
-        "cosn_N": component("N", 2.0, 1000.0),
-        "sinn_N": component("N", 2.0, 1000.0),
+        "cos1_kg_m": component("kg m", 0.02, 10.0),
+        "sin1_kg_m": component("kg m", 0.02, 10.0),
+        "cosn_kg_m": component("kg m", 0.02, 10.0),
+        "sinn_kg_m": component("kg m", 0.02, 10.0),
     },
-    traced=("cos1_N", "sin1_N", "cosn_N", "sinn_N", "frequency_Hz", "damping"),
+    traced=("cos1_kg_m", "sin1_kg_m", "cosn_kg_m", "sinn_kg_m", "frequency_Hz", "damping"),
     quadratures=(
         FIRST,
         OTHER,

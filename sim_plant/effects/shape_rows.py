@@ -12,12 +12,15 @@ from sim_plant.geometry.table import DEFAULT_POINTS, tabulate
 def add_shape(arrays: LineArrays, body: int, shape: Shape) -> LineArrays:
     """Return arrays in which ``body`` has the deviations of ``shape`` on top of its own.
 
-    The mean radius of the body stays what it was: only deviations are taken from ``shape``.
+    The body's radius (the declared one, which its drive and its radius sensor go by) stays what
+    it was; a shape whose mean radius is another, as a cut roll's is, brings the difference along
+    as a constant of h, so the roll turns faster or slower than its radius tells.
     """
-    if not np.any(shape.deviation_m):
-        return arrays
     table = tabulate(shape)
-    columns = (table.support_m, table.slope_m, table.curvature_m)
+    offset_m = shape.mean_radius_m - float(arrays.bodies["radius_m"][body])
+    if not np.any(shape.deviation_m) and offset_m == 0.0:
+        return arrays
+    columns = (table.support_m + offset_m, table.slope_m, table.curvature_m + offset_m)
     stacks = (arrays.shape_h_m, arrays.shape_dh_m, arrays.shape_rho_m)
     row = int(arrays.bodies["shape_row"][body])
     used = int(np.max(arrays.bodies["shape_row"])) + 1

@@ -257,16 +257,17 @@ def sensor_rates(p: LineArrays, lay: Layout, y: Array, tensions: Array, dy: Arra
 
 @compiled
 def bounce_rates(p: LineArrays, lay: Layout, y: Array, pull_N: float, dy: Array) -> None:
-    """Write m x'' = T + F(theta) - m w^2 x - 2 zeta m w x' of the unwind on its soft mandrel.
+    """Write m x'' = T + u(theta) omega^2 - m w^2 x - 2 zeta m w x' of the unwind on its mandrel.
 
-    F has order 1 and one other order of the roll's angle; x counts along the first span, towards
+    u has order 1 and one other order of the roll's angle; x counts along the first span, towards
     the line, so x' adds to the web that enters the span [own; point mass on a spring].
     """
     web = p.web[0]
     w = 2.0 * math.pi * web.bounce_Hz
     turn, high = y[lay.theta], web.bounce_order * y[lay.theta]
-    force = web.bounce_cos1_N * math.cos(turn) + web.bounce_sin1_N * math.sin(turn)
-    force += web.bounce_cosn_N * math.cos(high) + web.bounce_sinn_N * math.sin(high)
+    unbalance = web.bounce_cos1_kg_m * math.cos(turn) + web.bounce_sin1_kg_m * math.sin(turn)
+    unbalance += web.bounce_cosn_kg_m * math.cos(high) + web.bounce_sinn_kg_m * math.sin(high)
+    force = unbalance * y[lay.omega] * y[lay.omega]
     dy[lay.bounce] = y[lay.bounce + 1]
     dy[lay.bounce + 1] = (
         (pull_N + force) / web.bounce_mass_kg
