@@ -81,8 +81,7 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
         )  # fmt: skip
         heavy = mass.mass_kg * GRAVITY_M_S2 * mass.offset_m * float(parameters["gravity"])
         add_heavy(arrays, place, heavy, mass.offset_angle_rad)
-    mean_m = shape.mean_radius_m - float(arrays.bodies["radius_m"][place])
-    return add_mean(add_shape(arrays, place, shape), place, mean_m + float(parameters["mean_m"]))
+    return add_mean(add_shape(arrays, place, shape), place, float(parameters["mean_m"]))
 
 
 def _components() -> dict[str, Parameter]:
