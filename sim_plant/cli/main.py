@@ -7,10 +7,10 @@ import sys
 from collections.abc import Callable, Sequence
 
 from aff_runtime.base.errors import AffError
-from sim_plant.cli import serve
+from sim_plant.cli import refine, serve
 
 # a new subcommand is one more module in this row
-COMMANDS = (serve,)
+COMMANDS = (serve, refine)
 
 
 def build_parser() -> argparse.ArgumentParser:

@@ -56,9 +56,9 @@ def case_of(
     return Case(effects=effects, shifts=tuple(sorted(shifts.items())))
 
 
-def empty_fit(problem: Problem) -> Fit:
-    """Return the declared line itself, its strong nuisances re-estimated."""
-    return refine_fit(problem, (), (), {}, rounds=3)
+def empty_fit(problem: Problem, shifts: dict[str, float] | None = None) -> Fit:
+    """Return the declared line itself, its strong nuisances re-estimated from ``shifts``."""
+    return refine_fit(problem, (), (), shifts or {}, rounds=3)
 
 
 def _jacobian(
@@ -74,7 +74,8 @@ def _jacobian(
             steps.append(step)
     runs = problem.bench.run(cases)
     columns = [problem.column(r, base, s) for r, s in zip(runs, steps, strict=True)]
-    return np.stack(columns, axis=1) if columns else np.zeros((problem.projector.nuisances.shape[0], 0))
+    rows = problem.projector.nuisances.shape[0]
+    return np.stack(columns, axis=1) if columns else np.zeros((rows, 0))
 
 
 def _moved_shifts(problem: Problem, shifts: dict[str, float], change: Array) -> dict[str, float]:
@@ -109,7 +110,8 @@ def refine_fit(
         full = problem.projector.beside(columns)
         step = full.estimate(residual)
         split = problem.projector.nuisances.shape[1]
-        covariance = problem.projector.gain(residual, columns).covariance if columns.size else covariance
+        if columns.size:
+            covariance = problem.projector.gain(residual, columns).covariance
         found = _search(problem, hypotheses, values, shifts, step[:split], step[split:], cost)
         if found is None:
             break

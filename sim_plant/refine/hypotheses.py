@@ -79,9 +79,7 @@ class Hypothesis:
                 continue
             step = 0.05 * max(abs(value - absent), abs(start - absent) * 0.2)
             found.append(step if step > 0.0 else 1e-6)
-        return [
-            -s if v + s > hi else s for s, v, hi in zip(found, values, self.high, strict=True)
-        ]
+        return [-s if v + s > hi else s for s, v, hi in zip(found, values, self.high, strict=True)]
 
 
 FEWER_TRIES: dict[str, tuple[Value, ...]] = {
@@ -89,7 +87,10 @@ FEWER_TRIES: dict[str, tuple[Value, ...]] = {
     "slip": (0.0, 0.8, 1.2), "viscoelastic_web": (0.3, 3.0),
 }  # fmt: skip
 BOUNCE_TRIES_HZ: tuple[Value, ...] = (2.6, 4.4)
-SCREENED = {"bearing_drag": ("constant_N_m",), "shaft_compliance_backlash": ("compliance_rad_N_m",)}
+SCREENED = {
+    "bearing_drag": ("constant_N_m",),
+    "shaft_compliance_backlash": ("compliance_rad_N_m",),
+}
 """A first look takes these alone."""
 
 
@@ -111,7 +112,9 @@ def variants(effect: Effect) -> list[tuple[tuple[str, Value], ...]]:
 
 
 def hypothesis(
-    effect: Effect, location: str, choice: Sequence[tuple[str, Value]] = (),
+    effect: Effect,
+    location: str,
+    choice: Sequence[tuple[str, Value]] = (),
     traced: Sequence[str] | None = None,
 ) -> Hypothesis:
     """Return one hypothesis; ``choice`` fixes options and starts searches elsewhere."""

@@ -70,7 +70,9 @@ def screen(problem: Problem, fit: Fit, hypotheses: Sequence[Hypothesis], residua
     columns: dict[int, list[Array]] = {}
     for (h, _), run in zip(probes, runs[1:], strict=True):
         columns.setdefault(id(h), []).append(problem.column(run, start, 1.0))
-    scored = [score_one(problem, h, residual, np.stack(columns[id(h)], axis=1)) for h in hypotheses]
+    scored = [
+        score_one(problem, h, residual, np.stack(columns[id(h)], axis=1)) for h in hypotheses
+    ]
     return sorted(scored, key=lambda s: -s.score)
 
 
@@ -90,7 +92,11 @@ def neighbours(
     for name in {s.hypothesis.effect.name for s in ranked}:
         best = [s for s in ranked if s.hypothesis.effect.name == name]
         for s in best[:2]:
-            if s.score > 0.0 and s.score > 0.3 * ranked[0].score and s.hypothesis.location in idlers:
+            if (
+                s.score > 0.0
+                and s.score > 0.3 * ranked[0].score
+                and s.hypothesis.location in idlers
+            ):
                 at = idlers.index(s.hypothesis.location)
                 near |= {(name, other) for other in idlers[max(0, at - 2) : at + 3]}
     done = {s.hypothesis.key for s in ranked}
