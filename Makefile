@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 SPEED  ?= 200
 
-.PHONY: demo test check bench setup clean
+.PHONY: demo demo-refine test check bench setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -18,6 +18,10 @@ $(STAMP): pyproject.toml
 # both processes on loopback at 5 ms: probe, arm, run, report (SPEED= line speed in FPM)
 demo: setup
 	$(BIN)/python -m sim_plant.cli.main demo --speed-fpm $(SPEED) --out out/demo
+
+# two records with an undeclared effect: name it, write the amended line, error before and after
+demo-refine: setup
+	$(BIN)/python -m sim_plant.cli.main refine config/lines/euclid.yaml --example --out out/refine
 
 # everything that decides whether a change may land
 test: setup check

@@ -64,7 +64,7 @@ def write_block(out: Path, rows: Sequence[dict[str, Any]]) -> Path | None:
     if not blocks:
         return None
     path = out / BLOCK_FILE
-    text = "# paste under `actuators.<name>.blocks` of the site file; weights start at zero and adapt\n"
+    text = "# paste under `actuators.<name>.blocks` of the site file; weights start at 0\n"
     path.write_text(text + yaml.safe_dump({"blocks": plain(blocks)}, sort_keys=False),
                     encoding="utf-8")  # fmt: skip
     return path

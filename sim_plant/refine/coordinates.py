@@ -43,10 +43,11 @@ def travel_of(twin: Twin, measured: Array, case: Case, first: int) -> Travel:
         (k, r.radius_m) for k, r in enumerate(twin.declaration.rollers)
         if k not in ends and r.kind == "driven"
     ]  # fmt: skip
+    time_s: Array = np.arange(first, measured.shape[1], dtype=np.float64) * step
     body, radius = fixed[0] if fixed else (1, twin.declaration.rollers[1].radius_m)
     return Travel(
         declaration=twin.declaration, sample_time_s=step,
-        time_s=np.arange(first, measured.shape[1]) * step,
+        time_s=time_s,
         travel_m=angles[body, first:] * radius, angles_rad=angles[:, first:],
         speed_m_s=twin.speed_m_s[first:],
     )  # fmt: skip

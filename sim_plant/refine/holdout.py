@@ -95,40 +95,45 @@ def _turned(effect: Added, angle_rad: float) -> Added:
     return Added(effect.effect, effect.location, tuple(values.items()))
 
 
+def _with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) -> tuple[Added, ...]:
+    return tuple(
+        _turned(e, angle_rad) if e.location == location and _phased(e) else e for e in effects
+    )
+
+
+def _costs(
+    bench: Bench, measured: Array, model: NoiseModel, effects: tuple[Added, ...], location: str,
+    tries: Array,
+) -> Array:  # fmt: skip
+    """Return the weighted squared error with the effects at ``location`` turned by each try."""
+    zero = np.array([name.endswith("_angle_rad") for name in bench.twins[0].channels])
+    cases = [Case(effects=_with_turned(effects, location, float(a))) for a in tries]
+    found = []
+    for run in bench.run(cases, keep=False):
+        residual = measured - run[0]
+        residual[zero] -= residual[zero, model.first :].mean(axis=1, keepdims=True)
+        white = model.whiten(residual)
+        white -= white.mean(axis=1, keepdims=True)
+        found.append(float(np.sum(white**2)))
+    return np.array(found)
+
+
 def _start_angles(
     bench: Bench, measured: Array, effects: tuple[Added, ...], model: NoiseModel
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
+    """Return the effects at this record's start angles, found by search, and the angles."""
     angles: dict[str, float] = {}
     for location in dict.fromkeys(e.location for e in effects if _phased(e)):
-
-        def costs(tries: Array, location: str = location) -> Array:
-            cases = [
-                Case(effects=tuple(
-                    _turned(e, float(a)) if e.location == location and _phased(e) else e
-                    for e in effects))
-                for a in tries
-            ]  # fmt: skip
-            zero = np.array([name.endswith("_angle_rad") for name in bench.twins[0].channels])
-            found = []
-            for run in bench.run(cases, keep=False):
-                residual = measured - run[0]
-                residual[zero] -= residual[zero, model.first :].mean(axis=1, keepdims=True)
-                white = model.whiten(residual)
-                white -= white.mean(axis=1, keepdims=True)
-                found.append(float(np.sum(white**2)))
-            return np.array(found)
-
         width = 2.0 * math.pi / COARSE_ANGLES
-        grid = np.arange(COARSE_ANGLES) * width
-        best = float(grid[int(np.argmin(costs(grid)))])
+        grid: Array = np.arange(COARSE_ANGLES, dtype=np.float64) * width
+        costs = _costs(bench, measured, model, effects, location, grid)
+        best = float(grid[int(np.argmin(costs))])
         for _ in range(ZOOMS):
             grid = best + width * np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
-            best = _lowest(grid, costs(grid))
+            best = _lowest(grid, _costs(bench, measured, model, effects, location, grid))
             width *= 0.3
         angles[location] = math.remainder(best, 2.0 * math.pi)
-        effects = tuple(
-            _turned(e, best) if e.location == location and _phased(e) else e for e in effects
-        )
+        effects = _with_turned(effects, location, best)
     return effects, angles
 
 

@@ -38,8 +38,10 @@ def declaration_for(line: Declaration, record: Record) -> Declaration:
     own = load_declaration(path)
     if [r.name for r in own.rollers] != [r.name for r in line.rollers]:
         raise PlantError(f"{path}: declares other rollers than the line it is to be judged by")
-    return own.model_copy(update={"effects": own.effects or line.effects,
-                                  "tolerances": {**line.tolerances, **own.tolerances}})  # fmt: skip
+    effects = own.effects or line.effects
+    tolerances = {**line.tolerances, **own.tolerances}
+    return own.model_copy(update={"effects": effects,
+                                  "tolerances": tolerances})  # fmt: skip
 
 
 def twin_of(line: Declaration, record: Record) -> Twin:

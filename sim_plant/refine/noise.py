@@ -22,7 +22,7 @@ def first_judged(samples: int, sample_time_s: float) -> int:
 
 
 def whitening_filter(noise: Array, order: int = AR_ORDER) -> tuple[Array, float]:
-    """Return prediction-error coefficients (order + 1,) and innovation sd of noise (runs, samples).
+    """Return prediction-error taps (order + 1,) and innovation sd of noise (runs, samples).
 
     Equation: Yule-Walker, R a = r, with a ridge of 1e-6 R(0)  [Hayes 1996, 3.6].
     """
@@ -58,7 +58,7 @@ class NoiseModel:
     first: int
 
     def whiten(self, values: Array) -> Array:
-        """Return (channels, judged samples) of unit-variance innovations of (channels, samples)."""
+        """Return unit-variance innovations (channels, judged) of (channels, samples)."""
         out = np.empty((values.shape[0], values.shape[1] - self.first))
         for c, taps in enumerate(self.filters):
             start = max(0, self.first - taps.size)

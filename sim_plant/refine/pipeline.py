@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import shlex
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,9 +13,10 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.amend import plain, write_amended, write_block
 from sim_plant.refine.bench import Bench
-from sim_plant.refine.holdout import Judgement, judge
+from sim_plant.refine.holdout import judge
 from sim_plant.refine.hypotheses import library
 from sim_plant.refine.match import limits, twin_of
+from sim_plant.refine.outcome import Outcome, Plan
 from sim_plant.refine.problem import Problem
 from sim_plant.refine.read import read_record
 from sim_plant.refine.record import Record
@@ -27,40 +26,6 @@ from sim_plant.refine.twin import Twin
 from sim_plant.refine.verdict import verdict
 
 Say = Callable[[str], None]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
-    """What to do.
-
-    Attributes
-    ----------
-    line : declaration.
-    records : to fit.
-    holdout : to judge; empty: the last record fitted is shown, and said to be no proof.
-    out : folder to write.
-    without : effects left out of the library.
-    workers : processes.
-    """
-
-    line: Path
-    records: tuple[Path, ...]
-    holdout: tuple[Path, ...]
-    out: Path
-    without: tuple[str, ...] = ()
-    workers: int = 2
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Outcome:
-    """What came out, with everything the report shows."""
-
-    plan: Plan
-    records: tuple[Record, ...]
-    limits: tuple[str, ...]
-    trace: Trace
-    judgement: Judgement
-    verdict: dict[str, Any]
 
 
 def measured_of(twin: Twin, record: Record) -> Any:

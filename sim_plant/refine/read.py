@@ -1,4 +1,4 @@
-"""Read a record: CSV (also .gz), Parquet or MDF4; say what is odd, refuse what cannot be judged."""
+"""Read a record: CSV (also .gz), Parquet or MDF4; say what is odd, refuse the rest."""
 
 from __future__ import annotations
 

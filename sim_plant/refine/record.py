@@ -43,4 +43,4 @@ class Record:
     @property
     def time_s(self) -> Array:
         """Time of every row from 0, s."""
-        return np.arange(self.samples) * self.sample_time_s
+        return np.arange(self.samples, dtype=np.float64) * self.sample_time_s

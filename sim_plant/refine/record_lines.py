@@ -49,7 +49,7 @@ class Line:
 def _spectra(item: Explained, white: Array) -> list[LineSpectrum]:
     rate = 1.0 / item.record.sample_time_s
     size = white.shape[1]
-    time_s = np.arange(size) * item.record.sample_time_s
+    time_s: Array = np.arange(size, dtype=np.float64) * item.record.sample_time_s
     moving = item.speed_m_s if item.speed_m_s is not None else np.ones(size)
     weights = speed_weights(moving, 2)
     found = [line_spectrum(white, time_s, weights, kind="time", highest=0.49 * rate,
@@ -81,7 +81,7 @@ def find_lines(items: Sequence[Explained]) -> list[Line]:
         if best is None:
             break
         kind, at, strength = best
-        singles = tuple(_sharpest(item, white, kind, at)
+        singles = tuple(sharpest(item, white, kind, at)
                         for item, white in zip(items, whites, strict=True))  # fmt: skip
         joint = float(np.median(singles))
         found.append(Line(kind=kind, coordinate=joint, per_record=singles, strength=strength,
@@ -102,7 +102,7 @@ def clocks(items: Sequence[Explained]) -> list[Line]:
             spectrum = _spectra(item, white)[0]
             at, drop = spectrum.peak
             if drop > threshold(spectrum) * CLOCK_SAFETY / SAFETY:
-                at = _sharpest(item, white, "time", at)
+                at = sharpest(item, white, "time", at)
                 reason = _clock([item], "time", at)
                 if reason:
                     found.append(Line(kind="time", coordinate=at, per_record=(at,), strength=drop,
@@ -125,12 +125,13 @@ def _best(spectra: Sequence[Sequence[LineSpectrum]]) -> tuple[str, float, float]
 
 
 def _phase(item: Explained, kind: str) -> Array:
+    phase: Array = np.arange(item.residual.shape[1], dtype=np.float64) * item.record.sample_time_s
     if kind == "travel" and item.travel_m is not None:
-        return item.travel_m - item.travel_m[0]
-    return np.arange(item.residual.shape[1]) * item.record.sample_time_s
+        phase = item.travel_m - item.travel_m[0]
+    return phase
 
 
-def _sharpest(item: Explained, white: Array, kind: str, near: float) -> float:
+def sharpest(item: Explained, white: Array, kind: str, near: float) -> float:
     """Return the coordinate of the strongest line within 0.5 % (or two bins) in one record."""
     u = _phase(item, kind)
     reach = max(1.0 / float(u[-1]), 0.002 * near)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,7 +35,9 @@ class RecordDeclaration(BaseModel):
     inputs: tuple[str, ...] = Field(min_length=1)
     derivative_of_inputs: bool = False
     taps: Annotated[int, Field(ge=1, le=500)] = 40
-    travel_speed: str | None = Field(default=None, description="column with an absolute speed, m/s")
+    travel_speed: str | None = Field(
+        default=None, description="column with an absolute speed, m/s"
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -103,10 +106,8 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
     PlantError
         When a declared column is missing or the record cannot be read.
     """
-    if declaration.columns is None:
-        record = read_record(path)
-    else:
-        record = _headerless(declaration, path)
+    plain = declaration.columns is None
+    record = read_record(path) if plain else _headerless(declaration, path)
     used = {*declaration.outputs, *declaration.inputs}
     if declaration.travel_speed:
         used.add(declaration.travel_speed)
@@ -124,8 +125,6 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
 
 
 def _headerless(declaration: RecordDeclaration, path: Path) -> Record:
-    import hashlib  # noqa: PLC0415
-
     names = declaration.columns or ()
     try:
         payload = path.read_bytes()

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jinja2 import Environment, PackageLoader
-
 from scipy.signal import lfilter
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.amend import plain
 from sim_plant.refine.noise import whitening_filter
-from sim_plant.refine.record_lines import Line, basis, clocks, find_lines
+from sim_plant.refine.record_lines import Line, basis, clocks, find_lines, sharpest
 from sim_plant.refine.record_only import (
     Explained,
     RecordDeclaration,
@@ -26,7 +26,7 @@ from sim_plant.refine.record_only import (
 )
 
 if TYPE_CHECKING:
-    from sim_plant.refine.pipeline import Plan
+    from sim_plant.refine.outcome import Plan
 
 NO_TRAVEL = (
     "no column is an absolute speed or angle: a frequency cannot be tied to a roller, no roller "
@@ -93,13 +93,13 @@ def _row(line: Line) -> dict[str, Any]:
             "strength": line.strength}  # fmt: skip
 
 
-def _fit(item: Explained, rows: Array, line: Line, part: slice) -> Array:
+def _fit(item: Explained, rows: Array, line: Line) -> Array:
     """Return weighted least squares of a line: residual and basis through the same whitening."""
     b = basis(item, line.kind, line.coordinate)
     columns = []
     for row in rows:
         taps, _ = whitening_filter(row[None, :])
-        white = lfilter(taps, [1.0], np.column_stack([b, row]), axis=0)[part]
+        white = lfilter(taps, [1.0], np.column_stack([b, row]), axis=0)[taps.size :]
         columns.append(np.linalg.lstsq(white[:, :-1], white[:, -1], rcond=None)[0])
     return np.stack(columns, axis=1)
 
@@ -110,23 +110,25 @@ def judge_lines(
 ) -> dict[str, dict[str, float]]:  # fmt: skip
     """Return rms of outputs: declared filter alone, and with lines.
 
-    Sizes come from the fitted records; a line's start phase is found on the first third of the
-    record to judge, and the error is that of the other two thirds.
+    Sizes come from the fitted records. A record's own start phase and travel scale (two numbers a
+    line) are found on the record judged: by chance that saves 2 / samples of its power per line.
     """
-    size = judged.residual.shape[1]
-    start, rest = slice(0, size // 3), slice(size // 3, size)
     gone = judged.residual.copy()
+    white = judged.whitened
     for line in lines:
-        b = basis(judged, line.kind, line.coordinate)
-        fitted = _fit(judged, gone, line, slice(0, size) if own else start)
+        here = line
+        if not own:
+            at = sharpest(judged, white, line.kind, line.coordinate)
+            here = replace(line, coordinate=at)
+        fitted = _fit(judged, gone, here)
         if not own:
             fitted = _known_size(items, line, fitted)
-        gone = gone - (b @ fitted).T
-    noise = [float(np.std(row[rest])) for row in gone]
+        gone = gone - (basis(judged, here.kind, here.coordinate) @ fitted).T
+    noise = [float(np.std(row)) for row in gone]
     return {
         name: {
-            "before": float(np.sqrt(np.mean(judged.residual[k, rest] ** 2))),
-            "after": float(np.sqrt(np.mean(gone[k, rest] ** 2))), "noise_floor": noise[k],
+            "before": float(np.sqrt(np.mean(judged.residual[k] ** 2))),
+            "after": float(np.sqrt(np.mean(gone[k] ** 2))), "noise_floor": noise[k],
         }
         for k, name in enumerate(declaration.outputs)
     }  # fmt: skip
@@ -134,9 +136,10 @@ def judge_lines(
 
 def _known_size(items: Sequence[Explained], line: Line, fitted: Array) -> Array:
     """Return this record's phase with the size that the fitted records agree on."""
-    sizes = [
-        np.abs(_complex(_fit(x, x.residual, line, slice(None)))[0]) for x in items
-    ]  # fmt: skip
+    sizes = []
+    for item, own in zip(items, line.per_record, strict=True):
+        alone = _fit(item, item.residual, replace(line, coordinate=own))
+        sizes.append(np.abs(_complex(alone)[0]))
     here = _complex(fitted)[0]
     size = np.mean(sizes, axis=0)
     turned = here / np.maximum(np.abs(here), 1e-300) * size

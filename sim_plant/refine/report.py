@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from jinja2 import Environment, PackageLoader
 
 from sim_plant.refine.figures import order_map, overlay, spectrum
-from sim_plant.refine.trace import LINE_THRESHOLD
+from sim_plant.refine.unknown import LINE_THRESHOLD
 
 if TYPE_CHECKING:
-    from sim_plant.refine.pipeline import Outcome
+    from sim_plant.refine.outcome import Outcome
 
 
 def headline(result: dict) -> str:  # type: ignore[type-arg]

@@ -51,11 +51,15 @@ def even_grid(
         return mean, found, said
     apart = np.maximum.accumulate(time_s + 1e-9 * step * np.arange(time_s.size))
     even = {name: np.interp(grid, apart, values) for name, values in found.items()}
-    return mean, even, [*said, f"stamps are uneven by up to {late:.2g} s: put on a grid of {mean:.6g} s"]
+    return (
+        mean,
+        even,
+        [*said, f"stamps are uneven by up to {late:.2g} s: put on a grid of {mean:.6g} s"],
+    )
 
 
 def _one_stamp_off(steps: Array, at: int, step: float) -> bool:
-    """Return whether a long or empty step is one misplaced stamp: with a neighbour it makes two."""
+    """Return whether an odd step is one misplaced stamp: with a neighbour it makes two."""
     pairs = [steps[at] + steps[k] for k in (at - 1, at + 1) if 0 <= k < steps.size]
     return bool(min(abs(pair - 2.0 * step) for pair in pairs) < 0.2 * step)
 

@@ -16,11 +16,10 @@ from sim_plant.refine.problem import Problem
 from sim_plant.refine.screen import Scored, neighbours, price, screen, thinned, worth_trying
 from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
 from sim_plant.refine.shapes import profile_starts
+from sim_plant.refine.unknown import LINE_THRESHOLD, Unknown, strongest, unknowns
 
 MOST_EFFECTS = 4
 SCORE_THRESHOLD = 60.0
-LINE_THRESHOLD = 260.0
-"""Free-line drop (72 degrees of freedom, best of all bins) of healthy records stays below this."""
 COMPLETENESS = 0.8
 RUNNERS = 4
 DISCREPANCY = 0.006
@@ -37,15 +36,6 @@ class Step:
     margin: float
     rejected: tuple[tuple[str, str, float], ...]  # effect, location, score
     ambiguous: tuple[tuple[str, str], ...] = ()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Unknown:
-    """A residual that no effect of the library explains."""
-
-    kind: str
-    coordinate: dict[str, float | str]
-    strength: float
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -95,12 +85,6 @@ def _lines(problem: Problem, fit: Fit, travels: Sequence[Travel]) -> list[list[L
     ]
 
 
-def strongest(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, float, float]:
-    """Return the strongest free line of all records: spectrum, coordinate, drop."""
-    best = max((s for record in found for s in record), key=lambda s: s.peak[1])
-    return best, *best.peak
-
-
 def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
     """Return effects that explain the records, and what remains unexplained."""
     nominal = empty_fit(problem, felt_radii(problem))
@@ -121,7 +105,7 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
         found.after = _lines(problem, found.fit, travels)
         if _at_floor(problem, found):
             break
-    found.unknown = unknowns(problem, found)
+    found.unknown = unknowns(problem, found.nominal, found.fit, found.after)
     return found
 
 
@@ -277,45 +261,3 @@ def complete(problem: Problem, found: Trace, fit: Fit) -> bool:
     left = _lines(problem, fit, found.travels)
     same = [s for r in left for s in r if s.kind == best.kind and s.roll == best.roll]
     return max(s.peak[1] for s in same) < 0.15 * line + LINE_THRESHOLD
-
-
-def unknowns(problem: Problem, found: Trace) -> list[Unknown]:
-    """Return the class and coordinate of what is left, nothing when it is noise."""
-    spectrum, coordinate, drop = strongest(found.after)
-    excess = found.fit.cost - problem.expected_cost
-    if found.steps and excess < 0.02 * (found.nominal.cost - problem.expected_cost):
-        return []
-    if drop > LINE_THRESHOLD and drop > 0.12 * excess:
-        where = _coordinate(spectrum, coordinate)
-        return [Unknown(kind=spectrum.kind, strength=drop, coordinate=where)]
-    pull = _pulled(problem, found.fit)
-    if pull is not None:
-        return [pull]
-    if excess > 0.01 * problem.expected_cost:
-        return [Unknown(kind="broadband", strength=excess, coordinate={})]
-    return []
-
-
-def _coordinate(spectrum: LineSpectrum, at: float) -> dict[str, float | str]:
-    if spectrum.kind == "time":
-        return {"frequency_Hz": at}
-    if spectrum.kind == "travel":
-        return {"wavenumber_1_m": at, "equivalent_radius_m": 1.0 / (2.0 * np.pi * at)}
-    return {"roll": spectrum.roll, "order": at}
-
-
-def _pulled(problem: Problem, fit: Fit) -> Unknown | None:
-    """Return a state-dependent unknown when declared numbers are pulled beyond tolerance."""
-    estimate = problem.projector.estimate(
-        problem.residual(problem.bench.one(fit.case), fit.shifts)
-    )[: problem.sd.size]
-    total = np.array([fit.shifts.get(n.name, 0.0) for n in problem.nuisances]) + estimate
-    z = total / problem.sd
-    if float(z @ z) < z.size + 6.0 * np.sqrt(2.0 * z.size):
-        return None
-    at = int(np.argmax(np.abs(z)))
-    return Unknown(
-        kind="state",
-        strength=float(z @ z),
-        coordinate={"declared": problem.nuisances[at].name, "standard_deviations": float(z[at])},
-    )

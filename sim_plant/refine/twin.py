@@ -44,8 +44,8 @@ class Case:
     """One simulation: effects put on the line, declared numbers shifted, noise, step.
 
     ``shifts`` are (nuisance name, amount); ``ripples`` are (body, order, cos_m, sin_m) of the
-    support function, for shapes of any order. ``coarse`` takes a longer drive tick: only differences
-    between two coarse runs are used, never their level.
+    support function, for shapes of any order. ``coarse`` takes a longer drive tick: only
+    differences between two coarse runs are used, never their level.
     """
 
     effects: tuple[Added, ...] = ()

@@ -35,7 +35,9 @@ def canonical(unit: str) -> str:
     """Return a header's unit in the spelling of ``TO_SI``: ``m/s`` -> ``m_s``."""
     text = unit.strip().replace("/", "_").replace("·", "_").replace(" ", "_").replace("*", "_")
     lower = {key.lower(): key for key in TO_SI}
-    text = {"ft_min": "fpm", "1_min": "rpm", "inch": "in", "sec": "s", "nm": "N_m"}.get(text.lower(), text)
+    text = {"ft_min": "fpm", "1_min": "rpm", "inch": "in", "sec": "s", "nm": "N_m"}.get(
+        text.lower(), text
+    )
     return text if text in TO_SI else lower.get(text.lower(), text)
 
 

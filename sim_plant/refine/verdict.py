@@ -68,7 +68,10 @@ def verdict(trace: Trace, judgement: Judgement | None, holdout: str) -> dict[str
             for u in trace.unknown
         ],
         "ambiguous": [
-            {"effect": " at ".join(s.hypothesis.key), "with": [" at ".join(k) for k in s.ambiguous]}
+            {
+                "effect": " at ".join(s.hypothesis.key),
+                "with": [" at ".join(k) for k in s.ambiguous],
+            }
             for s in trace.steps if s.ambiguous
         ],
         "residual_rms": table, "holdout": holdout,
