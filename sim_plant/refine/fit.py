@@ -49,11 +49,12 @@ class Fit:
 
 
 def case_of(
-    hypotheses: Sequence[Hypothesis], values: Sequence[Sequence[float]], shifts: dict[str, float]
-) -> Case:
-    """Return the coarse simulation of these effects and shifts."""
+    hypotheses: Sequence[Hypothesis], values: Sequence[Sequence[float]], shifts: dict[str, float],
+    coarse: bool = True,
+) -> Case:  # fmt: skip
+    """Return the simulation of these effects and shifts."""
     effects = tuple(h.added(v) for h, v in zip(hypotheses, values, strict=True))
-    return Case(effects=effects, shifts=tuple(sorted(shifts.items())))
+    return Case(effects=effects, shifts=tuple(sorted(shifts.items())), coarse=coarse)
 
 
 def empty_fit(problem: Problem, shifts: dict[str, float] | None = None) -> Fit:
@@ -63,14 +64,14 @@ def empty_fit(problem: Problem, shifts: dict[str, float] | None = None) -> Fit:
 
 def _jacobian(
     problem: Problem, hypotheses: Sequence[Hypothesis], values: Sequence[tuple[float, ...]],
-    shifts: dict[str, float], base: Sequence[Array],
+    shifts: dict[str, float], base: Sequence[Array], coarse: bool,
 ) -> Array:  # fmt: skip
     cases, steps = [], []
     for at, (h, v) in enumerate(zip(hypotheses, values, strict=True)):
         for k, step in enumerate(h.steps(v)):
             moved = [tuple(x) for x in values]
             moved[at] = tuple(x + step * (j == k) for j, x in enumerate(v))
-            cases.append(case_of(hypotheses, moved, shifts))
+            cases.append(case_of(hypotheses, moved, shifts, coarse))
             steps.append(step)
     runs = problem.bench.run(cases)
     columns = [problem.column(r, base, s) for r, s in zip(runs, steps, strict=True)]
@@ -89,9 +90,11 @@ def _moved_shifts(problem: Problem, shifts: dict[str, float], change: Array) -> 
 
 def refine_fit(
     problem: Problem, hypotheses: Sequence[Hypothesis], start: Sequence[Sequence[float]],
-    shifts: dict[str, float], rounds: int = 6,
+    shifts: dict[str, float], rounds: int = 6, coarse: bool = True,
 ) -> Fit:  # fmt: skip
     """Return the best fit near ``start``: linearise, step, halve the step when the cost rises.
+
+    ``coarse`` takes the quick simulation (some percent off in size), else the declared tick.
 
     Raises
     ------
@@ -101,18 +104,20 @@ def refine_fit(
     hypotheses = tuple(hypotheses)
     values = [tuple(float(x) for x in v) for v in start]
     shifts = dict(shifts)
-    run = problem.bench.one(case_of(hypotheses, values, shifts))
-    residual = problem.residual(run, shifts)
+    run = problem.bench.one(case_of(hypotheses, values, shifts, coarse))
+    residual = problem.residual(run, shifts, coarse)
     cost = problem.projector.cost(residual)
     covariance = np.zeros((0, 0))
     for _ in range(rounds):
-        columns = _jacobian(problem, hypotheses, values, shifts, run)
+        columns = _jacobian(problem, hypotheses, values, shifts, run, coarse)
         full = problem.projector.beside(columns)
         step = full.estimate(residual)
         split = problem.projector.nuisances.shape[1]
         if columns.size:
             covariance = problem.projector.gain(residual, columns).covariance
-        found = _search(problem, hypotheses, values, shifts, step[:split], step[split:], cost)
+        found = _search(
+            problem, hypotheses, values, shifts, step[:split], step[split:], cost, coarse
+        )
         if found is None:
             break
         values, shifts, run, residual, new_cost = found
@@ -130,7 +135,7 @@ _Found = tuple[list[tuple[float, ...]], dict[str, float], list[Array], Array, fl
 
 def _search(
     problem: Problem, hypotheses: Sequence[Hypothesis], values: Sequence[tuple[float, ...]],
-    shifts: dict[str, float], nuisance_step: Array, step: Array, cost: float,
+    shifts: dict[str, float], nuisance_step: Array, step: Array, cost: float, coarse: bool,
 ) -> _Found | None:  # fmt: skip
     for share in (1.0, 0.4, 0.15, 0.05):
         at, moved = 0, []
@@ -142,10 +147,10 @@ def _search(
         if moved == list(values) and trial == shifts:
             return None
         try:
-            run = problem.bench.one(case_of(hypotheses, moved, trial))
+            run = problem.bench.one(case_of(hypotheses, moved, trial, coarse))
         except PlantError:
             continue
-        residual = problem.residual(run, trial)
+        residual = problem.residual(run, trial, coarse)
         new_cost = problem.projector.cost(residual)
         if new_cost < cost:
             return moved, trial, run, residual, new_cost

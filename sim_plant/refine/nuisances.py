@@ -12,7 +12,7 @@ from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
 
 DEFAULT_TOLERANCE = {
-    "web.EA_N": 0.03,
+    "web.EA_N": 0.02,
     "web.kelvin_voigt_eta_s": 0.2,
     "web.density_kg_m3": 0.01,
     "web.thickness_m": 0.005,

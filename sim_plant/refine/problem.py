@@ -62,10 +62,15 @@ class Problem:
         parts = [n.whiten(v).ravel() for n, v in zip(self.noise, values, strict=True)]
         return np.concatenate(parts)
 
-    def residual(self, run: Sequence[Array], shifts: dict[str, float] | None = None) -> Array:
-        """Return the residual vector of a coarse run made with these nuisance shifts."""
+    def residual(
+        self, run: Sequence[Array], shifts: dict[str, float] | None = None, coarse: bool = True
+    ) -> Array:
+        """Return the residual vector of a run made with these nuisance shifts.
+
+        To a coarse run the difference of the two nominal runs is added.
+        """
         gone = [
-            m - (y + f - c)
+            m - (y + f - c) if coarse else m - y
             for m, y, f, c in zip(self.measured, run, self.fine, self.coarse, strict=True)
         ]
         put = np.array([(shifts or {}).get(n.name, 0.0) for n in self.nuisances])

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.coordinates import Travel, spectra, travel_of
+from sim_plant.refine.coordinates import Travel, line_support, spectra, travel_of
 from sim_plant.refine.fit import Fit, empty_fit, refine_fit
 from sim_plant.refine.generic import LineSpectrum
 from sim_plant.refine.hypotheses import Hypothesis
@@ -19,8 +19,9 @@ from sim_plant.refine.shapes import profile_starts
 from sim_plant.refine.unknown import LINE_THRESHOLD, Unknown, strongest, unknowns
 
 MOST_EFFECTS = 4
-SCORE_THRESHOLD = 60.0
+SCORE_THRESHOLD = 75.0
 COMPLETENESS = 0.8
+LEFT_OVER = 0.15
 RUNNERS = 4
 DISCREPANCY = 0.006
 """A further effect must explain more than this share of what was explained: no model is exact."""
@@ -100,42 +101,81 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
         accepted = _search(problem, found, library, say)
         if accepted is None:
             break
-        step, found.fit = accepted
-        found.steps.append(step)
+        steps, found.fit = accepted
+        found.steps.extend(steps)
         found.after = _lines(problem, found.fit, travels)
         if _at_floor(problem, found):
             break
+    if found.steps:
+        say("final numbers at the declared drive tick")
+        fit = found.fit
+        exact = refine_fit(problem, fit.hypotheses, fit.values, fit.shifts, rounds=2, coarse=False)
+        if np.isfinite(exact.cost):
+            found.fit = exact
+            found.after = _lines(problem, exact, travels)
     found.unknown = unknowns(problem, found.nominal, found.fit, found.after)
     return found
 
 
 def _search(
     problem: Problem, found: Trace, library: Sequence[Hypothesis], say: Say
-) -> tuple[Step, Fit] | None:
-    """Look among lines first when there is one, then among effects that are none."""
+) -> tuple[list[Step], Fit] | None:
+    """Look among lines first when there is one, then among effects that are none.
+
+    An effect that leaves much of its own line may be half of a pair: a second effect that is no
+    line (a delay, a filter) can have changed how the line answers the first.
+    """
     lines, others = worth_trying(library, found.travels, found.after)
+    bounce = [h for h in lines if h.effect.name == "roll_bounce"]
+    plain = [h for h in lines if h.effect.name != "roll_bounce"]
+    say(f"cost {found.fit.cost:.0f}, noise alone {problem.expected_cost:.0f}")
+    half: tuple[Step, Fit] | None = None
+    full: tuple[Step, Fit] | None = None
+    floor = min(problem.expected_cost, found.fit.cost - 3.0 * SCORE_THRESHOLD)
+    for group in (plain, bounce, others):
+        accepted = _best_of(problem, found, group, say)
+        if accepted is None:
+            continue
+        if complete(problem, found, accepted[1]):
+            if full is None or accepted[1].cost < full[1].cost:
+                full = accepted
+            if found.fit.cost - accepted[1].cost > 0.3 * (found.fit.cost - floor):
+                break
+            continue
+        say("  leaves too much of its own line: not accepted alone")
+        if half is None or accepted[1].cost < half[1].cost:
+            half = accepted
+    if full is not None:
+        return [full[0]], full[1]
+    if half is None:
+        return None
+    say(f"trying a second effect beside {half[0].hypothesis.effect.name}")
+    base = replace(found, fit=half[1], after=_lines(problem, half[1], found.travels))
+    second = _best_of(problem, base, others, say)
+    if second is not None and complete(problem, found, second[1]):
+        return [half[0], second[0]], second[1]
+    return None
+
+
+def _best_of(
+    problem: Problem, found: Trace, candidates: Sequence[Hypothesis], say: Say
+) -> tuple[Step, Fit] | None:
+    """Screen a group of hypotheses and fit the best."""
     taken = {h.key for h in found.fit.hypotheses}
+    group = [h for h in candidates if h.key not in taken]
+    if not group:
+        return None
     line = problem.bench.twins[0].declaration
     idlers = [r.name if r.kind == "idler" else "" for r in line.rollers]
     residual = problem.residual(problem.bench.one(found.fit.case), found.fit.shifts)
-    say(f"cost {found.fit.cost:.0f}, noise alone {problem.expected_cost:.0f}")
-    bounce = [h for h in lines if h.effect.name == "roll_bounce"]
-    plain = [h for h in lines if h.effect.name != "roll_bounce"]
-    for candidates in (plain, bounce, others):
-        group = [h for h in candidates if h.key not in taken]
-        if not group:
-            continue
-        say(f"  {len(group)} hypotheses")
-        ranked = screen(problem, found.fit, thinned(group, idlers), residual, found.fit)
-        more = neighbours(group, ranked, idlers)
-        if more:
-            ranked += screen(problem, found.fit, more, residual, found.fit)
-            ranked.sort(key=lambda s: -s.score)
-        found.first_look.extend(ranked if not found.steps else [])
-        accepted = _next(problem, found, ranked, say)
-        if accepted is not None:
-            return accepted
-    return None
+    say(f"  {len(group)} hypotheses")
+    ranked = screen(problem, found.fit, thinned(group, idlers), residual, found.fit)
+    more = neighbours(group, ranked, idlers)
+    if more:
+        ranked += screen(problem, found.fit, more, residual, found.fit)
+        ranked.sort(key=lambda s: -s.score)
+    found.first_look.extend(ranked if not found.steps else [])
+    return _next(problem, found, ranked, say)
 
 
 def _at_floor(problem: Problem, found: Trace) -> bool:
@@ -183,15 +223,12 @@ def _next(
     if not fits or fits[0][0] < max(SCORE_THRESHOLD, DISCREPANCY * explained):
         return None
     score, fit, h = fits[0]
-    if not complete(problem, found, fit):
-        say(f"  {h.effect.name} at {h.location} leaves too much of its own line: not accepted")
-        return None
     others = [(s, k) for s, _, k in fits[1:] if k.key != h.key]
     others += [(s.score, s.hypothesis) for s in ranked
                if s.hypothesis.key not in {k.key for _, _, k in fits}]  # fmt: skip
     others.sort(key=lambda row: -row[0])
     runner, second = (others[0][1], others[0][0]) if others else (None, 0.0)
-    say(f"accepted: {h.effect.name} at {h.location}, score {score:.0f}")
+    say(f"  best: {h.effect.name} at {h.location}, score {score:.0f}")
     step = Step(
         hypothesis=h, score=score, runner_up=" at ".join(runner.key) if runner else "",
         margin=score - max(second, 0.0),
@@ -253,11 +290,19 @@ def _profiles(
 def complete(problem: Problem, found: Trace, fit: Fit) -> bool:
     """Return whether an effect explains what a free line at its coordinates would explain."""
     drop = found.fit.cost - fit.cost
-    best, _, line = strongest(found.after)
-    if drop < COMPLETENESS * (line - LINE_THRESHOLD):
-        return False
-    if not fit.hypotheses[-1].effect.order_locked:
-        return True
+    fresh = fit.hypotheses[len(found.fit.hypotheses) :]
+    locked = [h for h in fresh if line_support(h, found.travels[0], found.after[0]) is not None]
+    if not locked:
+        return drop > COMPLETENESS * (strongest(found.after)[2] - LINE_THRESHOLD)
     left = _lines(problem, fit, found.travels)
-    same = [s for r in left for s in r if s.kind == best.kind and s.roll == best.roll]
-    return max(s.peak[1] for s in same) < 0.15 * line + LINE_THRESHOLD
+    for h in locked:
+        line = max(_support(h, t, s) for t, s in zip(found.travels, found.after, strict=True))
+        rest = max(_support(h, t, s) for t, s in zip(found.travels, left, strict=True))
+        partly = drop < COMPLETENESS * (line - LINE_THRESHOLD) or rest > LEFT_OVER * line
+        if partly and rest > LINE_THRESHOLD:
+            return False
+    return True
+
+
+def _support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float:
+    return line_support(h, travel, found) or 0.0

@@ -20,7 +20,7 @@ from sim_plant.refine.nuisances import declared_nuisances
 
 COARSE_TICK_S = 0.005
 COARSE_SETTLE_S = 10.0
-FINE_SETTLE_S = 40.0
+FINE_SETTLE_S = 20.0
 REFERENCES = ("line_speed_ref_m_s", "tension_ref_N")
 
 
