@@ -67,17 +67,22 @@ class Hypothesis:
     def steps(self, values: Sequence[float]) -> list[float]:
         """Return a finite-difference step per number, large against the chaos of quantised loops.
 
-        A twentieth of the value, or of the typical size where the value is smaller.
+        A quarter of the value or of the typical size where the response is linear; else a
+        twentieth of the value, or a hundredth of the typical size.
         """
         found = []
         for name, value, start, absent in zip(
             self.names, values, self.start, self.absent, strict=True
         ):
-            role = self.effect.accepts[name].role
-            if role == "angle":
+            row = self.effect.accepts[name]
+            if row.role == "angle":
                 found.append(0.02)
                 continue
-            step = 0.05 * max(abs(value - absent), abs(start - absent) * 0.2)
+            size, typical = abs(value - absent), abs(start - absent)
+            if row.role == "strength" and row.linear and name != "size_m":
+                step = 0.25 * max(size, typical)
+            else:
+                step = 0.05 * max(size, 0.2 * typical)
             found.append(step if step > 0.0 else 1e-6)
         return [-s if v + s > hi else s for s, v, hi in zip(found, values, self.high, strict=True)]
 

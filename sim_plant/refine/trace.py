@@ -8,11 +8,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.coordinates import Travel, line_support, spectra, travel_of
-from sim_plant.refine.fit import Fit, empty_fit, refine_fit
+from sim_plant.refine.fit import Fit, empty_fit, felt_radii, refine_fit
 from sim_plant.refine.generic import LineSpectrum
 from sim_plant.refine.hypotheses import Hypothesis
 from sim_plant.refine.problem import Problem
+from sim_plant.refine.pulled import pulled_starts
 from sim_plant.refine.screen import Scored, neighbours, price, screen, thinned, worth_trying
 from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
 from sim_plant.refine.shapes import profile_starts
@@ -54,29 +56,6 @@ class Trace:
 
 
 Say = Callable[[str], None]
-
-
-def felt_radii(problem: Problem) -> dict[str, float]:
-    """Return effective-radius shifts that bring simulated roll angles onto measured ones.
-
-    A radius wrong by 0.05 % turns a roll a quarter radian out of step in 80 turns: enough to lose
-    every harmonic. Only rolls whose angle is recorded are put right.
-    """
-    names = {n.name for n in problem.nuisances}
-    found = {}
-    for twin, measured, run, noise in zip(
-        problem.bench.twins, problem.measured, problem.fine, problem.noise, strict=True
-    ):
-        for c, channel in enumerate(twin.channels):
-            roller = channel.removesuffix("_angle_rad")
-            name = f"rollers.{roller}.effective_radius"
-            if roller == channel or name not in names:
-                continue
-            theirs, ours = measured[c, noise.first :], run[c, noise.first :]
-            slope = float(np.polyfit(theirs - theirs[0], ours - ours[0], 1)[0])
-            if abs(slope - 1.0) * float(np.ptp(theirs)) > 0.05:
-                found[name] = slope - 1.0
-    return found
 
 
 def _lines(problem: Problem, fit: Fit, travels: Sequence[Travel]) -> list[list[LineSpectrum]]:
@@ -130,8 +109,9 @@ def _search(
     plain = [h for h in lines if h.effect.name != "roll_bounce"]
     say(f"cost {found.fit.cost:.0f}, noise alone {problem.expected_cost:.0f}")
     half: tuple[Step, Fit] | None = None
-    full: tuple[Step, Fit] | None = None
     floor = min(problem.expected_cost, found.fit.cost - 3.0 * SCORE_THRESHOLD)
+    names = frozenset(h.effect.name for h in library)
+    full = _beyond_tolerance(problem, found, names, say)
     for group in (plain, bounce, others):
         accepted = _best_of(problem, found, group, say)
         if accepted is None:
@@ -155,6 +135,30 @@ def _search(
     if second is not None and complete(problem, found, second[1]):
         return [half[0], second[0]], second[1]
     return None
+
+
+def _beyond_tolerance(
+    problem: Problem, found: Trace, names: frozenset[str], say: Say
+) -> tuple[Step, Fit] | None:
+    """Fit effects that say the same as a declared number pulled beyond its tolerance."""
+    best: tuple[Step, Fit] | None = None
+    for h, start, shifts in pulled_starts(problem, found.fit, frozenset(BY_NAME) - names):
+        if h.key in {k.key for k in found.fit.hypotheses}:
+            continue
+        fit = _fitted(problem, found.fit, h, start, shifts)
+        if fit is None:
+            continue
+        score = found.fit.cost - fit.cost - price(problem, len(h.names))
+        say(f"  {h.effect.name} at {h.location}, beyond tolerance: score {score:.0f}")
+        if score > SCORE_THRESHOLD and (best is None or fit.cost < best[1].cost):
+            second = best[0] if best else None
+            step = Step(
+                hypothesis=h, score=score, rejected=(),
+                runner_up=" at ".join(second.hypothesis.key) if second else "",
+                margin=score - (second.score if second else 0.0),
+            )  # fmt: skip
+            best = step, fit
+    return best
 
 
 def _best_of(

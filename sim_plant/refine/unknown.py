@@ -10,6 +10,7 @@ import numpy as np
 from sim_plant.refine.fit import Fit
 from sim_plant.refine.generic import LineSpectrum
 from sim_plant.refine.problem import Problem
+from sim_plant.refine.pulled import improbable
 
 LINE_THRESHOLD = 260.0
 """Free-line drop (72 degrees of freedom, best of all bins) of healthy records stays below this."""
@@ -59,16 +60,9 @@ def _coordinate(spectrum: LineSpectrum, at: float) -> dict[str, float | str]:
 
 def _pulled(problem: Problem, fit: Fit) -> Unknown | None:
     """Return a state-dependent unknown when declared numbers are pulled beyond tolerance."""
-    estimate = problem.projector.estimate(
-        problem.residual(problem.bench.one(fit.case), fit.shifts)
-    )[: problem.sd.size]
-    total = np.array([fit.shifts.get(n.name, 0.0) for n in problem.nuisances]) + estimate
-    z = total / problem.sd
-    if float(z @ z) < z.size + 6.0 * np.sqrt(2.0 * z.size):
+    found = improbable(problem, fit)
+    if found is None:
         return None
-    at = int(np.argmax(np.abs(z)))
-    return Unknown(
-        kind="state",
-        strength=float(z @ z),
-        coordinate={"declared": problem.nuisances[at].name, "standard_deviations": float(z[at])},
-    )
+    name, z, strength = found
+    where: dict[str, float | str] = {"declared": name, "standard_deviations": z}
+    return Unknown(kind="state", strength=strength, coordinate=where)
