@@ -1,4 +1,4 @@
-"""Does this record belong to this line? Refuse what does not, say what cannot be claimed."""
+"""Whether a record belongs to a line: refuse what does not, say what cannot be claimed."""
 
 from __future__ import annotations
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.coordinates import Travel, line_support, spectra, travel_of
+from sim_plant.refine.completeness import complete, lines_left
+from sim_plant.refine.coordinates import Travel, travel_of
 from sim_plant.refine.fit import Fit, empty_fit, felt_radii, refine_fit
 from sim_plant.refine.generic import LineSpectrum
 from sim_plant.refine.hypotheses import Hypothesis
@@ -22,8 +23,6 @@ from sim_plant.refine.unknown import LINE_THRESHOLD, Unknown, strongest, unknown
 
 MOST_EFFECTS = 4
 SCORE_THRESHOLD = 75.0
-COMPLETENESS = 0.8
-LEFT_OVER = 0.15
 RUNNERS = 4
 DISCREPANCY = 0.006
 """A further effect must explain more than this share of what was explained: no model is exact."""
@@ -58,13 +57,6 @@ class Trace:
 Say = Callable[[str], None]
 
 
-def _lines(problem: Problem, fit: Fit, travels: Sequence[Travel]) -> list[list[LineSpectrum]]:
-    return [
-        spectra(travel, part)
-        for travel, part in zip(travels, problem.split(fit.residual), strict=True)
-    ]
-
-
 def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
     """Return effects that explain the records, and what remains unexplained."""
     nominal = empty_fit(problem, felt_radii(problem))
@@ -74,7 +66,7 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
             problem.bench.twins, problem.measured, problem.noise, strict=True
         )
     ]
-    before = _lines(problem, nominal, travels)
+    before = lines_left(problem, nominal, travels)
     found = Trace(nominal=nominal, fit=nominal, travels=travels, before=before, after=before)
     for _ in range(MOST_EFFECTS):
         accepted = _search(problem, found, library, say)
@@ -82,7 +74,7 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
             break
         steps, found.fit = accepted
         found.steps.extend(steps)
-        found.after = _lines(problem, found.fit, travels)
+        found.after = lines_left(problem, found.fit, travels)
         if _at_floor(problem, found):
             break
     if found.steps:
@@ -91,7 +83,7 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
         exact = refine_fit(problem, fit.hypotheses, fit.values, fit.shifts, rounds=2, coarse=False)
         if np.isfinite(exact.cost):
             found.fit = exact
-            found.after = _lines(problem, exact, travels)
+            found.after = lines_left(problem, exact, travels)
     found.unknown = unknowns(problem, found.nominal, found.fit, found.after)
     return found
 
@@ -116,7 +108,7 @@ def _search(
         accepted = _best_of(problem, found, group, say)
         if accepted is None:
             continue
-        if complete(problem, found, accepted[1]):
+        if complete(problem, found.fit, found.after, found.travels, accepted[1]):
             if full is None or accepted[1].cost < full[1].cost:
                 full = accepted
             if found.fit.cost - accepted[1].cost > 0.3 * (found.fit.cost - floor):
@@ -130,9 +122,9 @@ def _search(
     if half is None:
         return None
     say(f"trying a second effect beside {half[0].hypothesis.effect.name}")
-    base = replace(found, fit=half[1], after=_lines(problem, half[1], found.travels))
+    base = replace(found, fit=half[1], after=lines_left(problem, half[1], found.travels))
     second = _best_of(problem, base, others, say)
-    if second is not None and complete(problem, found, second[1]):
+    if second is not None and complete(problem, found.fit, found.after, found.travels, second[1]):
         return [half[0], second[0]], second[1]
     return None
 
@@ -289,24 +281,3 @@ def _profiles(
     radius = line.rollers[line.body(h.location)].radius_m
     inner: Array = columns.T @ cut
     return profile_starts(h.location, radius, inner, cut.T @ residual, h.start)
-
-
-def complete(problem: Problem, found: Trace, fit: Fit) -> bool:
-    """Return whether an effect explains what a free line at its coordinates would explain."""
-    drop = found.fit.cost - fit.cost
-    fresh = fit.hypotheses[len(found.fit.hypotheses) :]
-    locked = [h for h in fresh if line_support(h, found.travels[0], found.after[0]) is not None]
-    if not locked:
-        return drop > COMPLETENESS * (strongest(found.after)[2] - LINE_THRESHOLD)
-    left = _lines(problem, fit, found.travels)
-    for h in locked:
-        line = max(_support(h, t, s) for t, s in zip(found.travels, found.after, strict=True))
-        rest = max(_support(h, t, s) for t, s in zip(found.travels, left, strict=True))
-        partly = drop < COMPLETENESS * (line - LINE_THRESHOLD) or rest > LEFT_OVER * line
-        if partly and rest > LINE_THRESHOLD:
-            return False
-    return True
-
-
-def _support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float:
-    return line_support(h, travel, found) or 0.0
