@@ -88,5 +88,5 @@ def oddities(columns: Mapping[str, Array]) -> list[str]:
 def count_spikes(values: Array) -> int:
     """Return how many single samples stand far off their neighbours (Hampel)."""
     off = values - median_filter(values, 7)
-    spread = 1.4826 * float(np.median(np.abs(off - np.median(off))))
+    spread = max(1.4826 * float(np.median(np.abs(off - np.median(off)))), 0.5 * float(np.std(off)))
     return 0 if spread == 0.0 else int(np.sum(np.abs(off) > SPIKE_SIGMA * spread))
