@@ -131,8 +131,12 @@ def refine_fit(
     residual = problem.residual(run, shifts, coarse)
     cost = problem.projector.cost(residual)
     covariance = np.zeros((0, 0))
+    if not np.isfinite(cost):
+        rounds, residual = 0, np.zeros_like(residual)
     for _ in range(rounds):
         columns = _jacobian(problem, hypotheses, values, shifts, run, coarse)
+        if not np.isfinite(columns).all():
+            break
         full = problem.projector.beside(columns)
         step = full.estimate(residual)
         split = problem.projector.nuisances.shape[1]

@@ -54,7 +54,9 @@ class Projector:
         return cut
 
     def cost(self, residual: Array) -> float:
-        """Return the least cost with nuisances alone."""
+        """Return the least cost with nuisances alone; infinite for a run that broke down."""
+        if not np.isfinite(residual).all():
+            return float("inf")
         return float(residual @ self.project(residual))
 
     def gain(self, residual: Array, columns: Array) -> Gain:

@@ -45,3 +45,9 @@ def test_further_free_columns_are_projected_as_well(setting):
     nuisances, effect, residual = setting
     wide = Projector(nuisances).beside(effect)
     np.testing.assert_allclose(wide.project(residual) @ effect, 0.0, atol=1e-6)
+
+
+def test_a_run_that_broke_down_costs_infinitely_much(setting):
+    nuisances, _, residual = setting
+    residual[3] = np.nan
+    assert Projector(nuisances).cost(residual) == float("inf")

@@ -27,9 +27,8 @@ pytestmark = [
 
 
 def refined(case, out, *more):
-    arguments = ["refine", str(FOLDER / f"{case}_a.yaml"), str(FOLDER / f"{case}_a.csv.gz"),
-                 "--holdout", str(FOLDER / f"{case}_b.csv.gz"), "--out", str(out), *more]  # fmt: skip
-    assert main(arguments) == 0
+    line, fit, held = (str(FOLDER / f"{case}_{end}") for end in ("a.yaml", "a.csv.gz", "b.csv.gz"))
+    assert main(["refine", line, fit, "--holdout", held, "--out", str(out), *more]) == 0
     return json.loads((out / "verdict.json").read_text())
 
 
