@@ -104,6 +104,8 @@ def _search(
     floor = min(problem.expected_cost, found.fit.cost - 3.0 * SCORE_THRESHOLD)
     names = frozenset(h.effect.name for h in library)
     full = _beyond_tolerance(problem, found, names, say)
+    if full is not None and not complete(problem, found.fit, found.after, found.travels, full[1]):
+        full = None  # a large line is there: tolerances were pulled by it
     for group in (plain, bounce, others):
         accepted = _best_of(problem, found, group, say)
         if accepted is None:
