@@ -6,7 +6,7 @@ STAMP  := $(VENV)/.installed
 SPEED  ?= 200
 WIRE   ?= modbus
 
-.PHONY: demo test check bench bench-control size matrix test-socketcan setup clean
+.PHONY: demo demo-refine test check bench bench-control size matrix test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -20,6 +20,10 @@ $(STAMP): pyproject.toml
 # WIRE= modbus, can or canopen)
 demo: setup
 	$(BIN)/python -m sim_plant.cli.main demo --wire $(WIRE) --speed-fpm $(SPEED) --out out/demo-$(WIRE)
+
+# two records with an undeclared effect: name it, write the amended line, error before and after
+demo-refine: setup
+	$(BIN)/python -m sim_plant.cli.main refine config/lines/euclid.yaml --example --out out/refine
 
 # everything that decides whether a change may land
 test: setup check

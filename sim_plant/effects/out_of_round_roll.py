@@ -11,7 +11,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import REWIND, UNWIND, LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.effects.phasor import angle, component, phasor
-from sim_plant.effects.shape_rows import add_heavy, add_shape
+from sim_plant.effects.shape_rows import add_heavy, add_mean, add_shape
 from sim_plant.geometry.roll_profiles import asymmetric, bulge, flat_spot, flattened_bulge
 from sim_plant.geometry.shapes import Shape, circle, ellipse, orders, require_convex
 from sim_plant.geometry.wound_mass import wound_mass
@@ -69,7 +69,9 @@ def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
     """Give body ``place`` the profile, on a roll also the gravity torque of the displaced web.
 
-    Moment arm p(theta) of the exact identity of ``docs/adr/0003`` [source 4.46 corrected].
+    The declared radius is that of the round part: the web feels the profile's own mean radius,
+    drive and radius sensor keep the declared one. Moment arm p(theta) of the exact identity
+    [source 4.46 corrected, docs/adr/0003].
     """
     body = arrays.bodies[place]
     shape = profile(float(body["radius_m"]), parameters)
@@ -82,7 +84,7 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
         )  # fmt: skip
         heavy = mass.mass_kg * GRAVITY_M_S2 * mass.offset_m * float(parameters["gravity"])
         add_heavy(arrays, place, heavy, mass.offset_angle_rad)
-    return add_shape(arrays, place, shape)
+    return add_mean(add_shape(arrays, place, shape), place, float(parameters["mean_m"]))
 
 
 def _components() -> dict[str, Parameter]:
@@ -109,6 +111,9 @@ EFFECT = Effect(
         ),
         "gravity": Parameter(
             default=1.0, unit="1", typical=0.0, low=0.0, high=2.0, linear=True, role="shape"
+        ),
+        "mean_m": Parameter(
+            default=0.0, unit="m", typical=2e-4, low=-0.02, high=0.02, linear=True, role="shape"
         ),
         **_components(),
     },

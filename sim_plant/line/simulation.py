@@ -226,6 +226,8 @@ class LineSimulation:
             found["true_" + channel.name] = true
         spans = self.layout.n - 1
         found["span_tension_N"] = rows[:, -spans:]
+        bodies = rows.shape[1] - spans - 2 - self.layout.n
+        found["body_angle_rad"] = rows[:, bodies : bodies + self.layout.n]
         return found
 
 

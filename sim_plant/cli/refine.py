@@ -1,0 +1,107 @@
+"""`sim-plant refine`: from measured records to what the line model lacks."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from aff_runtime.base.errors import PlantError
+
+if TYPE_CHECKING:
+    from sim_plant.refine.outcome import Outcome
+
+Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhere else)
+
+
+def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
+    """Add the subcommand."""
+    parser = subparsers.add_parser("refine", help="trace what a line model lacks in records")
+    parser.add_argument(
+        "line", type=Path, metavar="LINE.yaml",
+        help="line declaration, or a record declaration where there is no line",
+    )  # fmt: skip
+    parser.add_argument("records", type=Path, nargs="*", metavar="RECORD")
+    parser.add_argument(
+        "--example",
+        action="store_true",
+        help="make two records of this line with an undeclared effect first",
+    )
+    parser.add_argument("--holdout", type=Path, action="append", default=[], metavar="RECORD",
+                        help="record to judge on, not to fit")  # fmt: skip
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR")
+    parser.add_argument("--without", action="append", default=[], metavar="EFFECT",
+                        help="leave an effect out of the library")  # fmt: skip
+    parser.add_argument("--workers", type=int, default=min(2, os.cpu_count() or 1))
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Refine; 0 whatever the verdict, 2 when an input cannot be judged."""
+    from sim_plant.effects.catalogue import BY_NAME  # noqa: PLC0415 - heavy imports
+    from sim_plant.refine.example import write_example  # noqa: PLC0415
+    from sim_plant.refine.outcome import Plan  # noqa: PLC0415
+    from sim_plant.refine.pipeline import refine  # noqa: PLC0415
+    from sim_plant.refine.record_only import is_record_declaration  # noqa: PLC0415
+    from sim_plant.refine.record_pipeline import refine_records  # noqa: PLC0415
+
+    for name in arguments.without:
+        if name not in BY_NAME:
+            raise PlantError(f"--without {name}: no such effect; there are {sorted(BY_NAME)}")
+    records, holdout = tuple(arguments.records), tuple(arguments.holdout)
+    if arguments.example:
+        print("making two records with an effect that the line file does not declare")
+        first, second = write_example(arguments.line, arguments.out / "records")
+        records, holdout = (first,), (second,)
+    if not records:
+        raise PlantError("give at least one RECORD, or --example")
+    plan = Plan(
+        line=arguments.line, records=records, holdout=holdout,
+        out=arguments.out, without=tuple(arguments.without), workers=arguments.workers,
+    )  # fmt: skip
+    if is_record_declaration(plan.line):
+        print(record_summary(refine_records(plan, lambda text: print(text, flush=True)), plan.out))
+        return 0
+    outcome = refine(plan, lambda text: print(text, flush=True))
+    print(summary(outcome))
+    return 0
+
+
+def record_summary(result: dict[str, Any], out: Path) -> str:
+    """Return the verdict on records without a line as text."""
+    lines = [f"\nverdict: {result['verdict']}"]
+    for u in result["unknown"]:
+        where = ", ".join(f"{k} {v:.6g}" for k, v in u["coordinate"].items())
+        lines.append(f"  unknown, class {u['class']}: {where}")
+    for u in result["clocks"]:
+        lines.append(f"  no effect: {u['coordinate']['frequency_Hz']:.4g} Hz {u['why']}")
+    for name, row in result["residual_rms"].items():
+        lines.append(f"{name}: rms {row['before']:.5g} with the declared filter alone, "
+                     f"{row['after']:.5g} with the lines")  # fmt: skip
+    return "\n".join([*lines, f"judged on {result['holdout']}; written to {out}"])
+
+
+def summary(outcome: Outcome) -> str:
+    """Return the verdict and the error table as text."""
+    result: dict[str, Any] = outcome.verdict
+    lines = [f"\nverdict: {result['verdict']}"]
+    for e in result["effects"]:
+        numbers = ", ".join(
+            f"{k} {v:.6g}" if isinstance(v, float) else f"{k} {v}"
+            for k, v in e["parameters"].items()
+        )
+        lines.append(f"  {e['effect']} at {e['location']}: {numbers}")
+        lines.append(f"    score {e['score']:.0f}, runner-up {e['runner_up']}, "
+                     f"margin {e['margin']:.0f}")  # fmt: skip
+    for u in result["unknown"]:
+        lines.append(f"  unknown, class {u['class']}: {u['coordinate']}")
+    lines.append(
+        f"{'channel':28s} {'before':>10s} {'after':>10s} {'floor':>10s} {'after/floor':>11s}"
+    )
+    for name, row in result["residual_rms"].items():
+        share = row["after"] / row["noise_floor"] if row["noise_floor"] else 0.0
+        lines.append(f"{name:28s} {row['before']:10.4g} {row['after']:10.4g} "
+                     f"{row['noise_floor']:10.4g} {share:11.3f}")  # fmt: skip
+    lines.append(f"judged on {result['holdout']}; written to {outcome.plan.out}")
+    return "\n".join(lines)

@@ -1,0 +1,1 @@
+"""From measured records to what a line declaration lacks: residual, cause, amended model."""

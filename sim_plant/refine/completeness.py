@@ -1,0 +1,52 @@
+"""Whether an effect explains what a free line at its own coordinates would explain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sim_plant.refine.coordinates import Travel, line_support, spectra
+from sim_plant.refine.fit import Fit
+from sim_plant.refine.generic import LineSpectrum
+from sim_plant.refine.hypotheses import Hypothesis
+from sim_plant.refine.problem import Problem
+from sim_plant.refine.unknown import LINE_THRESHOLD, strongest
+
+COMPLETENESS = 0.8
+LEFT_OVER = 0.15
+
+
+def lines_left(
+    problem: Problem, fit: Fit, travels: Sequence[Travel]
+) -> list[list[LineSpectrum]]:  # fmt: skip
+    """Return the free-line spectra of a fit's residual, per record."""
+    return [
+        spectra(travel, part)
+        for travel, part in zip(travels, problem.split(fit.residual), strict=True)
+    ]
+
+
+def complete(
+    problem: Problem, base: Fit, before: Sequence[Sequence[LineSpectrum]],
+    travels: Sequence[Travel], fit: Fit,
+) -> bool:  # fmt: skip
+    """Return whether the effects that ``fit`` adds to ``base`` explain their own lines.
+
+    An effect that is no line must explain what the strongest free line would.
+    """
+    drop = base.cost - fit.cost
+    fresh = fit.hypotheses[len(base.hypotheses) :]
+    locked = [h for h in fresh if line_support(h, travels[0], before[0]) is not None]
+    if not locked:
+        return drop > COMPLETENESS * (strongest(before)[2] - LINE_THRESHOLD)
+    left = lines_left(problem, fit, travels)
+    for h in locked:
+        line = max(_support(h, t, s) for t, s in zip(travels, before, strict=True))
+        rest = max(_support(h, t, s) for t, s in zip(travels, left, strict=True))
+        partly = drop < COMPLETENESS * (line - LINE_THRESHOLD) or rest > LEFT_OVER * line
+        if partly and rest > LINE_THRESHOLD:
+            return False
+    return True
+
+
+def _support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float:
+    return line_support(h, travel, found) or 0.0

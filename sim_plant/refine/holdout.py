@@ -1,0 +1,146 @@
+"""Error before and after on a record that took no part in the fit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.bench import Bench
+from sim_plant.refine.hypotheses import turned
+from sim_plant.refine.noise import NoiseModel, first_judged, noise_model
+from sim_plant.refine.twin import Added, Case
+
+COARSE_ANGLES = 24
+ZOOMS = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Judgement:
+    """Residual of one record without and with the effects found.
+
+    Attributes
+    ----------
+    channels : names.
+    before, after, floor : rms per channel; ``floor`` is what noise alone leaves.
+    measured, declared, amended : channels (channels, samples), for the overlay.
+    effects : with the start angles of this record.
+    angles_rad : start angles estimated on this record, per location; all else is as fitted.
+    first : first judged sample.
+    """
+
+    channels: tuple[str, ...]
+    before: Array
+    after: Array
+    floor: Array
+    measured: Array
+    declared: Array
+    amended: Array
+    effects: tuple[Added, ...]
+    angles_rad: dict[str, float]
+    first: int
+
+
+def rms(channels: Sequence[str], residual: Array, first: int) -> Array:
+    """Return the rms per channel from ``first`` on; an angle's zero is free."""
+    part = residual[:, first:].copy()
+    for c, name in enumerate(channels):
+        if name.endswith("_angle_rad"):
+            part[c] -= part[c].mean()
+    found: Array = np.sqrt(np.mean(part**2, axis=1))
+    return found
+
+
+def judge(
+    bench: Bench, measured: Array, effects: Sequence[Added], *, find_angles: bool
+) -> Judgement:
+    """Return before and after on the bench's only record.
+
+    A roll's start angle differs from record to record and is found anew (``find_angles``).
+    """
+    twin = bench.twins[0]
+    runs = bench.run([Case(coarse=False), Case(coarse=False, seed=0)])
+    declared, noisy = runs[0][0], runs[1][0]
+    first = first_judged(measured.shape[1], twin.declaration.sample_time_s)
+    steps = {s.channel: s.lsb_m or 0.0 for s in twin.declaration.sensors}
+    model = noise_model(
+        (noisy - declared)[None], first, np.array([steps[c] for c in twin.channels])
+    )
+    angles: dict[str, float] = {}
+    final = tuple(effects)
+    if find_angles:
+        final, angles = _start_angles(bench, measured, final, model)
+    amended = bench.one(Case(effects=final, coarse=False))[0] if final else declared
+    return Judgement(
+        channels=twin.channels, before=rms(twin.channels, measured - declared, first),
+        after=rms(twin.channels, measured - amended, first), floor=model.floor,
+        measured=measured, declared=declared, amended=amended, effects=final,
+        angles_rad=angles, first=first,
+    )  # fmt: skip
+
+
+def _phased(effect: Added) -> bool:
+    record = BY_NAME[effect.effect]
+    return bool(record.quadratures) or any(
+        record.accepts[name].role == "angle" for name, _ in effect.parameters
+    )
+
+
+def _turned(effect: Added, angle_rad: float) -> Added:
+    values = turned(BY_NAME[effect.effect], dict(effect.parameters), angle_rad)
+    return Added(effect.effect, effect.location, tuple(values.items()))
+
+
+def _with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) -> tuple[Added, ...]:
+    return tuple(
+        _turned(e, angle_rad) if e.location == location and _phased(e) else e for e in effects
+    )
+
+
+def _costs(
+    bench: Bench, measured: Array, model: NoiseModel, effects: tuple[Added, ...], location: str,
+    tries: Array,
+) -> Array:  # fmt: skip
+    """Return the weighted squared error with the effects at ``location`` turned by each try."""
+    zero = np.array([name.endswith("_angle_rad") for name in bench.twins[0].channels])
+    cases = [Case(effects=_with_turned(effects, location, float(a))) for a in tries]
+    found = []
+    for run in bench.run(cases, keep=False):
+        residual = measured - run[0]
+        residual[zero] -= residual[zero, model.first :].mean(axis=1, keepdims=True)
+        white = model.whiten(residual)
+        white -= white.mean(axis=1, keepdims=True)
+        found.append(float(np.sum(white**2)))
+    return np.array(found)
+
+
+def _start_angles(
+    bench: Bench, measured: Array, effects: tuple[Added, ...], model: NoiseModel
+) -> tuple[tuple[Added, ...], dict[str, float]]:
+    """Return the effects at this record's start angles, found by search, and the angles."""
+    angles: dict[str, float] = {}
+    for location in dict.fromkeys(e.location for e in effects if _phased(e)):
+        width = 2.0 * math.pi / COARSE_ANGLES
+        grid: Array = np.arange(COARSE_ANGLES, dtype=np.float64) * width
+        costs = _costs(bench, measured, model, effects, location, grid)
+        best = float(grid[int(np.argmin(costs))])
+        for _ in range(ZOOMS):
+            grid = best + width * np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
+            best = _lowest(grid, _costs(bench, measured, model, effects, location, grid))
+            width *= 0.3
+        angles[location] = math.remainder(best, 2.0 * math.pi)
+        effects = _with_turned(effects, location, best)
+    return effects, angles
+
+
+def _lowest(grid: Array, values: Array) -> float:
+    """Return the minimum of a parabola through the points, kept inside the grid."""
+    centre = grid[len(grid) // 2]
+    fit = np.polyfit(grid - centre, values, 2)
+    if fit[0] <= 0.0:
+        return float(grid[int(np.argmin(values))])
+    return float(np.clip(centre - fit[1] / (2.0 * fit[0]), grid[0], grid[-1]))

@@ -1,0 +1,45 @@
+"""What refine was asked and what it found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sim_plant.refine.holdout import Judgement
+from sim_plant.refine.record import Record
+from sim_plant.refine.trace import Trace
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """What to do.
+
+    Attributes
+    ----------
+    line : declaration.
+    records : to fit.
+    holdout : to judge; empty: the last record fitted is shown, and said to be no proof.
+    out : folder to write.
+    without : effects left out of the library.
+    workers : processes.
+    """
+
+    line: Path
+    records: tuple[Path, ...]
+    holdout: tuple[Path, ...]
+    out: Path
+    without: tuple[str, ...] = ()
+    workers: int = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Outcome:
+    """What came out, with everything the report shows."""
+
+    plan: Plan
+    records: tuple[Record, ...]
+    limits: tuple[str, ...]
+    trace: Trace
+    judgement: Judgement
+    verdict: dict[str, Any]

@@ -1,0 +1,112 @@
+"""The whole way: read, simulate, trace, judge, amend, report."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Callable, Collection, Sequence
+from typing import Any
+
+import numpy as np
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.line.load import load_declaration
+from sim_plant.refine.amend import plain, write_amended, write_block
+from sim_plant.refine.bench import Bench
+from sim_plant.refine.holdout import judge
+from sim_plant.refine.hypotheses import library
+from sim_plant.refine.match import limits, twin_of
+from sim_plant.refine.outcome import Outcome, Plan
+from sim_plant.refine.problem import Problem
+from sim_plant.refine.read import read_record
+from sim_plant.refine.record import Record
+from sim_plant.refine.report import write_report
+from sim_plant.refine.trace import Trace, trace
+from sim_plant.refine.twin import Twin
+from sim_plant.refine.verdict import verdict
+
+Say = Callable[[str], None]
+
+
+def measured_of(twin: Twin, record: Record) -> Any:
+    """Return the modelled channels of a record (channels, samples)."""
+    return np.stack([record.columns[name] for name in twin.channels])
+
+
+def find(
+    twins: Sequence[Twin], records: Sequence[Record], without: Collection[str], workers: int,
+    say: Say,
+) -> Trace:  # fmt: skip
+    """Return the trace of these records."""
+    with Bench(twins, workers) as bench:
+        say("simulating the declared line, its noise and its tolerances")
+        measured = [measured_of(t, r) for t, r in zip(twins, records, strict=True)]
+        problem = Problem(bench, measured)
+        found = trace(problem, library(twins[0].declaration, without), say)
+        say(f"{bench.simulations} simulations")
+    return found
+
+
+def refine(plan: Plan, say: Say) -> Outcome:
+    """Run everything and write the folder; nothing is written before all inputs are accepted.
+
+    Raises
+    ------
+    PlantError
+        On any input that cannot be judged.
+    """
+    line = load_declaration(plan.line)
+    records = [read_record(p) for p in plan.records]
+    twins = [twin_of(line, r) for r in records]
+    held = [read_record(p) for p in plan.holdout]
+    held_twins = [twin_of(line, r) for r in held]
+    said = list(dict.fromkeys(text for t in twins for text in limits(t)))
+    if not held:
+        said.append("no held-out record: the error after is that of the record fitted")
+    for text in said:
+        say(f"cannot be claimed: {text}")
+    for record in (*records, *held):
+        for text in record.findings:
+            say(f"{record.path.name}: {text}")
+    found = find(twins, records, plan.without, plan.workers, say)
+    if found.fit.shifts:
+        say("declared numbers moved within tolerance: " + ", ".join(sorted(found.fit.shifts)))
+    shown, twin = (held[0], held_twins[0]) if held else (records[0], twins[0])
+    say(f"judging on {shown.path.name}")
+    with Bench([twin], plan.workers) as bench:
+        judged = judge(bench, measured_of(twin, shown), found.fit.effects, find_angles=bool(held))
+    result = verdict(found, judged, str(shown.path))
+    outcome = Outcome(
+        plan=plan, records=(*records, *held), limits=tuple(said), trace=found, judgement=judged,
+        verdict=result,
+    )  # fmt: skip
+    write_all(outcome)
+    return outcome
+
+
+def command_of(plan: Plan) -> str:
+    """Return the command that repeats this run."""
+    parts = ["sim-plant", "refine", str(plan.line), *map(str, plan.records)]
+    for path in plan.holdout:
+        parts += ["--holdout", str(path)]
+    for name in plan.without:
+        parts += ["--without", name]
+    return shlex.join([*parts, "--out", str(plan.out)])
+
+
+def write_all(outcome: Outcome) -> None:
+    """Write verdict, amended line, AFF block and report."""
+    plan = outcome.plan
+    try:
+        plan.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise PlantError(f"{plan.out}: cannot be written ({error})") from error
+    command = command_of(plan)
+    amended = None
+    if outcome.trace.steps:
+        amended = write_amended(plan.line, plan.out, outcome.trace, outcome.records, command,
+                                outcome.verdict)  # fmt: skip
+    block = write_block(plan.out, outcome.verdict["effects"])
+    text = json.dumps(plain(outcome.verdict), indent=1) + "\n"
+    (plan.out / "verdict.json").write_text(text, encoding="utf-8")
+    write_report(outcome, command, amended, block)

@@ -1,0 +1,133 @@
+"""First look: what every hypothesis would explain, by one linear step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.coordinates import Travel, line_support
+from sim_plant.refine.fit import Fit
+from sim_plant.refine.generic import LineSpectrum
+from sim_plant.refine.hypotheses import Hypothesis
+from sim_plant.refine.linear import Gain
+from sim_plant.refine.problem import Problem
+
+LINE_WORTH_A_TRY = 170.0
+"""Free-line drop below which no order-locked effect is simulated."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Scored:
+    """One hypothesis with its linear gain.
+
+    Attributes
+    ----------
+    score : drop less q ln(N/4), the price of q numbers.
+    start : numbers to begin the fit with.
+    """
+
+    hypothesis: Hypothesis
+    gain: Gain
+    score: float
+    start: tuple[float, ...]
+
+
+def price(problem: Problem, numbers: int) -> float:
+    """Return the cost drop that this many free numbers must pay [BIC]."""
+    return numbers * math.log(problem.rows / 4.0)
+
+
+def worth_trying(
+    hypotheses: Sequence[Hypothesis], travels: Sequence[Travel],
+    spectra: Sequence[Sequence[LineSpectrum]],
+) -> tuple[list[Hypothesis], list[Hypothesis]]:  # fmt: skip
+    """Return hypotheses whose line is in some record, and those that are no lines."""
+    lines, others = [], []
+    strongest = max(s.peak[1] for record in spectra for s in record)
+    least = max(LINE_WORTH_A_TRY, 0.01 * strongest)
+    for h in hypotheses:
+        support = [line_support(h, t, s) for t, s in zip(travels, spectra, strict=True)]
+        seen = [value for value in support if value is not None]
+        if not seen:
+            others.append(h)
+        elif max(seen) >= (0.3 * strongest if h.effect.name == "roll_bounce" else least):
+            lines.append(h)
+    return lines, others
+
+
+def screen(problem: Problem, fit: Fit, hypotheses: Sequence[Hypothesis], residual: Array,
+           base: Fit) -> list[Scored]:  # fmt: skip
+    """Return all hypotheses, best score first; sensitivities are taken at ``base``."""
+    case = base.case
+    probes = [(h, added) for h in hypotheses for added in h.probes()]
+    cases = [replace(case, effects=(*case.effects, added)) for _, added in probes]
+    runs = problem.bench.run([case, *cases])
+    start = runs[0]
+    columns: dict[int, list[Array]] = {}
+    for (h, _), run in zip(probes, runs[1:], strict=True):
+        columns.setdefault(id(h), []).append(problem.column(run, start, 1.0))
+    scored = [
+        score_one(problem, h, residual, np.stack(columns[id(h)], axis=1)) for h in hypotheses
+    ]
+    return sorted(scored, key=lambda s: -s.score)
+
+
+def thinned(hypotheses: Sequence[Hypothesis], rollers: Sequence[str]) -> list[Hypothesis]:
+    """Return the hypotheses with every third idler only: response changes slowly along the web."""
+    idlers = [name for name in rollers if name]
+    left_out = {name for k, name in enumerate(idlers) if k % 3 != 1}
+    return [h for h in hypotheses if h.location not in left_out]
+
+
+def neighbours(
+    hypotheses: Sequence[Hypothesis], ranked: Sequence[Scored], rollers: Sequence[str]
+) -> list[Hypothesis]:  # fmt: skip
+    """Return hypotheses not ranked yet within two idlers of the best of their effect."""
+    idlers = [name for name in rollers if name]
+    near: set[tuple[str, str]] = set()
+    for name in {s.hypothesis.effect.name for s in ranked}:
+        best = [s for s in ranked if s.hypothesis.effect.name == name]
+        for s in best[:2]:
+            if (
+                s.score > 0.0
+                and s.score > 0.3 * ranked[0].score
+                and s.hypothesis.location in idlers
+            ):
+                at = idlers.index(s.hypothesis.location)
+                near |= {(name, other) for other in idlers[max(0, at - 2) : at + 3]}
+    done = {s.hypothesis.key for s in ranked}
+    return [h for h in hypotheses if h.key in near and h.key not in done]
+
+
+def score_one(problem: Problem, h: Hypothesis, residual: Array, columns: Array) -> Scored:
+    """Return the gain of one hypothesis; columns are whole probes, so 1 is the typical size."""
+    if not np.isfinite(columns).all():
+        nothing = Gain(drop=0.0, values=np.zeros(1), covariance=np.zeros((1, 1)), seen=0.0)
+        return Scored(hypothesis=h, gain=nothing, score=-np.inf, start=h.start)
+    use = list(range(columns.shape[1]))
+    gain = problem.projector.gain(residual, columns)
+    # a strength that cannot go backwards is left out where it would
+    while use:
+        wrong = [k for k, at in enumerate(use) if not h.linear[at] and gain.values[k] <= 0.0]
+        if not wrong:
+            break
+        use = [at for k, at in enumerate(use) if k not in wrong]
+        if use:
+            gain = problem.projector.gain(residual, columns[:, use])
+    if not use:
+        gain = replace(gain, drop=0.0)
+    start = list(h.absent)
+    start[h.strengths :] = h.start[h.strengths :]
+    for k, at in enumerate(use):
+        size = float(gain.values[k])
+        if not h.linear[at]:
+            size = min(max(size, 0.1), 3.0)
+        start[at] = h.absent[at] + size * (h.start[at] - h.absent[at])
+    return Scored(
+        hypothesis=h, gain=gain, score=gain.drop - price(problem, max(1, len(use))),
+        start=tuple(start),
+    )  # fmt: skip

@@ -1,0 +1,285 @@
+"""Trace a residual to effects, one after another, against generic terms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.completeness import complete, lines_left
+from sim_plant.refine.coordinates import Travel, travel_of
+from sim_plant.refine.fit import Fit, empty_fit, felt_radii, refine_fit
+from sim_plant.refine.generic import LineSpectrum
+from sim_plant.refine.hypotheses import Hypothesis
+from sim_plant.refine.problem import Problem
+from sim_plant.refine.pulled import pulled_starts
+from sim_plant.refine.screen import Scored, neighbours, price, screen, thinned, worth_trying
+from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
+from sim_plant.refine.shapes import profile_starts
+from sim_plant.refine.unknown import LINE_THRESHOLD, Unknown, strongest, unknowns
+
+MOST_EFFECTS = 4
+SCORE_THRESHOLD = 75.0
+RUNNERS = 4
+DISCREPANCY = 0.006
+"""A further effect must explain more than this share of what was explained: no model is exact."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Step:
+    """One accepted effect, and what it was chosen against."""
+
+    hypothesis: Hypothesis
+    score: float
+    runner_up: str
+    margin: float
+    rejected: tuple[tuple[str, str, float], ...]  # effect, location, score
+    ambiguous: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Trace:
+    """Everything the search found."""
+
+    nominal: Fit
+    fit: Fit
+    travels: list[Travel]
+    before: list[list[LineSpectrum]]
+    after: list[list[LineSpectrum]]
+    steps: list[Step] = field(default_factory=list)
+    unknown: list[Unknown] = field(default_factory=list)
+    first_look: list[Scored] = field(default_factory=list)
+
+
+Say = Callable[[str], None]
+
+
+def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
+    """Return effects that explain the records, and what remains unexplained."""
+    nominal = empty_fit(problem, felt_radii(problem))
+    travels = [
+        travel_of(twin, measured, nominal.case, noise.first)
+        for twin, measured, noise in zip(
+            problem.bench.twins, problem.measured, problem.noise, strict=True
+        )
+    ]
+    before = lines_left(problem, nominal, travels)
+    found = Trace(nominal=nominal, fit=nominal, travels=travels, before=before, after=before)
+    for _ in range(MOST_EFFECTS):
+        accepted = _search(problem, found, library, say)
+        if accepted is None:
+            break
+        steps, found.fit = accepted
+        found.steps.extend(steps)
+        found.after = lines_left(problem, found.fit, travels)
+        if _at_floor(problem, found):
+            break
+    if found.steps:
+        say("final numbers at the declared drive tick")
+        fit = found.fit
+        exact = refine_fit(problem, fit.hypotheses, fit.values, fit.shifts, rounds=2, coarse=False)
+        if np.isfinite(exact.cost):
+            found.fit = exact
+            found.after = lines_left(problem, exact, travels)
+    found.unknown = unknowns(problem, found.nominal, found.fit, found.after)
+    return found
+
+
+def _search(
+    problem: Problem, found: Trace, library: Sequence[Hypothesis], say: Say
+) -> tuple[list[Step], Fit] | None:
+    """Look among lines first when there is one, then among effects that are none.
+
+    An effect that leaves much of its own line may be half of a pair: a second effect that is no
+    line (a delay, a filter) can have changed how the line answers the first.
+    """
+    lines, others = worth_trying(library, found.travels, found.after)
+    bounce = [h for h in lines if h.effect.name == "roll_bounce"]
+    plain = [h for h in lines if h.effect.name != "roll_bounce"]
+    say(f"cost {found.fit.cost:.0f}, noise alone {problem.expected_cost:.0f}")
+    half: tuple[Step, Fit] | None = None
+    floor = min(problem.expected_cost, found.fit.cost - 3.0 * SCORE_THRESHOLD)
+    names = frozenset(h.effect.name for h in library)
+    full = _beyond_tolerance(problem, found, names, say)
+    if full is not None and not complete(problem, found.fit, found.after, found.travels, full[1]):
+        full = None  # a large line is there: tolerances were pulled by it
+    for group in (plain, bounce, others):
+        accepted = _best_of(problem, found, group, say)
+        if accepted is None:
+            continue
+        if complete(problem, found.fit, found.after, found.travels, accepted[1]):
+            if full is None or accepted[1].cost < full[1].cost:
+                full = accepted
+            if found.fit.cost - accepted[1].cost > 0.3 * (found.fit.cost - floor):
+                break
+            continue
+        say("  leaves too much of its own line: not accepted alone")
+        if half is None or accepted[1].cost < half[1].cost:
+            half = accepted
+    if full is not None:
+        return [full[0]], full[1]
+    if half is None:
+        return None
+    say(f"trying a second effect beside {half[0].hypothesis.effect.name}")
+    base = replace(found, fit=half[1], after=lines_left(problem, half[1], found.travels))
+    second = _best_of(problem, base, others, say)
+    if second is not None and complete(problem, found.fit, found.after, found.travels, second[1]):
+        return [half[0], second[0]], second[1]
+    return None
+
+
+def _beyond_tolerance(
+    problem: Problem, found: Trace, names: frozenset[str], say: Say
+) -> tuple[Step, Fit] | None:
+    """Fit effects that say the same as a declared number pulled beyond its tolerance."""
+    best: tuple[Step, Fit] | None = None
+    for h, start, shifts in pulled_starts(problem, found.fit, frozenset(BY_NAME) - names):
+        if h.key in {k.key for k in found.fit.hypotheses}:
+            continue
+        fit = _fitted(problem, found.fit, h, start, shifts)
+        if fit is None:
+            continue
+        score = found.fit.cost - fit.cost - price(problem, len(h.names))
+        say(f"  {h.effect.name} at {h.location}, beyond tolerance: score {score:.0f}")
+        if score > SCORE_THRESHOLD and (best is None or fit.cost < best[1].cost):
+            second = best[0] if best else None
+            step = Step(
+                hypothesis=h, score=score, rejected=(),
+                runner_up=" at ".join(second.hypothesis.key) if second else "",
+                margin=score - (second.score if second else 0.0),
+            )  # fmt: skip
+            best = step, fit
+    return best
+
+
+def _best_of(
+    problem: Problem, found: Trace, candidates: Sequence[Hypothesis], say: Say
+) -> tuple[Step, Fit] | None:
+    """Screen a group of hypotheses and fit the best."""
+    taken = {h.key for h in found.fit.hypotheses}
+    group = [h for h in candidates if h.key not in taken]
+    if not group:
+        return None
+    line = problem.bench.twins[0].declaration
+    idlers = [r.name if r.kind == "idler" else "" for r in line.rollers]
+    residual = problem.residual(problem.bench.one(found.fit.case), found.fit.shifts)
+    say(f"  {len(group)} hypotheses")
+    ranked = screen(problem, found.fit, thinned(group, idlers), residual, found.fit)
+    more = neighbours(group, ranked, idlers)
+    if more:
+        ranked += screen(problem, found.fit, more, residual, found.fit)
+        ranked.sort(key=lambda s: -s.score)
+    found.first_look.extend(ranked if not found.steps else [])
+    return _next(problem, found, ranked, say)
+
+
+def _at_floor(problem: Problem, found: Trace) -> bool:
+    excess = found.fit.cost - problem.expected_cost
+    if excess < DISCREPANCY * (found.nominal.cost - found.fit.cost):
+        return True
+    quiet = excess < 0.003 * problem.expected_cost
+    return quiet and strongest(found.after)[2] < LINE_THRESHOLD
+
+
+def _shortlist(ranked: Sequence[Scored]) -> list[Scored]:
+    """Return the best few of distinct effect and place; curved ones get a second chance."""
+    best = ranked[0].score
+    kept: list[Scored] = []
+    for s in ranked:
+        curved = not all(s.hypothesis.linear)
+        share = 0.25 if curved else 0.85
+        if s.score < max(0.5 * SCORE_THRESHOLD, share * best):
+            continue
+        same = [k for k in kept if k.hypothesis.key == s.hypothesis.key]
+        effect = [k for k in kept if k.hypothesis.effect.name == s.hypothesis.effect.name]
+        if same or len(effect) >= 3:
+            continue
+        kept.append(s)
+    return kept[: RUNNERS + 2]
+
+
+def _next(
+    problem: Problem, found: Trace, ranked: list[Scored], say: Say
+) -> tuple[Step, Fit] | None:
+    """Return the effect that explains most, fitted, or None when none may be claimed."""
+    if not ranked or ranked[0].score < 0.5 * SCORE_THRESHOLD:
+        return None
+    fits: list[tuple[float, Fit, Hypothesis]] = []
+    for s in _shortlist(ranked):
+        fit = _fit_one(problem, found.fit, s)
+        if fit is None:
+            continue
+        h = fit.hypotheses[-1]
+        score = found.fit.cost - fit.cost - price(problem, len(h.names))
+        say(f"  {h.effect.name} at {h.location}: score {score:.0f}")
+        fits.append((score, fit, h))
+    fits = sorted((row for row in fits if np.isfinite(row[0])), key=lambda row: -row[0])
+    explained = found.nominal.cost - found.fit.cost
+    if not fits or fits[0][0] < max(SCORE_THRESHOLD, DISCREPANCY * explained):
+        return None
+    score, fit, h = fits[0]
+    others = [(s, k) for s, _, k in fits[1:] if k.key != h.key]
+    others += [(s.score, s.hypothesis) for s in ranked
+               if s.hypothesis.key not in {k.key for _, _, k in fits}]  # fmt: skip
+    others.sort(key=lambda row: -row[0])
+    runner, second = (others[0][1], others[0][0]) if others else (None, 0.0)
+    say(f"  best: {h.effect.name} at {h.location}, score {score:.0f}")
+    step = Step(
+        hypothesis=h, score=score, runner_up=" at ".join(runner.key) if runner else "",
+        margin=score - max(second, 0.0),
+        rejected=tuple((k.effect.name, k.location, s) for s, k in others[:12]),
+        ambiguous=tuple(k.key for s, k in others if score - s < 10.0),
+    )  # fmt: skip
+    return step, fit
+
+
+def _fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
+    h = scored.hypothesis
+    if h.effect.name != OUT_OF_ROUND:
+        return _fitted(problem, fit, h, scored.start, fit.shifts)
+    own = f"rollers.{h.location}.effective_radius"  # a profile brings its own mean radius
+    shifts = {name: value for name, value in fit.shifts.items() if name != own}
+    best: Fit | None = None
+    for hyp, start in _profiles(problem, fit, h):
+        new = _fitted(problem, fit, hyp, start, shifts)
+        if new is not None and (best is None or _worth(problem, new) < _worth(problem, best)):
+            best = new
+    excess = fit.cost - problem.expected_cost
+    if best is None or fit.cost - best.cost < 0.9 * excess:
+        free = _fitted(problem, fit, h, scored.start, fit.shifts, rounds=2)
+        if free is not None and (best is None or _worth(problem, free) < _worth(problem, best)):
+            best = free
+    return best
+
+
+def _fitted(
+    problem: Problem, fit: Fit, h: Hypothesis, start: Sequence[float], shifts: dict[str, float],
+    rounds: int = 6,
+) -> Fit | None:  # fmt: skip
+    new = refine_fit(
+        problem, (*fit.hypotheses, h), (*fit.values, tuple(start)), shifts, rounds=rounds
+    )
+    return new if np.isfinite(new.cost) else None
+
+
+def _worth(problem: Problem, fit: Fit) -> float:
+    return fit.cost + price(problem, len(fit.hypotheses[-1].names))
+
+
+def _profiles(
+    problem: Problem, fit: Fit, h: Hypothesis
+) -> list[tuple[Hypothesis, tuple[float, ...]]]:
+    case = fit.case
+    runs = problem.bench.run(
+        [case, *(replace(case, effects=(*case.effects, a)) for a in h.probes())]
+    )
+    columns = np.stack([problem.column(r, runs[0], 1.0) for r in runs[1:]], axis=1)
+    residual = problem.residual(runs[0], fit.shifts)
+    cut = problem.projector.project(columns)
+    line = problem.bench.twins[0].declaration
+    radius = line.rollers[line.body(h.location)].radius_m
+    inner: Array = columns.T @ cut
+    return profile_starts(h.location, radius, inner, cut.T @ residual, h.start)

@@ -1,0 +1,135 @@
+"""The declared line run under a record's references, with and without changes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.base.effects import Value
+from sim_plant.effects.shape_rows import add_mean, add_shape
+from sim_plant.geometry.shapes import orders
+from sim_plant.line.build import build_arrays, timing_of
+from sim_plant.line.declaration import Declaration, EffectEntry
+from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.with_effects import apply_effects
+from sim_plant.refine.nuisances import declared_nuisances
+
+COARSE_TICK_S = 0.005
+COARSE_SETTLE_S = 10.0
+FINE_SETTLE_S = 20.0
+REFERENCES = ("line_speed_ref_m_s", "tension_ref_N")
+
+
+@dataclass(frozen=True, slots=True)
+class Added:
+    """An effect put on the line: name, location and (key, value) parameters, hashable."""
+
+    effect: str
+    location: str
+    parameters: tuple[tuple[str, Value], ...]
+
+    def entry(self) -> EffectEntry:
+        """Return the declaration's entry."""
+        return EffectEntry(
+            effect=self.effect, location=self.location, parameters=dict(self.parameters)
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """One simulation: effects put on the line, declared numbers shifted, noise, step.
+
+    ``shifts`` are (nuisance name, amount); ``ripples`` are (body, order, cos_m, sin_m) of the
+    support function, for shapes of any order. ``coarse`` takes a longer drive tick: only
+    differences between two coarse runs are used, never their level.
+    """
+
+    effects: tuple[Added, ...] = ()
+    ripples: tuple[tuple[int, int, float, float], ...] = ()
+    shifts: tuple[tuple[str, float], ...] = ()
+    seed: int | None = None
+    coarse: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Twin:
+    """A declaration and the references it ran under.
+
+    Attributes
+    ----------
+    channels : names of the recorded channels that the declaration explains, in report order.
+    speed_m_s, tension_N : reference columns (samples,).
+    aff_m_s : recorded corrections per roller, (samples,) each.
+    """
+
+    declaration: Declaration
+    channels: tuple[str, ...]
+    speed_m_s: Array
+    tension_N: Array
+    aff_m_s: dict[str, Array]
+
+    def simulate(self, case: Case) -> Array:
+        """Return all channels (channels, samples) of one case.
+
+        Raises
+        ------
+        PlantError
+            When an effect cannot be put on this line or the simulation diverges.
+        """
+        return self._outputs(case)[0]
+
+    def angles(self, case: Case) -> tuple[Array, Array]:
+        """Return channels (channels, samples) and the angles of all bodies (bodies, samples)."""
+        return self._outputs(case)
+
+    def _outputs(self, case: Case) -> tuple[Array, Array]:
+        line = self.declaration
+        if case.coarse:
+            sample = line.sample_time_s
+            ratio = max(1, round(sample / COARSE_TICK_S))
+            tick = max(line.control.drive_sample_time_s, sample / ratio)
+            control = line.control.model_copy(update={"drive_sample_time_s": tick})
+            line = line.model_copy(update={"control": control})
+        arrays = build_arrays(line, timing_of(line, line.sample_time_s))
+        table = {n.name: n for n in declared_nuisances(self.declaration)} if case.shifts else {}
+        for name, amount in case.shifts:
+            arrays = table[name].shift(arrays, amount)
+        entries = (*line.effects, *(added.entry() for added in case.effects))
+        arrays = apply_effects(line, arrays, entries)
+        for body, order, cos_m, sin_m in case.ripples:
+            if order == 0:
+                arrays = add_mean(arrays, body, cos_m)
+                continue
+            radius_m = float(arrays.bodies["radius_m"][body])
+            polar = (order, math.hypot(cos_m, sin_m), math.atan2(-sin_m, cos_m))
+            shape = orders(radius_m, [polar])
+            arrays = add_shape(arrays, body, shape)
+        if case.seed is None:
+            arrays.cells["lsb_N"] = 0.0  # mean of a dithered word; the steps only add chaos
+        run = LineSimulation(
+            line, seed=case.seed, arrays=arrays,
+            line_speed_m_s=float(self.speed_m_s[0]), tension_N=float(self.tension_N[0]),
+        )  # fmt: skip
+        run.settle(COARSE_SETTLE_S if case.coarse else FINE_SETTLE_S)
+        out = run.simulate(self.speed_m_s, self.tension_N, self.aff_m_s)
+        return np.stack([out[name] for name in self.channels]), out["body_angle_rad"].T
+
+
+def modelled_channels(line: Declaration, columns: Sequence[str]) -> tuple[str, ...]:
+    """Return recorded channels that the declaration explains, one per sensor.
+
+    Two declared names of one physical signal (line speed is the lead roller's) count once.
+    """
+    seen: set[tuple[str, str]] = set()
+    found = []
+    for sensor in line.sensors:
+        kind = "N" if sensor.low_pass_Hz else sensor.channel.rsplit("_", 2)[-1]
+        kind = "speed" if sensor.noise_sd_rad_s is not None else kind
+        if sensor.channel in columns and (sensor.roller, kind) not in seen:
+            seen.add((sensor.roller, kind))
+            found.append(sensor.channel)
+    return tuple(found)

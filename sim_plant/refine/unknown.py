@@ -1,0 +1,68 @@
+"""What is left when the library has nothing more to say: its class and its coordinate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim_plant.refine.fit import Fit
+from sim_plant.refine.generic import LineSpectrum
+from sim_plant.refine.problem import Problem
+from sim_plant.refine.pulled import improbable
+
+LINE_THRESHOLD = 260.0
+"""Free-line drop (72 degrees of freedom, best of all bins) of healthy records stays below this."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Unknown:
+    """A residual that no effect of the library explains."""
+
+    kind: str
+    coordinate: dict[str, float | str]
+    strength: float
+
+
+def strongest(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, float, float]:
+    """Return the strongest free line of all records: spectrum, coordinate, drop."""
+    best = max((s for record in found for s in record), key=lambda s: s.peak[1])
+    return best, *best.peak
+
+
+def unknowns(
+    problem: Problem, nominal: Fit, fit: Fit, after: Sequence[Sequence[LineSpectrum]]
+) -> list[Unknown]:  # fmt: skip
+    """Return the class and coordinate of what is left, nothing when it is noise."""
+    spectrum, coordinate, drop = strongest(after)
+    excess = fit.cost - problem.expected_cost
+    if fit.hypotheses and excess < 0.02 * (nominal.cost - problem.expected_cost):
+        return []
+    if drop > LINE_THRESHOLD and drop > 0.12 * excess:
+        where = _coordinate(spectrum, coordinate)
+        return [Unknown(kind=spectrum.kind, strength=drop, coordinate=where)]
+    pull = _pulled(problem, fit)
+    if pull is not None:
+        return [pull]
+    if excess > 0.01 * problem.expected_cost:
+        return [Unknown(kind="broadband", strength=excess, coordinate={})]
+    return []
+
+
+def _coordinate(spectrum: LineSpectrum, at: float) -> dict[str, float | str]:
+    if spectrum.kind == "time":
+        return {"frequency_Hz": at}
+    if spectrum.kind == "travel":
+        return {"wavenumber_1_m": at, "equivalent_radius_m": 1.0 / (2.0 * np.pi * at)}
+    return {"roll": spectrum.roll, "order": at}
+
+
+def _pulled(problem: Problem, fit: Fit) -> Unknown | None:
+    """Return a state-dependent unknown when declared numbers are pulled beyond tolerance."""
+    found = improbable(problem, fit)
+    if found is None:
+        return None
+    name, z, strength = found
+    where: dict[str, float | str] = {"declared": name, "standard_deviations": z}
+    return Unknown(kind="state", strength=strength, coordinate=where)

@@ -1,0 +1,96 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.cli.main import main
+from sim_plant.line.load import load_declaration
+from sim_plant.refine.match import limits, sidecar_of, twin_of
+from sim_plant.refine.record import Record
+
+LINE_FILE = Path(__file__).parents[3] / "config/lines/euclid.yaml"
+LINE = load_declaration(LINE_FILE)
+SAMPLES = 400
+
+
+def columns():
+    """Return what a line standing still at its operating point would record."""
+    found = {"line_speed_ref_m_s": np.full(SAMPLES, 1.0), "tension_ref_N": np.full(SAMPLES, 89.0)}
+    for sensor in LINE.sensors:
+        radius = LINE.rollers[LINE.body(sensor.roller)].radius_m
+        value = np.full(SAMPLES, 89.0)
+        if sensor.scale_radius_m is not None:
+            value = np.full(SAMPLES, 1.0)
+        elif sensor.noise_sd_rad_s is not None:
+            value = np.full(SAMPLES, 1.0 / radius)
+        elif sensor.lsb_rad is not None:
+            value = np.arange(SAMPLES) * LINE.sample_time_s / radius
+        elif sensor.lsb_m is not None:
+            value = np.full(SAMPLES, radius)
+        found[sensor.channel] = value
+    return found
+
+
+def record(changed=None, dropped=None, sample_time_s=LINE.sample_time_s):
+    found = columns() | (changed or {})
+    found = {name: values for name, values in found.items() if name != dropped}
+    return Record(path=Path("r.csv"), sha256="0", sample_time_s=sample_time_s, columns=found)
+
+
+def test_a_record_of_this_line_is_accepted():
+    twin = twin_of(LINE, record())
+    assert set(twin.channels) <= {s.channel for s in LINE.sensors}
+    assert "line_speed_m_s" in twin.channels
+
+
+def test_one_speed_only_is_said():
+    assert any("one speed only" in text for text in limits(twin_of(LINE, record())))
+
+
+@pytest.mark.parametrize("name", ["line_speed_ref_m_s", "unwind_tension_N"])
+def test_a_missing_column_is_named(name):
+    with pytest.raises(PlantError, match=name):
+        twin_of(LINE, record(dropped=name))
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"),
+    [("unwind_tension_N", 1000.0), ("line_speed_m_s", 196.85), ("unwind_speed_rad_s", 9.55)],
+)
+def test_a_wrong_unit_is_noticed(name, factor):
+    with pytest.raises(PlantError, match=name):
+        twin_of(LINE, record({name: columns()[name] * factor}))
+
+
+def test_another_roll_radius_means_another_line_file():
+    with pytest.raises(PlantError, match="not this record's line file"):
+        twin_of(LINE, record({"unwind_radius_m": columns()["unwind_radius_m"] * 0.7}))
+
+
+def test_another_sample_time_is_refused():
+    with pytest.raises(PlantError, match="sample_time_s"):
+        twin_of(LINE, record(sample_time_s=0.02))
+
+
+def test_the_sidecar_has_the_records_stem():
+    assert sidecar_of(Path("a/line01_a.csv.gz")) == Path("a/line01_a.yaml")
+
+
+def test_the_command_refuses_and_writes_nothing(tmp_path, capsys):
+    data = columns()
+    data["unwind_tension_N"] = data["unwind_tension_N"] * 1000.0
+    time_s = np.arange(SAMPLES) * LINE.sample_time_s
+    path = tmp_path / "r.csv"
+    np.savetxt(path, np.column_stack([time_s, *data.values()]), "%.6f", ",",
+               header=",".join(["time_s", *data]), comments="")  # fmt: skip
+    out = tmp_path / "out"
+    assert main(["refine", str(LINE_FILE), str(path), "--out", str(out)]) == 2
+    assert "unwind_tension_N" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_an_unknown_effect_cannot_be_left_out(tmp_path, capsys):
+    arguments = ["refine", str(LINE_FILE), "r.csv", "--out", str(tmp_path), "--without", "magic"]
+    assert main(arguments) == 2
+    assert "magic" in capsys.readouterr().err

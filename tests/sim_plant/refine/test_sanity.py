@@ -1,0 +1,49 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.refine.sanity import count_spikes, even_grid, oddities
+
+HERE = Path("record.csv")
+
+
+def test_uneven_stamps_are_put_on_a_grid_and_said():
+    rng = np.random.default_rng(1)
+    time_s = np.arange(500) * 0.01 + rng.uniform(-0.002, 0.002, 500)
+    step_s, columns, said = even_grid(HERE, time_s, {"x": 3.0 * time_s})
+    grid = time_s[0] + step_s * np.arange(500)
+    np.testing.assert_allclose(columns["x"][5:-5], 3.0 * grid[5:-5], atol=1e-9)
+    assert "uneven" in said[0]
+
+
+def test_one_misplaced_stamp_is_no_gap():
+    time_s = np.arange(500) * 0.01
+    time_s[100] = time_s[101]
+    _, _, said = even_grid(HERE, time_s, {"x": time_s.copy()})
+    assert any("neighbour" in s for s in said)
+
+
+def test_a_missing_row_is_a_gap():
+    time_s = np.delete(np.arange(500) * 0.01, 100)
+    with pytest.raises(PlantError, match="first after line 101"):
+        even_grid(HERE, time_s, {"x": time_s})
+
+
+def test_spikes_are_counted_and_noise_is_not():
+    values = np.random.default_rng(2).standard_normal(2000)
+    assert count_spikes(values) == 0
+    values[[300, 900, 1500]] += 60.0
+    assert count_spikes(values) == 3
+
+
+def test_steps_and_stops_are_said():
+    time_s = np.arange(2000) * 0.01
+    said = " ".join(oddities({
+        "coarse": np.round(np.sin(time_s), 1), "still": np.full(2000, 3.0),
+        "clipped": np.minimum(np.sin(time_s) + 1e-6 * time_s, 0.5),
+    }))  # fmt: skip
+    assert "coarse is read in steps of 0.1" in said
+    assert "still stands still at 3" in said
+    assert "clipped sits at its top 0.5" in said

@@ -1,0 +1,106 @@
+"""The whole way on a short record of the Euclid line with one effect that is no line in time."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.line.declaration import Declaration, EffectEntry
+from sim_plant.line.load import load_declaration
+from sim_plant.line.open import make_line
+from sim_plant.refine.amend import write_amended, write_block
+from sim_plant.refine.bench import Bench
+from sim_plant.refine.fit import empty_fit, refine_fit
+from sim_plant.refine.holdout import judge
+from sim_plant.refine.hypotheses import hypothesis
+from sim_plant.refine.match import twin_of
+from sim_plant.refine.problem import Problem
+from sim_plant.refine.record import Record
+from sim_plant.refine.trace import Step, Trace
+from sim_plant.refine.verdict import verdict
+
+LINE_FILE = Path(__file__).parents[3] / "config/lines/euclid.yaml"
+SAMPLES = 1200
+STEP_S = 0.01
+
+
+@pytest.fixture(scope="module")
+def line():
+    data = yaml.safe_load(LINE_FILE.read_text())
+    return Declaration.model_validate(data | {"sample_time_s": STEP_S})
+
+
+@pytest.fixture(scope="module")
+def record(line):
+    hidden = EffectEntry(effect="eccentric_roller", location="R6",
+                         parameters={"eccentricity_m": 3e-4, "angle_rad": 0.7})  # fmt: skip
+    guilty = line.model_copy(update={"effects": (hidden,)})
+    speed = np.interp(np.arange(SAMPLES), [0, 600, 800, 1200], [0.9, 0.9, 1.2, 1.2])
+    tension = np.full(SAMPLES, 88.9644)
+    run = make_line(guilty, seed=3, speed_m_s=0.9, tension_N=88.9644)
+    run.settle(20.0)
+    out = run.simulate(speed, tension)
+    columns = {"line_speed_ref_m_s": speed, "tension_ref_N": tension}
+    columns |= {s.channel: out[s.channel] for s in line.sensors}
+    return Record(path=Path("short.csv"), sha256="abc", sample_time_s=STEP_S, columns=columns)
+
+
+@pytest.fixture(scope="module")
+def fitted(line, record):
+    few = {"*.gain": 0.0, "*.offset": 0.0, "control.*": 0.0, "*.friction_constant_N_m": 0.0,
+           "*.inertia_kg_m2": 0.0, "sensors.low_pass_Hz": 0.0}  # fmt: skip
+    own = line.model_copy(update={"tolerances": few})
+    twin = twin_of(own, record)
+    measured = np.stack([record.columns[c] for c in twin.channels])
+    with Bench([twin], 1) as bench:
+        problem = Problem(bench, [measured])
+        nominal = empty_fit(problem)
+        right = refine_fit(problem, [hypothesis(BY_NAME["eccentric_roller"], "R6")],
+                           [(1e-5, 1e-5)], {}, rounds=3, coarse=False)  # fmt: skip
+        wrong = refine_fit(problem, [hypothesis(BY_NAME["unbalanced_roller"], "R12")],
+                           [(1e-5, 1e-5)], {}, rounds=2)  # fmt: skip
+        judged = judge(bench, measured, right.effects, find_angles=False)
+    return problem, nominal, right, wrong, judged
+
+
+def test_the_effect_is_measured_and_the_rest_is_noise(fitted):
+    problem, nominal, right, _, _ = fitted
+    cos_m, sin_m = right.values[0]
+    assert np.hypot(cos_m, sin_m) == pytest.approx(3e-4, rel=0.05)
+    assert np.arctan2(sin_m, cos_m) == pytest.approx(0.7, abs=0.1)
+    assert nominal.cost > 2.0 * problem.expected_cost
+    assert right.cost == pytest.approx(problem.expected_cost, rel=0.15)
+
+
+def test_another_effect_elsewhere_explains_less(fitted):
+    _, nominal, right, wrong, _ = fitted
+    assert right.cost < wrong.cost < nominal.cost
+
+
+def test_errors_fall_to_the_floor(fitted):
+    judged = fitted[-1]
+    at = judged.channels.index("unwind_speed_rad_s")
+    assert judged.before[at] > 1.5 * judged.floor[at]
+    assert judged.after[at] < 1.2 * judged.floor[at]
+
+
+def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record, tmp_path):
+    _, nominal, right, _, judged = fitted
+    step = Step(hypothesis=right.hypotheses[0], score=nominal.cost - right.cost, runner_up="",
+                margin=100.0, rejected=())  # fmt: skip
+    found = Trace(nominal=nominal, fit=right, travels=[], before=[], after=[], steps=[step])
+    result = verdict(found, judged, "short.csv")
+    path = write_amended(LINE_FILE, tmp_path, found, [record], "sim-plant refine", result)
+    amended = load_declaration(path)
+    assert [(e.effect, e.location) for e in amended.effects] == [("eccentric_roller", "R6")]
+    assert amended.provenance["records"] == [{"path": "short.csv", "sha256": "abc"}]
+    make_line(amended)
+    block = yaml.safe_load(write_block(tmp_path, result["effects"]).read_text())
+    assert block["blocks"][0] | {"roll": "R6", "orders": [1]} == block["blocks"][0]
+    row = json.loads(json.dumps(result))["effects"][0]
+    assert row["parameters"]["eccentricity_m"] == pytest.approx(3e-4, rel=0.05)
+    low, high = row["interval95"]["eccentricity_m"]
+    assert low < 3e-4 < high
