@@ -13,7 +13,8 @@ from typing import Any
 from aff_runtime.app.request_client import ServiceClient
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
-from sim_plant.demo.processes import PLANT, RUNTIME, Bench, Child, ask_plant, free_port
+from sim_plant.demo.processes import PLANT, RUNTIME, Bench, Child, ask_plant
+from sim_plant.demo.wires import free_port
 from tests.lockstep.fault_table import WORKING_M_S, peak
 from tests.lockstep.known_response import LINE, ROOT, SPEED_M_S, known_responses
 
@@ -58,17 +59,19 @@ class LiveLine:
     """One plant, one service, and what an operator and a judge at the plant can do."""
 
     def __init__(self, folder: Path) -> None:
-        self.bench = Bench(folder=folder, port=free_port(), site=folder / "euclid.yaml")
+        self.port = free_port()
+        wire = ("--modbus", f"127.0.0.1:{self.port}")
+        self.bench = Bench(folder=folder, site=folder / "euclid.yaml", plant_arguments=wire)
         (folder / "learned").mkdir()
         for actuator, response in known_responses().items():
             path = folder / "learned" / f"euclid_{actuator}.json"
             path.write_text(response.to_json())
         text = (ROOT / "config" / "euclid.yaml").read_text()
-        text = text.replace("port: 5020", f"port: {self.bench.port}")
+        text = text.replace("port: 5020", f"port: {self.port}")
         self.site_text = re.sub(r"soft_start_s: [\d.]+", "soft_start_s: 0.3", text)
         self.bench.site.write_text(self.site_text)
         plant = [
-            *PLANT, "serve", str(LINE), "--modbus", f"127.0.0.1:{self.bench.port}",
+            *PLANT, "serve", str(LINE), "--modbus", f"127.0.0.1:{self.port}",
             "--speed-m-s", str(SPEED_M_S), "--seed", str(SEED),
             "--control", str(self.bench.plant_socket),
         ]  # fmt: skip
