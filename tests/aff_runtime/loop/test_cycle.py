@@ -229,3 +229,16 @@ def test_an_operator_interrupt_is_not_swallowed(monkeypatch: pytest.MonkeyPatch)
     rig.law.trouble = KeyboardInterrupt()  # type: ignore[assignment]
     with pytest.raises(KeyboardInterrupt):
         rig.run(1)
+
+
+@pytest.mark.parametrize("stall_ms", [100, 1000])
+def test_after_a_stall_nothing_that_was_meant_for_before_it_goes_out(stall_ms: int) -> None:
+    rig = Rig().active()
+    before = len(rig.plc.commands)
+    rig.clock.advance_ns(stall_ms * 1_000_000)
+    rig.run(FADE_TICKS + 5)
+    first = rig.plc.commands[before][1]
+    assert first.corrections == (0.0,)
+    assert not first.state_bits & (StateBits.ACTIVE | StateBits.FADING)
+    assert rig.guard.state is State.FAULT
+    rig.assert_faded_from(before)
