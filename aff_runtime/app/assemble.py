@@ -65,6 +65,7 @@ def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
         channel_count=len(site.gateway.read.channels),
         output_count=len(site.actuators),
         law_columns=0,
+        command_life_s=site.freshness.fault_after_ms * 1e-3,
         config_revision=revision_of(assembly.record),
     )
     return Cycle(

@@ -13,6 +13,11 @@ from typing import Any
 from aff_runtime.app.link import Link, LinkClosedError, link_pair
 
 
+def for_control(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the control process needs of a parameter record: all but the file's text."""
+    return {key: value for key, value in record.items() if key != "site_text"}
+
+
 class ControlChild:
     """A started control process, its link, and how it ended.
 
@@ -26,17 +31,25 @@ class ControlChild:
     def __init__(self, record: Mapping[str, Any], ring: Path, *, shadow: bool) -> None:
         ring.unlink(missing_ok=True)
         ours, theirs = link_pair()
-        self._process = subprocess.Popen(
-            [
-                *(sys.executable, "-m", "aff_runtime.app.control_process"),
-                *("--link-fd", str(theirs.fileno()), "--ring", str(ring)),
-            ],
-            pass_fds=[theirs.fileno()],
-            stdin=subprocess.DEVNULL,
-        )
-        theirs.close()
+        # A bypass that comes before the process listens waits for it, and does not kill it.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGUSR1})
+        try:
+            self._process = subprocess.Popen(
+                [
+                    *(sys.executable, "-m", "aff_runtime.app.control_process"),
+                    *("--link-fd", str(theirs.fileno()), "--ring", str(ring)),
+                ],
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+            )
+        except OSError:
+            ours.close()
+            raise
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+            theirs.close()
         self.link = Link(ours)
-        self.link.send({"do": "START", "record": record, "shadow": shadow})
+        self.link.send({"do": "START", "record": for_control(record), "shadow": shadow})
 
     @property
     def pid(self) -> int:

@@ -65,6 +65,7 @@ def _run(start: dict[str, Any], link: Link, ring: Path) -> int:
     cycle = cycle_of(assembly, outside)
     signal.signal(signal.SIGUSR1, lambda *_: outside.bypass_by_signal())
     signal.signal(signal.SIGTERM, lambda *_: cycle.request_stop())
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGUSR1})  # blocked by who started us
     cycle.run()
     outside.close()
     assembly.gateway.close()

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.assemble import site_of
+from aff_runtime.app.control_child import for_control
 from aff_runtime.app.file_watch import FileWatch
 from aff_runtime.app.pending import Pending
 from aff_runtime.app.processes import Processes
@@ -56,7 +57,12 @@ class EditSession:
     def look_again(self) -> None:
         """Check the file now; a check under way is of an older file."""
         self.close()
-        self._check = Validation(self._site)
+        try:
+            self._check = Validation(self._site)
+        except OSError as error:
+            self._refuse(
+                [f"{self._site}:1:1  cannot be checked now: {error.strerror}; save again"]
+            )
 
     def close(self) -> None:
         """End a check under way."""
@@ -98,7 +104,7 @@ class EditSession:
             None, lambda said: self._adopted(record, said), ADOPT_PATIENCE_S
         )
         control = self._processes.control
-        message = {"do": "PARAMS", "record": record, "id": ident}
+        message = {"do": "PARAMS", "record": for_control(record), "id": ident}
         if control is None or not control.link.send(message):
             text = "the control process did not take the edit; save the file again"
             self._pending.resolve({"id": ident, "ok": False, "message": text})

@@ -21,9 +21,17 @@ class FileWatch:
         self._previous = self._accepted
 
     def watch(self, paths: Iterable[Path]) -> None:
-        """Watch other paths from now on; their present contents count as known."""
+        """Watch other paths from now on; what a new one holds now counts as known.
+
+        A path that stays keeps its signature: it may have changed again since it was looked at.
+        """
+        accepted = dict(zip(self._paths, self._accepted, strict=True))
         self._paths = tuple(paths)
-        self._accepted = self._previous = self._signature()
+        self._previous = self._signature()
+        self._accepted = tuple(
+            accepted.get(path, found)
+            for path, found in zip(self._paths, self._previous, strict=True)
+        )
 
     def changed(self) -> bool:
         """Return True once per settled change."""

@@ -51,9 +51,15 @@ class Link:
         return message
 
     def send(self, message: Mapping[str, Any]) -> bool:
-        """Send one message; return False when the other side is gone or does not read."""
+        """Send one message; return False when the other side is gone or does not read.
+
+        A message that does not fit one packet is not sent either: the reader would see half.
+        """
+        packet = json.dumps(message).encode()
+        if len(packet) > MAX_PACKET_BYTES:
+            return False
         try:
-            self._socket.send(json.dumps(message).encode())
+            self._socket.send(packet)
         except OSError:
             return False
         return True

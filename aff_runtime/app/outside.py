@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.assemble import Assembly, controller_of, revision_of, site_of
+from aff_runtime.app.commands import Commands
 from aff_runtime.app.law_watch import LawWatch
 from aff_runtime.app.link import Link, LinkClosedError
 from aff_runtime.app.probe_run import ProbeRun
@@ -53,6 +54,7 @@ class ControlOutside:
         self._guard = assembly.guard
         self._law = assembly.law
         self._link = link
+        self._commands = Commands(link)
         self._ring_path = ring
         self._meta = meta
         self._notifier = ServiceNotifier(
@@ -128,6 +130,8 @@ class ControlOutside:
         if self._bypass_signal:
             self._bypass_signal = False
             messages.append(Bypass())
+            for overtaken in self._commands.overtake():
+                self._reply(overtaken, ok=False, message="bypassed meanwhile")
         if self._shadow_wanted and self._tick % ARM_PATIENCE_TICKS == 0:
             self._shadow_wanted = self._guard.state is not State.SHADOW
             messages.append(Shadow(on=True))  # again, until the PLC is there
@@ -135,7 +139,7 @@ class ControlOutside:
         if self._probe is not None:
             messages += self._watch_probe(self._probe)
         try:
-            said = self._link.receive()
+            said = self._commands.next()
         except LinkClosedError:
             return (*messages, SupervisorLost())
         if said is not None:
@@ -149,7 +153,7 @@ class ControlOutside:
         """Return the messages that one command stands for."""
         handlers: dict[str, Callable[[dict[str, Any]], list[Message]]] = {
             "ARM": self._arm,
-            "BYPASS": self._bypass,
+            "BYPASS": lambda _: [Bypass()],
             "SHADOW": self._shadow,
             "PROBE": self._start_probe,
             "PARAMS": self._parameters,
@@ -164,10 +168,6 @@ class ControlOutside:
         self._arm_question = int(said["id"])
         self._arm_tick = self._tick
         return [Arm()]
-
-    def _bypass(self, said: dict[str, Any]) -> list[Message]:
-        """Take the correction back; ends a probe as well."""
-        return [Bypass()]
 
     def _shadow(self, said: dict[str, Any]) -> list[Message]:
         """Begin or end shadow operation."""
@@ -226,6 +226,9 @@ class ControlOutside:
         """Put the probe in the law's place and arm for its duration."""
         if self._probe is not None:
             self._reply(said, ok=False, message="a probe is already under way")
+            return []
+        if self._next_law is not None:
+            self._reply(said, ok=False, message="an edit is being applied; try again")
             return []
         if self._guard.state is State.SHADOW:
             self._reply(said, ok=False, message="READY: blocked by SHADOW=1")

@@ -82,7 +82,12 @@ class ProbeRun:
         readings : newest value per channel, for the provenance.
         """
         signal.signal(signal.SIGCHLD, signal.SIG_IGN)
-        if os.fork() == 0:
+        try:
+            child = os.fork()
+        except OSError as error:
+            link.send({"did": "PROBED", "error": f"the fit cannot start: {error.strerror}"})
+            return
+        if child == 0:
             self._fit_and_exit(link, readings)
 
     def _fit_and_exit(self, link: Link, readings: Mapping[str, float]) -> None:
@@ -93,6 +98,8 @@ class ProbeRun:
             link.send({"did": "PROBED", "results": self.results(readings)})
         except AffError as error:
             link.send({"did": "PROBED", "error": str(error)})
+        except Exception as error:
+            link.send({"did": "PROBED", "error": f"the fit failed ({error!r}); probe again"})
         finally:
             os._exit(0)
 

@@ -45,6 +45,8 @@ class Processes:
         self._clock = clock
         self._policy = RestartPolicy()
         self._recorder: RecorderChild | None = None
+        self._recorder_policy = RestartPolicy()
+        self._recorder_lost = False
         self._old_recorders: list[RecorderChild] = []
         self._restart_at_ns: int | None = None
         self._started_at_ns = 0
@@ -60,9 +62,14 @@ class Processes:
         self._restart_at_ns = None
         self._started_at_ns = self._clock.now_ns()
         self.blocked = ""
-        self.control = ControlChild(
-            self.record, self._options.paths.ring, shadow=self._options.shadow
-        )
+        try:
+            self.control = ControlChild(
+                self.record, self._options.paths.ring, shadow=self._options.shadow
+            )
+        except OSError as error:
+            LOG.error("the control process cannot be started (%s)", error.strerror)
+            self._come_back()
+            return
         self._on_change()
         LOG.info("control process %d started", self.control.pid)
 
@@ -89,6 +96,7 @@ class Processes:
         due_ns = self._restart_at_ns
         if due_ns is not None and self._clock.now_ns() >= due_ns:
             self.start()
+        self._look_after_recorder()
         if self.control is None:
             return False
         if self.ring is None and self._clock.now_ns() > self._started_at_ns + START_PATIENCE_NS:
@@ -101,6 +109,27 @@ class Processes:
                 LOG.error("control: %s", message.get("text", ""))
         self._forget_control()
         self._release_ring()
+        self._come_back()
+        return True
+
+    def _look_after_recorder(self) -> None:
+        """Let another recorder follow a ring whose recorder died; not for ever."""
+        recorder, ring = self._recorder, self.ring
+        if recorder is None or ring is None or self._recorder_lost:
+            return
+        if recorder.report()["alive"] or not ring.writer_alive():
+            return
+        if self._recorder_policy.died(self._clock.now_ns() * 1e-9) is None:
+            LOG.error("the recorder died three times within 60 s; nothing is recorded from now on")
+            self._recorder_lost = True
+            return
+        LOG.error("the recorder died; another one takes over")
+        recorder.wait(0.0)
+        self._recorder = None
+        self._start_recorder(ring)
+
+    def _come_back(self) -> None:
+        """Plan the next start of the control process, or give up."""
         pause_s = self._policy.died(self._clock.now_ns() * 1e-9)
         if pause_s is None:
             LOG.error("the control process died three times within 60 s; giving up")
@@ -108,7 +137,6 @@ class Processes:
         else:
             LOG.warning("control restarts idle in %.1f s; it needs an operator's arm", pause_s)
             self._restart_at_ns = self._clock.now_ns() + int(pause_s * 1e9)
-        return True
 
     def take_ring(self) -> None:
         """Follow the ring that the control process has just made; begin a new record."""
@@ -117,6 +145,11 @@ class Processes:
             self.ring = RingReader(self._options.paths.ring)
         except OSError:
             return  # it ended before we looked
+        self._recorder_lost = False
+        self._start_recorder(self.ring)
+
+    def _start_recorder(self, ring: RingReader) -> None:
+        """Begin a new record of ``ring``; the service goes on without one if need be."""
         recording = self.record["site"]["recording"]
         directory = self._options.record_directory
         if directory is None:
@@ -128,7 +161,10 @@ class Processes:
             "segment_s": recording["segment_s"],
             "site_text": self.record["site_text"],
         }
-        self._recorder = RecorderChild(self.ring, directory, context)
+        try:
+            self._recorder = RecorderChild(ring, directory, context)
+        except OSError as error:
+            LOG.error("nothing is recorded: the recorder cannot be started (%s)", error.strerror)
 
     def note(self, name: str, text: str) -> None:
         """Put a line into the log and into the record's events."""

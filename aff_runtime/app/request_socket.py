@@ -49,7 +49,7 @@ class Caller:
         for line in lines:
             try:
                 request = json.loads(line)
-            except ValueError:
+            except (ValueError, RecursionError):
                 return None
             if not isinstance(request, dict):
                 return None
@@ -68,14 +68,16 @@ class RequestSocket:
     Raises
     ------
     RefusedError
-        When another service already runs there.
+        When another service already runs there, or no socket can be made there.
     """
 
     def __init__(self, path: Path) -> None:
         make_private(path.parent)
-        self._lock = os.open(
-            path.with_suffix(".lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600
-        )
+        lock = path.with_suffix(".lock")
+        try:
+            self._lock = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        except OSError as error:
+            raise _unusable(lock, error) from None
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -84,30 +86,42 @@ class RequestSocket:
                 f"{path}: a service already runs here; stop it with `aff-runtime stop`, "
                 "or name another --runtime-dir"
             ) from None
-        path.unlink(missing_ok=True)
         self._path = path
         self.listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         before = os.umask(0o177)
         try:
+            path.unlink(missing_ok=True)
             self.listener.bind(str(path))
+        except OSError as error:
+            self.listener.close()
+            os.close(self._lock)
+            raise _unusable(path, error) from None
         finally:
             os.umask(before)
-        self.listener.listen(8)
+        self.listener.listen(64)
         self.listener.setblocking(False)
         self.callers: dict[int, Caller] = {}
 
     def accept(self) -> Caller | None:
-        """Take one waiting caller; None when it is not allowed or there are too many."""
+        """Take one waiting caller; None when it is not allowed."""
         try:
             connection, _ = self.listener.accept()
         except OSError:
             return None
-        if not _is_allowed(connection) or len(self.callers) >= MAX_CALLERS:
+        if not _is_allowed(connection):
             connection.close()
             return None
         caller = Caller(connection)
         self.callers[connection.fileno()] = caller
         return caller
+
+    def heard(self, caller: Caller) -> None:
+        """Note that ``caller`` has just spoken."""
+        self.callers[caller.connection.fileno()] = self.callers.pop(caller.connection.fileno())
+
+    def surplus(self) -> Caller | None:
+        """Return who has been silent longest when there are too many: none may shut out others."""
+        return next(iter(self.callers.values())) if len(self.callers) > MAX_CALLERS else None
 
     def drop(self, caller: Caller) -> None:
         """Close the connection of ``caller``."""
@@ -121,6 +135,12 @@ class RequestSocket:
         self.listener.close()
         self._path.unlink(missing_ok=True)
         os.close(self._lock)
+
+
+def _unusable(path: Path, error: OSError) -> RefusedError:
+    """Return the refusal of a runtime directory in which nothing can be made."""
+    reason = error.strerror or error
+    return RefusedError(f"{path}: {reason}; remove it, or name another --runtime-dir")
 
 
 def _is_allowed(connection: socket.socket) -> bool:

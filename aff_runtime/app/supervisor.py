@@ -10,6 +10,7 @@ import logging
 import os
 import selectors
 import signal
+from collections.abc import Mapping
 from typing import Any
 
 from aff_runtime.app.edit_session import EditSession
@@ -85,8 +86,12 @@ class Supervisor:
                 caller = self._requests.accept()
                 if caller is not None:
                     self._selector.register(caller.connection, selectors.EVENT_READ, caller)
+                surplus = self._requests.surplus()
+                if surplus is not None:
+                    self._hang_up(surplus)
             elif isinstance(key.data, Caller):
-                self._hear(key.data)
+                if self._requests.callers.get(key.fd) is key.data:
+                    self._hear(key.data)
             else:
                 self._hear_control()
 
@@ -146,15 +151,20 @@ class Supervisor:
         """Answer what one caller asks."""
         requests = caller.requests()
         if requests is None:
-            self._selector.unregister(caller.connection)
-            self._pending.forget(caller)
-            self._requests.drop(caller)
+            self._hang_up(caller)
             return
+        self._requests.heard(caller)
         for request in requests:
             try:
                 self._answer(caller, request)
             except AffError as error:
                 caller.reply({"ok": False, "message": str(error), "exit_code": error.exit_code})
+
+    def _hang_up(self, caller: Caller) -> None:
+        """Let go of one caller."""
+        self._selector.unregister(caller.connection)
+        self._pending.forget(caller)
+        self._requests.drop(caller)
 
     def _answer(self, caller: Caller, request: dict[str, Any]) -> None:
         """Do what one request asks, or say why not."""
@@ -195,9 +205,9 @@ class Supervisor:
         control = self._processes.control
         if self._probe is not None or control is None:
             raise RefusedError("a probe is already under way" if control else "not running yet")
+        actuators = _known(request.get("actuators", []), self._processes.record)
         self._probe = ProbeSession(self._processes, self._edits, caller)
         ident = self._pending.expect(None, self._probe_began, 2.0)
-        actuators = [str(name) for name in request.get("actuators", [])]
         self._processes.note("OPERATOR", f"probe {' '.join(actuators)}".strip())
         control.link.send({"do": "PROBE", "actuators": actuators, "id": ident})
 
@@ -255,3 +265,15 @@ class Supervisor:
         self._requests.close()
         self._notifier.close()
         LOG.info("stopped")
+
+
+def _known(names: object, record: Mapping[str, Any]) -> list[str]:
+    """Return the names of actuators in a request, or refuse what names none of the site's."""
+    actuators = record["site"]["actuators"]
+    if not isinstance(names, list):
+        raise RefusedError("actuators: a list of names is needed")
+    for name in names:
+        if not isinstance(name, str) or name not in actuators:
+            known = ", ".join(actuators)
+            raise RefusedError(f"no actuator {name!a} in the site file; there are {known}")
+    return names

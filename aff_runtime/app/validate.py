@@ -14,15 +14,21 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime import __version__
+from aff_runtime.app.control_child import for_control
+from aff_runtime.app.link import MAX_PACKET_BYTES
 from aff_runtime.app.site_to_guard import guard_params
 from aff_runtime.app.site_to_law import site_params
-from aff_runtime.app.site_to_wire import register_map
-from aff_runtime.base.errors import AffError, ConfigError
+from aff_runtime.app.site_to_wire import register_map, transport
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import AffError, ConfigError, WireError
 from aff_runtime.config.can_wire import wire_files
 from aff_runtime.config.loader import Reading, read_site
 from aff_runtime.config.revision import revision_hash
 from aff_runtime.core.controller import Controller
-from aff_runtime.core.response import Response
+from aff_runtime.core.response import Provenance, Response
+from aff_runtime.fieldbus.registers import RegisterMap
+
+MAX_RECORD_BYTES = MAX_PACKET_BYTES - 4096  # what goes with it in one packet
 
 
 def verdict(path: Path) -> dict[str, Any]:
@@ -51,9 +57,11 @@ def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
     responses = {name: text for name, text in texts.items() if text is not None}
     described = wire_files(site, folder)
     if site.gateway.modbus is not None:
-        register_map(site)
+        words = register_map(site)
+        if site.gateway.modbus_tcp is not None:
+            _look_up(reading, words, folder)
     Controller(site_params(site), {n: Response.from_json(t) for n, t in responses.items()})
-    return {
+    record = {
         "site": plain,
         "site_text": path.read_text(encoding="utf-8"),
         "config_hash": revision_hash(site),
@@ -64,21 +72,51 @@ def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
         "folder": str(folder),
         "versions": _versions(),
     }
+    n_bytes = len(json.dumps(for_control(record)))
+    if n_bytes > MAX_RECORD_BYTES:
+        raise ConfigError(
+            f"{path}:1:1  with its responses it takes {n_bytes // 1000} kB, at most "
+            f"{MAX_RECORD_BYTES // 1000} kB pass to the control process; make it shorter"
+        )
+    return record
+
+
+def _look_up(reading: Reading, words: RegisterMap, folder: Path) -> None:
+    """Refuse a PLC whose name nobody knows: the service could not even start."""
+    try:
+        transport(reading.site, words, MonotonicClock(), folder).close()
+    except WireError as error:
+        path = ("gateway", "modbus_tcp", "host")
+        raise ConfigError(str(reading.tree.finding(path, str(error)))) from None
 
 
 def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
     """Return the text of a learned response, None while it was never measured."""
     try:
+        if file.exists() and not file.is_file():
+            raise ConfigError("is not a file; remove it and run the probe again")
         text = file.read_text(encoding="utf-8")
+        _of_this_place(Response.from_json(text).provenance, reading, actuator)
     except FileNotFoundError:
         return None
     except OSError as error:
         raise ConfigError(_finding(reading, actuator, f"{file}: {error.strerror}")) from None
-    try:
-        Response.from_json(text)
+    except UnicodeDecodeError:
+        text = f"{file}: not a response file: not text; run the probe again"
+        raise ConfigError(_finding(reading, actuator, text)) from None
     except ConfigError as error:
         raise ConfigError(_finding(reading, actuator, f"{file}: {error}")) from None
     return text
+
+
+def _of_this_place(measured: Provenance, reading: Reading, actuator: str) -> None:
+    """Refuse a response that was measured with another actuator or on another signal."""
+    signal = reading.site.actuators[actuator].error.signal
+    if (measured.actuator, measured.signal) != (actuator, signal):
+        raise ConfigError(
+            f"measured from {measured.actuator} to {measured.signal}, not from {actuator} "
+            f"to {signal}; remove it and run the probe"
+        )
 
 
 def _finding(reading: Reading, actuator: str, text: str) -> str:

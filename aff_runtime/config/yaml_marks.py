@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+import stat
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -75,18 +76,18 @@ def read_marked(path: Path | str) -> MarkedTree:
     """
     shown = str(path)
     try:
-        size = Path(path).stat().st_size
-        raw = Path(path).read_bytes() if size <= MAX_BYTES else b""
+        found = Path(path).stat()
+        if stat.S_IFMT(found.st_mode) not in (stat.S_IFREG, stat.S_IFDIR):
+            raise ValueError("it is not a file")  # a pipe or a device may never end
+        raw = Path(path).read_bytes() if found.st_size <= MAX_BYTES else b""
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise SiteFileError(
             [_at(shown, 1, 1, f"cannot be read: {reason}. Check the path.")]
         ) from error
-    if size > MAX_BYTES:
-        limit = MAX_BYTES // 1024
-        raise SiteFileError(
-            [_at(shown, 1, 1, f"is larger than {limit} kB. This is not a site file.")]
-        )
+    if found.st_size > MAX_BYTES:
+        what = f"is larger than {MAX_BYTES // 1024} kB. This is not a site file."
+        raise SiteFileError([_at(shown, 1, 1, what)])
     return parse_marked(raw, shown)
 
 

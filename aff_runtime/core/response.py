@@ -18,6 +18,11 @@ SIGMAS = 3.0 / math.sqrt(2.0)  # half the power of a complex error turns the pha
 OUTSIDE_RAD_PER_OCTAVE = math.radians(90.0)
 MIN_COHERENCE = 0.8
 BAND_SLACK = 1.02
+GAIN_RANGE = (1e-9, 1e12)  # signal unit per output unit; far outside what any line does
+COHERENCE_ROUNDING = 1e-6
+_UNREADABLE = (
+    KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,7 +74,7 @@ class Response:
         for p in self.points:
             name = f"response point at {p.frequency_Hz} Hz"
             numbers = (p.frequency_Hz, p.gain, p.phase_rad, p.relative_error, p.coherence, delay_s)
-            if not (all(map(math.isfinite, numbers)) and p.frequency_Hz > 0.0 and p.gain > 0.0):
+            if not (all(map(math.isfinite, numbers)) and _is_possible(p)):
                 raise ConfigError(f"{name} is unusable; probe again")
         self.delay_s = delay_s
         self.provenance = provenance
@@ -162,8 +167,18 @@ class Response:
             return cls(
                 points=points, delay_s=float(data["delay_s"]), provenance=Provenance(**kept)
             )
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
+        except _UNREADABLE as error:
             raise ConfigError(f"not a response file: {error}; run the probe again") from error
+
+
+def _is_possible(point: ResponsePoint) -> bool:
+    """Return whether a line can have answered so; a probe never leaves these ranges."""
+    return (
+        point.frequency_Hz > 0.0
+        and GAIN_RANGE[0] <= point.gain <= GAIN_RANGE[1]
+        and point.relative_error >= 0.0
+        and 0.0 <= point.coherence <= 1.0 + COHERENCE_ROUNDING
+    )
 
 
 def arming_objections(

@@ -40,6 +40,7 @@ class CycleSettings:
     overruns_in_a_row : this many late ticks in a row are an overrun.
     advice_every_ticks : ticks between two questions to the law's side.
     zero_commands : commands with zero that are sent before the cycle returns.
+    command_life_s : a command older than this is not applied any more, s.
     config_revision : shown to the PLC.
     """
 
@@ -52,6 +53,7 @@ class CycleSettings:
     overruns_in_a_row: int = 3
     advice_every_ticks: int = 20
     zero_commands: int = 5
+    command_life_s: float = 0.080
     config_revision: int = 0
 
 
@@ -129,10 +131,17 @@ class Cycle:
         self._tick += 1
         self._periods_total += self._periods
         self._wake_ns = self._ticker.wake_ns
-        self._started_ns = self._clock.now_ns()
+        before_ns, self._started_ns = self._started_ns, self._clock.now_ns()
+        if self._started_ns - before_ns > self._settings.command_life_s * 1e9:
+            self._withdraw()
         self._late_in_a_row = self._late_in_a_row + 1 if self._ticker.late else 0
         self._snapshot = self._blank
         self._steps = None
+
+    def _withdraw(self) -> None:
+        """After a stall: what was meant for the line as it was then is not for it now."""
+        self._corrections = (0.0,) * self._settings.output_count
+        self._bits &= ~int(StateBits.ACTIVE | StateBits.FADING)
 
     def _think(self) -> None:
         """Send the last command, read, judge, and let the law think."""

@@ -15,8 +15,9 @@ class Ticker:
     Attributes
     ----------
     deadline_ns : grid point of the present tick, ns.
-    wake_ns : lateness of the present tick against its grid point, ns.
-    late : the work of the last tick ran past the present tick's grid point.
+    wake_ns : lateness of the present tick against the grid point it waited for, ns.
+    late : the work of the last tick ran past the present tick's grid point, or the sleep
+        before it did not end for half a period and more.
     missed : grid points skipped since the start.
     """
 
@@ -42,4 +43,9 @@ class Ticker:
         self.deadline_ns = due_ns + skipped * self.period_ns
         self._clock.sleep_until_ns(self.deadline_ns)
         self.wake_ns = self._clock.now_ns() - self.deadline_ns
-        return 1 + skipped
+        # held up in the sleep itself: what passed counts in this tick, not in the next one
+        overslept = max(0, (self.wake_ns + self.period_ns // 2) // self.period_ns)
+        self.late = self.late or overslept > 0
+        self.missed += overslept
+        self.deadline_ns += overslept * self.period_ns
+        return 1 + skipped + overslept

@@ -37,6 +37,11 @@ class RingWriter:
     columns : names with units of one signal record.
     meta : anything JSON that a reader of the run should know (versions, config hash, rights).
     capacity : signal records kept; ``event_capacity`` likewise.
+
+    Raises
+    ------
+    AffError
+        When the file system has no room for the ring.
     """
 
     def __init__(
@@ -53,8 +58,17 @@ class RingWriter:
         fresh.unlink(missing_ok=True)
         self._fd = os.open(fresh, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
         fcntl.flock(self._fd, fcntl.LOCK_EX)
-        os.ftruncate(self._fd, size)
-        self._map = mmap.mmap(self._fd, size)
+        try:
+            # every page is there from the start: one that is missing later would kill the writer
+            os.posix_fallocate(self._fd, 0, size)
+            self._map = mmap.mmap(self._fd, size)
+        except OSError as error:
+            os.close(self._fd)
+            fresh.unlink(missing_ok=True)
+            raise AffError(
+                f"{path}: no room for {size / 1e6:.0f} MB ({error.strerror}); "
+                "free some on its file system"
+            ) from error
         self._map[: len(header)] = header
         view = memoryview(self._map)
         self._signals = SlotWriter(

@@ -114,7 +114,7 @@ class RunFolder:
         text = io.StringIO()
         csv.writer(text, lineterminator="\n").writerows(rows)
         try:
-            with (self.path / "events.csv").open("a", encoding="utf-8") as file:
+            with (self.path / "events.csv").open("a", encoding="utf-8", errors="replace") as file:
                 file.write(text.getvalue())
         except OSError:
             self.files_lost += 1

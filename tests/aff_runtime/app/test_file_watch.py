@@ -57,3 +57,12 @@ def test_removal_and_return_of_the_same_contents_count(site: Path) -> None:
     assert looks(watch, 3) == [False, True, False]
     site.write_text(text)
     assert looks(watch, 3) == [False, True, False]
+
+
+def test_a_change_during_the_hand_over_of_the_one_before_is_not_lost(site: Path) -> None:
+    watch = FileWatch([site])
+    site.write_text("version: 1\nline: {}\n")
+    assert looks(watch, 2) == [False, True]
+    site.write_text("version: 1\nline: {name: other}\n")
+    watch.watch([site, site.with_name("learned.json")])
+    assert looks(watch) == [True, False, False, False]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from aff_runtime.app.link import Link, LinkClosedError, link_pair
+from aff_runtime.app.link import MAX_PACKET_BYTES, Link, LinkClosedError, link_pair
 
 
 def test_messages_keep_their_borders_and_silence_is_none() -> None:
@@ -32,4 +32,12 @@ def test_what_was_said_before_death_is_heard_and_then_the_death() -> None:
     assert b.receive() == {"do": "stop"}
     with pytest.raises(LinkClosedError):
         b.receive()
+    b.close()
+
+
+def test_a_message_that_would_be_cut_is_not_sent_at_all() -> None:
+    a, b = (Link(end) for end in link_pair())
+    assert not a.send({"text": "x" * (MAX_PACKET_BYTES + 1)})
+    assert b.receive() is None
+    a.close()
     b.close()

@@ -77,7 +77,9 @@ def test_a_request_and_its_answer_pass_as_lines(tmp_path: Path) -> None:
     server.close()
 
 
-@pytest.mark.parametrize("text", [b"arm\n", b"[1]\n", b"x" * MAX_REQUEST_BYTES + b"y"])
+@pytest.mark.parametrize(
+    "text", [b"arm\n", b"[1]\n", b"[" * 4000 + b"\n", b"x" * MAX_REQUEST_BYTES + b"y"]
+)
 def test_a_caller_that_babbles_is_dropped(tmp_path: Path, text: bytes) -> None:
     path = tmp_path / "run" / "control.sock"
     server = RequestSocket(path)
@@ -90,18 +92,34 @@ def test_a_caller_that_babbles_is_dropped(tmp_path: Path, text: bytes) -> None:
     server.close()
 
 
-def test_callers_beyond_the_bound_are_sent_away(tmp_path: Path) -> None:
+def test_silent_callers_cannot_shut_out_the_next_one(tmp_path: Path) -> None:
     path = tmp_path / "run" / "control.sock"
     server = RequestSocket(path)
     clients = [socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) for _ in range(MAX_CALLERS + 1)]
     taken = []
     for client in clients:
+        assert server.surplus() is None
         client.connect(str(path))
-        taken.append(server.accept())
-    assert [caller is not None for caller in taken] == [True] * MAX_CALLERS + [False]
+        taken.append(accept(server))
+        server.heard(taken[0])
+    assert server.surplus() is taken[1]  # the first one has spoken since
     for client in clients:
         client.close()
     server.close()
+
+
+@pytest.mark.parametrize("name", ["control.sock", "control.lock"])
+def test_a_directory_in_place_of_socket_or_lock_is_refused_in_words(
+    tmp_path: Path, name: str
+) -> None:
+    (tmp_path / "run" / name).mkdir(parents=True)
+    with pytest.raises(RefusedError, match=rf"{name}: .*name another --runtime-dir"):
+        RequestSocket(tmp_path / "run" / "control.sock")
+
+
+def test_a_name_too_long_for_a_socket_is_refused_in_words(tmp_path: Path) -> None:
+    with pytest.raises(RefusedError, match=r"too long.*name another --runtime-dir"):
+        RequestSocket(tmp_path / ("d" * 120) / "control.sock")
 
 
 def test_a_client_without_a_service_says_how_to_start_one(tmp_path: Path) -> None:

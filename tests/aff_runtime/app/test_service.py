@@ -201,3 +201,36 @@ def test_probe_arm_and_bypass_from_end_to_end(own: ServiceRun) -> None:
     until(lambda: own.tell_plc("words")[3] == 0)
     until(lambda: own.status().get("config_hash") not in (None, armed["config_hash"]))
     until(lambda: own.status().get("state") == "FAULT")
+
+
+def test_a_bypass_while_the_control_process_starts_does_not_kill_it(own: ServiceRun) -> None:
+    before = own.status()["control_pid"]
+    kill(before)
+    until(lambda: own.status().get("control_pid") not in (0, before))
+    started = own.status()["control_pid"]
+    for _ in range(5):
+        own.ask("bypass")
+    until(lambda: own.status().get("state") == "BYPASS")
+    assert own.status()["control_pid"] == started
+
+
+def test_a_killed_recorder_is_replaced(own: ServiceRun) -> None:
+    until(lambda: own.status()["recorder"].get("rows", 0) > 0)
+    first = own.status()["recorder"]["folder"]
+    children = Path(f"/proc/{own.process.pid}/task/{own.process.pid}/children").read_text()
+    (recorder,) = (
+        int(pid)
+        for pid in children.split()
+        if b"telemetry.recorder" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    )
+    kill(recorder)
+    until(lambda: own.status()["recorder"].get("folder", first) != first)
+    assert own.status()["recorder"]["alive"]
+    assert own.said("the recorder died; another one takes over")
+
+
+def test_requests_without_sense_are_refused_and_the_service_lives(service: ServiceRun) -> None:
+    for actuators in (5, None, [5], ["\ud800"], ["a\nb"]):
+        with pytest.raises(RefusedError, match=r"a list of names|no actuator"):
+            service.ask("probe", actuators=actuators)
+    assert service.process.poll() is None

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import json
+import os
 from pathlib import Path
 
 import pytest
 
 from aff_runtime.app.assemble import controller_of, revision_of, site_of
+from aff_runtime.app.control_child import for_control
+from aff_runtime.app.link import MAX_PACKET_BYTES
 from aff_runtime.app.validation import load_record
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.revision import revision_word
+from aff_runtime.core.response import Provenance, Response, ResponsePoint
 
 SITE = Path(__file__).parents[3] / "config" / "euclid.yaml"
 
@@ -46,3 +51,69 @@ def test_a_response_file_that_is_none_is_a_finding_at_its_key(tmp_path: Path) ->
     (tmp_path / "learned" / "euclid_unwind.json").write_text('{"format": "x"}')
     with pytest.raises(ConfigError, match=r"site\.yaml:\d+:\d+  actuators\.unwind\.response"):
         load_record(path)
+
+
+def _learned(folder: Path) -> tuple[Path, Path]:
+    path = folder / "site.yaml"
+    path.write_text(SITE.read_text())
+    (folder / "learned").mkdir()
+    return path, folder / "learned" / "euclid_unwind.json"
+
+
+@pytest.mark.parametrize("raw", [b"\xff\xfe\x00", b"[" * 100_000, b"{}"])
+def test_a_spoilt_response_file_is_a_finding_and_not_a_crash(tmp_path: Path, raw: bytes) -> None:
+    path, learned = _learned(tmp_path)
+    learned.write_bytes(raw)
+    with pytest.raises(ConfigError, match=r"site.yaml:\d+:.*unwind.response: .*not a resp"):
+        load_record(path)
+
+
+def test_a_pipe_in_place_of_a_file_is_refused_at_once(tmp_path: Path) -> None:
+    path, learned = _learned(tmp_path)
+    os.mkfifo(learned)
+    with pytest.raises(ConfigError, match=r"euclid_unwind.json: is not a file"):
+        load_record(path)
+    path.unlink()
+    os.mkfifo(path)
+    with pytest.raises(ConfigError, match=r"site.yaml:1:1 .*it is not a file"):
+        load_record(path)
+
+
+def test_a_response_of_another_actuator_is_refused(tmp_path: Path) -> None:
+    path, learned = _learned(tmp_path)
+    about = Provenance(actuator="swrap_follower", signal="pullroll_tension_N")
+    point = ResponsePoint(
+        frequency_Hz=1.0, gain=100.0, phase_rad=0.0, relative_error=0.01, coherence=1.0
+    )
+    learned.write_text(Response(points=[point], delay_s=0.03, provenance=about).to_json())
+    with pytest.raises(ConfigError, match="measured from swrap_follower to pullroll_tension_N"):
+        load_record(path)
+
+
+def test_a_name_that_cannot_be_resolved_is_a_finding_of_the_host(tmp_path: Path) -> None:
+    path = tmp_path / "site.yaml"
+    path.write_text(SITE.read_text().replace("host: 127.0.0.1", "host: no.such.host.invalid"))
+    with pytest.raises(ConfigError, match=r"site.yaml:\d+:.*modbus_tcp.host.*cannot be resolved"):
+        load_record(path)
+
+
+def test_a_record_that_does_not_pass_to_the_control_process_is_refused(tmp_path: Path) -> None:
+    path, learned = _learned(tmp_path)
+    about = Provenance(actuator="unwind", signal="unwind_tension_N")
+    points = [
+        ResponsePoint(
+            frequency_Hz=1.0 + k, gain=1.0, phase_rad=0.0, relative_error=0.01, coherence=1.0
+        )
+        for k in range(3000)
+    ]
+    learned.write_text(Response(points=points, delay_s=0.03, provenance=about).to_json())
+    with pytest.raises(ConfigError, match="kB pass to the control process"):
+        load_record(path)
+
+
+def test_a_long_comment_does_not_keep_a_site_from_running(tmp_path: Path) -> None:
+    path = tmp_path / "site.yaml"
+    path.write_text(SITE.read_text() + "# " + "ü" * 100_000 + "\n")
+    record = load_record(path).record
+    assert record is not None
+    assert len(json.dumps(for_control(record))) < MAX_PACKET_BYTES

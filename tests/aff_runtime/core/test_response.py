@@ -1,6 +1,7 @@
 """Interpolation, honesty about phase, and the stored text."""
 
 import cmath
+import json
 import math
 
 import pytest
@@ -85,3 +86,26 @@ def test_objections_name_order_and_reason():
     texts = " ".join(arming_objections(noisy, [("unwind_1x", 1.0)]))
     assert "phase error" in texts
     assert "coherence" in texts
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("relative_error", -1.0),
+        ("coherence", 5.0),
+        ("coherence", -0.5),
+        ("gain", 1e308),
+        ("gain", 1e-320),
+        ("gain", 10**400),
+    ],
+)
+def test_a_point_that_no_probe_leaves_is_refused(key, value):
+    data = json.loads(measured(LagDelay(3.0).at, GRID_HZ).to_json())
+    data["points"][0][key] = value
+    with pytest.raises(ConfigError, match=r"probe again|run the probe"):
+        Response.from_json(json.dumps(data))
+
+
+def test_brackets_without_end_are_no_response():
+    with pytest.raises(ConfigError, match="not a response file"):
+        Response.from_json("[" * 100_000)

@@ -229,3 +229,37 @@ def test_an_operator_interrupt_is_not_swallowed(monkeypatch: pytest.MonkeyPatch)
     rig.law.trouble = KeyboardInterrupt()  # type: ignore[assignment]
     with pytest.raises(KeyboardInterrupt):
         rig.run(1)
+
+
+@pytest.mark.parametrize("stall_ms", [100, 1000])
+def test_after_a_stall_nothing_that_was_meant_for_before_it_goes_out(stall_ms: int) -> None:
+    rig = Rig().active()
+    before = len(rig.plc.commands)
+    rig.clock.advance_ns(stall_ms * 1_000_000)
+    rig.run(FADE_TICKS + 5)
+    first = rig.plc.commands[before][1]
+    assert first.corrections == (0.0,)
+    assert not first.state_bits & (StateBits.ACTIVE | StateBits.FADING)
+    assert rig.guard.state is State.FAULT
+    rig.assert_faded_from(before)
+
+
+@pytest.mark.parametrize("stall_ms", [100, 1000])
+def test_a_stall_inside_the_sleep_counts_in_the_tick_after_it(
+    stall_ms: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = Rig().active()
+    before = len(rig.plc.commands)
+    last = abs(rig.plc.last.corrections[0])
+    sleep = rig.clock.sleep_until_ns
+    with monkeypatch.context() as stopped:
+        stopped.setattr(
+            rig.clock, "sleep_until_ns", lambda at_ns: sleep(at_ns + stall_ms * 1_000_000)
+        )
+        rig.run(1)
+    rig.run(FADE_TICKS + 5)
+    withdrawn, *later = [abs(command.corrections[0]) for _, command in rig.plc.commands[before:]]
+    assert withdrawn == 0.0
+    left_ticks = max(0, FADE_TICKS - stall_ms // 5)
+    assert max(later) < last * (left_ticks / FADE_TICKS) + 1e-12
+    assert not any(later[left_ticks + 1 :])

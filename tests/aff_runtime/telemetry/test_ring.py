@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import stat
 import subprocess
 import sys
@@ -93,3 +95,22 @@ def test_removal_takes_the_own_file_and_leaves_a_successors(tmp_path: Path) -> N
     assert path.exists()
     second.remove()
     assert not path.exists()
+
+
+def test_a_full_file_system_refuses_the_ring_instead_of_killing_its_writer_later(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "posix_fallocate", full)
+    with pytest.raises(AffError, match=r"ring: no room for .* MB \(No space left"):
+        RingWriter(tmp_path / "ring", ["time_s"], meta={})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_every_page_of_the_ring_is_there_from_the_start(tmp_path: Path) -> None:
+    writer = RingWriter(tmp_path / "ring", ["time_s"] * 50, meta={})
+    found = (tmp_path / "ring").stat()
+    assert found.st_blocks * 512 >= found.st_size
+    writer.close()
