@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import signal
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -177,12 +179,20 @@ def known_response(actuator: str) -> str:
     return Response(points=points, delay_s=0.030, provenance=about).to_json()
 
 
+def probed(run: ServiceRun, actuator: str) -> list[dict[str, Any]]:
+    """Probe, again when a pause of this machine made the guard end it, as an operator would."""
+    for _ in range(2):
+        with contextlib.suppress(RefusedError):
+            return list(run.ask("probe", actuators=[actuator])["results"])
+    return list(run.ask("probe", actuators=[actuator])["results"])
+
+
 def test_probe_arm_and_bypass_from_end_to_end(own: ServiceRun) -> None:
     (own.folder / "learned").mkdir()
     other = own.folder / "learned" / "euclid_swrap_follower.json"
     other.write_text(known_response("swrap_follower"))
     until(lambda: own.said("CONFIG_APPLIED"))
-    (result,) = own.ask("probe", actuators=["unwind"])["results"]
+    (result,) = probed(own, "unwind")
     response = Response.from_json((own.folder / "learned" / "euclid_unwind.json").read_text())
     for point in response.points:
         assert abs(point.gain / -GAIN_N_PER_M_S - 1.0) < 0.05
