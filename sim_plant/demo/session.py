@@ -39,7 +39,7 @@ class Plan:
     wire: str = "modbus"
     seed: int = 7
     before_s: float = 16.0
-    learn_s: float = 36.0
+    learn_s: float = 60.0
     after_s: float = 20.0
     relearn_s: float = 12.0
 
