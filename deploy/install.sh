@@ -1,22 +1,25 @@
 #!/bin/sh
 # Installs AFF Runtime as a service. Run again to update: settings and records stay.
 #
-#   sudo deploy/install.sh [--dry-run] [--prefix DIR] [--python PYTHON]
+#   sudo deploy/install.sh [--dry-run] [--can] [--prefix DIR] [--python PYTHON]
 #
 # --dry-run   say what would be done, do nothing
+# --can       CAN, CANopen or a serial line: their packages, and the service's right to use them
 # --prefix    put everything below DIR; no user, no systemd (for tests and packages)
 # --python    interpreter of the environment (3.11 to 3.13; default python3)
 set -eu
 
 dry_run=no
+can=no
 prefix=
 python=python3
 while [ $# -gt 0 ]; do
     case $1 in
         --dry-run) dry_run=yes ;;
+        --can) can=yes ;;
         --prefix) prefix=$2; shift ;;
         --python) python=$2; shift ;;
-        -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
         *) echo "install.sh: unknown option $1" >&2; exit 2 ;;
     esac
     shift
@@ -52,8 +55,10 @@ fi
 
 run mkdir -p "$opt/share" "$etc" "$state/learned" "$state/runs" "$units" "$rules"
 [ -x "$opt/venv/bin/python" ] || run "$python" -m venv "$opt/venv"
-# No extras: the gateway needs neither numba nor scipy nor matplotlib.
-run "$opt/venv/bin/python" -m pip install --quiet --no-cache-dir --upgrade "$source_dir"
+# No extras unless asked: the gateway needs neither numba nor scipy nor matplotlib.
+extra=
+[ "$can" = no ] || extra="[can]"
+run "$opt/venv/bin/python" -m pip install --quiet --no-cache-dir --upgrade "$source_dir$extra"
 run cp "$source_dir/deploy/RUNBOOK.md" "$opt/share/RUNBOOK.md"
 
 # The technician's file is never overwritten.
@@ -61,6 +66,10 @@ run cp "$source_dir/deploy/RUNBOOK.md" "$opt/share/RUNBOOK.md"
 [ -e "$etc/learned" ] || [ -L "$etc/learned" ] || run ln -s ../../var/lib/aff-runtime/learned "$etc/learned"
 
 run cp "$source_dir/deploy/aff-runtime.service" "$units/aff-runtime.service"
+if [ "$can" = yes ]; then
+    run mkdir -p "$units/aff-runtime.service.d"
+    run cp "$source_dir/deploy/aff-runtime.can.conf" "$units/aff-runtime.service.d/can.conf"
+fi
 run cp "$source_dir/deploy/60-aff-runtime.rules" "$rules/60-aff-runtime.rules"
 
 if [ -z "$prefix" ]; then
@@ -76,5 +85,6 @@ Next: edit $etc/site.yaml, then
   aff-runtime check $etc/site.yaml
   systemctl enable --now aff-runtime
   sudo -u aff-runtime aff-runtime status
-and follow RUNBOOK.md; the correction stays off until somebody arms it.
+and follow $opt/share/RUNBOOK.md; the correction stays off until somebody arms it.
+After an update: aff-runtime bypass, then systemctl restart aff-runtime.
 DONE

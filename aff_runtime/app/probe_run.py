@@ -114,6 +114,7 @@ class ProbeRun:
                 version=self._version,
                 line_speed_m_s=readings.get(self._site.line.speed, nan),
                 radius_m=self._radius_m(name, readings),
+                cycle_s=self._site.cycle_s,
             )
             for name in self._settings.actuators
         }

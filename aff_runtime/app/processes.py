@@ -18,6 +18,7 @@ STOP_PATIENCE_S = 3.0
 RECORDER_PATIENCE_S = 5.0
 START_PATIENCE_NS = 15_000_000_000
 LIVE_BITS = StateBits.ARMED | StateBits.ACTIVE | StateBits.FADING
+LOUD_NOTES = ("CONFIG_DIFFERS", "CONTROL_DIED")
 LOG = logging.getLogger("aff_runtime")
 
 
@@ -168,7 +169,8 @@ class Processes:
 
     def note(self, name: str, text: str) -> None:
         """Put a line into the log and into the record's events."""
-        LOG.info("%s: %s", name, text)
+        loud = name in LOUD_NOTES
+        LOG.log(logging.WARNING if loud else logging.INFO, "%s: %s", name, text)
         if self._recorder is not None:
             self._recorder.note(name, text)
 

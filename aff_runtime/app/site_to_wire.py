@@ -9,7 +9,7 @@ from pathlib import Path
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock, Gateway, WordTransport
 from aff_runtime.config.can_wire import can_map_of, network_of
-from aff_runtime.config.models import CanDbc, Channel, Site, Tls
+from aff_runtime.config.models import CanDbc, Channel, ModbusTcp, Site, Tls
 from aff_runtime.fieldbus.catalogue import modbus_rtu, modbus_tcp
 from aff_runtime.fieldbus.codec import WordCodec
 from aff_runtime.fieldbus.gateway import WordGateway
@@ -21,7 +21,7 @@ from aff_runtime.fieldbus.registers import (
     WordOrder,
     WordType,
 )
-from aff_runtime.fieldbus.tls_wire import client_context
+from aff_runtime.fieldbus.tls_wire import TlsWire, client_context
 
 
 def gateway_of(
@@ -99,6 +99,14 @@ def transport(site: Site, words: RegisterMap, clock: Clock, folder: Path) -> Wor
         tls=_tls_context(tcp.tls, folder) if tcp.tls is not None else None,
         server_name=tcp.tls.server_name or "" if tcp.tls is not None else "",
     )
+
+
+def tls_wire(tcp: ModbusTcp, folder: Path) -> TlsWire | None:
+    """Return the connection of a site with Modbus/TCP Security, None for plain TCP."""
+    if tcp.tls is None:
+        return None
+    context = _tls_context(tcp.tls, folder)
+    return TlsWire(tcp.host, tcp.port, context, tcp.tls.server_name or tcp.host)
 
 
 def _tls_context(tls: Tls, folder: Path) -> ssl.SSLContext:

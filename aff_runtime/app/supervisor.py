@@ -19,6 +19,7 @@ from aff_runtime.app.probe_session import ProbeSession
 from aff_runtime.app.processes import Processes
 from aff_runtime.app.request_socket import Caller, RequestSocket
 from aff_runtime.app.run_options import RunOptions
+from aff_runtime.app.state_log import StateLog
 from aff_runtime.app.status import describe
 from aff_runtime.app.validation import load_record
 from aff_runtime.base.clock import MonotonicClock
@@ -53,6 +54,7 @@ class Supervisor:
         self._processes = Processes(
             options, verdict.record or {}, self._clock, on_change=self._watch_link
         )
+        self._states = StateLog()
         self._link_fd: int | None = None
         self._edits = EditSession(self._processes, self._pending, options.site, verdict)
         self._probe: ProbeSession | None = None
@@ -98,6 +100,7 @@ class Supervisor:
     def _look_after(self) -> None:
         """Do what time brings: children, edits, waiting callers, probe, watchdog."""
         self._pending.expire()
+        self._states.step(self._processes.latest())
         if self._processes.watch():
             self._pending.refuse_all("the control process died; see the log")
             self._end_probe("the control process died")
@@ -116,6 +119,7 @@ class Supervisor:
             did = message.get("did")
             if did == "RING":
                 self._processes.take_ring()
+                self._states.restart()
                 self._greet(message)
             elif did == "BLOCKED":
                 self._processes.blocked = str(message["text"])

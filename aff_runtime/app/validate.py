@@ -29,6 +29,7 @@ from aff_runtime.core.response import Provenance, Response
 from aff_runtime.fieldbus.registers import RegisterMap
 
 MAX_RECORD_BYTES = MAX_PACKET_BYTES - 4096  # what goes with it in one packet
+SAME_CYCLE_S = 1e-6
 
 
 def verdict(path: Path) -> dict[str, Any]:
@@ -38,7 +39,8 @@ def verdict(path: Path) -> dict[str, Any]:
         record = parameter_record(path, reading)
     except AffError as error:
         return {"record": None, "findings": str(error).splitlines()}
-    return {"record": record, "findings": [str(warning) for warning in reading.warnings]}
+    findings = [str(warning) for warning in reading.warnings]
+    return {"record": record, "findings": [*findings, *_outdated(reading, record)]}
 
 
 def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
@@ -96,7 +98,10 @@ def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
         if file.exists() and not file.is_file():
             raise ConfigError("is not a file; remove it and run the probe again")
         text = file.read_text(encoding="utf-8")
-        _of_this_place(Response.from_json(text).provenance, reading, actuator)
+        measured = Response.from_json(text).provenance
+        _of_this_place(measured, reading, actuator)
+        if abs(measured.cycle_s - reading.site.cycle_s) > SAME_CYCLE_S:
+            return None  # its delays were others; one without a cycle in it is taken as it is
     except FileNotFoundError:
         return None
     except OSError as error:
@@ -107,6 +112,15 @@ def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
     except ConfigError as error:
         raise ConfigError(_finding(reading, actuator, f"{file}: {error}")) from None
     return text
+
+
+def _outdated(reading: Reading, record: dict[str, Any]) -> list[str]:
+    """Return a finding per response that is there and does not count: its cycle was another."""
+    return [
+        _finding(reading, name, f"{file}: measured at another cycle_ms; run the probe again")
+        for name, file in record["response_files"].items()
+        if name not in record["responses"] and Path(file).exists()
+    ]
 
 
 def _of_this_place(measured: Provenance, reading: Reading, actuator: str) -> None:

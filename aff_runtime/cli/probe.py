@@ -21,7 +21,13 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         "probe", parents=[service], help="measure the response while the line runs"
     )
     parser.add_argument("site", type=Path, metavar="SITE.yaml")
-    parser.add_argument("--actuator", action="append", default=[], metavar="A")
+    parser.add_argument(
+        "--actuator",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="only this actuator; may be repeated (default: all, one after the other)",
+    )
     parser.set_defaults(command=probe)
 
 
@@ -36,16 +42,24 @@ def probe(options: argparse.Namespace) -> int:
     finally:
         client.close()
     for result in answer["results"]:
-        for line in table(result):
+        actuator = record["site"]["actuators"][result["actuator"]]
+        for line in table(result, gain_unit(actuator)):
             print(line)
     return 0
 
 
-def table(result: Mapping[str, Any]) -> Iterator[str]:
-    """Yield one probed actuator as text."""
+def gain_unit(actuator: Mapping[str, Any]) -> str:
+    """Return the unit of an actuator's response: of its signal per unit of its correction."""
+    signal = str(actuator["error"]["signal"])
+    above = "N" if signal.endswith("_N") else "m/s" if signal.endswith("_m_s") else "1"
+    return f"{above}/(m/s)" if actuator["output"] == "velocity_reference" else f"{above}/(N m)"
+
+
+def table(result: Mapping[str, Any], unit: str) -> Iterator[str]:
+    """Yield one probed actuator as text; ``unit`` is that of its gain."""
     response = json.loads(result["text"])
     yield f"{result['actuator']}: sign {result['sign']:+d}, delay {result['delay_s'] * 1e3:.0f} ms"
-    yield "      Hz        |P|   phase deg  error %  coherence"
+    yield f"      Hz {unit:>10}   phase deg  error %  coherence"
     for point in response["points"]:
         yield (
             f"{point['frequency_Hz']:8.3f} {point['gain']:10.4g} "

@@ -7,11 +7,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.site_to_wire import register_map
+from aff_runtime.app.site_to_wire import register_map, tls_wire
 from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.can_wire import can_map_of, wire_files
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Site
+from aff_runtime.fieldbus.codec import WordCodec
 from aff_runtime.fieldbus.probe_map import MapProbe, open_read_only
 from aff_runtime.fieldbus.probe_map import probe_map as look
 
@@ -19,7 +21,7 @@ from aff_runtime.fieldbus.probe_map import probe_map as look
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser(
-        "probe-map", help="read the PLC's block and show it in every word order; read only"
+        "probe-map", help="read the PLC's block: values, and every word order; writes nothing"
     )
     parser.add_argument("site", type=Path, metavar="SITE.yaml")
     parser.set_defaults(command=probe_map)
@@ -29,6 +31,11 @@ def probe_map(options: argparse.Namespace) -> int:
     """Read the block a few times and print every reading of every word."""
     site = load_site(options.site)
     clock = MonotonicClock()
+    if site.gateway.modbus_rtu is not None:
+        raise ConfigError(
+            f"{options.site}: probe-map looks at Modbus TCP and CAN; "
+            "on a serial line use `run --shadow` and `status`"
+        )
     wire = site.gateway.modbus_tcp
     if wire is None:
         return probe_frames(site, options.site, clock)
@@ -40,6 +47,7 @@ def probe_map(options: argparse.Namespace) -> int:
         read_start=words.read_start,
         read_count=words.read_count,
         clock=clock,
+        wire=tls_wire(wire, options.site.absolute().parent),
     )
     try:
         seen = look(
@@ -69,13 +77,17 @@ def probe_frames(site: Site, path: Path, clock: MonotonicClock) -> int:
 
 
 def table(site: Site, seen: MapProbe) -> Iterator[str]:
-    """Yield the words as text."""
+    """Yield the words as text, and each channel's value as the site file reads it."""
     moves = "moves" if seen.heartbeat_moves else "STANDS STILL: wrong register or a stopped PLC"
     yield f"{seen.samples} replies, {seen.failures} failures; plc_heartbeat {moves}"
     words = register_map(site)
     owners = {words.plc_heartbeat: "plc_heartbeat", words.status: "status"}
     owners[words.roll_id] = "roll_id"
-    owners |= {channel.address: channel.name for channel in words.channels}
+    values = WordCodec(words).decode([word.u16 for word in seen.words])[3]
+    owners |= {
+        channel.address: f"{channel.name} = {value:.6g}"
+        for channel, value in zip(words.channels, values, strict=True)
+    }
     for word in seen.words:
         name = owners.get(word.address, "")
         readings = f"u16 {word.u16:5}  i16 {word.i16:6}  moves {word.changes:3}"

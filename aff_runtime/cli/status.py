@@ -53,9 +53,9 @@ def lines(answer: Mapping[str, Any]) -> Iterator[str]:
     signals = answer.get("signals", {})
     if signals:
         yield (
-            f"comm     {answer['comm']}, age {_number(signals['age_s'], 1e3)} ms, "
-            f"tick {_number(signals['tick_us'], 1e-3)} ms, "
-            f"missed {_number(signals['missed_count'])}"
+            f"comm     {answer['comm']}, age {_short(signals['age_s'], 1e3)} ms, "
+            f"tick {_short(signals['tick_us'], 1e-3)} ms, "
+            f"missed {_number(signals['missed_count'])} ticks"
         )
     for name, value in signals.items():
         if "correction_" in name or name.endswith(("_tension_N", "line_speed_m_s", "_radius_m")):

@@ -51,6 +51,7 @@ class Provenance:
     version: str = ""
     line_speed_m_s: float = math.nan
     radius_m: float = math.nan
+    cycle_s: float = math.nan
 
 
 class Response:
@@ -163,6 +164,7 @@ class Response:
             if data["format"] != FORMAT:
                 raise ConfigError(f"response format {data['format']!r}, need {FORMAT!r}")
             kept = {k: v for k, v in data["provenance"].items() if v is not None}
+            kept |= {k: float(v) for k, v in kept.items() if k == "cycle_s"}
             points = [ResponsePoint(**{k: float(v) for k, v in p.items()}) for p in data["points"]]
             return cls(
                 points=points, delay_s=float(data["delay_s"]), provenance=Provenance(**kept)

@@ -11,7 +11,7 @@ from aff_runtime.base.ports import Clock, WordTransport
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.modbus_frames import ModbusFrames, WireFunction
 from aff_runtime.fieldbus.modbus_tcp import ModbusTcpTransport
-from aff_runtime.fieldbus.tcp_wire import TcpWire
+from aff_runtime.fieldbus.tcp_wire import TcpWire, Wire
 
 BYTE_ORDERS: tuple[tuple[str, tuple[int, int, int, int]], ...] = (
     ("high_first", (0, 1, 2, 3)),
@@ -56,9 +56,16 @@ class MapProbe:
 
 
 def open_read_only(
-    *, host: str, port: int, device_id: int, read_start: int, read_count: int, clock: Clock
+    *,
+    device_id: int,
+    read_start: int,
+    read_count: int,
+    clock: Clock,
+    host: str = "",
+    port: int = 0,
+    wire: Wire | None = None,
 ) -> ModbusTcpTransport:
-    """Return a transport that can only ask FC3.
+    """Return a transport that can only ask FC3, on ``wire`` or on plain TCP to ``host``.
 
     Raises
     ------
@@ -68,8 +75,12 @@ def open_read_only(
         When a number does not fit the protocol.
     """
     frames = ModbusFrames(device_id=device_id, read_start=read_start, read_count=read_count)
-    wire = TcpWire(host, port)
-    return ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=WireFunction.FC3)
+    return ModbusTcpTransport(
+        frames=frames,
+        wire=TcpWire(host, port) if wire is None else wire,
+        clock=clock,
+        function=WireFunction.FC3,
+    )
 
 
 def probe_map(

@@ -21,7 +21,12 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     """Add the subcommand."""
     parser = subparsers.add_parser("serve", help="serve a line on Modbus TCP or CAN in real time")
     parser.add_argument("line", type=Path, metavar="LINE.yaml")
-    parser.add_argument("--modbus", default="127.0.0.1:5020", metavar="HOST:PORT")
+    parser.add_argument(
+        "--modbus",
+        default="127.0.0.1:5020",
+        metavar="HOST:PORT",
+        help="where to listen (default 127.0.0.1:5020)",
+    )
     parser.add_argument("--can", choices=("dbc", "canopen"), help="serve on CAN instead of Modbus")
     parser.add_argument(
         "--can-interface",
@@ -33,17 +38,31 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         "--channel", default="", metavar="NAME", help="can0, or path of the socket"
     )
     parser.add_argument("--can-map", type=Path, metavar="MAP.yaml", help="the PLC's signals")
-    parser.add_argument("--plc", type=Path, default=DEFAULT_MAP, metavar="MAP.yaml")
-    parser.add_argument("--speed-m-s", type=float, help="line speed, m/s (declaration's)")
-    parser.add_argument("--seed", type=int, default=0, help="of every random number")
-    parser.add_argument("--record", type=Path, metavar="FILE.csv.gz")
+    parser.add_argument(
+        "--plc",
+        type=Path,
+        default=DEFAULT_MAP,
+        metavar="MAP.yaml",
+        help="the PLC's words (default config/plc/gateway_block.yaml)",
+    )
+    parser.add_argument(
+        "--speed-m-s",
+        type=float,
+        metavar="M_S",
+        help="line speed, m/s (default: the declaration's)",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of every random number (default 0)")
+    parser.add_argument(
+        "--record", type=Path, metavar="FILE.csv.gz", help="write the true signals of the line"
+    )
     parser.add_argument("--control", type=Path, metavar="PATH", help="control socket to create")
     parser.add_argument(
         "--fault",
         action="append",
         default=[],
         metavar="SPEC",
-        help="NAME[=ARG][@START][:DURATION]",
+        help="NAME[=ARG][@START][:DURATION] in s, for example freeze@10:5; may be repeated; "
+        "an unknown name lists all",
     )
     parser.add_argument("--no-fc23", action="store_true", help="refuse function 23")
     parser.add_argument("--no-realtime", action="store_true", help="do not ask for SCHED_FIFO")

@@ -85,7 +85,7 @@ def block_figure(columns: Mapping[str, Array]) -> str:
     axes[1].set_ylabel("phase [deg]")
     axes[1].set_xlabel("runtime time [s]")
     if amplitudes:
-        axes[0].legend(fontsize=8, ncols=3)
+        axes[0].legend(fontsize=8, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     for axis in axes:
         axis.grid(alpha=0.3)
     return svg(figure)

@@ -14,6 +14,8 @@ from sim_plant.demo.figures import block_figure, spectrum_figure, tension_figure
 from sim_plant.demo.judge import Row, read_record, window
 from sim_plant.demo.session import Session
 
+WIRE_NAMES = {"modbus": "Modbus TCP", "can": "CAN by DBC", "canopen": "CANopen"}
+
 
 def runtime_columns(folder: Path) -> dict[str, Array]:
     """Return the runtime's recorded columns, all segments joined."""
@@ -37,7 +39,8 @@ def write_report(session: Session, rows: list[Row]) -> Path:
         loader=PackageLoader("sim_plant.demo", "."), autoescape=True
     ).get_template("report.html.j2")
     page = template.render(
-        line=session.plan.line.name, speed_m_s=session.plan.line_speed_m_s,
+        line=session.plan.line.name, wire=WIRE_NAMES[session.plan.wire],
+        speed_m_s=session.plan.line_speed_m_s,
         seed=session.plan.seed, before=session.before_s, after=session.after_s, rms=rms,
         rows=rows, tension=tension_figure(session), spectra=spectrum_figure(session),
         blocks=block_figure(columns), timing=timing_figure(columns), probe=session.probe_text,

@@ -59,9 +59,17 @@ class Session:
 
 
 def prepare(plan: Plan) -> Bench:
-    """Make a fresh output folder and a copy of the site file with a wire of our own."""
+    """Make a fresh output folder and a copy of the site file with a wire of our own.
+
+    Raises
+    ------
+    PlantError
+        The folder holds something else than an earlier demo.
+    """
     folder = plan.out.resolve()
     if folder.exists():
+        if any(folder.iterdir()) and not (folder / "runtime.log").exists():
+            raise PlantError(f"--out {plan.out}: holds other files; name a folder of its own")
         shutil.rmtree(folder)
     (folder / "run").mkdir(parents=True, mode=0o700)
     wired = wire_up(plan.wire, plan.site, folder)

@@ -65,7 +65,9 @@ class Recording(Section):
     """The record of every run."""
 
     directory: Text = key(
-        "Folder of the records, relative to the working folder of the service.", default="runs"
+        "Folder of the records, relative to the folder of the site file; the option --record-dir "
+        "of the service goes before it.",
+        default="runs",
     )
     max_MB: Megabytes = key(
         "Disk that all records together may take; the oldest segments go first.",

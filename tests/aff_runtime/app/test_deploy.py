@@ -83,3 +83,10 @@ def test_a_second_installation_keeps_the_technicians_file(tmp_path: Path) -> Non
 
 def test_an_unknown_option_is_refused() -> None:
     assert install("--purge").returncode == 2
+
+
+def test_can_brings_its_packages_and_the_right_to_use_the_bus(tmp_path: Path) -> None:
+    done = install("--dry-run", "--can", "--prefix", str(tmp_path / "p"))
+    assert f"{ROOT}[can]" in done.stdout
+    assert "aff-runtime.service.d/can.conf" in done.stdout
+    assert "RestrictAddressFamilies=AF_CAN" in (ROOT / "deploy/aff-runtime.can.conf").read_text()

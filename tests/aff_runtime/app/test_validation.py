@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from pathlib import Path
 
@@ -117,3 +118,19 @@ def test_a_long_comment_does_not_keep_a_site_from_running(tmp_path: Path) -> Non
     record = load_record(path).record
     assert record is not None
     assert len(json.dumps(for_control(record))) < MAX_PACKET_BYTES
+
+
+@pytest.mark.parametrize(("cycle_s", "counts"), [(0.005, True), (0.01, False), (math.nan, True)])
+def test_a_response_of_another_cycle_does_not_count(
+    tmp_path: Path, cycle_s: float, counts: bool
+) -> None:
+    path, learned = _learned(tmp_path)
+    about = Provenance(actuator="unwind", signal="unwind_tension_N", cycle_s=cycle_s)
+    point = ResponsePoint(
+        frequency_Hz=1.0, gain=100.0, phase_rad=0.0, relative_error=0.01, coherence=1.0
+    )
+    learned.write_text(Response(points=[point], delay_s=0.03, provenance=about).to_json())
+    verdict = load_record(path)
+    assert verdict.record is not None
+    assert ("unwind" in verdict.record["responses"]) is counts
+    assert any("another cycle_ms" in finding for finding in verdict.findings) is not counts
