@@ -95,6 +95,8 @@ class EditSession:
         else:
             self._processes.stop()
             self._accept(record)
+            for finding in verdict.findings:
+                self._processes.note("CONFIG_WARNING", finding)
             self._processes.start()
 
     def _hand_over(self, record: dict[str, Any]) -> None:

@@ -19,8 +19,10 @@ class RippleWatch:
 
     The reference is the ripple without correction; its own scatter tells the noise. It is taken
     anew after every closing, and after the speed has moved by a fifth, since ripple changes with
-    speed. ``step`` says True once ripple has stood above 1.3 times the reference and four standard
-    deviations above it for four turns that were not a decline, as after a step of the setpoint.
+    speed. A closing so short that the ripple could not come back, as for an edit of the blocks,
+    changes nothing. ``step`` says True once ripple has stood above 1.3 times the reference and
+    four standard deviations above it for four turns that were not a decline, as after a step of
+    the setpoint.
     Never raises; an unknown ripple (NaN) is never judged.
 
     Attributes
@@ -83,11 +85,14 @@ class RippleWatch:
     def _watch_closed(self, now: float, turns: float) -> None:
         """Learn mean and scatter of the ripple without correction, once the fade has passed."""
         if self._was_open:
-            self._mean = nan
-            self._variance = self._age_turns = 0.0
             self._settle_turns = FADE_TURNS
-        self._settle_turns -= turns
-        if self._settle_turns > 0.0 or not isfinite(now):
+        if self._settle_turns > 0.0:
+            self._settle_turns -= turns
+            if self._settle_turns > 0.0:
+                return
+            self.reference = self._mean = nan
+            self._variance = self._age_turns = 0.0
+        if not isfinite(now):
             return
         self._age_turns = min(self._age_turns + turns, NOISE_TURNS)
         share = min(1.0, turns / self._age_turns) if self._age_turns > 0.0 else 1.0
@@ -96,7 +101,8 @@ class RippleWatch:
         self._variance = (1.0 - share) * (self._variance + share * change * change)
 
     def _open(self, before: float) -> None:
-        known = [value for value in (before, self._mean) if isfinite(value)]
+        closed = self.reference if self._settle_turns > 0.0 else self._mean
+        known = [value for value in (before, closed) if isfinite(value)]
         self.reference = max(known, default=nan)
         self._was_open = True
         self._lagged = nan

@@ -140,3 +140,32 @@ def test_a_response_of_the_right_sign_is_left_alone() -> None:
 def test_a_response_sixty_degrees_off_is_left_alone() -> None:
     _, rose, _ = lockstep(cmath.rect(1.0, math.radians(60.0)), 40.0)  # type: ignore[arg-type]
     assert not rose
+
+
+def reopened(closed_turns: float) -> RippleWatch:
+    """Ripple 1 closed, 0.02 open, closed again for a while in which it has not come back yet."""
+    judge = RippleWatch()
+    for ripple, is_open, turns in ((1.0, False, 20.0), (0.02, True, 30.0)):
+        for _ in range(round(turns / TURNS)):
+            judge.step((1.0, ripple), is_open=is_open, speed_m_s=SPEED, turns=TURNS)
+    for _ in range(round(closed_turns / TURNS)):
+        judge.step((0.02, 0.02), is_open=False, speed_m_s=SPEED, turns=TURNS)
+    return judge
+
+
+def test_a_short_closing_keeps_the_reference() -> None:
+    judge = reopened(0.2)
+    for _ in range(300):
+        assert not judge.step((0.02, 0.5), is_open=True, speed_m_s=SPEED, turns=TURNS)
+    rose = [
+        judge.step((0.02, 1.4), is_open=True, speed_m_s=SPEED, turns=TURNS) for _ in range(100)
+    ]
+    assert any(rose)
+
+
+def test_a_long_closing_takes_a_new_reference() -> None:
+    judge = reopened(20.0)
+    rose = [
+        judge.step((0.02, 0.5), is_open=True, speed_m_s=SPEED, turns=TURNS) for _ in range(100)
+    ]
+    assert any(rose)
