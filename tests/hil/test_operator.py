@@ -128,14 +128,22 @@ def test_rubbish_in_the_site_file_changes_nothing(line: LiveLine):
         line.wait_plant(line.now_s() + TURN_S)
         return start_s, line.now_s()
 
-    rows = _undisturbed(line, spoil)
-    status = line.status()
-    assert status["config_hash"] == config
-    assert "euclid.yaml:" in status["config_differs"][0]
-    middle_s = 0.5 * (rows[0][0] + rows[-1][0])
-    before = _largest_step(rows, rows[0][0], middle_s)
-    assert _largest_step(rows, middle_s, rows[-1][0]) < 3.0 * before
-    line.edit(line.site_text)
+    try:
+        for _ in range(
+            3
+        ):  # a pause of the machine holds a value and steps; a bump is there always
+            rows = _undisturbed(line, spoil)
+            status = line.status()
+            assert status["config_hash"] == config
+            assert "euclid.yaml:" in status["config_differs"][0]
+            middle_s = 0.5 * (rows[0][0] + rows[-1][0])
+            before = _largest_step(rows, rows[0][0], middle_s)
+            after = _largest_step(rows, middle_s, rows[-1][0])
+            if after < 3.0 * before:
+                break
+        assert after < 3.0 * before
+    finally:
+        line.edit(line.site_text)
     until("no difference", lambda: not line.status()["config_differs"])
     assert line.status()["config_hash"] == config
 
@@ -152,11 +160,15 @@ def test_a_good_edit_is_applied_without_a_bump(line: LiveLine):
         line.wait_plant(line.now_s() + TURN_S)
         return start_s, line.now_s()
 
-    rows = _undisturbed(line, retune)
-    assert not line.status()["config_differs"]
-    end_of_before_s = rows[0][0] + TURN_S
-    before = _largest_step(rows, rows[0][0], end_of_before_s)
-    assert _largest_step(rows, end_of_before_s, rows[-1][0]) < 3.0 * before
+    for _ in range(3):  # as above: a pause of the machine is not a bump of every edit
+        rows = _undisturbed(line, retune)
+        assert not line.status()["config_differs"]
+        end_of_before_s = rows[0][0] + TURN_S
+        before = _largest_step(rows, rows[0][0], end_of_before_s)
+        after = _largest_step(rows, end_of_before_s, rows[-1][0])
+        if after < 3.0 * before:
+            break
+    assert after < 3.0 * before
     quiet = [t for t, values in rows if all(abs(v) < 1e-4 for v in values)]
     assert len(quiet) < 0.1 * len(rows)  # it never faded
     assert_never_above_limit(rows)
