@@ -103,7 +103,7 @@ class PythonCanLink:
             return None
         if message.is_error_frame:
             return self._judge_error(message.arbitration_id)
-        if message.is_remote_frame or message.is_fd or not message.is_rx:
+        if message.is_remote_frame or message.is_fd:
             return Frame(-1, False, b"")
         self._backoff_ns = self._backoff_min_ns
         return Frame(message.arbitration_id, message.is_extended_id, bytes(message.data))

@@ -130,3 +130,22 @@ def test_foreign_traffic_stays_in_the_kernel(bench: Bench) -> None:
         for _ in range(500):
             other.send(can.Message(arbitration_id=0x7F0, is_extended_id=False, data=bytes(8)))
         assert bench.until(lambda s: s.fresh, ticks=200).outcome is Outcome.OK
+
+
+def test_an_error_frame_of_bus_off_closes_the_bus_and_it_comes_back(bench: Bench) -> None:
+    bench.until(lambda s: s.fresh)
+    bus_off = can.Message(arbitration_id=0x40, is_error_frame=True, data=bytes(8))
+    with can.Bus(interface="socketcan", channel="vcan0") as other:
+        other.send(bus_off)
+        bench.until(lambda s: s.outcome is Outcome.NOT_CONNECTED)
+    bench.until(lambda s: s.fresh)
+
+
+def test_a_29_bit_twin_of_our_identifier_is_another_frame(bench: Bench) -> None:
+    bench.until(lambda s: s.fresh)
+    with can.Bus(interface="socketcan", channel="vcan0") as other:
+        for can_id, _ in bench.gateway._ours:
+            other.send(can.Message(arbitration_id=can_id, is_extended_id=True, data=bytes(8)))
+        for _ in range(20):
+            assert bench.tick().outcome is not Outcome.BAD_REPLY
+    assert bench.gateway.foreign == 0
