@@ -9,6 +9,7 @@ from aff_runtime.base.signals import Command, Outcome, Snapshot
 from aff_runtime.fieldbus.can_frames import FrameLink
 from aff_runtime.fieldbus.can_reader import CanReader, Taken
 from aff_runtime.fieldbus.can_writer import CanWriter
+from aff_runtime.fieldbus.liveness import Liveness
 
 _MOST_FRAMES = 256  # read in one tick; a babbling bus must not hold the tick
 
@@ -23,8 +24,8 @@ class CanGateway:
     OK is a consistent set in this tick; TIMEOUT none; BAD_REPLY a frame of wrong length, or one
     of our own identifiers from somebody else (a second master), whatever else arrived;
     NOT_CONNECTED no bus, or nodes that do not all work; what can be sent is sent, so that a fade
-    reaches whoever still listens. The first set after NOT_CONNECTED is reported as NOT_CONNECTED:
-    it gives the heartbeat to compare with, its values go nowhere. Unless OK, ``values`` are NaN.
+    reaches whoever still listens. What is fresh, and what the first set after a loss is worth,
+    ``Liveness`` says. Unless OK, ``values`` are NaN.
 
     Parameters
     ----------
@@ -46,10 +47,7 @@ class CanGateway:
         self._clock = clock
         self._ours = frozenset(writer.ids)
         self._no_values = (math.nan,) * len(reader.values)
-        self._moved_at_ns = clock.now_ns()
-        self._heartbeat = 0
-        self._heartbeat_known = False
-        self._was_lost = True
+        self._liveness = Liveness(clock.now_ns(), lost=True)
         self.foreign = 0
 
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
@@ -60,30 +58,18 @@ class CanGateway:
         if ready and sent:
             outcome = self._receive(deadline_ns)
         t_ns = self._clock.now_ns()
-        reader = self.reader
-        fresh = False
-        values = self._no_values
+        reader, liveness = self.reader, self._liveness
         if outcome is Outcome.NOT_CONNECTED:
-            if not self._was_lost:
-                self._was_lost = True
             reader.reset()
-        elif outcome is Outcome.OK and self._was_lost:
-            self._was_lost = False
-            self._heartbeat, self._heartbeat_known = reader.heartbeat, True
-            outcome = Outcome.NOT_CONNECTED
-        elif outcome is Outcome.OK:
-            fresh = self._heartbeat_known and reader.heartbeat != self._heartbeat
-            self._heartbeat, self._heartbeat_known = reader.heartbeat, True
-            values = reader.values
-            if fresh:
-                self._moved_at_ns = t_ns
+        outcome = liveness.judge(outcome, reader.heartbeat, t_ns)
+        values = reader.values if outcome is Outcome.OK else self._no_values
         return Snapshot(
             tick=tick,
             t_ns=t_ns,
             outcome=outcome,
-            fresh=fresh,
-            age_s=(t_ns - self._moved_at_ns) * 1e-9,
-            plc_heartbeat=self._heartbeat,
+            fresh=liveness.fresh,
+            age_s=liveness.age_s(t_ns),
+            plc_heartbeat=liveness.heartbeat,
             status=reader.status,
             roll_id=reader.roll_id,
             values=values,
@@ -98,7 +84,7 @@ class CanGateway:
 
     def _receive(self, deadline_ns: int) -> Outcome:
         """Take frames until a new set is there; drain what follows it without waiting."""
-        before = self._heartbeat
+        before = self._liveness.heartbeat
         have_set = have_new = bad = False
         for _ in range(_MOST_FRAMES):
             wait_ns = 0 if have_new else deadline_ns - self._clock.now_ns()
