@@ -10,6 +10,7 @@ from aff_runtime.fieldbus.can_frames import FrameLink
 from aff_runtime.fieldbus.can_reader import CanReader, Taken
 from aff_runtime.fieldbus.can_writer import CanWriter
 from aff_runtime.fieldbus.liveness import Liveness
+from aff_runtime.fieldbus.phase_lock import PhaseLock
 
 _MOST_FRAMES = 256  # read in one tick; a babbling bus must not hold the tick
 
@@ -17,9 +18,11 @@ _MOST_FRAMES = 256  # read in one tick; a babbling bus must not hold the tick
 class CanGateway:
     """``Gateway`` over cyclic CAN frames.
 
-    Each tick sends the command, then takes what has arrived; when no new set is among it, it
-    waits for one until the deadline. Heartbeat and correction leave from here alone, so they stop
-    with the control thread.
+    A tick never waits: it takes what has arrived since the last one, sends the command, and SYNC
+    where the bus has one (the answers belong to the next tick). How old the newest set is, the
+    driver's receive stamp says; without a stamp, or with one that cannot be (a stepped clock), the
+    set counts as old as it can be: from when the bus was last found empty. Heartbeat and
+    correction leave from here alone, so they stop with the control thread.
 
     OK is a consistent set in this tick; TIMEOUT none; BAD_REPLY a frame of wrong length, or one
     of our own identifiers from somebody else (a second master), whatever else arrived;
@@ -32,14 +35,21 @@ class CanGateway:
     link : the bus.
     reader, writer : meaning of the frames.
     clock : monotonic time.
+    lock : where the other side sets the pace, when the ticks should start; None without.
 
     Attributes
     ----------
     foreign : frames that carried our identifiers.
+    shift_ns : how much later (negative: earlier) the next tick should start.
     """
 
     def __init__(
-        self, link: FrameLink, reader: CanReader, writer: CanWriter, clock: Clock
+        self,
+        link: FrameLink,
+        reader: CanReader,
+        writer: CanWriter,
+        clock: Clock,
+        lock: PhaseLock | None = None,
     ) -> None:
         self._link = link
         self.reader = reader
@@ -47,21 +57,27 @@ class CanGateway:
         self._clock = clock
         self._ours = frozenset(writer.ids)
         self._no_values = (math.nan,) * len(reader.values)
+        self._lock = lock
         self._liveness = Liveness(clock.now_ns(), lost=True)
+        self._emptied_ns = self._arrived_ns = clock.now_ns()
+        self._stamped = False
+        self.shift_ns = 0
         self.foreign = 0
 
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
         """Send ``command``, return what the PLC says; never blocks past the deadline."""
-        outcome = Outcome.NOT_CONNECTED
-        ready = self._link.ready()
-        sent = self._link.carries and self._send(command)
-        if ready and sent:
-            outcome = self._receive(deadline_ns)
+        began_ns = self._clock.now_ns()
+        self.shift_ns = 0
+        outcome = self._receive(deadline_ns) if self._link.ready() else Outcome.NOT_CONNECTED
+        if outcome is Outcome.OK and self._lock is not None and self._stamped:
+            self.shift_ns = self._lock.shift_ns(began_ns - self._arrived_ns)
+        if not (self._link.carries and self._send(command)):
+            outcome = Outcome.NOT_CONNECTED
         t_ns = self._clock.now_ns()
         reader, liveness = self.reader, self._liveness
         if outcome is Outcome.NOT_CONNECTED:
             reader.reset()
-        outcome = liveness.judge(outcome, reader.heartbeat, t_ns)
+        outcome = liveness.judge(outcome, reader.heartbeat, self._arrived_ns)
         values = reader.values if outcome is Outcome.OK else self._no_values
         return Snapshot(
             tick=tick,
@@ -80,30 +96,36 @@ class CanGateway:
         self._link.close()
 
     def _send(self, command: Command) -> bool:
-        return all(self._link.send(frame) for frame in self._writer.encode(command))
+        sent = all(self._link.send(frame) for frame in self._writer.encode(command))
+        return self._link.sync() and sent
 
     def _receive(self, deadline_ns: int) -> Outcome:
-        """Take frames until a new set is there; drain what follows it without waiting."""
-        before = self._liveness.heartbeat
-        have_set = have_new = bad = False
+        """Take what has arrived, up to the deadline on a bus that never falls silent."""
+        have_set = bad = False
         for _ in range(_MOST_FRAMES):
-            wait_ns = 0 if have_new else deadline_ns - self._clock.now_ns()
-            frame = self._link.receive(max(0, wait_ns))
+            frame = self._link.receive(0)
             if frame is None:
                 if not self._link.ready():
                     return Outcome.NOT_CONNECTED
-                if have_new or wait_ns <= 0:
-                    break
-                continue
+                self._emptied_ns = self._clock.now_ns()
+                break
             taken = self.reader.take(frame)
             if taken is Taken.SET:
                 have_set = True
-                have_new = have_new or self.reader.heartbeat != before
+                self._note_arrival()
             elif taken is Taken.BAD:
                 bad = True
             elif taken is Taken.IGNORED and (frame.can_id, frame.extended) in self._ours:
                 self.foreign += 1
                 bad = True
+            if self._clock.now_ns() >= deadline_ns:
+                break
         if bad:
             return Outcome.BAD_REPLY
         return Outcome.OK if have_set else Outcome.TIMEOUT
+
+    def _note_arrival(self) -> None:
+        """Keep when the frame just taken was here; the earliest it can be if that is not known."""
+        stamp_ns = self._link.arrived_ns
+        self._stamped = self._emptied_ns <= stamp_ns <= self._clock.now_ns()
+        self._arrived_ns = stamp_ns if self._stamped else self._emptied_ns

@@ -28,7 +28,13 @@ class WordGateway:
     transport : moves the words.
     codec : gives them meaning.
     clock : monotonic time.
+
+    Attributes
+    ----------
+    shift_ns : always 0: the other side answers when it is asked.
     """
+
+    shift_ns = 0
 
     def __init__(self, transport: WordTransport, codec: WordCodec, clock: Clock) -> None:
         self._transport = transport

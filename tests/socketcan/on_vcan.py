@@ -107,6 +107,11 @@ def test_readings_come_and_commands_arrive(bench: Bench) -> None:
     bench.until(lambda _: bench.service.plant.registers.write_words[at] == 100)
 
 
+def test_the_kernel_s_receive_stamp_is_the_age_of_a_set(bench: Bench) -> None:
+    bench.until(lambda s: s.fresh)
+    bench.until(lambda s: s.fresh and bench.gateway._stamped)
+
+
 def test_a_bus_that_goes_down_is_not_connected_and_comes_back(bench: Bench) -> None:
     bench.until(lambda s: s.fresh)
     set_link(False)

@@ -85,3 +85,15 @@ def test_a_driver_that_fails_closes_the_bus() -> None:
     bus.said.append(OSError("network is down"))
     assert link.receive(0) is None
     assert not link.carries
+
+
+def test_the_driver_s_stamp_becomes_monotonic_time() -> None:
+    bus, clock = ScriptedBus(), VirtualClock(7_000_000_000)
+    link = PythonCanLink(lambda: bus, clock, wall_s=lambda: 1_800_000_000.004)
+    link.ready()
+    bus.said.append(message(timestamp=1_800_000_000.001))
+    link.receive(0)
+    assert link.arrived_ns == pytest.approx(6_997_000_000, abs=1000)
+    bus.said.append(message(timestamp=0.0))
+    link.receive(0)
+    assert link.arrived_ns == -1
