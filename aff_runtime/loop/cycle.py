@@ -148,6 +148,7 @@ class Cycle:
         self._snapshot = self._gateway.exchange(
             self._command(), self._tick, self._started_ns + self._settings.io_deadline_ns
         )
+        self._ticker.shift(self._gateway.shift_ns)
         read_ns = self._clock.now_ns()
         self._io_ns = read_ns - self._started_ns
         if self._snapshot.outcome is Outcome.OK:
