@@ -40,7 +40,7 @@ def probing() -> tuple[RecordedLaw, Probe]:
     assert record is not None
     site = site_of(record)
     probe = Probe(site_params(site), probe_params(site, ["unwind"]))
-    law = RecordedLaw(controller_of(site, record["responses"]), probe=probe)
+    law = RecordedLaw(controller_of(site, record), probe=probe)
     tick = 0
     while probe.stage is not Stage.EXCITING:
         tick += 1
