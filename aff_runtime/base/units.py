@@ -58,7 +58,17 @@ _TABLE: dict[str, tuple[str, dict[str, float]]] = {
     ),
     "torque rate": ("N m/s", {"N m/s": 1, "Nm/s": 1, "lbf in/s": _LBF * 0.0254}),
     "time": ("s", {"s": 1, "ms": 1e-3, "us": 1e-6, "min": 60, "h": 3600}),
-    "angle": ("rad", {"rad": 1, "mrad": 1e-3, "deg": math.pi / 180, "turn": _TURN, "rev": _TURN}),
+    "angle": (
+        "rad",
+        {
+            "rad": 1,
+            "mrad": 1e-3,
+            "deg": math.pi / 180,
+            "turn": _TURN,
+            "turns": _TURN,
+            "rev": _TURN,
+        },
+    ),
     "angular speed": (
         "rad/s",
         {"rad/s": 1, "deg/s": math.pi / 180, "rpm": _TURN / 60, "rev/s": _TURN},

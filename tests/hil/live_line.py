@@ -66,7 +66,7 @@ class LiveLine:
         for actuator, response in known_responses().items():
             path = folder / "learned" / f"euclid_{actuator}.json"
             path.write_text(response.to_json())
-        text = (ROOT / "config" / "euclid.yaml").read_text()
+        text = (ROOT / "config" / "euclid_blocks.yaml").read_text()
         text = text.replace("port: 5020", f"port: {self.port}")
         self.site_text = re.sub(r"soft_start_s: [\d.]+", "soft_start_s: 0.3", text)
         self.bench.site.write_text(self.site_text)

@@ -35,7 +35,7 @@ from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plc import Plc
 from tests.lockstep.known_response import CYCLE_S, LINE, ROOT, SPEED_M_S
 
-SITE = ROOT / "config" / "euclid.yaml"
+SITE = ROOT / "config" / "euclid_blocks.yaml"
 PLC_MAP = ROOT / "config" / "plc" / "gateway_block.yaml"
 PERIOD_NS = round(CYCLE_S * 1e9)
 SEED = 7

@@ -54,7 +54,9 @@ class Drive(Section):
         "Density of the wound web; 0 for a roller.", default=0.0, ge=0, le=25000
     )
     web_width_m: Metres = key("Width of the wound web.", default=0.0, ge=0, le=20)
-    core_radius_m: Metres = key("Radius of the core.", default=0.0, ge=0, le=2)
+    core_radius_m: Metres = key(
+        "Radius of the core that the web is wound on.", default=0.0, ge=0, le=2
+    )
     tension_N: Newtons | None = key(
         "Usual tension at the roll; required where error has no reference.",
         default=None,

@@ -11,7 +11,7 @@ from aff_runtime.app.validation import load_record
 from aff_runtime.base.signals import Outcome, Permission, Snapshot
 from aff_runtime.core.probe import Probe, Stage
 
-SITE = Path(__file__).parents[3] / "config" / "euclid.yaml"
+SITE = Path(__file__).parents[3] / "config" / "euclid_blocks.yaml"
 DT_S = 0.005
 
 
