@@ -23,7 +23,7 @@ from aff_runtime.core.params import (
 from aff_runtime.core.shape_basis import FADE_TO_HZ
 
 NOISE_N, NOISE_M_S = 0.6, 2e-4
-CYCLES_ON_THE_WAY = 2  # sent one tick after its snapshot, at the drive one PLC scan later
+CYCLES_ON_THE_WAY = 3  # the angle's age, one tick to be sent, one PLC scan to the drive
 SHAPE_PROBE_TO_HZ = FADE_TO_HZ + 0.4  # a tone beside the highest order that goes out
 SHAPE_GRID = 20
 ORDERS_BEYOND = 8  # ripple above the highest order that the site corrects

@@ -48,9 +48,10 @@ class Shop:
     rows: list[tuple[float, ...]] = field(default_factory=list)
 
 
-def shop(responses, shapes=None) -> Shop:
-    site = load_site(SITE)
-    bench = Bench(Setup(site=SITE, responses=responses, soft_start_s=1.5))
+def shop(responses, shapes=None, site_file=SITE) -> Shop:
+    """Return a bench on the line, with what was kept before."""
+    site = load_site(site_file)
+    bench = Bench(Setup(site=site_file, responses=responses, soft_start_s=1.5))
     record = {
         "versions": {},
         "config_hash": "abc",

@@ -72,7 +72,7 @@ class Drive(Section):
         "true: learn the weight that is out of centre beside the shape.", default=True
     )
     transport_ms: Milliseconds | None = key(
-        "Time from a snapshot to its correction at the drive. Absent: two cycles. It matters for "
+        "Time from a snapshot to its correction at the drive. Absent: three cycles. Matters for "
         "a change of speed alone.",
         default=None,
         ge=0,
