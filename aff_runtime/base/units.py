@@ -74,7 +74,7 @@ _TABLE: dict[str, tuple[str, dict[str, float]]] = {
         {"rad/s": 1, "deg/s": math.pi / 180, "rpm": _TURN / 60, "rev/s": _TURN},
     ),
     "frequency": ("Hz", {"Hz": 1, "mHz": 1e-3, "kHz": 1e3}),
-    "inertia": (
+    "moment of inertia": (
         "kg m2",
         {"kg m2": 1, "kg m^2": 1, "kgm2": 1, "kg cm2": 1e-4, "lb ft2": 0.0421401},
     ),

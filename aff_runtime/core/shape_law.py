@@ -255,16 +255,18 @@ class ShapeLaw:
         return () if not all(found) else tuple(text for texts in found for text in texts)
 
     def ripple(self) -> tuple[float, float]:
-        """Return the root sum of squares of all columns' amplitudes, without and now.
+        """Return the root sum of squares of all orders' amplitudes, without and now.
 
-        NaN before two turns were heard. Without counts at least what is there now: what the
-        filter has not yet told from noise is no proof that the roll was quiet.
+        An imbalance has the frequency of order 1 and is in it. NaN before two turns were heard.
+        Without counts at least what is there now: what the filter has not yet told from noise is
+        no proof that the roll was quiet.
         """
         monitor = self.monitor
         if not monitor.heard:
             return math.nan, math.nan
-        without = np.fmax(monitor.without, monitor.now)
-        return float(np.sqrt((without**2).sum())), float(np.sqrt((monitor.now**2).sum()))
+        now = monitor.now[: len(self._keys)]
+        without = np.fmax(monitor.without[: len(self._keys)], now)
+        return float(np.sqrt((without**2).sum())), float(np.sqrt((now**2).sum()))
 
     def seen(self) -> npt.NDArray[np.complex128]:
         """Return P[b_n] now, (columns,): what a metre of each column does to the signal."""
