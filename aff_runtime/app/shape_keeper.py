@@ -81,8 +81,10 @@ class ShapeKeeper:
         self._config_hash = str(record["config_hash"])
         self._hash = {name: shape_basis_hash(site, name) for name in site.actuators}
         for name in site.actuators:
+            if name in self._used:
+                continue
             known = self._known(name, start_values(record["site"], name))
-            if known and name not in self._used:
+            if known:
                 self._trials[name] = _Trial(known)
 
     def _known(self, actuator: str, given: Orders) -> list[_Known]:
@@ -102,6 +104,7 @@ class ShapeKeeper:
             else:
                 text = "the saved shape is of another drive or encoder; the roll is learned anew"
                 self._tell(actuator, text)
+                del self._shapes[actuator]
         if given:
             source = "the start values of the site file"
             known.append(_Known(source=source, weight_m=given, correction={}))
@@ -126,23 +129,19 @@ class ShapeKeeper:
             if any(law.weights().values()):
                 del self._trials[name]  # it learned meanwhile
                 continue
-            self._listen(name, law, controller, values, fresh and quiet)
+            if not (quiet and law.is_open):
+                self._trials[name].heard_s, self._trials[name].trial = 0.0, None
+            elif fresh:
+                self._listen(name, law, controller, values)
 
     def _listen(
-        self,
-        name: str,
-        law: ShapeLaw,
-        controller: Controller,
-        values: Sequence[float],
-        usable: bool,
+        self, name: str, law: ShapeLaw, controller: Controller, values: Sequence[float]
     ) -> None:
         waiting = self._trials[name]
         params = controller.site
         signal, reference = _readings(params, name, values)
         known = all(p.quality is Quality.GOOD for p in controller.phases.by_name.values())
-        if not (usable and known and law.is_open and math.isfinite(signal - reference)):
-            if not usable or not law.is_open:
-                waiting.heard_s, waiting.trial = 0.0, None
+        if not known or not math.isfinite(signal - reference):
             return
         waiting.heard_s += params.cycle_s
         if waiting.heard_s < self._site.actuators[name].response_memory_s:
@@ -246,6 +245,11 @@ class ShapeKeeper:
 
     def forget(self, controller: Controller) -> None:
         """Drop the shapes of every roll that is exchanged; the rollers are kept."""
+        exchanged = set(controller.phases.spliced)
+        for waiting in self._trials.values():
+            for known in waiting.known:
+                kept = {k: w for k, w in known.weight_m.items() if k[0] not in exchanged}
+                known.weight_m = kept
         for law in controller.shape_laws().values():
             for roll in controller.phases.spliced:
                 law.reset_roll(roll)
