@@ -33,8 +33,8 @@ class ShapeMonitor:
     """
 
     __slots__ = (
-        "_age", "_bad", "_noise", "_others", "_phasor", "_rest", "_slow", "meets", "now", "share",
-        "without",
+        "_age", "_bad", "_judged", "_noise", "_others", "_phasor", "_rest", "_slow", "meets",
+        "now", "share", "without",
     )  # fmt: skip
 
     def __init__(self, roll_of: Sequence[str], signal_sd: float) -> None:
@@ -45,6 +45,7 @@ class ShapeMonitor:
         self._slow = np.zeros(count)
         self._age = np.zeros(count)
         self._bad = np.zeros(count)
+        self._judged = np.zeros(count)
         self._rest = np.zeros(count)
         self._noise = signal_sd
         self.now = np.full(count, math.nan)
@@ -56,18 +57,18 @@ class ShapeMonitor:
         self, error: float, phi: Seen, deviation: Complexes, turn_s: Floats, dt_s: float
     ) -> None:
         """Take one good sample; ``phi`` carries the angle of every column."""
-        size = np.abs(phi)
-        turns = dt_s / turn_s
-        self._age = np.minimum(self._age + turns, SLOW_TURNS)
-        carrier = phi / np.maximum(size, 1e-9)
-        share = turns / np.minimum(np.maximum(self._age, turns), TURNS)
-        self._phasor += share * (2.0 * error * carrier.conj() - self._phasor)
-        self.now = np.abs(self._phasor)
-        self._slow += turns / np.maximum(self._age, turns) * (self.now - self._slow)
+        size, turns = self._lock_in(error, phi, turn_s, dt_s)
+        self._judged += turns
+        self._slow += (
+            turns
+            / np.maximum(np.minimum(self._judged, SLOW_TURNS), turns)
+            * (self.now - self._slow)
+        )
         self.without = np.abs(deviation) * size
         # what white noise of one reading leaves in a lock-in over two turns
         noise = 2.0 * self._noise * np.sqrt(dt_s / (TURNS * turn_s))
-        bad = (self.now > HARM * self.without + 3.0 * noise) & (self._age > TURNS) & ~self.meets
+        bad = (self.now > HARM * self.without + 3.0 * noise) & (self._judged > TURNS)
+        bad &= ~self.meets
         self._bad = np.where(bad, self._bad + turns, 0.0)
         started = (self._bad > HARM_TURNS) & (self._rest <= 0.0)
         self._rest = np.where(started, REST_TURNS, np.maximum(0.0, self._rest - turns))
@@ -75,6 +76,29 @@ class ShapeMonitor:
         change = dt_s / FADE_S
         target = np.where(self._rest > 0.0, -change, change)
         self.share = np.minimum(1.0, np.maximum(0.0, self.share + target))
+
+    def listen(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> None:
+        """Take a sample while nothing goes out: what is there without correction, unjudged."""
+        self._lock_in(error, phi, turn_s, dt_s)
+        self._judged[:] = 0.0
+
+    def _lock_in(
+        self, error: float, phi: Seen, turn_s: Floats, dt_s: float
+    ) -> tuple[Floats, Floats]:
+        """Follow every column's amplitude; return |phi| and the turns that passed."""
+        size = np.abs(phi)
+        turns = dt_s / turn_s
+        self._age = np.minimum(self._age + turns, SLOW_TURNS)
+        carrier = phi / np.maximum(size, 1e-9)
+        share = turns / np.minimum(np.maximum(self._age, turns), TURNS)
+        self._phasor += share * (2.0 * error * carrier.conj() - self._phasor)
+        self.now = np.abs(self._phasor)
+        return size, turns
+
+    @property
+    def heard(self) -> bool:
+        """Whether every column was heard for two turns."""
+        return bool((self._age >= TURNS).all())
 
     def compare(self, frequency_Hz: Floats, turn_s: Floats, memory_turns: float) -> None:
         """Mark columns of different rolls that their memories cannot tell apart."""
@@ -90,14 +114,14 @@ class ShapeMonitor:
     def reset(self, columns: npt.NDArray[np.bool_]) -> None:
         """Forget some columns, as after a splice."""
         self._phasor[columns] = 0.0
-        for part in (self._slow, self._age, self._bad, self._rest):
+        for part in (self._slow, self._age, self._judged, self._bad, self._rest):
             part[columns] = 0.0
         self.now[columns] = self.without[columns] = math.nan
 
     def trend(self, at: int) -> Trend:
         """Return where a column stands."""
         now, without = float(self.now[at]), float(self.without[at])
-        if not (math.isfinite(now) and math.isfinite(without)) or self._age[at] < TURNS:
+        if not (math.isfinite(now) and math.isfinite(without)) or self._judged[at] < TURNS:
             return Trend.IDLE
         if self._rest[at] > 0.0 or self._bad[at] > 1.0:
             return Trend.DIVERGING
