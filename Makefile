@@ -6,8 +6,8 @@ STAMP  := $(VENV)/.installed
 SPEED  ?= 200
 LAW    ?= shape
 WIRE   ?= modbus
-
-.PHONY: demo demo-refine test check bench bench-control size matrix test-socketcan setup clean
+CASES  ?= 600
+.PHONY: campaign demo demo-refine test check bench bench-control size matrix test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -68,6 +68,11 @@ size:
 # the laws and their rivals on one line, in lockstep time; QUICK=1 for the short set
 bench-control: setup
 	QUICK=$(QUICK) $(BIN)/python -m benchmarks.control --docs docs
+
+# refine on CASES random records that other code made, against its targets; hours, goes on where
+# it was stopped (out/campaign), writes docs/refine-campaign.md
+campaign: setup
+	nice -n 19 $(BIN)/python -m benchmarks.campaign --cases $(CASES) --docs docs
 
 clean:
 	rm -rf $(VENV) out runs .pytest_cache .mypy_cache .ruff_cache

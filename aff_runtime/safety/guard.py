@@ -117,6 +117,11 @@ class Guard:
         return self.standing.state
 
     @property
+    def believes(self) -> bool:
+        """Whether the last readings can be true; what cannot must not reach a law."""
+        return self._line.believes
+
+    @property
     def quiet(self) -> bool:
         """Whether every output is closed and zero."""
         return all(envelope.level == 0.0 for envelope in self._envelopes)

@@ -23,6 +23,7 @@ class LineJudge:
     ----------
     gates : per actuator, whether the line is fast enough (with hysteresis).
     unbelievable : name of the first channel that cannot be true; empty when all can.
+    believes : whether the last readings can be true; a jump of a radius alone leaves it True.
     """
 
     def __init__(self, params: GuardParams) -> None:
@@ -33,6 +34,7 @@ class LineJudge:
         self._judged_ns: int | None = None
         self.gates = [False] * len(params.actuators)
         self.unbelievable = ""
+        self.believes = True
         self.adopt(params)
 
     def adopt(self, params: GuardParams) -> None:
@@ -102,6 +104,7 @@ class LineJudge:
             if not channel.is_plausible(value, elapsed_s, running):
                 causes |= 1 << channel.params.event
                 unbelievable = unbelievable or channel.params.name
+        self.believes = causes == 0
         splicing = self._is_splicing(now_ns)
         for radius in self._radii:
             if splicing:

@@ -13,6 +13,7 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.demo.judge import read_record
+from sim_plant.demo.pace import Pace, pace_of
 from sim_plant.demo.processes import (
     PLANT,
     RUNTIME,
@@ -26,6 +27,7 @@ from sim_plant.demo.wires import wire_up
 
 Progress = Callable[[str], None]
 ATTEMPTS = 3
+SETTLED_S = 6.0  # a pause this long before a window still shows in it
 OF_A_PAUSE = ("PLC_STALE", "OVERRUN")  # alarms that a busy machine raises
 
 
@@ -145,7 +147,8 @@ def _correct(
     """Arm, learn and measure; return plant times (armed, after start, after end).
 
     A machine that is too busy lets the PLC's data go stale, the runtime fades to zero and waits
-    for an operator. The demo is that operator: it says so, arms again and measures anew.
+    for an operator. The demo is that operator: it says so, arms again and measures anew. A window
+    in which the machine paused is measured again as well; the last one counts whatever happened.
     """
     runtime_command(bench, "arm")
     armed = plant_time(bench)
@@ -153,19 +156,29 @@ def _correct(
     for attempt in range(ATTEMPTS):
         _await_state(bench, service, {"ACTIVE"}, 10.0)
         progress(f"armed; learning for {learn_s:.0f} s")
-        _watch(bench, learn_s, progress)
+        _watch(bench, learn_s - SETTLED_S, progress)
+        pace = _pace(bench)
+        _watch(bench, SETTLED_S, progress)
         after_start = plant_time(bench)
         progress(f"measuring for {plan.after_s:.0f} s")
         _watch(bench, plan.after_s, progress)
         after_end = plant_time(bench)
         status = runtime_status(bench)
-        if status.get("state") == "ACTIVE" or attempt == ATTEMPTS - 1:
+        lost = _pace(bench).lost_since(pace)
+        if attempt == ATTEMPTS - 1 or (status.get("state") == "ACTIVE" and not lost):
             break
+        learn_s = plan.relearn_s
+        if status.get("state") == "ACTIVE":
+            progress(f"the machine paused ({lost}); measuring again")
+            continue
         alarm = dict(status.get("alarm") or {})
         progress(f"the runtime went to zero ({alarm.get('text')}); arming again as an operator")
         runtime_command(bench, "arm")
-        learn_s = plan.relearn_s
     return armed, after_start, after_end
+
+
+def _pace(bench: Bench) -> Pace:
+    return pace_of(runtime_status(bench), ask_plant(bench, "status"))
 
 
 def pause(seconds: float) -> None:

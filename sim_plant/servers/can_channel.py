@@ -163,7 +163,7 @@ class BusChannel:
             message = self._bus.recv(0)
             if message is None:
                 return
-            if message.is_rx and not (message.is_error_frame or message.is_remote_frame):
+            if not (message.is_error_frame or message.is_remote_frame):
                 self._take(
                     CanFrame(message.arbitration_id, message.is_extended_id, bytes(message.data))
                 )

@@ -53,8 +53,8 @@ CASES = {
     "inertia in another unit": (
         ("inertia_kg_m2: 0.25", "inertia_kg_m2: 0.25 N"),
         "0.25 N",
-        'actuators.unwind.drive.inertia_kg_m2: "0.25 N" is a force, expected a moment of '
-        "inertia: a number in kg m2, or with its unit (kg m^2, kgm2, kg cm2).",
+        'actuators.unwind.drive.inertia_kg_m2: "0.25 N" is a force, expected a moment of inertia: '
+        "a number in kg m2, or with its unit (kg m^2, kgm2, kg cm2).",
     ),
     "start of an order that no block has": (
         (START, "        start: [{ order: 40, deviation_m: 0.001, angle_rad: 0 }]"),
