@@ -6,6 +6,7 @@ STAMP  := $(VENV)/.installed
 SPEED  ?= 200
 LAW    ?= shape
 WIRE   ?= modbus
+SECONDS ?= 130
 CASES  ?= 600
 .PHONY: campaign demo demo-refine test check bench bench-control size matrix test-socketcan setup clean
 
@@ -45,6 +46,13 @@ matrix: setup
 # the CAN tests on genuine SocketCAN (vcan) under QEMU; says why where it cannot
 test-socketcan: setup
 	$(BIN)/python -m tests.socketcan
+
+# codecs and config loader under any bytes for SECONDS in all; guided by coverage where atheris
+# can be had, else by chance
+fuzz: setup
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[fuzz]" \
+		|| echo "atheris cannot be had: inputs by chance"
+	$(BIN)/python -m tests.fuzz --seconds $(SECONDS) --out out/fuzz
 
 # speed, as ratios measured in one run; about two minutes, writes docs/bench.md
 bench: setup
