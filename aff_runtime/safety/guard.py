@@ -59,6 +59,7 @@ class Guard:
         self._plc_reset = PlcReset()
         self._zeros = _ZEROS_TOLD
         self._idle_scans = _IDLE_SCANS
+        self._told_idle = True
         self._observed_ns: int | None = None
         self._tick = 0
         self._events: list[tuple[int, int]] = [(0, _POWER_UP)]
@@ -157,8 +158,8 @@ class Guard:
         supervisor_alive : False latches SUPERVISOR_LOST.
         """
         self._tick = snapshot.tick
-        if snapshot.fresh and self._idle_scans < _IDLE_SCANS:
-            self._idle_scans += self.quiet and self._zeros >= _ZEROS_TOLD
+        if self._told_idle and snapshot.fresh and self._idle_scans < _IDLE_SCANS:
+            self._idle_scans += 1
         freshness = self._freshness.judge(snapshot, now_ns)
         self._comm_warn = freshness is not Freshness.GOOD or snapshot.outcome is not Outcome.OK
         causes = self._found_in_tick | self._line.judge(snapshot, now_ns)
@@ -201,7 +202,8 @@ class Guard:
         corrections = tuple(limiter.output for limiter in self._limiters)
         told_zero = self.quiet and self._zeros >= _ZEROS_TOLD
         self._zeros = min(self._zeros + 1, _ZEROS_TOLD) if self.quiet else 0
-        if not told_zero or self.standing.state is State.ACTIVE:
+        self._told_idle = told_zero and self.standing.state is not State.ACTIVE
+        if not self._told_idle:
             self._idle_scans = 0
         word = state_word(
             self.standing,
