@@ -69,9 +69,7 @@ class LiveLine:
         self, folder: Path, wire: str = "modbus", environment: Mapping[str, str] | None = None
     ) -> None:
         wired = wire_up(wire, ROOT / "config" / SITES[wire], folder)
-        self.bench = Bench(
-            folder=folder, site=wired.site, plant_arguments=wired.plant_arguments
-        )
+        self.bench = Bench(folder=folder, site=wired.site, plant_arguments=wired.plant_arguments)
         self._environment = environment
         (folder / "learned").mkdir()
         for actuator, response in known_responses().items():

@@ -28,7 +28,7 @@ DISK_MB = 768
 @contextlib.contextmanager
 def small_disk() -> Iterator[Path]:
     """Yield a folder on a file system of its own, where the machine lets us; else a plain one."""
-    with tempfile.TemporaryDirectory(prefix="soak", dir="/tmp") as name:  # noqa: S108 (short name)
+    with tempfile.TemporaryDirectory(prefix="soak", dir="/tmp") as name:
         image, folder = Path(name) / "disk", Path(name) / "d"
         folder.mkdir()
         with image.open("wb") as stream:
@@ -71,7 +71,7 @@ class LiveSoak:
             "plant": line.plant.process.pid,
         }
         maps = Path(f"/proc/{pids['control']}/maps").read_text().split()
-        self.rings |= {word for word in maps if word.startswith("/dev/shm/aff-runtime")}  # noqa: S108
+        self.rings |= {word for word in maps if word.startswith("/dev/shm/aff-runtime")}
         return {part: size_of(pid) for part, pid in pids.items()}
 
     def turn(self, *, may_kill: bool) -> None:
