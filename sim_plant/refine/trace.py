@@ -9,8 +9,10 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.blackbox import LINE_KINDS, free_lines
 from sim_plant.refine.completeness import complete, lines_left
-from sim_plant.refine.coordinates import Travel, travel_of
+from sim_plant.refine.coordinates import Travel, line_support, travel_of
+from sim_plant.refine.details import polished
 from sim_plant.refine.fit import Fit, empty_fit, felt_radii, refine_fit
 from sim_plant.refine.generic import LineSpectrum
 from sim_plant.refine.hypotheses import Hypothesis
@@ -22,6 +24,7 @@ from sim_plant.refine.shapes import profile_starts
 from sim_plant.refine.unknown import LINE_THRESHOLD, Unknown, strongest, unknowns
 
 MOST_EFFECTS = 4
+MOST_BOXES = 2
 SCORE_THRESHOLD = 75.0
 RUNNERS = 4
 DISCREPANCY = 0.006
@@ -58,8 +61,29 @@ Say = Callable[[str], None]
 
 
 def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
-    """Return effects that explain the records, and what remains unexplained."""
+    """Return effects that explain the records, and what remains unexplained.
+
+    Where a line remains that no effect explains, it becomes a free term, and the whole search is
+    made again beside it: an effect is claimed only for what that term cannot explain.
+    """
+    found = _pursue(problem, library, say)
+    boxes: list[Unknown] = []
+    for _ in range(MOST_BOXES):
+        fresh = [u for u in found.unknown if u.kind in LINE_KINDS]
+        if not fresh:
+            break
+        boxes += fresh
+        say(f"no effect explains {', '.join(u.text for u in fresh)}: searching beside a free term")
+        beside = problem.beside([free_lines(boxes, travel) for travel in found.travels])
+        found = _pursue(beside, library, say)
+        found.unknown = [*boxes, *(u for u in found.unknown if u not in boxes)]
+    return found
+
+
+def _pursue(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
+    """Return the effects found one after another, and what is left then."""
     nominal = empty_fit(problem, felt_radii(problem))
+    problem, nominal = polished(problem, nominal)
     travels = [
         travel_of(twin, measured, nominal.case, noise.first)
         for twin, measured, noise in zip(
@@ -72,20 +96,42 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
         accepted = _search(problem, found, library, say)
         if accepted is None:
             break
-        steps, found.fit = accepted
+        steps, fit = accepted
         found.steps.extend(steps)
+        say("all numbers together, at the declared drive tick")
+        problem, found.fit = polished(problem, fit)
         found.after = lines_left(problem, found.fit, travels)
         if _at_floor(problem, found):
             break
-    if found.steps:
-        say("final numbers at the declared drive tick")
-        fit = found.fit
-        exact = refine_fit(problem, fit.hypotheses, fit.values, fit.shifts, rounds=2, coarse=False)
-        if np.isfinite(exact.cost):
-            found.fit = exact
-            found.after = lines_left(problem, exact, travels)
     found.unknown = unknowns(problem, found.nominal, found.fit, found.after)
+    if any(u.kind not in LINE_KINDS for u in found.unknown):
+        _keep_lines_only(problem, found, say)
     return found
+
+
+def _keep_lines_only(problem: Problem, found: Trace, say: Say) -> None:
+    """Take back effects that are no lines when structure is left that is no line either.
+
+    Without a coordinate of its own such an effect is known only by how well it fits: one that
+    leaves more than noise has at best imitated the cause.
+    """
+    fit = found.fit
+    kept = [k for k, h in enumerate(fit.hypotheses) if is_line(h, found)]
+    if len(kept) == len(fit.hypotheses):
+        return
+    say("structure is left that is no line: effects that are none are taken back")
+    found.steps = [found.steps[k] for k in kept]
+    rest = [(fit.hypotheses[k], fit.values[k]) for k in kept]
+    found.fit = refine_fit(
+        problem, [h for h, _ in rest], [v for _, v in rest], fit.shifts, rounds=4, coarse=False
+    )
+    found.after = lines_left(problem, found.fit, found.travels)
+    found.unknown = unknowns(problem, found.nominal, found.fit, found.after)
+
+
+def is_line(h: Hypothesis, found: Trace) -> bool:
+    """Return whether a hypothesis shows at a coordinate of its own."""
+    return line_support(h, found.travels[0], found.before[0]) is not None
 
 
 def _search(
@@ -262,7 +308,9 @@ def _fitted(
     new = refine_fit(
         problem, (*fit.hypotheses, h), (*fit.values, tuple(start)), shifts, rounds=rounds
     )
-    return new if np.isfinite(new.cost) else None
+    if not np.isfinite(new.cost) or new.hypotheses[-1].at_bound(new.values[-1]):
+        return None
+    return new
 
 
 def _worth(problem: Problem, fit: Fit) -> float:
