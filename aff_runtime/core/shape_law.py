@@ -73,6 +73,8 @@ class ShapeLaw:
         self._gate = SpeedGate(params.active_above_m_s)
         self.weight = np.zeros(count, dtype=np.complex128)
         self._sent = np.zeros(count, dtype=np.complex128)
+        self._parts = np.zeros(count, dtype=np.complex128)
+        self._move = np.zeros(count, dtype=np.complex128)
         self._signal_per_m = np.zeros(count)
         self._step_1_s = np.zeros(count)
         self._tension_N = drive.tension_N
@@ -89,7 +91,9 @@ class ShapeLaw:
         b = self.basis.b
         self.room.step(inputs.limit_ratio, b, self.weight, self._signal_per_m, dt_s)
         self._loop.follow_radius(self._own.radius_m)
-        self._loop.push(b, (ratio * self._sent) * b, round(dt_s / self._cycle_s))
+        np.multiply(self._sent, b, out=self._parts)
+        self._parts *= ratio
+        self._loop.push(b, self._parts, round(dt_s / self._cycle_s))
         self._settle_presence(dt_s)
         speed_m_s = self._speed_m_s(inputs.line_speed_m_s)
         gate = self._gate.step(speed_m_s, dt_s)
@@ -134,28 +138,38 @@ class ShapeLaw:
             memory = self._p.shape.memory_turns
             self.monitor.compare(self.basis.frequency_Hz, turn_s, memory)
             self.filter.check()
-        self._signal_per_m = np.abs(phi)
+        if self.room.limited or inputs.limit_ratio < 1.0:
+            self._signal_per_m = np.abs(phi)
         self._newton(deviation, turn_s, dt_s)
 
     def _newton(
         self, deviation: npt.NDArray[np.complex128], turn_s: npt.NDArray[np.float64], dt_s: float
     ) -> None:
-        gain = 1.0 + self.filter.correction
-        left = deviation + gain * self.weight
+        gain, move = self.filter.gain, self._move
+        np.multiply(gain, self.weight, out=move)
+        move += deviation
         size = np.abs(gain)
-        gain *= np.minimum(np.maximum(size, GAIN_FROM), GAIN_TO) / np.maximum(size, 1e-9)
         share = -np.expm1(-dt_s / (NEWTON_TURNS * turn_s))
-        move = np.where(self.monitor.resting, 0.0, share * left / gain)
+        share *= np.maximum(size, 1e-9) / np.minimum(np.maximum(size, GAIN_FROM), GAIN_TO)
+        move *= share
+        move /= gain
+        if not self.monitor.calm:
+            move[self.monitor.resting] = 0.0
         self.weight -= move
         limit = self._p.shape.weight_limit_m
-        self.weight *= limit / np.maximum(np.abs(self.weight), limit)
-        self._step_1_s = np.abs(move) / dt_s
+        if np.vdot(self.weight, self.weight).real > limit * limit:
+            self.weight *= limit / np.maximum(np.abs(self.weight), limit)
+        np.abs(move, out=self._step_1_s)
+        self._step_1_s *= 1.0 / dt_s
 
     def _send(self, gate: float) -> ActuatorStep:
         b = self.basis.b
-        shares = self.room.share * self.presence.share * self.monitor.share
-        self._sent = (gate * shares) * self.weight
-        parts = self._sent * b
+        sent, parts = self._sent, self._parts
+        np.multiply(self.weight, gate, out=sent)
+        sent *= self.room.share
+        sent *= self.presence.share
+        sent *= self.monitor.share
+        np.multiply(sent, b, out=parts)
         value = float(parts.real.sum())
         peak, slew = self._bounds.of(parts, self.basis.omega_rad_s)
         peak = max(peak, abs(value))

@@ -24,11 +24,12 @@ class Room:
     learned away, nothing winds up, and a whole column is scaled, so no harmonics arise.
     """
 
-    __slots__ = ("_limit", "peak", "share")
+    __slots__ = ("_limit", "limited", "peak", "share")
 
     def __init__(self, count: int) -> None:
         self.share = np.ones(count)
         self.peak = 0.0
+        self.limited = False  # whether any column is shortened
         self._limit = math.inf
 
     def step(
@@ -52,11 +53,7 @@ class Room:
                 cost = np.where(self.share < 1.0, _cost(b, signal_per_m), math.inf)
                 at = int(np.argmin(cost))
                 self.share[at] = min(1.0, self.share[at] + dt_s / RETURN_S)
-
-    @property
-    def limited(self) -> bool:
-        """Whether any column is shortened."""
-        return bool((self.share < 1.0).any())
+                self.limited = bool((self.share < 1.0).any())
 
     def _shorten(
         self,
@@ -73,6 +70,7 @@ class Room:
             taken = min(float(self.share[at]), excess / float(amplitude[at]))
             self.share[at] -= taken
             excess -= taken * float(amplitude[at])
+            self.limited = self.limited or taken > 0.0
 
 
 def _cost(b: npt.NDArray[np.complex128], signal_per_m: Floats) -> Floats:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from aff_runtime.core.phase import Quality
 from aff_runtime.core.shape_profile import ShapeProfile
 from tests.aff_runtime.core.plants import CYCLE_S, LagDelay
-from tests.aff_runtime.core.shape_site import GAIN_N_S_M, Rig, actuator
+from tests.aff_runtime.core.shape_site import GAIN_N_S_M, LENGTH_ONLY, Rig, actuator
 
 RIPPLE = {("unwind", 1): 1.2 - 0.4j, ("unwind", 2): -0.5 + 0.8j}
 
@@ -31,8 +31,7 @@ def test_ripple_falls_by_forty_dB_within_ten_turns_with_noise():
 def test_the_weight_is_the_shape_in_metres():
     """Ripple that a shape makes through P is cancelled by exactly that shape."""
     shape = 0.4e-3 * np.exp(0.9j)
-    rig = Rig(actuator(orders=(1,)))
-    rig.law.basis._pull[:] = 0.0  # length rate alone: the plant here has no torque input
+    rig = Rig(actuator(orders=(1,), drive=LENGTH_ONLY))
     lead = 0.5 * CYCLE_S
     omega = rig.phases["unwind"].omega_rad_s
     s = 1j * omega
@@ -47,8 +46,8 @@ def test_the_weight_is_the_shape_in_metres():
 
 def test_a_speed_change_needs_no_new_learning_where_P_is_flat():
     """The same shape at twice the speed: what was learned cancels it at once."""
-    rig = Rig(actuator(orders=(1,)), plant=LagDelay(GAIN_N_S_M, delay=0, lag=0.0))
-    rig.law.basis._pull[:] = 0.0
+    flat = LagDelay(GAIN_N_S_M, delay=0, lag=0.0)
+    rig = Rig(actuator(orders=(1,), drive=LENGTH_ONLY), plant=flat)
     shape = 0.4e-3
 
     def ripple_at(omega):
