@@ -64,8 +64,8 @@ class ShapeBasis:
 
     __slots__ = (
         "_arm", "_before", "_core", "_drive", "_imbalance", "_index", "_known", "_lead_s", "_low",
-        "_now", "_own", "_owns", "_phases", "_pull", "_rolls", "_span", "_track", "_turns", "_work",
-        "b", "fade", "frequency_Hz", "names", "omega_rad_s", "order", "rolls", "turn_s",
+        "_now", "_own", "_owns", "_phases", "_pull", "_rolls", "_span", "_track", "_turns",
+        "_work", "b", "fade", "frequency_Hz", "names", "omega_rad_s", "order", "rolls", "turn_s",
     )  # fmt: skip
 
     def __init__(
@@ -178,6 +178,21 @@ class ShapeBasis:
             arm = radius / (self._drive.inertia_at(radius) * K) if radius > 0.0 else 0.0
             self._arm[:] = arm * (tension_N * self._pull + self._imbalance)
         return self._arm
+
+    @property
+    def carrier(self) -> Complexes:
+        """e^{j n theta} of every column at the angle where its output acts."""
+        return np.asarray(self._before[1])
+
+    @property
+    def twins(self) -> tuple[int, int]:
+        """Columns of the own roll's order 1 and of its imbalance; (-1, -1) without one."""
+        if not self._imbalance.any():
+            return -1, -1
+        first = next(
+            i for i, o in enumerate(self.order) if o == 1.0 and self._index[i] == self._own
+        )
+        return first, self.order.size - 1
 
     def restart(self) -> None:
         """Forget the filters."""

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
-POINTS_PER_ORDER = 10
+POINTS_PER_ORDER = 16
 
 
 class PeakBound:
@@ -17,7 +17,8 @@ class PeakBound:
 
     The orders of the own roll form one waveform, sampled around the turn. A trigonometric
     polynomial of degree n never exceeds its largest sample of N > 2 n by more than
-    1 / cos(pi n / N) (Ehlich and Zeller). Orders of other rolls add their amplitudes.
+    1 / cos(pi n / N) (Ehlich and Zeller). The samples stay where they are on the roll, so the
+    bound of a steady waveform is steady. Orders of other rolls add their amplitudes.
     """
 
     __slots__ = ("_at", "_order", "_others", "_pair", "_slack", "_wave", "_waves")
@@ -37,14 +38,20 @@ class PeakBound:
         self._pair = np.zeros((2, order.size), dtype=np.complex128)
         self._wave = np.zeros(points)
 
-    def of(self, parts: npt.NDArray[np.complex128], omega_rad_s: Floats) -> tuple[float, float]:
-        """Return bounds of value and slew for terms ``parts`` at speeds ``omega_rad_s``.
+    def of(
+        self,
+        parts: npt.NDArray[np.complex128],
+        carrier: npt.NDArray[np.complex128],
+        omega_rad_s: Floats,
+    ) -> tuple[float, float]:
+        """Return bounds of value and slew for terms ``parts`` on carriers e^{j n theta}.
 
         The slew of the own roll is its speed times the slope over the angle.
         """
         value, slope = self._pair
-        value[:] = parts
-        np.multiply(parts, self._order, out=slope)
+        np.conjugate(carrier, out=value)
+        value *= parts
+        np.multiply(value, self._order, out=slope)
         slope *= 1j
         peak = self._slack * self._largest(value)
         slew = self._slack * self._largest(slope)

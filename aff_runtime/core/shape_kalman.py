@@ -12,12 +12,15 @@ Complexes = npt.NDArray[np.complex128]
 Seen = npt.NDArray[np.complex64] | Complexes
 START_DEVIATION_M = 1e-3
 START_CORRECTION = 0.6
-CORRECTION_PER_TURN = 0.04
+CORRECTION_PER_TURN = 0.01
+CORRECTION_PER_OCTAVE = 0.15
+TRAVEL_OCTAVES = 0.02
 BIAS_SDS_PER_SQRT_S = 0.17
 START_BIAS = 30.0
 SMALLEST_GAIN = 1e-6
 KNOWN_SHARE = 0.2
 KNOWN_M = 3e-5
+KNOWN_CORRECTION = 0.2
 FORGET_TICKS = 8
 
 
@@ -27,7 +30,8 @@ class ShapeFilter:
     ``a_n`` is what would be there without correction, in metres of column n; g_n = 1 + d_n is the
     true P over the assumed one at that column's frequency. Process noise of a_n is set from the
     information one turn brings, (1/memory)^2 / info_n, so every column forgets after the same
-    number of turns; d_n walks 0.04 per turn. No variance grows past its start value.
+    number of turns. d_n belongs to a frequency: it walks 0.15 per octave that its order moves, and
+    0.01 per turn for what changes on the line itself. No variance grows past its start value.
 
     State, real: a_n and g_n as pairs re, im (n pairs each), bias. The covariance is updated by a
     rank-one product of a vector with itself, which keeps it symmetric; process noise is added
@@ -35,13 +39,17 @@ class ShapeFilter:
     """
 
     __slots__ = (
-        "_diagonal", "_fresh", "_gain", "_h", "_memory_turns", "_noise", "_passed_s", "_sd",
-        "_seen", "_start", "_ticks", "_work", "count", "covariance", "deviation", "gain",
-        "innovation", "state",
+        "_diagonal", "_drift", "_fresh", "_gain", "_h", "_memory_turns", "_noise", "_none",
+        "_passed_s", "_sd", "_seen", "_start", "_ticks", "_turn_s", "_work", "count", "covariance",
+        "deviation", "gain", "innovation", "state",
     )  # fmt: skip
 
-    def __init__(self, count: int, memory_turns: float, signal_sd: float) -> None:
+    def __init__(
+        self, count: int, memory_turns: float, signal_sd: float, drift: Floats | None = None
+    ) -> None:
+        """``drift``, (count,): share of the process noise of a_n per column, 1 when not given."""
         self.count = count
+        self._drift = np.ones(count) if drift is None else drift
         size = 4 * count + 1
         self._memory_turns = memory_turns
         self._sd = signal_sd
@@ -66,6 +74,8 @@ class ShapeFilter:
         self._gain = np.zeros(size)
         self._work = np.zeros((size, size))
         self._noise = np.zeros(size)
+        self._turn_s = np.full(count, math.nan)
+        self._none = np.zeros(count)
         self._passed_s = 0.0
         self._ticks = 0
         self.innovation = 0.0
@@ -103,14 +113,23 @@ class ShapeFilter:
         info *= turn_s / dt_s
         info += SMALLEST_GAIN / START_DEVIATION_M**2
         pairs = noise[:-1].reshape(2, n, 2)
-        pairs[0] = (turns / (info * self._memory_turns**2))[:, None]
-        pairs[1] = (CORRECTION_PER_TURN**2 * turns)[:, None]
+        pairs[0] = (self._drift * turns / (info * self._memory_turns**2))[:, None]
+        pairs[1] = (CORRECTION_PER_TURN**2 * turns + self._travelled(turn_s))[:, None]
         noise[-1] = (BIAS_SDS_PER_SQRT_S * self._sd) ** 2 * passed_s
         room = 1.0 - self._diagonal / self._start
         np.maximum(room, 0.0, out=room)
         np.minimum(noise, self._start, out=noise)
         noise *= room
         self._diagonal += noise
+
+    def _travelled(self, turn_s: Floats) -> Floats:
+        """Return what the way in frequency since the last note adds to the variance of d."""
+        octaves = np.abs(np.log2(turn_s / self._turn_s))
+        far = ~(octaves < TRAVEL_OCTAVES)
+        if not far.any():
+            return self._none
+        self._turn_s[far] = turn_s[far]
+        return np.where(far & np.isfinite(octaves), CORRECTION_PER_OCTAVE**2 * octaves, 0.0)
 
     def forget(self, columns: npt.NDArray[np.bool_]) -> None:
         """Start the disturbances of some columns again; what was learned of P stays."""
@@ -139,6 +158,8 @@ class ShapeFilter:
         self.deviation[at] = -self.gain[at] * weight_m
         known = KNOWN_SHARE * abs(weight_m) + KNOWN_M
         self._diagonal[shape] = min(known, START_DEVIATION_M) ** 2
+        if correction is not None:
+            self._diagonal[2 * (n + at) : 2 * (n + at) + 2] = KNOWN_CORRECTION**2
 
     def adopt(self, old: ShapeFilter) -> None:
         """Go on where a filter of the same columns stands."""

@@ -26,6 +26,7 @@ from aff_runtime.core.shape_profile import ShapeProfile
 from aff_runtime.core.shape_room import Room
 
 NEWTON_TURNS = 0.5
+IMBALANCE_DRIFT = 0.1
 GAIN_FROM, GAIN_TO = 1.0 / 3.0, 3.0
 ABSURD = 1e6
 CHECK_TICKS = 100
@@ -55,6 +56,7 @@ class ShapeLaw:
         response: Response | None = None,
     ) -> None:
         self._p = params
+        self._drive = drive
         self._cycle_s = cycle_s
         self._response = response
         self._keys = params.orders
@@ -65,7 +67,11 @@ class ShapeLaw:
         count = self.basis.order.size
         self._roll_of = [r for r, _ in self._keys] + [drive.roll] * (count - len(self._keys))
         self._loop = LoopFilter(loop, count)
-        self.filter = ShapeFilter(count, params.shape.memory_turns, params.shape.signal_sd)
+        self._first, self._heavy = self.basis.twins
+        drift = np.ones(count)
+        if self._heavy >= 0:
+            drift[self._heavy] = IMBALANCE_DRIFT
+        self.filter = ShapeFilter(count, params.shape.memory_turns, params.shape.signal_sd, drift)
         self.monitor = ShapeMonitor(self._roll_of, params.shape.signal_sd)
         self.presence = Presence(self._roll_of, used)
         self.room = Room(count)
@@ -130,8 +136,13 @@ class ShapeLaw:
             self._step_1_s[:] = 0.0
             return
         phi, psi = self._loop.read()
+        if self._heavy >= 0:  # one frequency, one correction of P: the imbalance has no own
+            psi[self._first] += psi[self._heavy]
+            psi[self._heavy] = 0.0
         turn_s = self.basis.turn_s
         self.filter.step(error, phi, psi, turn_s, dt_s)
+        if self._heavy >= 0:
+            self.filter.gain[self._heavy] = self.filter.gain[self._first]
         deviation = self.filter.deviation
         self.monitor.step(error, phi, deviation, turn_s, dt_s)
         if self._ticks % CHECK_TICKS == 0:
@@ -171,7 +182,7 @@ class ShapeLaw:
         sent *= self.monitor.share
         np.multiply(sent, b, out=parts)
         value = float(parts.real.sum())
-        peak, slew = self._bounds.of(parts, self.basis.omega_rad_s)
+        peak, slew = self._bounds.of(parts, self.basis.carrier, self.basis.omega_rad_s)
         peak = max(peak, abs(value))
         slew += float(self._step_1_s @ np.abs(b))
         if self._gate.moving or self.presence.moving:
@@ -201,9 +212,11 @@ class ShapeLaw:
         """Return what is worth keeping: orders that meet another roll's now are left out."""
         correction = self.filter.correction
         kept = [i for i in range(len(self._keys)) if not self.monitor.meets[i]]
+        heavy = self._heavy >= 0 and not self.monitor.meets[self._heavy]
         return ShapeProfile(
             weight_m={self._keys[i]: complex(self.weight[i]) for i in kept},
             correction={self._keys[i]: complex(correction[i]) for i in kept},
+            imbalance_m={self._drive.roll: complex(self.weight[self._heavy])} if heavy else {},
         )
 
     def start_from(self, profile: ShapeProfile) -> None:
@@ -212,6 +225,11 @@ class ShapeLaw:
             if key in profile.weight_m:
                 self.weight[i] = profile.weight_m[key]
                 self.filter.expect(i, self.weight[i], profile.correction.get(key))
+        heavy = profile.imbalance_m.get(self._drive.roll)
+        if self._heavy >= 0 and heavy is not None:
+            self.weight[self._heavy] = heavy
+            known = profile.correction.get(self._keys[self._first])
+            self.filter.expect(self._heavy, heavy, known)
 
     def adopt(self, old: ActuatorLaw) -> None:
         """Take over weights and what was learned; orders that ``old`` lacks start from zero."""

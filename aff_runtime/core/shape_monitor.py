@@ -34,7 +34,7 @@ class ShapeMonitor:
     """
 
     __slots__ = (
-        "_age", "_bad", "_noise", "_others", "_passed_s", "_per_size", "_phasor", "_pull", "_rest",
+        "_age", "_bad", "_noise", "_others", "_passed_s", "_phasor", "_pull", "_rest", "_size",
         "_slow", "_ticks", "_work", "calm", "meets", "now", "share", "without",
     )  # fmt: skip
 
@@ -44,7 +44,7 @@ class ShapeMonitor:
         self._others = names[:, None] != names[None, :]
         self._phasor = np.zeros(count, dtype=np.complex128)
         self._work = np.zeros(count, dtype=np.complex128)
-        self._per_size = np.zeros(count)
+        self._size = np.zeros(count)
         self._pull = np.zeros(count)
         self._slow = np.zeros(count)
         self._age = np.zeros(count)
@@ -66,13 +66,15 @@ class ShapeMonitor:
 
         The lock-in runs with every sample, sizes and verdicts every eighth.
         """
-        work = self._work
+        work, size = self._work, self._size
+        np.abs(phi, out=size)
         if self._ticks % JUDGE_TICKS == 0:
-            self._judge(np.abs(phi), deviation, turn_s, dt_s)
+            self._judge(size, deviation, turn_s, dt_s)
         self._ticks += 1
         self._passed_s += dt_s
         np.conjugate(phi, out=work)
-        work *= self._per_size
+        np.maximum(size, 1e-9, out=size)
+        work /= size
         work *= 2.0 * error
         work -= self._phasor
         work *= self._pull
@@ -87,7 +89,6 @@ class ShapeMonitor:
         tick = dt_s / turn_s
         self._passed_s = 0.0
         self._age = np.minimum(self._age + turns, SLOW_TURNS)
-        self._per_size = 1.0 / np.maximum(size, 1e-9)
         self._pull = tick / np.minimum(np.maximum(self._age, tick), TURNS)
         self.now = np.abs(self._phasor)
         slower = turns / np.maximum(self._age, np.maximum(turns, 1e-9))

@@ -10,6 +10,7 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 RATIO_EPS = 1e-9
 MARGIN = 0.97
+TAKEN_MORE = 0.01  # of the output, so that the next tick is not at the limit again
 RETURN_S = 2.0
 LIMIT_GROWS_PER_S = 0.02
 TINY = 1e-9
@@ -46,7 +47,8 @@ class Room:
         """
         if 0.0 <= limit_ratio < 1.0 - RATIO_EPS:
             self._limit = limit_ratio * self.peak
-            self._shorten((1.0 - limit_ratio) * self.peak, b, weight, signal_per_m)
+            excess = (1.0 - limit_ratio + TAKEN_MORE) * self.peak
+            self._shorten(excess, b, weight, signal_per_m)
         elif self.limited:
             self._limit *= 1.0 + LIMIT_GROWS_PER_S * dt_s
             if self.peak < MARGIN * self._limit:

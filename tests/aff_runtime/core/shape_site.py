@@ -22,7 +22,9 @@ GAIN_N_S_M = 400.0
 def actuator(orders=(1, 2), extra=(), **kw) -> ActuatorParams:
     blocks = [BlockParams(roll="unwind", orders=tuple(orders), settle_s=8.0, amp_limit=0.3)]
     blocks += [BlockParams(roll=r, orders=o, settle_s=8.0, amp_limit=0.3) for r, o in extra]
-    return replace(ACTUATOR, **{"law": LawKind.SHAPE, "drive": DRIVE, "blocks": tuple(blocks), **kw})
+    return replace(
+        ACTUATOR, **{"law": LawKind.SHAPE, "drive": DRIVE, "blocks": tuple(blocks), **kw}
+    )
 
 
 def loop_of(plant: LagDelay, length: int = 200) -> LoopModel:

@@ -160,6 +160,7 @@ def test_a_saved_profile_starts_at_once_and_survives_the_file():
     second = Rig(ripple=RIPPLE)
     second.noise_N = 0.1
     second.law.start_from(ShapeProfile.from_json(text))
+    assert (second.law.weight == first.law.weight).all()  # the imbalance's column too
     trace = second.run(6.0)
     assert tail_rms(trace, 4.0) < 0.05
 
@@ -178,6 +179,19 @@ def test_a_changed_roll_fades_without_a_jump_and_is_forgotten_the_other_roll_is_
     assert np.abs(np.diff(outputs)).max() < 0.25 * np.abs(outputs).max()
     assert abs(rig.law.weights()[("unwind", 2)]) < 0.2e-3
     assert rig.law.weights()[("swrap", 1)] == pytest.approx(kept, rel=0.3)
+
+
+def test_a_new_roll_is_learned_and_not_mistaken_for_harm():
+    rig = Rig(ripple=RIPPLE)
+    rig.noise_N = 0.1
+    rig.run(12.0)
+    rig.law.reset_roll("unwind")
+    rig.ripple = {key: c * np.exp(1.9j) for key, c in RIPPLE.items()}
+    trace = []
+    for _ in range(round(25.0 / CYCLE_S)):
+        trace.append(rig.tick())
+        assert rig.law.monitor.calm
+    assert tail_rms(np.array(trace), 15.0) < 0.05
 
 
 def test_a_lost_angle_fades_its_columns_and_stops_learning():
