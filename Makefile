@@ -4,6 +4,7 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 SPEED  ?= 200
+LAW    ?= shape
 WIRE   ?= modbus
 
 .PHONY: demo demo-refine test check bench bench-control size matrix test-socketcan setup clean
@@ -17,9 +18,10 @@ $(STAMP): pyproject.toml
 	@touch $@
 
 # both processes on loopback at 5 ms: probe, arm, run, report (SPEED= line speed in FPM,
-# WIRE= modbus, can or canopen)
+# WIRE= modbus, can or canopen; LAW=blocks runs the plain law, on modbus)
 demo: setup
-	$(BIN)/python -m sim_plant.cli.main demo --wire $(WIRE) --speed-fpm $(SPEED) --out out/demo-$(WIRE)
+	$(BIN)/python -m sim_plant.cli.main demo --wire $(WIRE) --speed-fpm $(SPEED) \
+		$(if $(filter blocks,$(LAW)),--site config/euclid_blocks.yaml) --out out/demo-$(WIRE)
 
 # two records with an undeclared effect: name it, write the amended line, error before and after
 demo-refine: setup

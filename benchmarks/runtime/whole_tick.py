@@ -75,7 +75,7 @@ class Listener:
 
 def runtime_end(port: int, seconds: float) -> dict[str, Any]:
     """Run the shipped site's cycle against ``port`` and return its times, ns."""
-    record = load_record(CONFIG / "euclid.yaml").record or {}
+    record = load_record(CONFIG / "euclid_blocks.yaml").record or {}
     record["site"]["gateway"]["modbus_tcp"]["port"] = port
     assembly = assemble(record, MonotonicClock())
     listener = Listener(seconds)
@@ -109,7 +109,7 @@ def whole_tick(seconds: float) -> Section:
     ticks = f"{found['good']} of {found['ticks']} answered in time, {found['active']} active"
     return Section(
         title="Whole tick over loopback TCP",
-        note=f"Plant and runtime as two processes, config/euclid.yaml, {seconds:g} s; "
+        note=f"Plant and runtime as two processes, config/euclid_blocks.yaml, {seconds:g} s; "
         "no measured response, so the blocks follow their angles and adapt nothing.",
         rows=(
             timing_row("wire, one FC23", found["io"]),

@@ -86,6 +86,28 @@ def judge(before: dict[str, Array], after: dict[str, Array], noise_N: float) -> 
     return rows
 
 
+def more_orders(
+    before: dict[str, Array], after: dict[str, Array], highest: int, noise_N: float
+) -> list[Row]:
+    """Return the unwind's orders above those that are judged, for eyes; ``target_dB`` is 0."""
+    tension, roll, other = "unwind_tension_N", "unwind", "swrap_follower"
+    first = max(row.order for row in judge(before, after, noise_N) if row.roll == roll) + 1
+    orders = tuple(range(first, highest + 1))
+    if not orders:
+        return []
+    amplitudes = [_orders(part, tension, roll, orders, other) for part in (before, after)]
+    angle, time = after[f"true_{roll}_angle_rad"], after["time_s"]
+    turn_Hz = (angle[-1] - angle[0]) / (time[-1] - time[0]) / (2.0 * np.pi)
+    return [
+        Row(
+            tension=tension, roll=roll, order=order, frequency_Hz=order * float(turn_Hz),
+            before_N=float(b), after_N=float(a), target_dB=0.0,
+            floor_N=3.0 * noise_N * float(np.sqrt(2.0 / time.size)),
+        )
+        for order, b, a in zip(orders, *amplitudes, strict=True)
+    ]  # fmt: skip
+
+
 def _orders(
     part: dict[str, Array], tension: str, roll: str, orders: tuple[int, ...], other: str
 ) -> Array:

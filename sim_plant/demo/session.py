@@ -26,6 +26,7 @@ from sim_plant.demo.wires import wire_up
 
 Progress = Callable[[str], None]
 ATTEMPTS = 3
+OF_A_PAUSE = ("PLC_STALE", "OVERRUN")  # alarms that a busy machine raises
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,12 +117,26 @@ def _script(
     _watch(bench, plan.before_s, progress)
     before_end = plant_time(bench)
     progress("probing the response of both actuators (a small excitation, line running)")
-    probe_text = runtime_command(bench, "probe", str(bench.site), patience_s=120.0)
+    probe_text = _probe(bench, progress)
     armed, after_start, after_end = _correct(plan, bench, service, progress)
     progress("fading out and stopping")
     runtime_command(bench, "bypass")
     pause(0.5)
     return (start, before_end, armed, after_start, after_end), probe_text
+
+
+def _probe(bench: Bench, progress: Progress) -> str:
+    """Return what the probe printed, begun again where the machine paused in it."""
+    attempt = 1
+    while True:
+        try:
+            return runtime_command(bench, "probe", str(bench.site), patience_s=120.0)
+        except PlantError as error:
+            if attempt == ATTEMPTS or not any(alarm in str(error) for alarm in OF_A_PAUSE):
+                raise
+            progress(f"{error}; probing again")
+        attempt += 1
+        pause(1.0)
 
 
 def _correct(

@@ -58,7 +58,7 @@ class Pauses:
 class LiveLine:
     """One plant, one service, and what an operator and a judge at the plant can do."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, site_file: str = "euclid_blocks.yaml") -> None:
         self.port = free_port()
         wire = ("--modbus", f"127.0.0.1:{self.port}")
         self.bench = Bench(folder=folder, site=folder / "euclid.yaml", plant_arguments=wire)
@@ -66,7 +66,7 @@ class LiveLine:
         for actuator, response in known_responses().items():
             path = folder / "learned" / f"euclid_{actuator}.json"
             path.write_text(response.to_json())
-        text = (ROOT / "config" / "euclid.yaml").read_text()
+        text = (ROOT / "config" / site_file).read_text()
         text = text.replace("port: 5020", f"port: {self.port}")
         self.site_text = re.sub(r"soft_start_s: [\d.]+", "soft_start_s: 0.3", text)
         self.bench.site.write_text(self.site_text)

@@ -36,7 +36,7 @@ WIRES = {"modbus": "euclid.yaml", "can": "euclid_can.yaml", "canopen": "euclid_c
 SITES = {wire: load_site(CONFIG / name) for wire, name in WIRES.items()}
 FILES = {wire: wire_files(site, CONFIG) for wire, site in SITES.items()}
 SAMPLE_S = 0.005
-LIMIT_M_S = 0.05
+LIMIT_M_S = 0.15  # of config/euclid.yaml
 
 
 class QuietLine(FakeLine):
