@@ -35,7 +35,7 @@ GRIDS: dict[str, dict[str, list[Any]]] = {
         "orders": [16, 24], "turns": [3.0, 5.0, 8.0, 15.0],
         "fade_Hz": [(14.0, 16.0), (17.0, 19.0)],
     },
-    "repetitive": {"gain": [0.1, 0.2, 0.4], "q_Hz": [4.0, 6.0, 8.0], "bins": [48]},
+    "repetitive": {"gain": [0.1, 0.2, 0.4], "q_Hz": [4.0, 6.0, 8.0, 10.0], "bins": [48]},
 }  # fmt: skip
 SUBSET = (
     "constant Tyvek 200 FPM 8 in flat, Tyvek 300 FPM 4.75 in asym, PE 200 FPM 6.375 in bulge; "
