@@ -67,4 +67,9 @@ def rows(folder: Path) -> list[Row]:
         path = folder / f"{name}.json"
         if path.exists():
             found += [{"section": name, **row} for row in json.loads(path.read_text())]
+    for row in found:
+        if row["section"] == "wire":
+            from benchmarks.control.wire import lockstep
+
+            row.update(lockstep(folder, row["case"]))
     return found

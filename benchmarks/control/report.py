@@ -78,7 +78,7 @@ COLUMNS: dict[str, list[tuple[str, Any]]] = {
         ("share of a week", lambda r: f"{100 * r['ticks'] / r['week_ticks']:.1f} %"),
         ("objects, grown by", lambda r: f"{r['objects']}, {r['objects_grown']}"),
         ("bytes, grown by", lambda r: f"{r['bytes']:,}, {r['bytes_grown']}"),
-        ("Python heap grown [B]", lambda r: f"{r['heap_grown']}"),
+        ("interpreter's blocks, grown by", lambda r: f"{r['blocks_grown']}"),
         ("resident [kB], grown by", lambda r: f"{r['resident_kB']:,}, {r['resident_grown_kB']}"),
     ],
     "wire": [
