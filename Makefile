@@ -77,9 +77,11 @@ size:
 	done | sed "s#$$folder/venv/lib/##" | sort -rn | head -8; \
 	echo "aff-runtime without extras: $$(du -sm --apparent-size "$$folder/venv" | cut -f1) MB (empty environment $$empty MB)"
 
-# the laws and their rivals on one line, in lockstep time; QUICK=1 for the short set
+# the laws and their rivals on one line, in lockstep time; QUICK=1 for the short set. Rows are kept
+# in out/control-bench: a stopped run goes on. EXTRA="--timing --memory 10 --wire" for the cost of a
+# tick, ten minutes of watching memory, three rows over the wire in real time (on a quiet machine)
 bench-control: setup
-	QUICK=$(QUICK) $(BIN)/python -m benchmarks.control --docs docs
+	QUICK=$(QUICK) $(BIN)/python -m benchmarks.control --docs docs $(EXTRA)
 
 # refine on CASES random records that other code made, against its targets; hours, goes on where
 # it was stopped (out/campaign), writes docs/refine-campaign.md
