@@ -4,10 +4,11 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 SPEED  ?= 200
+LAW    ?= shape
 WIRE   ?= modbus
 SECONDS ?= 130
 CASES  ?= 600
-.PHONY: campaign demo demo-refine test check bench bench-control size matrix test-socketcan setup clean
+.PHONY: campaign demo demo-refine refine-pairs test check bench bench-control size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -18,13 +19,18 @@ $(STAMP): pyproject.toml
 	@touch $@
 
 # both processes on loopback at 5 ms: probe, arm, run, report (SPEED= line speed in FPM,
-# WIRE= modbus, can or canopen)
+# WIRE= modbus, can or canopen; LAW=blocks runs the plain law, on modbus)
 demo: setup
-	$(BIN)/python -m sim_plant.cli.main demo --wire $(WIRE) --speed-fpm $(SPEED) --out out/demo-$(WIRE)
+	$(BIN)/python -m sim_plant.cli.main demo --wire $(WIRE) --speed-fpm $(SPEED) \
+		$(if $(filter blocks,$(LAW)),--site config/euclid_blocks.yaml) --out out/demo-$(WIRE)
 
 # two records with an undeclared effect: name it, write the amended line, error before and after
 demo-refine: setup
 	$(BIN)/python -m sim_plant.cli.main refine config/lines/euclid.yaml --example --out out/refine
+
+# every pair of shared/data/lines, and each with its true effect taken out of the library; minutes a run
+refine-pairs: setup
+	$(BIN)/python -m tests.sim_plant.refine.pairs --out out/refine-pairs
 
 # everything that decides whether a change may land
 test: setup check
@@ -71,9 +77,11 @@ size:
 	done | sed "s#$$folder/venv/lib/##" | sort -rn | head -8; \
 	echo "aff-runtime without extras: $$(du -sm --apparent-size "$$folder/venv" | cut -f1) MB (empty environment $$empty MB)"
 
-# the laws and their rivals on one line, in lockstep time; QUICK=1 for the short set
+# the laws and their rivals on one line, in lockstep time; QUICK=1 for the short set. Rows are kept
+# in out/control-bench: a stopped run goes on. EXTRA="--timing --memory 10 --wire" for the cost of a
+# tick, ten minutes of watching memory, three rows over the wire in real time (on a quiet machine)
 bench-control: setup
-	QUICK=$(QUICK) $(BIN)/python -m benchmarks.control --docs docs
+	QUICK=$(QUICK) $(BIN)/python -m benchmarks.control --docs docs $(EXTRA)
 
 # refine on CASES random records that other code made, against its targets; hours, goes on where
 # it was stopped (out/campaign), writes docs/refine-campaign.md

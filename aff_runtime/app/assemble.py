@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.loops import loops_of
 from aff_runtime.app.recorded_law import RecordedLaw
 from aff_runtime.app.site_to_guard import guard_params
 from aff_runtime.app.site_to_law import site_params
@@ -51,7 +52,7 @@ def assemble(record: Mapping[str, Any], clock: Clock) -> Assembly:
         site, record.get("wire_files", {}), clock, Path(record.get("folder", "."))
     )
     guard = Guard(guard_params(site))
-    law = RecordedLaw(controller_of(site, record["responses"]))
+    law = RecordedLaw(controller_of(site, record))
     return Assembly(record=record, site=site, clock=clock, gateway=gateway, guard=guard, law=law)
 
 
@@ -83,10 +84,10 @@ def site_of(record: Mapping[str, Any]) -> Site:
     return Site.model_validate(record["site"])
 
 
-def controller_of(site: Site, responses: Mapping[str, str]) -> Controller:
-    """Return the law of a site with its measured responses (texts by actuator)."""
-    measured = {name: Response.from_json(text) for name, text in responses.items()}
-    return Controller(site_params(site), measured)
+def controller_of(site: Site, record: Mapping[str, Any]) -> Controller:
+    """Return the law of a site with its measured responses and what was made of them."""
+    measured = {name: Response.from_json(text) for name, text in record["responses"].items()}
+    return Controller(site_params(site), measured, loops_of(record))
 
 
 def revision_of(record: Mapping[str, Any]) -> int:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from aff_runtime.core.monitor import Trend
+from aff_runtime.core.shape_basis import IMBALANCE_N_M_PER_M
 
 WORDS = {
     Trend.IDLE: "idle",
@@ -20,6 +21,20 @@ WORDS = {
     Trend.FROZEN: "frozen",
 }
 AMPLITUDE = "amplitude_"
+SHAPE = "shape_mm"
+IMBALANCE = "imbalance"
+N_M_PER_MM = 1e-3 * IMBALANCE_N_M_PER_M
+WHY = {
+    Trend.DIVERGING: "ripple is larger than without it",
+    Trend.HELD_PHASE: "its response is not sure to 60 deg here; probe at this speed and radius",
+    Trend.HELD_FREQUENCY: "too fast for the loop or the sample rate; it fades",
+    Trend.CLAMPED: "its limit is reached; raise it when the cause is known",
+    Trend.FROZEN: "learning holds; see the state of the service",
+}
+SHAPE_WHY = {
+    Trend.DIVERGING: "makes ripple larger than without; it fades and rests for 20 turns",
+    Trend.CLAMPED: "the actuator's limit is used up; it gives way to orders that help more",
+}
 UNITS = {"m_s": "m/s", "N_m": "N m", "N": "N", "m": "m"}
 
 
@@ -36,6 +51,7 @@ def blocks(record: Mapping[str, float], site: Mapping[str, Any]) -> list[dict[st
         if column.count(".") == 2 and column.endswith(".state"):
             actuator, name, _ = column.split(".")
             rows.append(_row(record, site, actuator, name, value))
+    _say_meetings(rows, site)
     return rows
 
 
@@ -44,26 +60,83 @@ def _row(
 ) -> dict[str, Any]:
     prefix = f"{actuator}.{name}."
     said = {k.removeprefix(prefix): v for k, v in record.items() if k.startswith(prefix)}
-    suffix = next((k.removeprefix(AMPLITUDE) for k in said if k.startswith(AMPLITUDE)), "")
+    of_actuator = site.get("actuators", {}).get(actuator, {})
     roll, _, order = name.rpartition("_")
     number = int(order[:-1]) if order[:-1].isdigit() else 0
+    if name == IMBALANCE:
+        roll, number = str((of_actuator.get("drive") or {}).get("roll", "")), 1
     settings = _settings(site, actuator, roll, number)
-    signal = str(site.get("actuators", {}).get(actuator, {}).get("error", {}).get("signal", ""))
+    signal = str(of_actuator.get("error", {}).get("signal", ""))
     omega = record.get(f"{roll}.omega_rad_s", math.nan)
+    before, now = said.get("ripple_before", math.nan), said.get("ripple", math.nan)
     return {
         "actuator": actuator,
         "name": name,
+        "roll": roll,
+        "order": number,
         "state": _word(state),
+        "why": _why(state, "shape" if SHAPE in said else "blocks"),
         "frequency_Hz": _finite(number * omega / math.tau),
-        "amplitude": _finite(said.get(AMPLITUDE + suffix, math.nan)),
-        "unit": UNITS.get(suffix, suffix),
-        "limit": settings.get(f"amp_limit_{suffix}"),
+        **_size(said, name, of_actuator, settings),
         "phase_deg": _finite(said.get("phase_deg", math.nan)),
-        "ripple_before": _finite(said.get("ripple_before", math.nan)),
-        "ripple": _finite(said.get("ripple", math.nan)),
+        "ripple_before": _finite(before),
+        "ripple": _finite(now),
+        "benefit_dB": _finite(_benefit_dB(before, now)),
         "ripple_unit": "N" if signal.endswith("_N") else "m/s" if signal.endswith("_m_s") else "",
         "settle_s": settings.get("settle_s"),
     }
+
+
+def _size(
+    said: Mapping[str, float], name: str, actuator: Mapping[str, Any], block: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return amplitude, unit and limit of one block; of a shape also what goes out of it."""
+    if SHAPE not in said:
+        suffix = next((k.removeprefix(AMPLITUDE) for k in said if k.startswith(AMPLITUDE)), "")
+        return {
+            "law": "blocks",
+            "amplitude": _finite(said.get(AMPLITUDE + suffix, math.nan)),
+            "unit": UNITS.get(suffix, suffix),
+            "limit": block.get(f"amp_limit_{suffix}"),
+        }
+    factor = N_M_PER_MM if name == IMBALANCE else 1.0
+    limit_m = actuator.get("shape_limit_m")
+    return {
+        "law": "shape",
+        "amplitude": _finite(factor * said[SHAPE]),
+        "unit": "N m" if name == IMBALANCE else "mm",
+        "limit": None if limit_m is None else factor * 1e3 * limit_m,
+        "share": _finite(said.get("share", math.nan)),
+        "loop_gain": _finite(said.get("gain_of_P", math.nan)),
+    }
+
+
+def _benefit_dB(before: float, now: float) -> float:
+    """Return by how much the ripple is smaller than without, dB; NaN when unknown."""
+    return 20.0 * math.log10(before / now) if before > 0.0 and now > 0.0 else math.nan
+
+
+def _why(state: float, law: str) -> str:
+    """Return why a block is held or faded, empty when it is not."""
+    try:
+        trend = Trend(int(state)) if math.isfinite(state) else Trend.IDLE
+        return (SHAPE_WHY if law == "shape" else {}).get(trend, WHY.get(trend, ""))
+    except ValueError:
+        return ""
+
+
+def _say_meetings(rows: list[dict[str, Any]], site: Mapping[str, Any]) -> None:
+    """Add to shapes of different rolls that the signal cannot tell apart now that they meet."""
+    shapes = [r for r in rows if r["law"] == "shape" and r["frequency_Hz"] and r["order"]]
+    for one in shapes:
+        memory = site.get("actuators", {}).get(one["actuator"], {}).get("memory_turns", 6.0)
+        for other in shapes:
+            if other["actuator"] != one["actuator"] or other["roll"] == one["roll"]:
+                continue
+            apart_Hz = abs(abs(one["frequency_Hz"]) - abs(other["frequency_Hz"]))
+            slowest_Hz = min(abs(r["frequency_Hz"]) / r["order"] for r in (one, other))
+            if apart_Hz * memory < slowest_Hz:
+                one["why"] = f"meets {other['name']}: not judged, not saved meanwhile"
 
 
 def _settings(site: Mapping[str, Any], actuator: str, roll: str, order: int) -> Mapping[str, Any]:

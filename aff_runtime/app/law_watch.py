@@ -38,6 +38,11 @@ class LawWatch:
         self._held = HeldBlocks()
         self._tick = 0
 
+    @property
+    def wrong(self) -> frozenset[str]:
+        """Actuators that made ripple rise and whose weights are about to be dropped."""
+        return frozenset(self._wrong)
+
     def advise(
         self, law: RecordedLaw, site: Site, *, state: State, quiet: bool, tick: int
     ) -> Advice:

@@ -17,6 +17,7 @@ from aff_runtime.app.law_watch import LawWatch
 from aff_runtime.app.link import Link, LinkClosedError
 from aff_runtime.app.probe_run import ProbeRun
 from aff_runtime.app.recorded_law import RecordedLaw
+from aff_runtime.app.shape_keeper import ShapeKeeper
 from aff_runtime.app.site_to_guard import guard_params
 from aff_runtime.app.status import explain
 from aff_runtime.base.clock import MonotonicClock
@@ -25,7 +26,7 @@ from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.ports import Law
 from aff_runtime.base.signals import State
 from aff_runtime.loop.messages import Arm, Bypass, Message, Shadow, Stop, SupervisorLost, Swap
-from aff_runtime.loop.record import record_columns
+from aff_runtime.loop.record import HEAD, record_columns
 from aff_runtime.loop.seams import Advice
 from aff_runtime.loop.watchdog import ServiceNotifier
 from aff_runtime.safety.params import GuardParams
@@ -35,6 +36,7 @@ ARM_PATIENCE_TICKS = 100
 ARM_LEAST_TICKS = 3
 ARMED = (State.ARMED, State.ACTIVE)
 AT_REST = (State.FAULT, State.BYPASS)
+FRESH = HEAD.index("fresh")
 CONFIG_DIFFERS = BY_NAME["CONFIG_DIFFERS"].code
 
 
@@ -73,6 +75,10 @@ class ControlOutside:
         self._next_law: RecordedLaw | None = None
         self._revision = assembly.record["config_hash"]
         self._watch = LawWatch(self._note, self._say)
+        self._shapes = ShapeKeeper(
+            assembly.record, self._site, tell=self._tell_shape, keep=self._keep_shape
+        )
+        self._advised_tick = 0
         self._ring = self._new_ring()
 
     def bypass_by_signal(self) -> None:
@@ -80,7 +86,8 @@ class ControlOutside:
         self._bypass_signal = True
 
     def close(self) -> None:
-        """Remove the ring; the supervisor may be gone and cannot."""
+        """Hand on what was learned; remove the ring, the supervisor may be gone and cannot."""
+        self._shapes.close(self._law.controller)
         self._ring.remove()
 
     # --- what the cycle tells -----------------------------------------------------------------
@@ -92,6 +99,13 @@ class ControlOutside:
         if self._next_law is not None and self._next_law.is_stepping:
             self._exchange_law(self._next_law)
         self._ring.write((*record, *self._law.law_telemetry()))
+        first = len(HEAD)
+        self._shapes.listen(
+            self._law.controller,
+            record[first : first + len(self._site.gateway.read.channels)],
+            fresh=bool(record[FRESH]),
+            quiet=self._guard.quiet and self._law.probe is None,
+        )
 
     def event(self, tick: int, t_ns: int, code: int) -> None:
         """Keep one event in the ring."""
@@ -116,6 +130,15 @@ class ControlOutside:
         if self._probe is not None or not isinstance(law, RecordedLaw):
             return Advice()
         state, quiet = self._guard.state, self._guard.quiet
+        elapsed_s = (self._tick - self._advised_tick) * self._site.cycle_s
+        self._advised_tick = self._tick
+        self._shapes.watch(
+            law.controller,
+            active=state is State.ACTIVE,
+            quiet=quiet,
+            wrong=self._watch.wrong,
+            elapsed_s=elapsed_s,
+        )
         return self._watch.advise(law, self._site, state=state, quiet=quiet, tick=self._tick)
 
     def tick_done(self, first_exchange_ok: bool) -> None:
@@ -159,6 +182,7 @@ class ControlOutside:
             "PARAMS": self._parameters,
             "STOP": lambda _: [Stop()],
             "DIFFERS": self._differs,
+            "FORGET": self._forget,
         }
         handler = handlers.get(str(said.get("do")))
         return handler(said) if handler is not None else []
@@ -178,6 +202,15 @@ class ControlOutside:
     def _differs(self, said: dict[str, Any]) -> list[Message]:
         """Note that the site file is not what runs."""
         self._note(CONFIG_DIFFERS)
+        return []
+
+    def _forget(self, said: dict[str, Any]) -> list[Message]:
+        """Drop what was learned of rolls that are exchanged."""
+        if not self._guard.quiet:
+            self._reply(said, ok=False, message="a correction goes out; bypass first")
+        else:
+            self._shapes.forget(self._law.controller)
+            self._reply(said, ok=True)
         return []
 
     def _answer_arm(self) -> None:
@@ -207,9 +240,10 @@ class ControlOutside:
         record = said["record"]
         site = site_of(record)
         present = self._law.controller
-        law = RecordedLaw(controller_of(site, record["responses"]), adopt_from=present)
+        law = RecordedLaw(controller_of(site, record), adopt_from=present)
         loses = set(present.telemetry_names()) - set(law.controller.telemetry_names())
         self._site = site
+        self._shapes.follow(record, site)
         self._revision = record["config_hash"]
         self._next_law = law
         self._reply(said, ok=True)
@@ -284,6 +318,14 @@ class ControlOutside:
     def _say(self, text: str) -> None:
         """Pass a sentence to the supervisor's log."""
         self._link.send({"did": "LOG", "text": text})
+
+    def _tell_shape(self, actuator: str, text: str) -> None:
+        """Tell the supervisor what became of a shape."""
+        self._link.send({"did": "SHAPE", "actuator": actuator, "text": text})
+
+    def _keep_shape(self, actuator: str, text: str) -> None:
+        """Hand the supervisor a learned shape to be kept."""
+        self._link.send({"did": "LEARNED", "actuator": actuator, "file": text})
 
     def _reply(self, said: dict[str, Any], **answer: Any) -> None:
         """Answer the supervisor."""

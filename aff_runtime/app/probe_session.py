@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
 from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.edit_session import EditSession
+from aff_runtime.app.files import replace_text
 from aff_runtime.app.processes import Processes
 from aff_runtime.app.request_socket import Caller
 from aff_runtime.base.errors import RefusedError
@@ -59,19 +58,3 @@ class ProbeSession:
         replace_text(path, result["text"] + "\n")
         self._processes.note("PROBE", f"{result['actuator']}: {path}")
         return {**result, "file": str(path)}
-
-
-def replace_text(path: Path, text: str) -> None:
-    """Write ``text`` to ``path`` so that a reader sees the old file or the whole new one."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    fresh = path.with_name(f".{path.name}.new")
-    try:
-        with fresh.open("w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        fresh.replace(path)
-    except OSError:
-        with contextlib.suppress(OSError):
-            fresh.unlink(missing_ok=True)
-        raise

@@ -10,6 +10,7 @@ from aff_runtime.app.control_child import ControlChild
 from aff_runtime.app.recorder_child import RecorderChild
 from aff_runtime.app.restart_policy import RestartPolicy
 from aff_runtime.app.run_options import RunOptions
+from aff_runtime.app.shape_shelf import ShapeShelf
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import StateBits
 from aff_runtime.telemetry.ring import RingReader
@@ -32,6 +33,7 @@ class Processes:
     ring : None until the control process has made one.
     blocked : the control process's word on what stands against an armed output.
     gave_up : the control process died too often.
+    shapes : learned shapes, kept across starts.
     """
 
     def __init__(
@@ -57,6 +59,7 @@ class Processes:
         self.ring: RingReader | None = None
         self.blocked = ""
         self.gave_up = False
+        self.shapes = ShapeShelf(self.note)
 
     def start(self) -> None:
         """Start the control process; its first words tell when there is a ring."""
@@ -64,8 +67,9 @@ class Processes:
         self._started_at_ns = self._clock.now_ns()
         self.blocked = ""
         try:
+            record = {**self.record, "shapes": self.shapes.load(self.record)}
             self.control = ControlChild(
-                self.record, self._options.paths.ring, shadow=self._options.shadow
+                record, self._options.paths.ring, shadow=self._options.shadow
             )
         except OSError as error:
             LOG.error("the control process cannot be started (%s)", error.strerror)
@@ -79,6 +83,8 @@ class Processes:
         if self.control is not None:
             if not self.control.stop(patience_s=STOP_PATIENCE_S):
                 LOG.error("control process %d did not stop and was killed", self.control.pid)
+            for message in self.control.replies():
+                self.shapes.hear(self.record, message)
             self._forget_control()
         self._release_ring()
 
@@ -108,6 +114,7 @@ class Processes:
         for message in self.control.replies():
             if message.get("did") == "LOG":
                 LOG.error("control: %s", message.get("text", ""))
+            self.shapes.hear(self.record, message)
         self._forget_control()
         self._release_ring()
         self._come_back()

@@ -18,9 +18,11 @@ class RunOptions:
     paths : socket and ring.
     record_directory : folder of all records; None takes the site file's.
     shadow : compute and record, transmit zero.
+    forget : start without the saved shapes of rolls that are exchanged.
     """
 
     site: Path
     paths: RuntimePaths
     record_directory: Path | None = None
     shadow: bool = False
+    forget: bool = False

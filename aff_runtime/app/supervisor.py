@@ -60,6 +60,7 @@ class Supervisor:
         self._probe: ProbeSession | None = None
         self._stop_callers: list[Caller] = []
         self._stopping = False
+        self._forget = options.forget
         self._told_ready = False
         self._exit_code = 0
 
@@ -70,6 +71,8 @@ class Supervisor:
         signal.signal(signal.SIGUSR1, lambda *_: self._processes.bypass())
         for finding in self._edits.findings:
             LOG.warning("%s", finding)
+        if self._forget:
+            self._processes.shapes.forget(self._processes.record)
         try:
             self._processes.start()
             while not self._stopping:
@@ -127,7 +130,7 @@ class Supervisor:
                 self._probe.finish(message)
             elif did == "LOG":
                 LOG.warning("control: %s", message.get("text", ""))
-            else:
+            elif not self._processes.shapes.hear(self._processes.record, message):
                 self._pending.resolve(message)
 
     def _greet(self, message: dict[str, Any]) -> None:
@@ -185,6 +188,10 @@ class Supervisor:
             case "bypass":
                 self._processes.bypass()
                 caller.reply({"ok": True})
+            case "forget":
+                self._processes.note("OPERATOR", "forget")
+                self._processes.shapes.forget(self._processes.record)
+                self._ask_control({"do": "FORGET"}, caller)
             case "probe":
                 self._start_probe(caller, request)
             case "stop":
@@ -193,7 +200,8 @@ class Supervisor:
                 self._stop()
             case other:
                 raise RefusedError(
-                    f"unknown request {other!r}; use arm, bypass, shadow, status, probe, stop"
+                    f"unknown request {other!r}; use arm, bypass, forget, shadow, status, probe "
+                    "or stop"
                 )
 
     def _ask_control(self, message: dict[str, Any], caller: Caller) -> None:
@@ -240,6 +248,7 @@ class Supervisor:
             "state": "STARTING" if processes.control is not None else State.FAULT.name,
             "recorder": processes.recorder_report(),
             "probing": self._probe is not None,
+            "shapes": list(processes.shapes.words),
         }
         latest = processes.latest()
         if processes.ring is not None and latest is not None:

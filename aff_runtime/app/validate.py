@@ -14,17 +14,18 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime import __version__
+from aff_runtime.app.assemble import controller_of
 from aff_runtime.app.control_child import for_control
 from aff_runtime.app.link import MAX_PACKET_BYTES
+from aff_runtime.app.loops import loop_rows
+from aff_runtime.app.shape_file import shape_path
 from aff_runtime.app.site_to_guard import guard_params
-from aff_runtime.app.site_to_law import site_params
 from aff_runtime.app.site_to_wire import register_map, transport
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
 from aff_runtime.config.can_wire import wire_files
 from aff_runtime.config.loader import Reading, read_site
 from aff_runtime.config.revision import revision_hash
-from aff_runtime.core.controller import Controller
 from aff_runtime.core.response import Provenance, Response
 from aff_runtime.fieldbus.registers import RegisterMap
 
@@ -62,14 +63,21 @@ def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
         words = register_map(site)
         if site.gateway.modbus_tcp is not None:
             _look_up(reading, words, folder)
-    Controller(site_params(site), {n: Response.from_json(t) for n, t in responses.items()})
+    loops = loop_rows(site, responses)
+    controller_of(site, {"responses": responses, "loops": loops})
     record = {
         "site": plain,
         "site_text": path.read_text(encoding="utf-8"),
         "config_hash": revision_hash(site),
         "permissives": [bit.name for bit in guard_params(site).permissives.all_bits],
         "responses": responses,
+        "loops": loops,
         "response_files": {name: str(file) for name, file in files.items()},
+        "shape_files": {
+            name: str(shape_path(file))
+            for name, file in files.items()
+            if site.actuators[name].uses_shape
+        },
         "wire_files": described,
         "folder": str(folder),
         "versions": _versions(),

@@ -58,12 +58,27 @@ _TABLE: dict[str, tuple[str, dict[str, float]]] = {
     ),
     "torque rate": ("N m/s", {"N m/s": 1, "Nm/s": 1, "lbf in/s": _LBF * 0.0254}),
     "time": ("s", {"s": 1, "ms": 1e-3, "us": 1e-6, "min": 60, "h": 3600}),
-    "angle": ("rad", {"rad": 1, "mrad": 1e-3, "deg": math.pi / 180, "turn": _TURN, "rev": _TURN}),
+    "angle": (
+        "rad",
+        {
+            "rad": 1,
+            "mrad": 1e-3,
+            "deg": math.pi / 180,
+            "turn": _TURN,
+            "turns": _TURN,
+            "rev": _TURN,
+        },
+    ),
     "angular speed": (
         "rad/s",
         {"rad/s": 1, "deg/s": math.pi / 180, "rpm": _TURN / 60, "rev/s": _TURN},
     ),
     "frequency": ("Hz", {"Hz": 1, "mHz": 1e-3, "kHz": 1e3}),
+    "moment of inertia": (
+        "kg m2",
+        {"kg m2": 1, "kg m^2": 1, "kgm2": 1, "kg cm2": 1e-4, "lb ft2": 0.0421401},
+    ),
+    "density": ("kg/m3", {"kg/m3": 1, "g/cm3": 1000, "lb/ft3": 16.018463}),
     "size": ("B", {"B": 1, "kB": 1e3, "MB": 1e6, "GB": 1e9}),
     "ratio": ("", {"": 1, "%": 0.01}),
 }
@@ -96,6 +111,7 @@ def _by_symbol() -> dict[str, UnitInfo]:
 _BY_SYMBOL = _by_symbol()
 # other spellings of the same unit; folded case decides only where nothing else matches
 _SAME = {"µm": "um", "μm": "um", '"': "in", "'": "ft", "°": "deg", "°/s": "deg/s", "sec": "s"}
+_SAME |= {"kg m²": "kg m2", "kg·m²": "kg m2", "kg cm²": "kg cm2", "kg/m³": "kg/m3"}
 _SAME |= {"m/s²": "m/s2", "n·m": "N m", "n*m": "N m", "1/min": "rpm", "r/min": "rpm"}
 _FOLDED: dict[str, list[str]] = {}
 for _symbol in _BY_SYMBOL:

@@ -1,4 +1,4 @@
-"""``aff-runtime arm | bypass | shadow | stop``: one word to the running service."""
+"""``aff-runtime arm | bypass | forget | shadow | stop``: one word to the running service."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 from aff_runtime.cli.service import connect
 
 STOP_PATIENCE_S = 15.0
+DONE = {"bypass": "bypassed", "forget": "forgotten; rollers are kept"}
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
@@ -16,6 +17,7 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     for word, text in (
         ("arm", "let the correction in; refused while a permissive is missing"),
         ("bypass", "take the correction back now; works in every state"),
+        ("forget", "another roll was put in: drop what was learned of rolls that are exchanged"),
         ("stop", "fade to zero and end the service"),
     ):
         parser = commands.add_parser(word, parents=[service], help=text)
@@ -39,7 +41,7 @@ def say(word: str, options: argparse.Namespace) -> int:
             print("stopped")
         else:
             answer = client.ask(word)
-            print(answer.get("state", "bypassed" if word == "bypass" else "ok"))
+            print(answer.get("state", DONE.get(word, "ok")))
     finally:
         client.close()
     return 0

@@ -26,6 +26,11 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder of all records (default: recording.directory of the site file)",
     )
+    parser.add_argument(
+        "--forget",
+        action="store_true",
+        help="another roll was put in: drop the saved shapes of rolls that are exchanged",
+    )
     parser.set_defaults(command=run)
 
 
@@ -44,6 +49,7 @@ def run(options: argparse.Namespace) -> int:
             paths=paths_of(options),
             record_directory=options.record_dir,
             shadow=options.shadow,
+            forget=options.forget,
         )
     )
     return supervisor.run()

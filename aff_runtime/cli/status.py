@@ -61,6 +61,9 @@ def lines(answer: Mapping[str, Any]) -> Iterator[str]:
         if "correction_" in name or name.endswith(("_tension_N", "line_speed_m_s", "_radius_m")):
             yield f"{name:32} {_number(value)}"
     yield from block_lines(answer.get("blocks", []))
+    yield from why_lines(answer.get("blocks", []))
+    for text in answer.get("shapes", []):
+        yield f"shape    {text}"
     recorder = answer.get("recorder", {})
     if recorder:
         yield f"record   {recorder.get('folder', '')} ({_recorder_words(recorder)})"
@@ -71,21 +74,49 @@ def block_lines(blocks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     actuator = None
     factor = 1.0
     for block in blocks:
+        shape = block.get("law") == "shape"
+        ripple_unit = f"{block['ripple_unit']} before>now"
         if block["actuator"] != actuator:
             actuator = block["actuator"]
             unit, factor = ("mm/s", 1e3) if block["unit"] == "m/s" else (block["unit"], 1.0)
-            ripple_unit = f"{block['ripple_unit']} before>now"
             yield (
-                f"{str(actuator)[:26]:26} {'Hz':>5} {unit + '|limit':>11} {'deg':>4} "
+                f"{str(actuator)[:20]:20} {'Hz':>5} {'mm':>6} {'deg':>4} {'out':>4} "
+                f"{ripple_unit:>14} {'dB':>4}  state"
+                if shape
+                else f"{str(actuator)[:26]:26} {'Hz':>5} {unit + '|limit':>11} {'deg':>4} "
                 f"{ripple_unit:>14}  state"
             )
-        amplitude = f"{_short(block['amplitude'], factor)}|{_short(block['limit'], factor)}"
         ripple = f"{_short(block['ripple_before'])}>{_short(block['ripple'])}"
         phase = "-" if block["phase_deg"] is None else f"{block['phase_deg']:.0f}"
+        if shape:
+            yield _shape_line(block, ripple, phase)
+            continue
+        amplitude = f"{_short(block['amplitude'], factor)}|{_short(block['limit'], factor)}"
         yield (
             f"  {block['name'][-24:]:24} {_short(block['frequency_Hz']):>5} {amplitude:>11} "
             f"{phase:>4} {ripple:>14}  {block['state']}"
         )
+
+
+def _shape_line(block: Mapping[str, Any], ripple: str, phase: str) -> str:
+    """Return one order of a roll's shape: mm, angle, share that goes out, benefit."""
+    share = "-" if block["share"] is None else f"{100 * block['share']:.0f}%"
+    benefit = "-" if block["benefit_dB"] is None else f"{block['benefit_dB']:.0f}"
+    size = _short(block["amplitude"]) + ("Nm" if block["unit"] == "N m" else "")
+    return (
+        f"  {block['name'][-18:]:18} {_short(block['frequency_Hz']):>5} {size:>6} {phase:>4} "
+        f"{share:>4} {ripple:>14} {benefit:>4}  {block['state']}"
+    )
+
+
+def why_lines(blocks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield why blocks are held or faded, those of one reason together."""
+    reasons: dict[tuple[str, str], list[str]] = {}
+    for block in blocks:
+        if block.get("why"):
+            reasons.setdefault((block["actuator"], block["why"]), []).append(block["name"])
+    for (actuator, why), names in reasons.items():
+        yield f"why      {actuator} {' '.join(names)}: {why}"
 
 
 def _short(value: float | None, factor: float = 1.0) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from aff_runtime.app.status import headline
@@ -60,10 +60,16 @@ def screen(answer: Mapping[str, Any]) -> list[str]:
         and "." not in name
     ]
     rows += _correction_rows(signals)
-    rows += block_lines(answer.get("blocks", []))
+    rows += block_lines(_fitting(answer.get("blocks", []), HEIGHT - 3 - len(rows)))
     rows = rows[: HEIGHT - 1]
     rows.append("other terminal: aff-runtime arm | bypass | stop          ctrl-c leaves")
     return [row[:WIDTH] for row in rows]
+
+
+def _fitting(blocks: Sequence[Mapping[str, Any]], room: int) -> list[Mapping[str, Any]]:
+    """Return the blocks that the screen has room for: the low orders of every roll first."""
+    kept = sorted(range(len(blocks)), key=lambda at: (blocks[at].get("order", 0), at))[:room]
+    return [blocks[at] for at in sorted(kept)]
 
 
 def _config_row(answer: Mapping[str, Any]) -> str:

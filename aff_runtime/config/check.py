@@ -79,6 +79,7 @@ def _fact_lines(facts: Facts) -> Iterator[str]:
     for row in facts.rows:
         yield f"wire {row.address:5} {row.type}  {dotted(row.path)}"
     yield from (str(order) for order in facts.orders)
+    yield from (str(shape) for shape in facts.shapes)
     yield from (str(limit) for limit in facts.limits)
     yield from (f"crossing on {name}: {crossing}" for name, crossing in facts.crossings)
     yield from (f"default  {line}" for line in facts.defaults)

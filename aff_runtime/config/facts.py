@@ -11,6 +11,7 @@ from aff_runtime.config.leaves import leaves
 from aff_runtime.config.models import Site
 from aff_runtime.config.registers import Row, block_of, read_rows, write_rows
 from aff_runtime.config.revision import revision_hash
+from aff_runtime.core.shape_basis import FADE_FROM_HZ, FADE_TO_HZ
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,6 +55,33 @@ class LimitFact:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ShapeFact:
+    """What law shape will do at one speed and radius of its drive's roll."""
+
+    actuator: str
+    roll: str
+    speed_m_s: float
+    radius_m: float
+    turn_s: float
+    memory_turns: float
+    orders_out: int
+    orders_fading: int
+    orders: int
+
+    def __str__(self) -> str:
+        """Return one line for eyes."""
+        fading = f", {self.orders_fading} fade" if self.orders_fading else ""
+        resting = self.orders - self.orders_out - self.orders_fading
+        rest = f", {resting} above {FADE_TO_HZ:g} Hz rest" if resting else ""
+        return (
+            f"{self.actuator}: law shape at {self.speed_m_s:.3f} m/s, R {self.radius_m:.4f} m: "
+            f"{self.orders_out} of {self.orders} orders of {self.roll} below {FADE_FROM_HZ:g} Hz"
+            f"{fading}{rest}; memory {self.memory_turns:g} turns = "
+            f"{self.memory_turns * self.turn_s:.1f} s"
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Facts:
     """Everything derived from one site.
 
@@ -63,6 +91,7 @@ class Facts:
 
     revision: str
     orders: tuple[OrderFact, ...]
+    shapes: tuple[ShapeFact, ...]
     limits: tuple[LimitFact, ...]
     crossings: tuple[tuple[str, Crossing], ...]
     rows: tuple[Row, ...]
@@ -83,6 +112,7 @@ def facts_of(site: Site, speeds_m_s: tuple[float, ...] = ()) -> Facts:
     return Facts(
         revision=revision_hash(site),
         orders=tuple(_orders(site, speeds)),
+        shapes=tuple(_shapes(site, speeds)),
         limits=tuple(_limits(site)),
         crossings=tuple(
             (name, crossing)
@@ -118,6 +148,29 @@ def _orders(site: Site, speeds_m_s: tuple[float, ...]) -> Iterator[OrderFact]:
                             frequency_Hz=frequency,
                             samples_per_period=1.0 / (frequency * site.cycle_s),
                         )
+
+
+def _shapes(site: Site, speeds_m_s: tuple[float, ...]) -> Iterator[ShapeFact]:
+    for name, actuator in site.actuators.items():
+        if actuator.drive is None or not actuator.uses_shape:
+            continue
+        roll = site.rolls[actuator.drive.roll]
+        orders = [n for b in actuator.blocks if b.roll == actuator.drive.roll for n in b.orders]
+        for speed in speeds_m_s:
+            for radius in sorted({roll.smallest_radius_m, roll.largest_radius_m}):
+                turn_Hz = frequency_Hz(1, speed, radius)
+                out = sum(n * turn_Hz <= FADE_FROM_HZ for n in orders)
+                yield ShapeFact(
+                    actuator=name,
+                    roll=actuator.drive.roll,
+                    speed_m_s=speed,
+                    radius_m=radius,
+                    turn_s=1.0 / turn_Hz,
+                    memory_turns=actuator.memory_turns,
+                    orders_out=out,
+                    orders_fading=sum(n * turn_Hz < FADE_TO_HZ for n in orders) - out,
+                    orders=len(orders),
+                )
 
 
 def _limits(site: Site) -> Iterator[LimitFact]:

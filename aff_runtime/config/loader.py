@@ -12,7 +12,7 @@ from aff_runtime.config import can_wire
 from aff_runtime.config.findings import Finding, SiteFileError, in_file_order
 from aff_runtime.config.messages import empty_keys, findings_of
 from aff_runtime.config.models import Site
-from aff_runtime.config.rules import actuators, channels, registers, rolls, timing, wire
+from aff_runtime.config.rules import actuators, channels, registers, rolls, shape, timing, wire
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.config.scales import convert_scales
 from aff_runtime.config.yaml_marks import MarkedTree, read_marked
@@ -22,6 +22,7 @@ _RULES: tuple[Callable[[Site], Iterator[Issue]], ...] = (
     channels.issues,
     registers.issues,
     actuators.issues,
+    shape.issues,
     rolls.issues,
     timing.issues,
 )

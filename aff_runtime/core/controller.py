@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
 from aff_runtime.core.bank import Bank
-from aff_runtime.core.impulse import from_response
+from aff_runtime.core.impulse import LoopModel, from_response
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.monitor import SLOWEST_RAD_S
 from aff_runtime.core.params import ActuatorParams, LawKind, SiteParams
@@ -48,8 +48,16 @@ class RollPhases:
 class Controller:
     """Implements ``base.ports.Law`` for every actuator of the site file, in its order."""
 
-    def __init__(self, site: SiteParams, responses: Mapping[str, Response]) -> None:
+    def __init__(
+        self,
+        site: SiteParams,
+        responses: Mapping[str, Response],
+        loops: Mapping[str, LoopModel] | None = None,
+    ) -> None:
         """Build all laws; ``responses`` by actuator, a missing one adapts nothing.
+
+        ``loops`` are impulse responses of the same loops where they are known already: to find
+        them takes some tenths of a second, which a running control cycle does not have.
 
         Raises
         ------
@@ -57,6 +65,7 @@ class Controller:
             When an actuator names a channel or a roll that does not exist.
         """
         self._site = site
+        self._loops = loops or {}
         self._phases = RollPhases(site)
         index = {name: i for i, name in enumerate(site.channels)}
         for actuator in site.actuators:
@@ -72,8 +81,9 @@ class Controller:
         if params.law is LawKind.PRINTED:
             return PrintedLaw(params, phases=phases)
         if params.law is LawKind.SHAPE and params.drive is not None and response is not None:
-            memory_s = params.shape.response_s
-            loop = from_response(response, cycle_s=self._site.cycle_s, memory_s=memory_s)
+            loop = self._loops.get(params.name) or from_response(
+                response, cycle_s=self._site.cycle_s, memory_s=params.shape.response_s
+            )
             return ShapeLaw(
                 params, drive=params.drive, phases=phases, loop=loop, response=response,
                 cycle_s=self._site.cycle_s,
@@ -128,6 +138,21 @@ class Controller:
         """Speed of the slowest roll that turns, rad/s; 0 when none does."""
         turning = [abs(phase.omega_rad_s) for phase in self._phases.by_name.values()]
         return min((omega for omega in turning if omega > SLOWEST_RAD_S), default=0.0)
+
+    @property
+    def site(self) -> SiteParams:
+        """The settings that this controller was built from."""
+        return self._site
+
+    @property
+    def phases(self) -> RollPhases:
+        """The rolls' angles and the present roll id."""
+        return self._phases
+
+    def shape_laws(self) -> Mapping[str, ShapeLaw]:
+        """Return the shape laws by actuator; an actuator with another law is left out."""
+        named = zip(self._site.actuators, self._laws, strict=True)
+        return {a.name: law for a, law in named if isinstance(law, ShapeLaw)}
 
     def adopt(self, old: Controller) -> None:
         """Go on where another controller stands: angles and weights (bumpless retuning)."""

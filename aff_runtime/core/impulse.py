@@ -70,8 +70,8 @@ def from_response(response: Response, *, cycle_s: float, memory_s: float) -> Loo
     Kernel-based identification: taps are a priori a decaying random walk (the "tuned/correlated"
     kernel lambda^max(i, j)), the points are linear in them, so the most likely taps follow from
     one linear system. Between points the measured curve itself stands in, with an error that
-    grows outside the band; a frequency of zero answers nothing, because the tension loop
-    integrates.
+    grows outside the band and with the points' own; a frequency of zero answers
+    nothing, because the tension loop integrates.
 
     Parameters
     ----------
@@ -83,7 +83,12 @@ def from_response(response: Response, *, cycle_s: float, memory_s: float) -> Loo
     grid = np.geomspace(max(0.02, 0.5 * low), min(1.5 * high, 0.8 * nyquist_Hz), POINTS)
     wanted = np.array([response.at(float(f)) for f in grid])
     outside = np.maximum(np.maximum(low / grid, grid / high), 1.0)
-    error = (MIN_ERROR + np.log2(outside)) * np.abs(wanted)
+    known = np.interp(
+        grid,
+        [point.frequency_Hz for point in response.points],
+        [point.relative_error for point in response.points],
+    )
+    error = (MIN_ERROR + known + np.log2(outside)) * np.abs(wanted)
     ticks = np.arange(1, count + 1)
     turn = np.exp(-2j * math.pi * grid[:, None] * cycle_s * ticks[None, :])
     design = np.vstack([turn.real, turn.imag])

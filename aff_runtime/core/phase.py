@@ -11,6 +11,7 @@ from aff_runtime.core.params import RollParams
 JUMP_RAD = 0.2
 JITTER_S = 0.05
 OMEGA_TAU_S = 0.05
+ORIGIN_SLACK_RAD = 1e-3
 PREDICT_MAX_S = 0.5
 AGREEING_SAMPLES = 4
 STUCK_CHECK_RAD = 0.5
@@ -92,6 +93,19 @@ class RollPhase:
         self.restart()
         self.omega_rad_s = old.omega_rad_s
         self.quality = Quality.PREDICTED
+
+    @property
+    def origin_rad(self) -> float:
+        """``theta_rad`` where the encoder reads zero; NaN without a whole number of turns.
+
+        A counter that starts over after anything else than whole turns has no origin, nor has
+        a roll whose encoder is not the present source.
+        """
+        turns = self._modulus / math.tau
+        whole = abs(turns - round(turns)) * math.tau < ORIGIN_SLACK_RAD
+        if self.source is not Source.ENCODER or not whole:
+            return math.nan
+        return math.remainder(self._theta_at_raw - self._raw, math.tau)
 
     def lead(self, lead_s: float) -> float:
         """Return the angle ``lead_s`` from now, rad."""

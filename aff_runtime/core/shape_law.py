@@ -24,8 +24,10 @@ from aff_runtime.core.shape_monitor import ShapeMonitor
 from aff_runtime.core.shape_presence import Presence
 from aff_runtime.core.shape_profile import ShapeProfile
 from aff_runtime.core.shape_room import Room
+from aff_runtime.core.shape_trust import Trust
 
 NEWTON_TURNS = 0.5
+IMBALANCE_DRIFT = 0.1
 GAIN_FROM, GAIN_TO = 1.0 / 3.0, 3.0
 ABSURD = 1e6
 CHECK_TICKS = 100
@@ -55,6 +57,7 @@ class ShapeLaw:
         response: Response | None = None,
     ) -> None:
         self._p = params
+        self._drive = drive
         self._cycle_s = cycle_s
         self._response = response
         self._keys = params.orders
@@ -65,14 +68,21 @@ class ShapeLaw:
         count = self.basis.order.size
         self._roll_of = [r for r, _ in self._keys] + [drive.roll] * (count - len(self._keys))
         self._loop = LoopFilter(loop, count)
-        self.filter = ShapeFilter(count, params.shape.memory_turns, params.shape.signal_sd)
+        self._first, self._heavy = self.basis.twins
+        drift = np.ones(count)
+        if self._heavy >= 0:
+            drift[self._heavy] = IMBALANCE_DRIFT
+        self.filter = ShapeFilter(count, params.shape.memory_turns, params.shape.signal_sd, drift)
         self.monitor = ShapeMonitor(self._roll_of, params.shape.signal_sd)
         self.presence = Presence(self._roll_of, used)
         self.room = Room(count)
+        self.trust = Trust(count, response)
         self._bounds = PeakBound(self.basis.order, self._roll_of, drive.roll)
         self._gate = SpeedGate(params.active_above_m_s)
         self.weight = np.zeros(count, dtype=np.complex128)
         self._sent = np.zeros(count, dtype=np.complex128)
+        self._parts = np.zeros(count, dtype=np.complex128)
+        self._move = np.zeros(count, dtype=np.complex128)
         self._signal_per_m = np.zeros(count)
         self._step_1_s = np.zeros(count)
         self._tension_N = drive.tension_N
@@ -89,8 +99,11 @@ class ShapeLaw:
         b = self.basis.b
         self.room.step(inputs.limit_ratio, b, self.weight, self._signal_per_m, dt_s)
         self._loop.follow_radius(self._own.radius_m)
-        self._loop.push(b, (ratio * self._sent) * b, round(dt_s / self._cycle_s))
+        np.multiply(self._sent, b, out=self._parts)
+        self._parts *= ratio
+        self._loop.push(b, self._parts, round(dt_s / self._cycle_s))
         self._settle_presence(dt_s)
+        self.trust.step(self.basis.frequency_Hz, dt_s)
         speed_m_s = self._speed_m_s(inputs.line_speed_m_s)
         gate = self._gate.step(speed_m_s, dt_s)
         self._learn(inputs, gate, dt_s)
@@ -124,49 +137,74 @@ class ShapeLaw:
         self.adapting = inputs.adapt and gate == 1.0 and good and self.presence.known
         if not self.adapting:
             self._step_1_s[:] = 0.0
+            if inputs.applied_ratio == 0.0 and gate == 1.0 and good and self.presence.known:
+                self.monitor.listen(error, self._loop.read()[0], self.basis.turn_s, dt_s)
             return
         phi, psi = self._loop.read()
+        if self._heavy >= 0:  # one frequency, one correction of P: the imbalance has no own
+            psi[self._first] += psi[self._heavy]
+            psi[self._heavy] = 0.0
         turn_s = self.basis.turn_s
         self.filter.step(error, phi, psi, turn_s, dt_s)
+        if self._heavy >= 0:
+            self.filter.gain[self._heavy] = self.filter.gain[self._first]
         deviation = self.filter.deviation
         self.monitor.step(error, phi, deviation, turn_s, dt_s)
         if self._ticks % CHECK_TICKS == 0:
             memory = self._p.shape.memory_turns
             self.monitor.compare(self.basis.frequency_Hz, turn_s, memory)
             self.filter.check()
-        self._signal_per_m = np.abs(phi)
+        if self.room.limited or inputs.limit_ratio < 1.0:
+            self._signal_per_m = np.abs(phi)
         self._newton(deviation, turn_s, dt_s)
 
     def _newton(
         self, deviation: npt.NDArray[np.complex128], turn_s: npt.NDArray[np.float64], dt_s: float
     ) -> None:
-        gain = 1.0 + self.filter.correction
-        left = deviation + gain * self.weight
+        gain, move = self.filter.gain, self._move
+        np.multiply(gain, self.weight, out=move)
+        move += deviation
         size = np.abs(gain)
-        gain *= np.minimum(np.maximum(size, GAIN_FROM), GAIN_TO) / np.maximum(size, 1e-9)
         share = -np.expm1(-dt_s / (NEWTON_TURNS * turn_s))
-        move = np.where(self.monitor.resting, 0.0, share * left / gain)
+        share *= np.maximum(size, 1e-9) / np.minimum(np.maximum(size, GAIN_FROM), GAIN_TO)
+        move *= share
+        move /= gain
+        if not self.monitor.calm:
+            move[self.monitor.resting] = 0.0
+        if self._response is not None:
+            move[self.trust.held] = 0.0
         self.weight -= move
         limit = self._p.shape.weight_limit_m
-        self.weight *= limit / np.maximum(np.abs(self.weight), limit)
-        self._step_1_s = np.abs(move) / dt_s
+        if np.vdot(self.weight, self.weight).real > limit * limit:
+            self.weight *= limit / np.maximum(np.abs(self.weight), limit)
+        np.abs(move, out=self._step_1_s)
+        self._step_1_s *= 1.0 / dt_s
 
     def _send(self, gate: float) -> ActuatorStep:
         b = self.basis.b
-        shares = self.room.share * self.presence.share * self.monitor.share
-        self._sent = (gate * shares) * self.weight
-        parts = self._sent * b
+        sent, parts = self._sent, self._parts
+        np.multiply(self.weight, gate, out=sent)
+        sent *= self.room.share
+        sent *= self.presence.share
+        sent *= self.monitor.share
+        sent *= self.trust.share
+        np.multiply(sent, b, out=parts)
         value = float(parts.real.sum())
-        peak, slew = self._bounds.of(parts, self.basis.omega_rad_s)
+        peak, slew = self._bounds.of(parts, self.basis.carrier, self.basis.omega_rad_s)
         peak = max(peak, abs(value))
         slew += float(self._step_1_s @ np.abs(b))
-        if self._gate.moving or self.presence.moving:
+        if self._gate.moving or self.presence.moving or self.trust.moving:
             slew += float(np.abs(self.weight * b).sum()) / min(RAMP_S, self.presence.fade_s)
         if not math.isfinite(value + slew):
             self._restart()
             return SILENT
         self.room.peak = peak
         return ActuatorStep(value=value, peak_bound=peak, slew_bound=slew)
+
+    def _shares(self) -> npt.NDArray[np.float64]:
+        """Return how much of every column may go out, 0..1, the speed gate apart."""
+        shares = self.room.share * self.presence.share * self.monitor.share
+        return np.asarray(shares * self.trust.share)
 
     def _restart(self) -> None:
         """Start from nothing: a number stopped being one."""
@@ -187,9 +225,11 @@ class ShapeLaw:
         """Return what is worth keeping: orders that meet another roll's now are left out."""
         correction = self.filter.correction
         kept = [i for i in range(len(self._keys)) if not self.monitor.meets[i]]
+        heavy = self._heavy >= 0 and not self.monitor.meets[self._heavy]
         return ShapeProfile(
             weight_m={self._keys[i]: complex(self.weight[i]) for i in kept},
             correction={self._keys[i]: complex(correction[i]) for i in kept},
+            imbalance_m={self._drive.roll: complex(self.weight[self._heavy])} if heavy else {},
         )
 
     def start_from(self, profile: ShapeProfile) -> None:
@@ -198,6 +238,11 @@ class ShapeLaw:
             if key in profile.weight_m:
                 self.weight[i] = profile.weight_m[key]
                 self.filter.expect(i, self.weight[i], profile.correction.get(key))
+        heavy = profile.imbalance_m.get(self._drive.roll)
+        if self._heavy >= 0 and heavy is not None:
+            self.weight[self._heavy] = heavy
+            known = profile.correction.get(self._keys[self._first])
+            self.filter.expect(self._heavy, heavy, known)
 
     def adopt(self, old: ActuatorLaw) -> None:
         """Take over weights and what was learned; orders that ``old`` lacks start from zero."""
@@ -213,28 +258,74 @@ class ShapeLaw:
             self.filter.adopt(old.filter)
             self._loop.adopt(old._loop)
             self.monitor, self.room, self.presence = old.monitor, old.room, old.presence
+            self.trust.adopt(old.trust)
             return
         self.start_from(old.profile())
 
     def objections(self) -> tuple[str, ...]:
-        """Return why this actuator may not arm now; orders that fade out need no response."""
-        omega = self.basis.omega_rad_s
+        """Return why this actuator may not arm now.
+
+        An order whose response is not sure is held and does not stand against the others; one
+        of the drive's own roll must be sure.
+        """
+        if self._response is None:
+            return ()
+        self.trust.judge(self.basis.frequency_Hz)
         wanted = [
             (name, n * w / math.tau)
-            for name, n, w in zip(self.basis.names, self.basis.order, omega, strict=True)
-            if abs(n * w) < math.tau * FADE_TO_HZ
+            for name, n, w, roll, held in zip(
+                self.basis.names,
+                self.basis.order,
+                self.basis.omega_rad_s,
+                self._roll_of,
+                self.trust.held,
+                strict=True,
+            )
+            if roll == self._drive.roll and not held and abs(n * w) < math.tau * FADE_TO_HZ
         ]
-        return arming_objections(self._response, wanted) if self._response else ()
+        if not wanted:
+            return (f"no order of {self._drive.roll} has a sure response; run the probe",)
+        found = [arming_objections(self._response, [one]) for one in wanted]
+        return () if not all(found) else tuple(text for texts in found for text in texts)
 
     def ripple(self) -> tuple[float, float]:
-        """Return the root sum of squares of all columns' amplitudes, without and now."""
-        without, now = self.monitor.without, self.monitor.now
+        """Return the root sum of squares of all orders' amplitudes, without and now.
+
+        An imbalance has the frequency of order 1 and is in it. NaN before two turns were heard.
+        Without counts at least what is there now: what the filter has not yet told from noise is
+        no proof that the roll was quiet.
+        """
+        monitor = self.monitor
+        if not monitor.heard:
+            return math.nan, math.nan
+        now = monitor.now[: len(self._keys)]
+        without = np.fmax(monitor.without[: len(self._keys)], now)
         return float(np.sqrt((without**2).sum())), float(np.sqrt((now**2).sum()))
 
+    def seen(self) -> npt.NDArray[np.complex128]:
+        """Return P[b_n] now, (columns,): what a metre of each column does to the signal."""
+        return np.asarray(self._loop.read()[0], dtype=np.complex128)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the line is fast enough for this law."""
+        return self._gate.share == 1.0
+
+    @property
+    def signal_sd(self) -> float:
+        """How far one reading may be off, in the signal's unit."""
+        return self._p.shape.signal_sd
+
+    @property
+    def keys(self) -> tuple[tuple[str, int], ...]:
+        """(roll, order) of every column that is a shape; they come before an imbalance."""
+        return self._keys
+
     def telemetry(self) -> tuple[float, ...]:
-        """Return shape, state and ripple per column."""
+        """Return shape, state, ripple, correction of P and share per column."""
         row: list[float] = []
         correction = self.filter.correction
+        shares = self._shares()
         for i, w in enumerate(self.weight):
             row += (
                 1e3 * abs(w),
@@ -243,12 +334,15 @@ class ShapeLaw:
                 float(self.monitor.without[i]),
                 float(self.monitor.now[i]),
                 float(abs(1.0 + correction[i])),
+                float(shares[i]),
             )
         return tuple(row)
 
     def telemetry_names(self) -> tuple[str, ...]:
-        """Return six columns per order; a shape is in millimetres, as a technician reads it."""
-        columns = ("shape_mm", "phase_deg", "state", "ripple_before", "ripple", "gain_of_P")
+        """Return seven columns per order; a shape is in millimetres, as a technician reads it."""
+        columns = (
+            "shape_mm", "phase_deg", "state", "ripple_before", "ripple", "gain_of_P", "share",
+        )  # fmt: skip
         return tuple(f"{name}.{column}" for name in self.basis.names for column in columns)
 
     def _state(self, at: int) -> Trend:
@@ -256,6 +350,8 @@ class ShapeLaw:
             return Trend.IDLE
         if self.basis.fade[at] < 1.0:
             return Trend.HELD_FREQUENCY
+        if self.trust.held[at]:
+            return Trend.HELD_PHASE
         if self.room.share[at] < 1.0:
             return Trend.CLAMPED
         if not self.adapting:

@@ -20,6 +20,7 @@ SETTLED = 0.3
 HARM_TURNS = 4.0
 REST_TURNS = 20.0
 FADE_S = 1.0
+JUDGE_TICKS = 8
 
 
 class ShapeMonitor:
@@ -33,8 +34,8 @@ class ShapeMonitor:
     """
 
     __slots__ = (
-        "_age", "_bad", "_noise", "_others", "_phasor", "_rest", "_slow", "meets", "now", "share",
-        "without",
+        "_age", "_bad", "_judged", "_noise", "_others", "_passed_s", "_phasor", "_pull", "_rest",
+        "_size", "_slow", "_ticks", "_work", "calm", "meets", "now", "share", "without",
     )  # fmt: skip
 
     def __init__(self, roll_of: Sequence[str], signal_sd: float) -> None:
@@ -42,39 +43,83 @@ class ShapeMonitor:
         names = np.array(roll_of)
         self._others = names[:, None] != names[None, :]
         self._phasor = np.zeros(count, dtype=np.complex128)
+        self._work = np.zeros(count, dtype=np.complex128)
+        self._size = np.zeros(count)
+        self._pull = np.zeros(count)
         self._slow = np.zeros(count)
         self._age = np.zeros(count)
         self._bad = np.zeros(count)
+        self._judged = np.zeros(count)
         self._rest = np.zeros(count)
         self._noise = signal_sd
+        self._ticks = 0
+        self._passed_s = 0.0
         self.now = np.full(count, math.nan)
         self.without = np.full(count, math.nan)
         self.share = np.ones(count)
         self.meets = np.zeros(count, dtype=bool)
+        self.calm = True  # no column rests or is on its way
 
     def step(
         self, error: float, phi: Seen, deviation: Complexes, turn_s: Floats, dt_s: float
     ) -> None:
-        """Take one good sample; ``phi`` carries the angle of every column."""
-        size = np.abs(phi)
-        turns = dt_s / turn_s
-        self._age = np.minimum(self._age + turns, SLOW_TURNS)
-        carrier = phi / np.maximum(size, 1e-9)
-        share = turns / np.minimum(np.maximum(self._age, turns), TURNS)
-        self._phasor += share * (2.0 * error * carrier.conj() - self._phasor)
-        self.now = np.abs(self._phasor)
-        self._slow += turns / np.maximum(self._age, turns) * (self.now - self._slow)
-        self.without = np.abs(deviation) * size
+        """Take one good sample; ``phi`` carries the angle of every column.
+
+        The lock-in runs with every sample, sizes and verdicts every eighth.
+        """
+        turns = self._lock_in(error, phi, turn_s, dt_s)
+        if turns is not None:
+            self._judge(turns, deviation, turn_s, dt_s)
+        if not self.calm:
+            change = dt_s / FADE_S
+            target = np.where(self._rest > 0.0, -change, change)
+            self.share = np.minimum(1.0, np.maximum(0.0, self.share + target))
+
+    def listen(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> None:
+        """Take a sample while nothing goes out: what is there without correction, unjudged."""
+        if self._lock_in(error, phi, turn_s, dt_s) is not None:
+            self._judged[:] = 0.0
+
+    def _lock_in(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> Floats | None:
+        """Follow every column's amplitude; return the turns since it was last read, when it is."""
+        work, size, turns = self._work, self._size, None
+        if self._ticks % JUDGE_TICKS == 0:
+            turns, tick = self._passed_s / turn_s, dt_s / turn_s
+            self._passed_s = 0.0
+            self._age = np.minimum(self._age + turns, SLOW_TURNS)
+            self._pull = tick / np.minimum(np.maximum(self._age, tick), TURNS)
+            self.now = np.abs(self._phasor)
+        self._ticks += 1
+        self._passed_s += dt_s
+        np.abs(phi, out=size)
+        np.maximum(size, 1e-9, out=size)
+        np.conjugate(phi, out=work)
+        work /= size
+        work *= 2.0 * error
+        work -= self._phasor
+        work *= self._pull
+        self._phasor += work
+        return turns
+
+    def _judge(self, turns: Floats, deviation: Complexes, turn_s: Floats, dt_s: float) -> None:
+        self._judged += turns
+        heard = np.minimum(self._judged, SLOW_TURNS)
+        self._slow += turns / np.maximum(heard, np.maximum(turns, 1e-9)) * (self.now - self._slow)
+        self.without = np.abs(deviation) * self._size
         # what white noise of one reading leaves in a lock-in over two turns
         noise = 2.0 * self._noise * np.sqrt(dt_s / (TURNS * turn_s))
-        bad = (self.now > HARM * self.without + 3.0 * noise) & (self._age > TURNS) & ~self.meets
+        bad = (self.now > HARM * self.without + 3.0 * noise) & (self._judged > TURNS)
+        bad &= ~self.meets
         self._bad = np.where(bad, self._bad + turns, 0.0)
         started = (self._bad > HARM_TURNS) & (self._rest <= 0.0)
         self._rest = np.where(started, REST_TURNS, np.maximum(0.0, self._rest - turns))
         self._bad[started] = 0.0
-        change = dt_s / FADE_S
-        target = np.where(self._rest > 0.0, -change, change)
-        self.share = np.minimum(1.0, np.maximum(0.0, self.share + target))
+        self.calm = not self._rest.any() and bool((self.share == 1.0).all())
+
+    @property
+    def heard(self) -> bool:
+        """Whether every column was heard for two turns."""
+        return bool((self._age >= TURNS).all())
 
     def compare(self, frequency_Hz: Floats, turn_s: Floats, memory_turns: float) -> None:
         """Mark columns of different rolls that their memories cannot tell apart."""
@@ -90,14 +135,15 @@ class ShapeMonitor:
     def reset(self, columns: npt.NDArray[np.bool_]) -> None:
         """Forget some columns, as after a splice."""
         self._phasor[columns] = 0.0
-        for part in (self._slow, self._age, self._bad, self._rest):
+        for part in (self._slow, self._age, self._judged, self._bad, self._rest):
             part[columns] = 0.0
+        self._ticks = 0  # judge with the next sample, so that the lock-in starts with its age
         self.now[columns] = self.without[columns] = math.nan
 
     def trend(self, at: int) -> Trend:
         """Return where a column stands."""
         now, without = float(self.now[at]), float(self.without[at])
-        if not (math.isfinite(now) and math.isfinite(without)) or self._age[at] < TURNS:
+        if not (math.isfinite(now) and math.isfinite(without)) or self._judged[at] < TURNS:
             return Trend.IDLE
         if self._rest[at] > 0.0 or self._bad[at] > 1.0:
             return Trend.DIVERGING

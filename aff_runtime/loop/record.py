@@ -8,7 +8,7 @@ from math import nan
 
 from aff_runtime.base.signals import Permission, Snapshot, State
 
-_HEAD = (
+HEAD = (
     "time_s",
     "tick",
     "periods_count",
@@ -43,7 +43,7 @@ def record_columns(
 ) -> tuple[str, ...]:
     """Return the columns of ``build_record``; ``outputs`` are names with unit (unwind_m_s)."""
     return (
-        *_HEAD,
+        *HEAD,
         *channels,
         *(f"wanted_{output}" for output in outputs),
         *(f"correction_{output}" for output in outputs),

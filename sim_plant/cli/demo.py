@@ -44,6 +44,6 @@ def run(arguments: argparse.Namespace) -> int:
         window(session.record, *session.before_s), window(session.record, *session.after_s),
         NOISE_N,
     )  # fmt: skip
-    page = write_report(session, rows)
+    page = write_report(session, rows, NOISE_N)
     print(f"\n{table_text(rows)}\n\nreport: {page}")
     return 0 if all(row.passed for row in rows) else 5

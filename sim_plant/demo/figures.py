@@ -71,21 +71,23 @@ def spectrum_figure(session: Session) -> str:
 def block_figure(columns: Mapping[str, Array]) -> str:
     """Amplitude and phase of every block over the run, from the runtime's own record."""
     time = columns["time_s"]
-    step = max(1, time.size // 3000)
-    amplitudes = [name for name in columns if name.endswith("amplitude_m_s")]
-    figure = Figure(figsize=(11, 5))
-    axes = figure.subplots(2, 1, sharex=True)
-    for name in amplitudes:
-        label = name.removesuffix("amplitude_m_s").rstrip("._")
-        axes[0].plot(time[::step], 1e3 * columns[name][::step], lw=1, label=label)
-        phase = name.removesuffix("amplitude_m_s") + "phase_deg"
-        if phase in columns:
-            axes[1].plot(time[::step], columns[phase][::step], ".", ms=1, label=label)
-    axes[0].set_ylabel("amplitude [mm/s]")
-    axes[1].set_ylabel("phase [deg]")
-    axes[1].set_xlabel("runtime time [s]")
-    if amplitudes:
-        axes[0].legend(fontsize=8, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    step = max(1, time.size // 800)
+    known = (("amplitude_m_s", 1e3, "amplitude [mm/s]"), ("shape_mm", 1.0, "shape [mm]"))
+    kinds = [kind for kind in known if any(n.endswith(kind[0]) for n in columns)] or [known[0]]
+    figure = Figure(figsize=(11, 2.5 * (len(kinds) + 1)))
+    axes = figure.subplots(len(kinds) + 1, 1, sharex=True)
+    for axis, (ending, factor, words) in zip(axes, kinds, strict=False):
+        for name in (n for n in columns if n.endswith(ending)):
+            label = name.removesuffix(ending).rstrip("._")
+            axis.plot(time[::step], factor * columns[name][::step], lw=1, label=label)
+            phase = name.removesuffix(ending) + "phase_deg"
+            if phase in columns:
+                axes[-1].plot(time[::step], columns[phase][::step], ".", ms=1, label=label)
+        axis.set_ylabel(words)
+        if axis.lines:
+            axis.legend(fontsize=7, ncols=5, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    axes[-1].set_ylabel("phase [deg]")
+    axes[-1].set_xlabel("runtime time [s]")
     for axis in axes:
         axis.grid(alpha=0.3)
     return svg(figure)

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import gzip
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -45,14 +42,6 @@ class Row:
         return self.reduction_dB >= self.target_dB or self.at_floor
 
 
-def read_record(path: Path) -> dict[str, Array]:
-    """Return the columns of a plant record."""
-    with gzip.open(path, "rt", encoding="ascii") as stream:
-        names = next(csv.reader(stream))
-        table = np.loadtxt(stream, delimiter=",")
-    return {name: table[:, i] for i, name in enumerate(names)}
-
-
 def window(record: dict[str, Array], start_s: float, end_s: float) -> dict[str, Array]:
     """Return the rows with start_s <= time_s < end_s."""
     keep = (record["time_s"] >= start_s) & (record["time_s"] < end_s)
@@ -84,6 +73,28 @@ def judge(before: dict[str, Array], after: dict[str, Array], noise_N: float) -> 
                 )
             )  # fmt: skip
     return rows
+
+
+def more_orders(
+    before: dict[str, Array], after: dict[str, Array], highest: int, noise_N: float
+) -> list[Row]:
+    """Return the unwind's orders above those that are judged, for eyes; ``target_dB`` is 0."""
+    tension, roll, other = "unwind_tension_N", "unwind", "swrap_follower"
+    first = max(row.order for row in judge(before, after, noise_N) if row.roll == roll) + 1
+    orders = tuple(range(first, highest + 1))
+    if not orders:
+        return []
+    amplitudes = [_orders(part, tension, roll, orders, other) for part in (before, after)]
+    angle, time = after[f"true_{roll}_angle_rad"], after["time_s"]
+    turn_Hz = (angle[-1] - angle[0]) / (time[-1] - time[0]) / (2.0 * np.pi)
+    return [
+        Row(
+            tension=tension, roll=roll, order=order, frequency_Hz=order * float(turn_Hz),
+            before_N=float(b), after_N=float(a), target_dB=0.0,
+            floor_N=3.0 * noise_N * float(np.sqrt(2.0 / time.size)),
+        )
+        for order, b, a in zip(orders, *amplitudes, strict=True)
+    ]  # fmt: skip
 
 
 def _orders(

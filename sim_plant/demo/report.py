@@ -11,21 +11,27 @@ from jinja2 import Environment, PackageLoader
 
 from sim_plant.base.arrays import Array
 from sim_plant.demo.figures import block_figure, spectrum_figure, tension_figure, timing_figure
-from sim_plant.demo.judge import Row, read_record, window
+from sim_plant.demo.judge import Row, more_orders, window
+from sim_plant.demo.roll_figure import learned_orders, roll_figure
 from sim_plant.demo.session import Session
+from sim_plant.line.record_file import read_columns
 
 WIRE_NAMES = {"modbus": "Modbus TCP", "can": "CAN by DBC", "canopen": "CANopen"}
 
 
 def runtime_columns(folder: Path) -> dict[str, Array]:
     """Return the runtime's recorded columns, all segments joined."""
-    parts = [read_record(path) for path in sorted(folder.glob("signals-*.csv.gz"))]
+    paths = sorted(folder.glob("signals-*.csv.gz"))
+    parts = [read_columns(path, finite=False) for path in paths]
     names = parts[0] if parts else {}
     return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
 
-def write_report(session: Session, rows: list[Row]) -> Path:
-    """Write ``report.html`` and ``report.json`` beside the records; return the page's path."""
+def write_report(session: Session, rows: list[Row], noise_N: float) -> Path:
+    """Write ``report.html`` and ``report.json`` beside the records; return the page's path.
+
+    ``noise_N`` is the load cell's noise per sample, for the floor of orders that are shown only.
+    """
     out = session.plan.out.resolve()
     before = window(session.record, *session.before_s)
     after = window(session.record, *session.after_s)
@@ -35,6 +41,9 @@ def write_report(session: Session, rows: list[Row]) -> Path:
         for part in (before, after)
     ]
     columns = runtime_columns(session.run_folder)
+    learned = learned_orders(columns)
+    highest = max((one.order for one in learned if one.roll == "unwind"), default=0)
+    more = more_orders(before, after, highest, noise_N)
     template = Environment(
         loader=PackageLoader("sim_plant.demo", "."), autoescape=True
     ).get_template("report.html.j2")
@@ -43,6 +52,7 @@ def write_report(session: Session, rows: list[Row]) -> Path:
         speed_m_s=session.plan.line_speed_m_s,
         seed=session.plan.seed, before=session.before_s, after=session.after_s, rms=rms,
         rows=rows, tension=tension_figure(session), spectra=spectrum_figure(session),
+        roll=roll_figure(learned), learned=learned, more=more,
         blocks=block_figure(columns), timing=timing_figure(columns), probe=session.probe_text,
     )  # fmt: skip
     path = out / "report.html"
@@ -58,6 +68,10 @@ def write_report(session: Session, rows: list[Row]) -> Path:
             dataclasses.asdict(row) | {"reduction_dB": row.reduction_dB, "passed": row.passed}
             for row in rows
         ],
+        "more_orders": [
+            dataclasses.asdict(row) | {"reduction_dB": row.reduction_dB} for row in more
+        ],
+        "learned_shape": [dataclasses.asdict(one) for one in learned],
         "exit_codes": session.exit_codes,
     }  # fmt: skip
     (out / "report.json").write_text(json.dumps(twin, indent=1) + "\n", encoding="utf-8")

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.record import Record
+from sim_plant.refine.start_values import start_values
 from sim_plant.refine.trace import Trace
 from sim_plant.refine.verdict import aff_blocks, declared_entries
 
 FILE = "line_amended.yaml"
 BLOCK_FILE = "aff_block.yaml"
+HIGHEST_START = 16
+BLOCK_HEAD = """# paste under `actuators.<name>.blocks` of the site file
+# start: moment arm of each order for `law: shape`, tried on the roll before it is used; with
+# `law: blocks` remove start and all orders but the first four
+"""
 
 
 def plain(value: Any) -> Any:
@@ -58,13 +66,59 @@ def write_amended(
     return path
 
 
-def write_block(out: Path, rows: Sequence[dict[str, Any]]) -> Path | None:
-    """Write the AFF blocks to paste under an actuator of the site file; None without any."""
+def write_block(
+    out: Path,
+    rows: Sequence[dict[str, Any]],
+    declaration: Declaration | None = None,
+    record: Record | None = None,
+) -> Path | None:
+    """Write the AFF blocks to paste under an actuator of the site file; None without any.
+
+    With the ``declaration`` the block of a driven roller carries the deviations that law shape
+    may start from, for every order that has one; their angles count from ``record``'s channel.
+    """
     blocks = aff_blocks(rows)
     if not blocks:
         return None
+    for block in blocks if declaration is not None else ():
+        _add_start(block, rows, declaration, record)
     path = out / BLOCK_FILE
-    text = "# paste under `actuators.<name>.blocks` of the site file; weights start at 0\n"
-    path.write_text(text + yaml.safe_dump({"blocks": plain(blocks)}, sort_keys=False),
+    path.write_text(BLOCK_HEAD + yaml.safe_dump({"blocks": plain(blocks)}, sort_keys=False),
                     encoding="utf-8")  # fmt: skip
     return path
+
+
+def _add_start(
+    block: dict[str, Any], rows: Sequence[dict[str, Any]], declaration: Declaration | None,
+    record: Record | None,
+) -> None:  # fmt: skip
+    """Add start values to the block of a roller that a drive turns."""
+    driven = {drive.roller for drive in declaration.control.drives} if declaration else set()
+    if declaration is None or block["roll"] not in driven:
+        return
+    effects = [
+        EffectEntry(effect=row["effect"], location=row["location"],
+                    parameters=_accepted(row["effect"], row["parameters"]))
+        for row in rows if row["location"] == block["roll"] and row["cancel"]
+    ]  # fmt: skip
+    first, last = min(block["orders"]), max(*block["orders"], HIGHEST_START)
+    orders = block["orders"] if len(block["orders"]) == 1 else range(first, last + 1)
+    start = start_values(declaration, effects, block["roll"], orders, record)
+    if start:
+        block["orders"] = [entry["order"] for entry in start]
+        block["start"] = start
+
+
+def _accepted(effect: str, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the parameters that the effect itself takes, each said once.
+
+    A verdict names amplitude and angle beside the components they were found as.
+    """
+    taken = BY_NAME[effect]
+    twice = {
+        name
+        for pair in taken.quadratures
+        if pair.amplitude and pair.cos in parameters
+        for name in (pair.amplitude, pair.angle)
+    }
+    return {k: v for k, v in parameters.items() if k in taken.parameters and k not in twice}

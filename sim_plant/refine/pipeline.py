@@ -106,7 +106,9 @@ def write_all(outcome: Outcome) -> None:
     if outcome.trace.steps:
         amended = write_amended(plan.line, plan.out, outcome.trace, outcome.records, command,
                                 outcome.verdict)  # fmt: skip
-    block = write_block(plan.out, outcome.verdict["effects"])
+    block = write_block(
+        plan.out, outcome.verdict["effects"], load_declaration(plan.line), outcome.records[0]
+    )
     text = json.dumps(plain(outcome.verdict), indent=1) + "\n"
     (plan.out / "verdict.json").write_text(text, encoding="utf-8")
     write_report(outcome, command, amended, block)

@@ -89,8 +89,8 @@ def test_a_dead_heartbeat_trips_after_the_watchdog_and_is_zero_after_the_fade() 
         ({"well": False}, 4),
         ({"spoil": 1}, 5),
         ({"spoil": 2}, 5),
-        ({"one": 6001}, 6),
-        ({"one": -6001}, 6),
+        ({"one": 15001}, 6),
+        ({"one": -15001}, 6),
         ({"two": LIMIT_2 + 1}, 6),
         ({"one": -32768}, 6),
     ],
@@ -132,7 +132,7 @@ def test_block_and_simulated_plc_agree_on_random_runs(seed: int) -> None:
         if dice.random() < 0.05:
             state = dice.choice((0, ACTIVE, ACTIVE, FADING, 3, 0x80))
         well = dice.random() > 0.2 if dice.random() < 0.03 else well
-        one = dice.choice((0, 1, -1, dice.randrange(-6100, 6101), 6000, -6000))
+        one = dice.choice((0, 1, -1, dice.randrange(-15100, 15101), 15000, -15000))
         two = dice.choice((0, dice.randrange(-LIMIT_2 - 50, LIMIT_2 + 51)))
         spoil = dice.choice((0,) * 30 + (1, 2))
         both.scan(heartbeat, one, two, state=state, well=well, spoil=spoil)

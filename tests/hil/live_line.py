@@ -63,19 +63,25 @@ class LiveLine:
     folder : everything of this session; its name must be short enough for sockets.
     wire : modbus, can or canopen.
     environment : of the service, where it is not ours.
+    site_file : of config; the wire's own, or the plain law's on Modbus, where not given.
     """
 
     def __init__(
-        self, folder: Path, wire: str = "modbus", environment: Mapping[str, str] | None = None
+        self,
+        folder: Path,
+        wire: str = "modbus",
+        environment: Mapping[str, str] | None = None,
+        site_file: str = "",
     ) -> None:
-        wired = wire_up(wire, ROOT / "config" / SITES[wire], folder)
-        self.bench = Bench(
-            folder=folder, site=wired.site, plant_arguments=wired.plant_arguments
-        )
+        shipped = site_file or {"modbus": "euclid_blocks.yaml"}.get(wire, SITES[wire])
+        wired = wire_up(wire, ROOT / "config" / shipped, folder)
+        self.bench = Bench(folder=folder, site=wired.site, plant_arguments=wired.plant_arguments)
         self._environment = environment
         (folder / "learned").mkdir()
         for actuator, response in known_responses().items():
-            path = folder / "learned" / f"{wired.site.stem}_{actuator}.json"
+            path = (
+                folder / "learned" / f"{wired.site.stem.removesuffix('_blocks')}_{actuator}.json"
+            )
             path.write_text(response.to_json())
         text = wired.site.read_text()
         self.site_text = re.sub(r"soft_start_s: [\d.]+", "soft_start_s: 0.3", text)

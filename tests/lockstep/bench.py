@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -35,7 +35,7 @@ from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plc import Plc
 from tests.lockstep.known_response import CYCLE_S, LINE, ROOT, SPEED_M_S
 
-SITE = ROOT / "config" / "euclid.yaml"
+SITE = ROOT / "config" / "euclid_blocks.yaml"
 PLC_MAP = ROOT / "config" / "plc" / "gateway_block.yaml"
 PERIOD_NS = round(CYCLE_S * 1e9)
 SEED = 7
@@ -46,6 +46,7 @@ class Setup:
     """What a bench is made of; the defaults are the shipped files."""
 
     line: Path = LINE
+    site: Path = SITE
     plc_map: Path = PLC_MAP
     line_speed_m_s: float = SPEED_M_S
     words: RegisterMap | None = None
@@ -69,9 +70,11 @@ class Outside:
         self.events: list[str] = []
         self.faults: list[str] = []
         self.blocked_by = ""
+        self.watchers: list[Callable[[Sequence[float]], None]] = []
 
     def publish(self, record: Sequence[float]) -> None:
-        pass
+        for watcher in self.watchers:
+            watcher(record)
 
     def event(self, tick: int, t_ns: int, code: int) -> None:
         self.events.append(BY_CODE[code].name)
@@ -126,7 +129,7 @@ class Bench:
     """One line, one PLC, one runtime; ``run`` turns the time."""
 
     def __init__(self, setup: Setup) -> None:
-        site = load_site(SITE)
+        site = load_site(setup.site)
         params = guard_params(site)
         soft = tuple(replace(a, soft_start_s=setup.soft_start_s) for a in params.actuators)
         self.params = replace(params, actuators=soft)

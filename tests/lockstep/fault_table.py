@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 ZERO_WITHIN_S = 0.300
 LASTS_S = 0.8
-LIMITS_M_S = (0.05, 0.04)  # of config/euclid.yaml, in the order of its actuators
+LIMITS_M_S = (0.05, 0.04)  # of config/euclid_blocks.yaml, in the order of its actuators
 WORKING_M_S = 0.002  # a correction that is really at work
 Applied = Sequence[tuple[float, Sequence[float]]]  # plant time, s; correction per actuator, m/s
 

@@ -28,7 +28,7 @@ DISK_MB = 768
 @contextlib.contextmanager
 def small_disk() -> Iterator[Path]:
     """Yield a folder on a file system of its own, where the machine lets us; else a plain one."""
-    with tempfile.TemporaryDirectory(prefix="soak", dir="/tmp") as name:  # noqa: S108 (short name)
+    with tempfile.TemporaryDirectory(prefix="soak", dir="/tmp") as name:
         image, folder = Path(name) / "disk", Path(name) / "d"
         folder.mkdir()
         with image.open("wb") as stream:
@@ -71,7 +71,7 @@ class LiveSoak:
             "plant": line.plant.process.pid,
         }
         maps = Path(f"/proc/{pids['control']}/maps").read_text().split()
-        self.rings |= {word for word in maps if word.startswith("/dev/shm/aff-runtime")}  # noqa: S108
+        self.rings |= {word for word in maps if word.startswith("/dev/shm/aff-runtime")}
         return {part: size_of(pid) for part, pid in pids.items()}
 
     def turn(self, *, may_kill: bool) -> None:
@@ -159,8 +159,11 @@ def _report(
     for name, all_ in sorted(rows.items()):
         wrong = sum(bool(seen.wrong) for seen in all_)
         zero = max(seen.zero_s for seen in all_)
-        print(f"{name:34} {len(all_):4} times, last not zero {zero * 1e3:6.0f} ms, "
-              f"largest {max(s.largest for s in all_):.3f} of the limit, wrong {wrong}")  # fmt: skip
+        largest = max(seen.largest for seen in all_)
+        print(
+            f"{name:34} {len(all_):4} times, last not zero {zero * 1e3:6.0f} ms, "
+            f"largest {largest:.3f} of the limit, wrong {wrong}"
+        )
     wrong = [seen for seen in soak.seen if seen.wrong]
     calm = [seen for seen in wrong if not seen.held_up]
     print(f"{len(soak.seen)} blows, {len(wrong)} wrong, {len(calm)} of them on a calm machine")

@@ -1,6 +1,7 @@
 """The site file as frozen models; one file per section."""
 
-from aff_runtime.config.models.actuators import Actuator, Block, ErrorSignal
+from aff_runtime.config.models.actuators import Actuator, Block, ErrorSignal, Start
+from aff_runtime.config.models.drive import Drive
 from aff_runtime.config.models.gateway import (
     Channel,
     Correction,
@@ -23,6 +24,7 @@ __all__ = [
     "Canopen402",
     "Channel",
     "Correction",
+    "Drive",
     "ErrorSignal",
     "Freshness",
     "Gateway",
@@ -37,6 +39,7 @@ __all__ = [
     "Recording",
     "Roll",
     "Site",
+    "Start",
     "Tls",
     "WriteBlock",
     "WriteWord",

@@ -4,19 +4,25 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+from annotated_types import MaxLen
 from pydantic import Field
 
+from aff_runtime.config.models.drive import Drive
 from aff_runtime.config.quantity import (
     Few,
     Flag,
+    Metres,
     MetresPerSecond,
     MetresPerSecond2,
     Name,
     NewtonMetres,
     NewtonMetresPerSecond,
+    Newtons,
+    Radians,
     Seconds,
     Section,
     Text,
+    Turns,
     Whole,
     key,
 )
@@ -32,6 +38,28 @@ class ErrorSignal(Section):
         "Channel of its set point, in the same unit. Absent: the slow mean of the signal.",
         default=None,
     )
+    noise_N: Newtons | None = key(
+        "Law shape, signal in N: how far one reading may be off, noise and what no order "
+        "explains. Absent: 0.6. Raise it when shapes in status wander.",
+        default=None,
+        live=True,
+        gt=0,
+        le=1e4,
+    )
+    noise_m_s: MetresPerSecond | None = key(
+        "The same for a signal in m/s. Absent: 0.0002.", default=None, live=True, gt=0, le=1
+    )
+
+
+class Start(Section):
+    """What is known of one order of a roll: arm = R + deviation_m cos(order angle + angle_rad).
+
+    The angle is the roll's angle channel as the PLC shows it. `sim-plant refine` writes these.
+    """
+
+    order: Order = key("Periods per turn; one of the block's orders.")
+    deviation_m: Metres = key("Amplitude of the moment arm, such as 0.4 mm.", ge=0, le=0.1)
+    angle_rad: Radians = key("Phase where the roll's angle is zero.", ge=-1000, le=1000)
 
 
 class Block(Section):
@@ -65,6 +93,11 @@ class Block(Section):
         gt=0,
         le=10000,
     )
+    start: Annotated[tuple[Start, ...], MaxLen(64)] = key(
+        "Law shape: deviations to start from, such as those of a refinement; a shape that was "
+        "learned since goes before them. Needs the roll's angle channel.",
+        default=(),
+    )
     enabled: Flag = key(
         "false: these blocks fade out and stop learning, the rest goes on.",
         default=True,
@@ -85,6 +118,31 @@ class Actuator(Section):
         "generator: a ramp bends a sine."
     )
     error: ErrorSignal = key("What is to be kept quiet.")
+    law: Literal["blocks", "shape"] = key(
+        "blocks: one amplitude and phase per order and speed. shape: learns the roll's shape in "
+        "mm through the declared drive, so a change of speed needs no learning; needs drive.",
+        default="blocks",
+    )
+    memory_turns: Turns = key(
+        "Law shape, the one number to tune: over how many turns of its roll an order is learned. "
+        "Raise it when shapes in status wander, lower it for a roll that changes fast.",
+        default=6.0,
+        live=True,
+        ge=1,
+        le=100,
+    )
+    shape_limit_m: Metres = key(
+        "Law shape: largest deviation of each order. Raise it when a block is CLAMPED here and "
+        "the roll really is that far from round.",
+        default=0.015,
+        live=True,
+        gt=0,
+        le=0.1,
+    )
+    drive: Drive | None = key(
+        "Law shape: the drive as its owner declares it. Absent: the plain blocks stand in.",
+        default=None,
+    )
     limit_m_s: MetresPerSecond | None = key(
         "Largest correction in all, for velocity_reference. The PLC enforces the same or less.",
         default=None,
@@ -134,7 +192,19 @@ class Actuator(Section):
         "File of the measured loop response, relative to the folder of the site file; "
         "`aff-runtime probe` writes it. Without it nothing arms."
     )
+    response_memory_s: Seconds = key(
+        "Law shape: how long the loop remembers a correction. Lengthen it where no tension loop "
+        "acts and the web renews itself slowly (length over speed, times three).",
+        default=4.0,
+        ge=0.5,
+        le=20,
+    )
     blocks: Annotated[tuple[Block, ...], *Few] = key("Which rolls and orders to cancel.")
+
+    @property
+    def uses_shape(self) -> bool:
+        """Return whether the shape law runs; without a drive the plain blocks stand in."""
+        return self.law == "shape" and self.drive is not None
 
     @property
     def limit(self) -> float:

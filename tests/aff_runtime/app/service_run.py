@@ -50,7 +50,11 @@ class ServiceRun:
         )
         assert self.plc.stdout is not None
         port = self.plc.stdout.readline().strip()
-        text = (ROOT / "config" / "euclid.yaml").read_text().replace("port: 5020", f"port: {port}")
+        text = (
+            (ROOT / "config" / "euclid_blocks.yaml")
+            .read_text()
+            .replace("port: 5020", f"port: {port}")
+        )
         text = re.sub(r"stuck_after_s: [\d.]+", "stuck_after_s: 30", text)
         text = text.replace("fault_after_ms: 80", "fault_after_ms: 140")
         text = text.replace("hold_after_ms: 15", "hold_after_ms: 60")

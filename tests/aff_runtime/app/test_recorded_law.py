@@ -11,7 +11,7 @@ from aff_runtime.app.validation import load_record
 from aff_runtime.base.signals import Outcome, Permission, Snapshot
 from aff_runtime.core.probe import Probe, Stage
 
-SITE = Path(__file__).parents[3] / "config" / "euclid.yaml"
+SITE = Path(__file__).parents[3] / "config" / "euclid_blocks.yaml"
 DT_S = 0.005
 
 
@@ -40,7 +40,7 @@ def probing() -> tuple[RecordedLaw, Probe]:
     assert record is not None
     site = site_of(record)
     probe = Probe(site_params(site), probe_params(site, ["unwind"]))
-    law = RecordedLaw(controller_of(site, record["responses"]), probe=probe)
+    law = RecordedLaw(controller_of(site, record), probe=probe)
     tick = 0
     while probe.stage is not Stage.EXCITING:
         tick += 1

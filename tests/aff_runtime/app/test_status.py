@@ -121,16 +121,86 @@ def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
     assert block == {
         "actuator": "unwind",
         "name": "unwind_2x",
+        "roll": "unwind",
+        "order": 2,
         "state": "CLAMPED",
+        "why": "its limit is reached; raise it when the cause is known",
+        "law": "blocks",
         "amplitude": 0.004,
         "unit": "m/s",
         "limit": 0.02,
         "phase_deg": -71.0,
         "ripple_before": 1.5,
         "ripple": None,
+        "benefit_dB": None,
         "ripple_unit": "N",
         "settle_s": 6,
     }
+
+
+SHAPE_SITE = {
+    "actuators": {
+        "unwind": {
+            "error": {"signal": "unwind_tension_N"},
+            "memory_turns": 6.0,
+            "shape_limit_m": 0.015,
+            "drive": {"roll": "unwind"},
+            "blocks": [
+                {"roll": "unwind", "orders": [1, 3], "settle_s": 6, "amp_limit_m_s": 0.02},
+                {"roll": "swrap", "orders": [1], "settle_s": 6, "amp_limit_m_s": 0.02},
+            ],
+        }
+    }
+}
+
+
+def shape_record(name: str, state: Trend, **more: float) -> dict[str, float]:
+    said = {"shape_mm": 0.8, "phase_deg": 30.0, "ripple_before": 1.0, "ripple": 0.01}
+    said |= {"state": float(state), "gain_of_P": 1.1, "share": 1.0, **more}
+    return {f"unwind.{name}.{key}": value for key, value in said.items()}
+
+
+def shapes(*rows: dict[str, float], swrap_Hz: float = 1.05) -> dict[str, dict[str, object]]:
+    row = record(State.ACTIVE, 0) | {
+        "unwind.omega_rad_s": math.tau * 0.8,
+        "swrap.omega_rad_s": math.tau * swrap_Hz,
+    }
+    for more in rows:
+        row |= more
+    return {b["name"]: b for b in describe(row, NEED, SHAPE_SITE)["blocks"]}
+
+
+def test_an_order_of_a_shape_is_told_in_mm_with_its_benefit() -> None:
+    block = shapes(shape_record("unwind_3x", Trend.SETTLED))["unwind_3x"]
+    assert (block["law"], block["amplitude"], block["unit"]) == ("shape", 0.8, "mm")
+    assert block["limit"] == pytest.approx(15.0)
+    assert block["benefit_dB"] == pytest.approx(40.0)
+    assert block["frequency_Hz"] == pytest.approx(2.4)
+    assert (block["share"], block["why"]) == (1.0, "")
+
+
+def test_a_held_order_says_why() -> None:
+    told_of = shapes(
+        shape_record("unwind_1x", Trend.DIVERGING, share=0.0),
+        shape_record("unwind_3x", Trend.HELD_PHASE, share=0.0),
+    )
+    assert "rests for 20 turns" in str(told_of["unwind_1x"]["why"])
+    assert "probe" in str(told_of["unwind_3x"]["why"])
+
+
+def test_an_imbalance_is_told_as_a_torque() -> None:
+    block = shapes(shape_record("imbalance", Trend.SETTLED))["imbalance"]
+    assert (block["unit"], block["order"], block["roll"]) == ("N m", 1, "unwind")
+    assert block["amplitude"] == pytest.approx(0.08)  # 100 N m per metre
+
+
+@pytest.mark.parametrize(("swrap_Hz", "meets"), [(0.81, True), (1.05, False)])
+def test_orders_that_the_memory_cannot_tell_apart_are_said_to_meet(
+    swrap_Hz: float, meets: bool
+) -> None:
+    rows = (shape_record("unwind_1x", Trend.STALLED), shape_record("swrap_1x", Trend.STALLED))
+    told_of = shapes(*rows, swrap_Hz=swrap_Hz)
+    assert ("meets swrap_1x" in str(told_of["unwind_1x"]["why"])) is meets
 
 
 def test_every_state_of_a_block_has_a_word() -> None:

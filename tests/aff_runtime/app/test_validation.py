@@ -18,7 +18,7 @@ from aff_runtime.config.loader import load_site
 from aff_runtime.config.revision import revision_word
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 
-SITE = Path(__file__).parents[3] / "config" / "euclid.yaml"
+SITE = Path(__file__).parents[3] / "config" / "euclid_blocks.yaml"
 
 
 def test_the_record_of_a_good_file_carries_the_whole_site() -> None:
@@ -28,7 +28,7 @@ def test_the_record_of_a_good_file_carries_the_whole_site() -> None:
     assert site_of(record) == load_site(SITE)
     assert record["site_text"] == SITE.read_text()
     assert revision_of(record) == revision_word(load_site(SITE))
-    assert controller_of(site_of(record), record["responses"]).arming_objections()
+    assert controller_of(site_of(record), record).arming_objections()
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from aff_runtime.config.loader import load_site
 from aff_runtime.fieldbus.probe_map import MapProbe, ProbedWord
 
 ROOT = Path(__file__).parents[3]
-SITE = ROOT / "config" / "euclid.yaml"
+SITE = ROOT / "config" / "euclid_blocks.yaml"
 
 
 def test_a_good_file_passes_the_check(capsys: pytest.CaptureFixture[str]) -> None:

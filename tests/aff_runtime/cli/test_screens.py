@@ -96,3 +96,46 @@ def test_lost_rows_and_a_differing_file_are_told() -> None:
 def test_a_dead_recorder_is_told() -> None:
     text = "\n".join(lines({**answer(0), "recorder": {"folder": "x", "alive": False}}))
     assert "RECORDER IS GONE" in text
+
+
+def shape_block(order: int, **more: Any) -> dict[str, Any]:
+    return block(order) | {
+        "law": "shape", "name": f"unwind_{order}x", "roll": "unwind", "order": order,
+        "amplitude": 0.7234, "unit": "mm", "limit": 15.0, "share": 1.0, "benefit_dB": 41.3,
+        "state": "settled", "why": "", **more,
+    }  # fmt: skip
+
+
+def test_an_order_of_a_shape_shows_mm_angle_share_and_benefit() -> None:
+    table = list(block_lines([shape_block(1), shape_block(2, share=None, benefit_dB=None)]))
+    assert table[0].split() == [
+        "unwind",
+        "Hz",
+        "mm",
+        "deg",
+        "out",
+        "N",
+        "before>now",
+        "dB",
+        "state",
+    ]
+    expected = "unwind_1x 1.05 0.723 -122 100% 13.5>0.0123 41 settled"
+    assert table[1].split() == expected.split()
+    assert table[2].split()[-3:] == ["13.5>-", "-", "settled"]
+    assert max(map(len, table)) <= 80
+
+
+def test_blocks_held_for_one_reason_are_told_in_one_line() -> None:
+    held = [shape_block(n, why="not sure; probe") for n in (15, 16)]
+    told = list(lines({**answer(0), "blocks": [shape_block(1), *held], "shapes": ["kept in x"]}))
+    assert "why      unwind unwind_15x unwind_16x: not sure; probe" in told
+    assert "shape    kept in x" in told
+
+
+def test_the_screen_keeps_the_low_orders_of_every_roll() -> None:
+    blocks = [shape_block(n) for n in range(1, 31)]
+    blocks.append(shape_block(1, name="swrap_1x", roll="swrap"))
+    rows = screen({**answer(0), "blocks": blocks})
+    assert len(rows) <= 24
+    assert any("swrap_1x" in row for row in rows)
+    assert not any("unwind_30x" in row for row in rows)

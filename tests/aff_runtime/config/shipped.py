@@ -3,7 +3,7 @@
 from pathlib import Path
 
 ROOT = Path(__file__).parents[3]
-EUCLID = ROOT / "config" / "euclid.yaml"
+EUCLID = ROOT / "config" / "euclid_blocks.yaml"
 
 
 def edited(tmp_path, *edits, count=1):

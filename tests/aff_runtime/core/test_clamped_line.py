@@ -37,7 +37,7 @@ class Rig:
     """The follower's law and the whole line, through words, in virtual time."""
 
     def __init__(self) -> None:
-        site = load_site(CONFIG / "euclid.yaml")
+        site = load_site(CONFIG / "euclid_blocks.yaml")
         self.site = _only_follower(site_params(site))
         line = open_line(CONFIG / "lines" / "euclid_ripple.yaml", seed=7)
         self.plant = LockstepPlant(line, Plc(load_plc_map(CONFIG / "plc" / "gateway_block.yaml")))

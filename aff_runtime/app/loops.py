@@ -1,0 +1,40 @@
+"""Impulse responses for the shape law, worked out by the check and handed to the cycle ready.
+
+To find one takes some tenths of a second, which the control process does not have between two
+ticks; the short-lived check has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from aff_runtime.config.models import Site
+from aff_runtime.core.impulse import LoopModel, from_response
+from aff_runtime.core.response import Response
+
+DIGITS = 6
+
+
+def loop_rows(site: Site, responses: Mapping[str, str]) -> dict[str, list[float]]:
+    """Return the taps of every actuator that runs the shape law and has a response."""
+    found = {}
+    for name, actuator in site.actuators.items():
+        if actuator.uses_shape and name in responses:
+            loop = from_response(
+                Response.from_json(responses[name]),
+                cycle_s=site.cycle_s,
+                memory_s=actuator.response_memory_s,
+            )
+            found[name] = [float(f"{tap:.{DIGITS}g}") for tap in loop.taps[0]]
+    return found
+
+
+def loops_of(record: Mapping[str, Any]) -> dict[str, LoopModel]:
+    """Return the impulse responses of a parameter record."""
+    return {
+        name: LoopModel(radius_m=np.array([np.nan]), taps=np.array([taps]))
+        for name, taps in record.get("loops", {}).items()
+    }
