@@ -237,7 +237,7 @@ def plc_pdu(data: bytes) -> str:
     """The simulated PLC answers anything, and a refusal changes nothing."""
     source = Source(data)
     good = source.pick(PDUS) + source.take(20).ljust(20, b"\0")
-    asked = source.spoilt(good) if source.byte() & 1 else good[: source.below(40)]
+    asked = source.spoilt(good) if source.byte() & 1 else good[: 1 + source.below(40)]
     if not asked:
         return "nothing"  # the frame around it has at least a function code
     registers = Registers(PLC_MAP)
