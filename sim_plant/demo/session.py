@@ -148,11 +148,12 @@ def _correct(
 
     A machine that is too busy lets the PLC's data go stale, the runtime fades to zero and waits
     for an operator. The demo is that operator: it says so, arms again and measures anew. A window
-    in which the machine paused is measured again as well; the last one counts whatever happened.
+    in which the machine paused is measured again as well, but once only: the roll gets smaller
+    and its order 1 nears the S-wrap's. The last window counts whatever happened in it.
     """
     runtime_command(bench, "arm")
     armed = plant_time(bench)
-    learn_s = plan.learn_s
+    learn_s, has_paused = plan.learn_s, False
     for attempt in range(ATTEMPTS):
         _await_state(bench, service, {"ACTIVE"}, 10.0)
         progress(f"armed; learning for {learn_s:.0f} s")
@@ -165,12 +166,14 @@ def _correct(
         after_end = plant_time(bench)
         status = runtime_status(bench)
         lost = _pace(bench).lost_since(pace)
-        if attempt == ATTEMPTS - 1 or (status.get("state") == "ACTIVE" and not lost):
+        is_active = status.get("state") == "ACTIVE"
+        if attempt == ATTEMPTS - 1 or (is_active and (has_paused or not lost)):
             break
-        learn_s = plan.relearn_s
-        if status.get("state") == "ACTIVE":
+        if is_active:
             progress(f"the machine paused ({lost}); measuring again")
+            learn_s, has_paused = 2.0 * SETTLED_S, True
             continue
+        learn_s = plan.relearn_s
         alarm = dict(status.get("alarm") or {})
         progress(f"the runtime went to zero ({alarm.get('text')}); arming again as an operator")
         runtime_command(bench, "arm")
