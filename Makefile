@@ -6,8 +6,9 @@ STAMP  := $(VENV)/.installed
 SPEED  ?= 200
 LAW    ?= shape
 WIRE   ?= modbus
+SECONDS ?= 130
 CASES  ?= 600
-.PHONY: campaign demo demo-refine test check bench bench-control size matrix test-socketcan setup clean
+.PHONY: campaign demo demo-refine refine-pairs test check bench bench-control size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -26,6 +27,10 @@ demo: setup
 # two records with an undeclared effect: name it, write the amended line, error before and after
 demo-refine: setup
 	$(BIN)/python -m sim_plant.cli.main refine config/lines/euclid.yaml --example --out out/refine
+
+# every pair of shared/data/lines, and each with its true effect taken out of the library; minutes a run
+refine-pairs: setup
+	$(BIN)/python -m tests.sim_plant.refine.pairs --out out/refine-pairs
 
 # everything that decides whether a change may land
 test: setup check
@@ -46,6 +51,13 @@ matrix: setup
 test-socketcan: setup
 	$(BIN)/python -m tests.socketcan
 
+# codecs and config loader under any bytes for SECONDS in all; guided by coverage where atheris
+# can be had, else by chance
+fuzz: setup
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[fuzz]" \
+		|| echo "atheris cannot be had: inputs by chance"
+	$(BIN)/python -m tests.fuzz --seconds $(SECONDS) --out out/fuzz
+
 # speed, as ratios measured in one run; about two minutes, writes docs/bench.md
 bench: setup
 	$(BIN)/python -m benchmarks.runtime
@@ -65,9 +77,11 @@ size:
 	done | sed "s#$$folder/venv/lib/##" | sort -rn | head -8; \
 	echo "aff-runtime without extras: $$(du -sm --apparent-size "$$folder/venv" | cut -f1) MB (empty environment $$empty MB)"
 
-# the laws and their rivals on one line, in lockstep time; QUICK=1 for the short set
+# the laws and their rivals on one line, in lockstep time; QUICK=1 for the short set. Rows are kept
+# in out/control-bench: a stopped run goes on. EXTRA="--timing --memory 10 --wire" for the cost of a
+# tick, ten minutes of watching memory, three rows over the wire in real time (on a quiet machine)
 bench-control: setup
-	QUICK=$(QUICK) $(BIN)/python -m benchmarks.control --docs docs
+	QUICK=$(QUICK) $(BIN)/python -m benchmarks.control --docs docs $(EXTRA)
 
 # refine on CASES random records that other code made, against its targets; hours, goes on where
 # it was stopped (out/campaign), writes docs/refine-campaign.md

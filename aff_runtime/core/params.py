@@ -115,7 +115,7 @@ class ShapeParams:
     signal's unit; ``weight_limit_m`` bounds every weight; ``response_s`` is how long P remembers.
     """
 
-    memory_turns: float = 6.0
+    memory_turns: float = 9.0
     signal_sd: float = 0.6
     weight_limit_m: float = 0.015
     response_s: float = 4.0

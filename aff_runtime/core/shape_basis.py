@@ -54,7 +54,8 @@ class ShapeBasis:
 
     per metre of W: length rate through the velocity loop, and the torque that the tension puts on
     the roll through the varying arm, which does not grow with speed. With z' = w0' q + j n w0 z
-    the middle term is (z' - c z + c^2/(s + c) z)/K, so one low-pass per column is the only memory.
+    the middle term is (z' - c z + c l)/K with the low-pass l = c/(s + c) z, and s/(s + c) q is
+    q - c/(s + c) q: two low-passes per column are the only memory.
 
     Columns: every order of the drive's own roll with both terms; one for an imbalance of it,
     -(R/(J K)) s/(s + c) q_1, 0.1 N m per millimetre; orders of other rolls with the first term.
@@ -62,8 +63,9 @@ class ShapeBasis:
     """
 
     __slots__ = (
-        "_before", "_drive", "_index", "_lead_s", "_low", "_owns", "_phases", "_pull", "_track",
-        "b", "fade", "frequency_Hz", "names", "omega_rad_s", "order", "rolls", "turn_s",
+        "_arm", "_before", "_core", "_drive", "_imbalance", "_index", "_known", "_lead_s", "_low",
+        "_now", "_own", "_owns", "_phases", "_pull", "_rolls", "_span", "_track", "_turns",
+        "_work", "b", "fade", "frequency_Hz", "names", "omega_rad_s", "order", "rolls", "turn_s",
     )  # fmt: skip
 
     def __init__(
@@ -76,72 +78,132 @@ class ShapeBasis:
         """Lay out the columns; an imbalance column follows when the drive's roll has order 1."""
         heavy = drive.imbalance and (drive.roll, 1) in columns
         entries = [*columns, (drive.roll, 1)] if heavy else list(columns)
+        count = len(entries)
         self.rolls = tuple(dict.fromkeys(roll for roll, _ in entries))
         self.names = [f"{roll}_{n}x" for roll, n in columns] + ["imbalance"] * heavy
         self._phases = [phases[roll] for roll in self.rolls]
+        self._own = self.rolls.index(drive.roll)
         self._index = np.array([self.rolls.index(roll) for roll, _ in entries])
         self.order = np.array([float(n) for _, n in entries])
-        own = np.array([float(roll == drive.roll) for roll, _ in entries])
-        self._owns = np.ones(len(entries))
-        self._pull = own * float(drive.torque_term)
+        self._pull = np.array([float(roll == drive.roll) for roll, _ in entries])
+        self._pull *= float(drive.torque_term)
+        self._owns = np.ones(count)
+        self._imbalance = np.zeros(count)
         if heavy:
-            self._owns[-1] = 0.0
-            self._pull[-1] = 1.0
+            self._owns[-1] = self._pull[-1] = 0.0
+            self._imbalance[-1] = IMBALANCE_N_M_PER_M
         self._drive = drive
         self._lead_s = lead_s
         self._track = SpeedTrack()
-        self._low = np.zeros((2, len(entries)), dtype=np.complex128)
-        self._before = np.zeros((2, len(entries)), dtype=np.complex128)
-        self.b = np.zeros(len(entries), dtype=np.complex128)
-        self.fade = np.zeros(len(entries))
-        self.frequency_Hz = np.zeros(len(entries))
-        self.omega_rad_s = np.zeros(len(entries))
-        self.turn_s = np.full(len(entries), math.inf)
+        # angle, omega, first term per metre (real; imaginary per order), s per turn, Hz: per roll
+        self._rolls = np.zeros((6, len(self.rolls)))
+        self._turns = np.zeros((6, count))
+        self._low = np.zeros((2, count), dtype=np.complex128)
+        self._before = np.zeros((2, count), dtype=np.complex128)
+        self._now = np.zeros((2, count), dtype=np.complex128)
+        self._work = np.zeros((2, count), dtype=np.complex128)
+        self._core = np.zeros(count, dtype=np.complex128)
+        self._arm = np.zeros(count)
+        self._known = (math.nan, math.nan)
+        self._span = 1.0 / (FADE_TO_HZ - FADE_FROM_HZ)
+        self.b = np.zeros(count, dtype=np.complex128)
+        self.fade = np.zeros(count)
+        self.frequency_Hz = np.zeros(count)
+        self.omega_rad_s = np.zeros(count)
+        self.turn_s = np.full(count, math.inf)
 
     def step(self, line_speed_m_s: float, tension_N: float, dt_s: float) -> None:
         """Advance to the angles the phases have now; the result is in ``b``, 1/s."""
-        drive = self._drive
+        K, c = self._drive.K_ref_rad_s, self._drive.corner_rad_s
         self._track.step(line_speed_m_s, dt_s)
-        angle, omega, alpha = [], [], []
-        for phase in self._phases:
-            radius = phase.radius_m
-            turning = self._track.speed_m_s / radius if radius > 0.0 else phase.omega_rad_s
-            acts_at = phase.theta_rad + phase.omega_rad_s * self._lead_s
-            believable = abs(turning) < ABSURD and math.isfinite(acts_at)
-            angle.append(math.remainder(acts_at, math.tau) if believable else 0.0)
-            omega.append(turning if believable else 0.0)
-            alpha.append(self._track.slope_m_s2 / radius if radius > 0.0 else 0.0)
-        at = self._index
-        turns = np.array([angle, omega, alpha])[:, at]
-        order = self.order
-        self.omega_rad_s = turns[1]
-        self.frequency_Hz = np.abs(order * turns[1]) * (1.0 / math.tau)
-        self.turn_s = math.tau / np.maximum(np.abs(turns[1]), 1e-6)
-        room = (FADE_TO_HZ - self.frequency_Hz) * (1.0 / (FADE_TO_HZ - FADE_FROM_HZ))
-        self.fade = np.minimum(1.0, np.maximum(0.0, room))
-        q = np.exp(1j * (order * turns[0]))
-        z = turns[1] * q
-        K, c = drive.K_ref_rad_s, drive.corner_rad_s
-        now = np.array([z, q])
+        self._read_rolls(K, c)
+        turns = self._turns
+        np.take(self._rolls, self._index, axis=1, out=turns, mode="clip")
+        order, now, work, low = self.order, self._now, self._work, self._low
+        self.omega_rad_s, self.turn_s = turns[1], turns[4]
+        np.multiply(order, turns[5], out=self.frequency_Hz)
+        np.subtract(FADE_TO_HZ, self.frequency_Hz, out=self.fade)
+        self.fade *= self._span
+        np.maximum(self.fade, 0.0, out=self.fade)
+        np.minimum(self.fade, 1.0, out=self.fade)
+        np.multiply(order, turns[0], out=work[0].imag)
+        work[0].real = 0.0
+        np.exp(work[0], out=now[1])
+        np.multiply(turns[1], now[1], out=now[0])
         keep = math.exp(-c * dt_s)
-        self._low = keep * self._low + (0.5 * (1.0 - keep)) * (now + self._before)
-        self._before = now
-        slope = turns[2] * q + 1j * (order * turns[1]) * z
-        first = z + (slope - c * (z - self._low[0])) / K
-        own = self._phases[self.rolls.index(drive.roll)].radius_m
-        arm = own / (drive.inertia_at(own) * K) if own > 0.0 else 0.0
-        gain = np.where(self._owns > 0.0, tension_N, IMBALANCE_N_M_PER_M) * self._pull * arm
-        self.b = -self.fade * (self._owns * first + gain * (q - self._low[1]))
+        np.add(now, self._before, out=work)
+        work *= 0.5 * (1.0 - keep)
+        low *= keep
+        low += work
+        self._before, self._now = now, self._before
+        gain = self._torque(tension_N, K)
+        core = self._core
+        np.multiply(self._owns, turns[2], out=core.real)
+        core.real += gain
+        np.multiply(order, turns[3], out=core.imag)
+        core.imag *= self._owns
+        np.multiply(core, now[1], out=self.b)
+        np.multiply(self._owns, low[0], out=core)
+        core *= c / K
+        self.b += core
+        np.multiply(gain, low[1], out=core)
+        self.b -= core
+        self.b *= self.fade
+        np.negative(self.b, out=self.b)
+
+    def _read_rolls(self, K: float, c: float) -> None:
+        """Fill the numbers that every order of a roll shares; what is absurd turns nothing."""
+        rolls, track = self._rolls, self._track
+        for i, phase in enumerate(self._phases):
+            radius = phase.radius_m
+            known = radius > 0.0
+            omega = track.speed_m_s / radius if known else phase.omega_rad_s
+            acts_at = phase.theta_rad + phase.omega_rad_s * self._lead_s
+            alpha = track.slope_m_s2 / radius if known else 0.0
+            if abs(omega) < ABSURD and math.isfinite(acts_at):
+                angle = math.remainder(acts_at, math.tau)
+            else:
+                angle = omega = 0.0
+            size = abs(omega)
+            rolls[:, i] = (
+                angle, omega, omega - (c * omega - alpha) / K, omega * omega / K,
+                math.tau / max(size, 1e-6), size / math.tau,
+            )  # fmt: skip
+
+    def _torque(self, tension_N: float, K: float) -> Floats:
+        """Return R T/(J K) per column, 0.1 N m per millimetre in T's place for an imbalance."""
+        radius = self._phases[self._own].radius_m
+        if (radius, tension_N) != self._known:
+            self._known = (radius, tension_N)
+            arm = radius / (self._drive.inertia_at(radius) * K) if radius > 0.0 else 0.0
+            self._arm[:] = arm * (tension_N * self._pull + self._imbalance)
+        return self._arm
+
+    @property
+    def carrier(self) -> Complexes:
+        """e^{j n theta} of every column at the angle where its output acts."""
+        return np.asarray(self._before[1])
+
+    @property
+    def twins(self) -> tuple[int, int]:
+        """Columns of the own roll's order 1 and of its imbalance; (-1, -1) without one."""
+        if not self._imbalance.any():
+            return -1, -1
+        first = next(
+            i for i, o in enumerate(self.order) if o == 1.0 and self._index[i] == self._own
+        )
+        return first, self.order.size - 1
 
     def restart(self) -> None:
         """Forget the filters."""
         self._low[:] = 0.0
         self._before[:] = 0.0
-        self.b = np.zeros_like(self.b)
+        self.b[:] = 0.0
         self._track = SpeedTrack()
 
     def adopt(self, old: ShapeBasis) -> None:
         """Go on from the filters of ``old``, which has the same columns."""
         self._low, self._before, self._track = old._low, old._before, old._track
         self.b, self.fade, self.frequency_Hz = old.b, old.fade, old.frequency_Hz
-        self.omega_rad_s, self.turn_s = old.omega_rad_s, old.turn_s
+        self._turns[:] = old._turns
+        self.omega_rad_s, self.turn_s = self._turns[1], self._turns[4]

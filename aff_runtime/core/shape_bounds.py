@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
-POINTS_PER_ORDER = 8
+POINTS_PER_ORDER = 16
 
 
 class PeakBound:
@@ -17,39 +17,54 @@ class PeakBound:
 
     The orders of the own roll form one waveform, sampled around the turn. A trigonometric
     polynomial of degree n never exceeds its largest sample of N > 2 n by more than
-    1 / cos(pi n / N) (Ehlich and Zeller). Orders of other rolls add their amplitudes.
+    1 / cos(pi n / N) (Ehlich and Zeller). The samples stay where they are on the roll, so the
+    bound of a steady waveform is steady. Orders of other rolls add their amplitudes.
     """
 
-    __slots__ = ("_at", "_extra", "_order", "_own", "_points", "_slack", "_spectrum")
+    __slots__ = ("_at", "_order", "_others", "_pair", "_slack", "_wave", "_waves")
 
     def __init__(self, order: Floats, roll_of: Sequence[str], own: str) -> None:
         mine = np.array([roll == own for roll in roll_of])
         self._order = order
-        self._own = mine
-        self._at = order[mine].astype(np.intp)
-        highest = int(self._at.max(initial=1))
-        points = 1 << math.ceil(math.log2(POINTS_PER_ORDER * highest))
-        self._points = points
+        self._at = int(np.argmax(mine))
+        self._others = np.flatnonzero(~mine)
+        highest = int(order[mine].max(initial=1.0))
+        points = POINTS_PER_ORDER * highest
         self._slack = 1.0 / math.cos(math.pi * highest / points)
-        self._spectrum = np.zeros((2, points // 2 + 1), dtype=np.complex128)
-        self._extra = not mine.all()
+        angle = np.arange(points) * (math.tau / points)
+        turned = np.where(mine, np.exp(1j * np.outer(angle, order)), 0.0)
+        # Re (c e^{j a}) = re c cos a - im c sin a, for c as pairs of reals
+        self._waves = np.conjugate(turned).view(np.float64)
+        self._pair = np.zeros((2, order.size), dtype=np.complex128)
+        self._wave = np.zeros(points)
 
-    def of(self, parts: npt.NDArray[np.complex128], omega_rad_s: Floats) -> tuple[float, float]:
-        """Return bounds of value and slew for terms ``parts`` at speeds ``omega_rad_s``."""
-        turning = self._order * omega_rad_s
-        own = parts[self._own]
-        spectrum = self._spectrum
-        spectrum[:] = 0.0
-        # an imbalance shares order 1 with the shape
-        np.add.at(spectrum[0], self._at, own)
-        np.add.at(spectrum[1], self._at, own * (1j * turning[self._own]))
-        wave = np.fft.irfft(spectrum, self._points, axis=1)
-        scale = 0.5 * self._points * self._slack
-        high, low = wave.max(axis=1), wave.min(axis=1)
-        peak = scale * max(float(high[0]), -float(low[0]))
-        slew = scale * max(float(high[1]), -float(low[1]))
-        if self._extra:
-            rest = np.abs(parts[~self._own])
+    def of(
+        self,
+        parts: npt.NDArray[np.complex128],
+        carrier: npt.NDArray[np.complex128],
+        omega_rad_s: Floats,
+    ) -> tuple[float, float]:
+        """Return bounds of value and slew for terms ``parts`` on carriers e^{j n theta}.
+
+        The slew of the own roll is its speed times the slope over the angle.
+        """
+        value, slope = self._pair
+        np.conjugate(carrier, out=value)
+        value *= parts
+        np.multiply(value, self._order, out=slope)
+        slope *= 1j
+        peak = self._slack * self._largest(value)
+        slew = self._slack * self._largest(slope)
+        slew *= abs(float(omega_rad_s[self._at]))
+        if self._others.size:
+            rest = np.abs(parts[self._others])
+            turning = (self._order * omega_rad_s)[self._others]
             peak += float(rest.sum())
-            slew += float(rest @ np.abs(turning[~self._own]))
+            slew += float(rest @ np.abs(turning))
         return peak, slew
+
+    def _largest(self, parts: npt.NDArray[np.complex128]) -> float:
+        wave = self._wave
+        np.dot(self._waves, parts.view(np.float64), out=wave)
+        np.abs(wave, out=wave)
+        return float(np.maximum.reduce(wave))

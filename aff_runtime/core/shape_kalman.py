@@ -12,33 +12,44 @@ Complexes = npt.NDArray[np.complex128]
 Seen = npt.NDArray[np.complex64] | Complexes
 START_DEVIATION_M = 1e-3
 START_CORRECTION = 0.6
-CORRECTION_PER_TURN = 0.04
+CORRECTION_PER_TURN = 0.01
+CORRECTION_PER_OCTAVE = 0.15
+TRAVEL_OCTAVES = 0.02
 BIAS_SDS_PER_SQRT_S = 0.17
 START_BIAS = 30.0
 SMALLEST_GAIN = 1e-6
 KNOWN_SHARE = 0.2
 KNOWN_M = 3e-5
+KNOWN_CORRECTION = 0.2
+FORGET_TICKS = 8
 
 
 class ShapeFilter:
-    r"""Estimates a_n, d_n and a bias from  e = Re sum_n a_n phi_n + (1 + d_n) psi_n + bias.
+    r"""Estimates a_n, g_n and a bias from  e = Re sum_n a_n phi_n + g_n psi_n + bias.
 
-    ``a_n`` is what would be there without correction, in metres of column n; 1 + d_n is the true
-    P over the assumed one at that column's frequency. Process noise of a_n is set from the
+    ``a_n`` is what would be there without correction, in metres of column n; g_n = 1 + d_n is the
+    true P over the assumed one at that column's frequency. Process noise of a_n is set from the
     information one turn brings, (1/memory)^2 / info_n, so every column forgets after the same
-    number of turns; d_n walks 0.05 per turn. No variance grows past its start value.
+    number of turns. d_n belongs to a frequency: it walks 0.15 per octave that its order moves, and
+    0.01 per turn for what changes on the line itself. No variance grows past its start value.
 
-    State, real: re a, im a, re d, im d (n each), bias. The covariance is updated by a rank-one
-    product of a vector with itself, which keeps it symmetric.
+    State, real: a_n and g_n as pairs re, im (n pairs each), bias. The covariance is updated by a
+    rank-one product of a vector with itself, which keeps it symmetric; process noise is added
+    every eighth reading for all of them.
     """
 
     __slots__ = (
-        "_diagonal", "_ends", "_gain", "_grow", "_h", "_memory_turns", "_noise", "_power", "_sd",
-        "_start", "_work", "count", "covariance", "innovation", "state",
+        "_diagonal", "_drift", "_fresh", "_gain", "_h", "_memory_turns", "_noise", "_none",
+        "_passed_s", "_sd", "_seen", "_start", "_ticks", "_turn_s", "_work", "count", "covariance",
+        "deviation", "gain", "innovation", "state",
     )  # fmt: skip
 
-    def __init__(self, count: int, memory_turns: float, signal_sd: float) -> None:
+    def __init__(
+        self, count: int, memory_turns: float, signal_sd: float, drift: Floats | None = None
+    ) -> None:
+        """``drift``, (count,): share of the process noise of a_n per column, 1 when not given."""
         self.count = count
+        self._drift = np.ones(count) if drift is None else drift
         size = 4 * count + 1
         self._memory_turns = memory_turns
         self._sd = signal_sd
@@ -49,68 +60,85 @@ class ShapeFilter:
                 [(START_BIAS * signal_sd) ** 2],
             ]
         )
-        self.state = np.zeros(size)
+        self._fresh = np.zeros(size)
+        self._fresh[2 * count : 4 * count : 2] = 1.0
+        self.state = self._fresh.copy()
+        # disturbance a_n, m, and 1 + d_n: the state itself, seen as complex numbers
+        self.deviation = self.state[: 2 * count].view(np.complex128)
+        self.gain = self.state[2 * count : 4 * count].view(np.complex128)
         self.covariance = np.diag(self._start)
         self._diagonal = self.covariance.ravel()[:: size + 1]
         self._h = np.zeros(size)
         self._h[-1] = 1.0
+        self._seen = self._h[:-1].view(np.complex128).reshape(2, count)
         self._gain = np.zeros(size)
         self._work = np.zeros((size, size))
         self._noise = np.zeros(size)
-        self._grow = np.zeros(size)
-        self._power = np.zeros(count)
+        self._turn_s = np.full(count, math.nan)
+        self._none = np.zeros(count)
+        self._passed_s = 0.0
+        self._ticks = 0
         self.innovation = 0.0
-
-    @property
-    def deviation(self) -> Complexes:
-        """Disturbance a_n, m."""
-        n = self.count
-        return self.state[:n] + 1j * self.state[n : 2 * n]
 
     @property
     def correction(self) -> Complexes:
         """Correction d_n of P."""
-        n = self.count
-        return self.state[2 * n : 3 * n] + 1j * self.state[3 * n : 4 * n]
+        return self.gain - 1.0
 
     def step(self, error: float, phi: Seen, psi: Seen, turn_s: Floats, dt_s: float) -> None:
         """Take one reading of the signal's deviation from its reference."""
-        n, h, P = self.count, self._h, self.covariance
-        h[:n], h[n : 2 * n] = phi.real, -phi.imag
-        h[2 * n : 3 * n], h[3 * n : 4 * n] = psi.real, -psi.imag
-        predicted = float(h @ self.state) + float(psi.real.sum())
-        self.innovation = error - predicted
-        np.dot(P, h, out=self._gain)
-        spread = float(h @ self._gain) + self._sd * self._sd
-        self.state += self._gain * (self.innovation / spread)
-        self._gain *= 1.0 / math.sqrt(spread)
-        np.multiply.outer(self._gain, self._gain, out=self._work)
+        h, P, gain = self._h, self.covariance, self._gain
+        np.conjugate(phi, out=self._seen[0])
+        np.conjugate(psi, out=self._seen[1])
+        self.innovation = error - float(h @ self.state)
+        np.dot(P, h, out=gain)
+        spread = float(h @ gain) + self._sd * self._sd
+        gain *= 1.0 / math.sqrt(spread)
+        np.multiply(gain[:, None], gain, out=self._work)
         P -= self._work
-        self._forget(phi, turn_s, dt_s)
+        gain *= self.innovation / math.sqrt(spread)
+        self.state += gain
+        self._passed_s += dt_s
+        self._ticks += 1
+        if self._ticks % FORGET_TICKS == 0:
+            self._forget(phi, turn_s, self._passed_s, dt_s)
+            self._passed_s = 0.0
 
-    def _forget(self, phi: Seen, turn_s: Floats, dt_s: float) -> None:
+    def _forget(self, phi: Seen, turn_s: Floats, passed_s: float, dt_s: float) -> None:
+        """Add the process noise of ``passed_s``, brought in by readings every ``dt_s``."""
         n, noise = self.count, self._noise
-        turns = dt_s / turn_s
+        turns = passed_s / turn_s
         info = phi.real * phi.real + phi.imag * phi.imag
-        info *= 0.5 / (self._sd * self._sd * turns)
+        info *= 0.5 / (self._sd * self._sd)
+        info *= turn_s / dt_s
         info += SMALLEST_GAIN / START_DEVIATION_M**2
-        rate = turns / (info * self._memory_turns**2)
-        noise[:n] = noise[n : 2 * n] = rate
-        walk = CORRECTION_PER_TURN**2 * turns
-        noise[2 * n : 3 * n] = noise[3 * n : 4 * n] = walk
-        noise[-1] = (BIAS_SDS_PER_SQRT_S * self._sd) ** 2 * dt_s
+        pairs = noise[:-1].reshape(2, n, 2)
+        pairs[0] = (self._drift * turns / (info * self._memory_turns**2))[:, None]
+        pairs[1] = (CORRECTION_PER_TURN**2 * turns + self._travelled(turn_s))[:, None]
+        noise[-1] = (BIAS_SDS_PER_SQRT_S * self._sd) ** 2 * passed_s
         room = 1.0 - self._diagonal / self._start
         np.maximum(room, 0.0, out=room)
         np.minimum(noise, self._start, out=noise)
-        self._diagonal += noise * room
+        noise *= room
+        self._diagonal += noise
+
+    def _travelled(self, turn_s: Floats) -> Floats:
+        """Return what the way in frequency since the last note adds to the variance of d."""
+        octaves = np.abs(np.log2(turn_s / self._turn_s))
+        far = ~(octaves < TRAVEL_OCTAVES)
+        if not far.any():
+            return self._none
+        self._turn_s[far] = turn_s[far]
+        return np.where(far & np.isfinite(octaves), CORRECTION_PER_OCTAVE**2 * octaves, 0.0)
 
     def forget(self, columns: npt.NDArray[np.bool_]) -> None:
         """Start the disturbances of some columns again; what was learned of P stays."""
-        again = np.concatenate([np.tile(columns, 2), np.zeros(2 * self.count + 1, dtype=bool)])
+        again = np.zeros(self.state.size, dtype=bool)
+        again[: 2 * self.count] = np.repeat(columns, 2)
         self._renew(again)
 
     def _renew(self, again: npt.NDArray[np.bool_]) -> None:
-        self.state[again] = 0.0
+        self.state[again] = self._fresh[again]
         self.covariance[again, :] = 0.0
         self.covariance[:, again] = 0.0
         self._diagonal[again] = self._start[again]
@@ -122,16 +150,16 @@ class ShapeFilter:
     def expect(self, at: int, weight_m: complex, correction: complex | None) -> None:
         """Start column ``at`` from a known shape: its disturbance is what the weight cancels."""
         n = self.count
+        shape = slice(2 * at, 2 * at + 2)
         again = np.zeros(self.state.size, dtype=bool)
-        again[[at, n + at, 2 * n + at, 3 * n + at]] = True
+        again[shape] = again[2 * (n + at) : 2 * (n + at) + 2] = True
         self._renew(again)
-        given = 0j if correction is None else correction
-        deviation = -(1.0 + given) * weight_m
-        self.state[[at, n + at, 2 * n + at, 3 * n + at]] = (
-            deviation.real, deviation.imag, given.real, given.imag,
-        )  # fmt: skip
+        self.gain[at] = 1.0 + (correction or 0j)
+        self.deviation[at] = -self.gain[at] * weight_m
         known = KNOWN_SHARE * abs(weight_m) + KNOWN_M
-        self._diagonal[[at, n + at]] = min(known, START_DEVIATION_M) ** 2
+        self._diagonal[shape] = min(known, START_DEVIATION_M) ** 2
+        if correction is not None:
+            self._diagonal[2 * (n + at) : 2 * (n + at) + 2] = KNOWN_CORRECTION**2
 
     def adopt(self, old: ShapeFilter) -> None:
         """Go on where a filter of the same columns stands."""

@@ -27,6 +27,7 @@ from aff_runtime.core.shape_room import Room
 from aff_runtime.core.shape_trust import Trust
 
 NEWTON_TURNS = 0.5
+IMBALANCE_DRIFT = 0.1
 GAIN_FROM, GAIN_TO = 1.0 / 3.0, 3.0
 ABSURD = 1e6
 CHECK_TICKS = 100
@@ -56,18 +57,22 @@ class ShapeLaw:
         response: Response | None = None,
     ) -> None:
         self._p = params
+        self._drive = drive
         self._cycle_s = cycle_s
         self._response = response
         self._keys = params.orders
         self._own = phases[drive.roll]
-        self._drive_roll = drive.roll
         lead_s = 0.5 * cycle_s + params.transport_s
         used = {name: phases[name] for name in dict.fromkeys(r for r, _ in self._keys)}
         self.basis = ShapeBasis(list(self._keys), used, drive, lead_s)
         count = self.basis.order.size
         self._roll_of = [r for r, _ in self._keys] + [drive.roll] * (count - len(self._keys))
         self._loop = LoopFilter(loop, count)
-        self.filter = ShapeFilter(count, params.shape.memory_turns, params.shape.signal_sd)
+        self._first, self._heavy = self.basis.twins
+        drift = np.ones(count)
+        if self._heavy >= 0:
+            drift[self._heavy] = IMBALANCE_DRIFT
+        self.filter = ShapeFilter(count, params.shape.memory_turns, params.shape.signal_sd, drift)
         self.monitor = ShapeMonitor(self._roll_of, params.shape.signal_sd)
         self.presence = Presence(self._roll_of, used)
         self.room = Room(count)
@@ -76,6 +81,8 @@ class ShapeLaw:
         self._gate = SpeedGate(params.active_above_m_s)
         self.weight = np.zeros(count, dtype=np.complex128)
         self._sent = np.zeros(count, dtype=np.complex128)
+        self._parts = np.zeros(count, dtype=np.complex128)
+        self._move = np.zeros(count, dtype=np.complex128)
         self._signal_per_m = np.zeros(count)
         self._step_1_s = np.zeros(count)
         self._tension_N = drive.tension_N
@@ -92,7 +99,9 @@ class ShapeLaw:
         b = self.basis.b
         self.room.step(inputs.limit_ratio, b, self.weight, self._signal_per_m, dt_s)
         self._loop.follow_radius(self._own.radius_m)
-        self._loop.push(b, (ratio * self._sent) * b, round(dt_s / self._cycle_s))
+        np.multiply(self._sent, b, out=self._parts)
+        self._parts *= ratio
+        self._loop.push(b, self._parts, round(dt_s / self._cycle_s))
         self._settle_presence(dt_s)
         self.trust.step(self.basis.frequency_Hz, dt_s)
         speed_m_s = self._speed_m_s(inputs.line_speed_m_s)
@@ -132,38 +141,56 @@ class ShapeLaw:
                 self.monitor.listen(error, self._loop.read()[0], self.basis.turn_s, dt_s)
             return
         phi, psi = self._loop.read()
+        if self._heavy >= 0:  # one frequency, one correction of P: the imbalance has no own
+            psi[self._first] += psi[self._heavy]
+            psi[self._heavy] = 0.0
         turn_s = self.basis.turn_s
         self.filter.step(error, phi, psi, turn_s, dt_s)
+        if self._heavy >= 0:
+            self.filter.gain[self._heavy] = self.filter.gain[self._first]
         deviation = self.filter.deviation
         self.monitor.step(error, phi, deviation, turn_s, dt_s)
         if self._ticks % CHECK_TICKS == 0:
             memory = self._p.shape.memory_turns
             self.monitor.compare(self.basis.frequency_Hz, turn_s, memory)
             self.filter.check()
-        self._signal_per_m = np.abs(phi)
+        if self.room.limited or inputs.limit_ratio < 1.0:
+            self._signal_per_m = np.abs(phi)
         self._newton(deviation, turn_s, dt_s)
 
     def _newton(
         self, deviation: npt.NDArray[np.complex128], turn_s: npt.NDArray[np.float64], dt_s: float
     ) -> None:
-        gain = 1.0 + self.filter.correction
-        left = deviation + gain * self.weight
+        gain, move = self.filter.gain, self._move
+        np.multiply(gain, self.weight, out=move)
+        move += deviation
         size = np.abs(gain)
-        gain *= np.minimum(np.maximum(size, GAIN_FROM), GAIN_TO) / np.maximum(size, 1e-9)
         share = -np.expm1(-dt_s / (NEWTON_TURNS * turn_s))
-        held = self.monitor.resting | self.trust.held
-        move = np.where(held, 0.0, share * left / gain)
+        share *= np.maximum(size, 1e-9) / np.minimum(np.maximum(size, GAIN_FROM), GAIN_TO)
+        move *= share
+        move /= gain
+        if not self.monitor.calm:
+            move[self.monitor.resting] = 0.0
+        if self._response is not None:
+            move[self.trust.held] = 0.0
         self.weight -= move
         limit = self._p.shape.weight_limit_m
-        self.weight *= limit / np.maximum(np.abs(self.weight), limit)
-        self._step_1_s = np.abs(move) / dt_s
+        if np.vdot(self.weight, self.weight).real > limit * limit:
+            self.weight *= limit / np.maximum(np.abs(self.weight), limit)
+        np.abs(move, out=self._step_1_s)
+        self._step_1_s *= 1.0 / dt_s
 
     def _send(self, gate: float) -> ActuatorStep:
         b = self.basis.b
-        self._sent = (gate * self._shares()) * self.weight
-        parts = self._sent * b
+        sent, parts = self._sent, self._parts
+        np.multiply(self.weight, gate, out=sent)
+        sent *= self.room.share
+        sent *= self.presence.share
+        sent *= self.monitor.share
+        sent *= self.trust.share
+        np.multiply(sent, b, out=parts)
         value = float(parts.real.sum())
-        peak, slew = self._bounds.of(parts, self.basis.omega_rad_s)
+        peak, slew = self._bounds.of(parts, self.basis.carrier, self.basis.omega_rad_s)
         peak = max(peak, abs(value))
         slew += float(self._step_1_s @ np.abs(b))
         if self._gate.moving or self.presence.moving or self.trust.moving:
@@ -198,9 +225,11 @@ class ShapeLaw:
         """Return what is worth keeping: orders that meet another roll's now are left out."""
         correction = self.filter.correction
         kept = [i for i in range(len(self._keys)) if not self.monitor.meets[i]]
+        heavy = self._heavy >= 0 and not self.monitor.meets[self._heavy]
         return ShapeProfile(
             weight_m={self._keys[i]: complex(self.weight[i]) for i in kept},
             correction={self._keys[i]: complex(correction[i]) for i in kept},
+            imbalance_m={self._drive.roll: complex(self.weight[self._heavy])} if heavy else {},
         )
 
     def start_from(self, profile: ShapeProfile) -> None:
@@ -209,6 +238,11 @@ class ShapeLaw:
             if key in profile.weight_m:
                 self.weight[i] = profile.weight_m[key]
                 self.filter.expect(i, self.weight[i], profile.correction.get(key))
+        heavy = profile.imbalance_m.get(self._drive.roll)
+        if self._heavy >= 0 and heavy is not None:
+            self.weight[self._heavy] = heavy
+            known = profile.correction.get(self._keys[self._first])
+            self.filter.expect(self._heavy, heavy, known)
 
     def adopt(self, old: ActuatorLaw) -> None:
         """Take over weights and what was learned; orders that ``old`` lacks start from zero."""
@@ -247,10 +281,10 @@ class ShapeLaw:
                 self.trust.held,
                 strict=True,
             )
-            if roll == self._drive_roll and not held and abs(n * w) < math.tau * FADE_TO_HZ
+            if roll == self._drive.roll and not held and abs(n * w) < math.tau * FADE_TO_HZ
         ]
         if not wanted:
-            return (f"no order of {self._drive_roll} has a sure response; run the probe",)
+            return (f"no order of {self._drive.roll} has a sure response; run the probe",)
         found = [arming_objections(self._response, [one]) for one in wanted]
         return () if not all(found) else tuple(text for texts in found for text in texts)
 

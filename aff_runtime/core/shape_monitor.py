@@ -20,6 +20,7 @@ SETTLED = 0.3
 HARM_TURNS = 4.0
 REST_TURNS = 20.0
 FADE_S = 1.0
+JUDGE_TICKS = 8
 
 
 class ShapeMonitor:
@@ -33,8 +34,8 @@ class ShapeMonitor:
     """
 
     __slots__ = (
-        "_age", "_bad", "_judged", "_noise", "_others", "_phasor", "_rest", "_slow", "meets",
-        "now", "share", "without",
+        "_age", "_bad", "_judged", "_noise", "_others", "_passed_s", "_phasor", "_pull", "_rest",
+        "_size", "_slow", "_ticks", "_work", "calm", "meets", "now", "share", "without",
     )  # fmt: skip
 
     def __init__(self, roll_of: Sequence[str], signal_sd: float) -> None:
@@ -42,29 +43,69 @@ class ShapeMonitor:
         names = np.array(roll_of)
         self._others = names[:, None] != names[None, :]
         self._phasor = np.zeros(count, dtype=np.complex128)
+        self._work = np.zeros(count, dtype=np.complex128)
+        self._size = np.zeros(count)
+        self._pull = np.zeros(count)
         self._slow = np.zeros(count)
         self._age = np.zeros(count)
         self._bad = np.zeros(count)
         self._judged = np.zeros(count)
         self._rest = np.zeros(count)
         self._noise = signal_sd
+        self._ticks = 0
+        self._passed_s = 0.0
         self.now = np.full(count, math.nan)
         self.without = np.full(count, math.nan)
         self.share = np.ones(count)
         self.meets = np.zeros(count, dtype=bool)
+        self.calm = True  # no column rests or is on its way
 
     def step(
         self, error: float, phi: Seen, deviation: Complexes, turn_s: Floats, dt_s: float
     ) -> None:
-        """Take one good sample; ``phi`` carries the angle of every column."""
-        size, turns = self._lock_in(error, phi, turn_s, dt_s)
+        """Take one good sample; ``phi`` carries the angle of every column.
+
+        The lock-in runs with every sample, sizes and verdicts every eighth.
+        """
+        turns = self._lock_in(error, phi, turn_s, dt_s)
+        if turns is not None:
+            self._judge(turns, deviation, turn_s, dt_s)
+        if not self.calm:
+            change = dt_s / FADE_S
+            target = np.where(self._rest > 0.0, -change, change)
+            self.share = np.minimum(1.0, np.maximum(0.0, self.share + target))
+
+    def listen(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> None:
+        """Take a sample while nothing goes out: what is there without correction, unjudged."""
+        if self._lock_in(error, phi, turn_s, dt_s) is not None:
+            self._judged[:] = 0.0
+
+    def _lock_in(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> Floats | None:
+        """Follow every column's amplitude; return the turns since it was last read, when it is."""
+        work, size, turns = self._work, self._size, None
+        if self._ticks % JUDGE_TICKS == 0:
+            turns, tick = self._passed_s / turn_s, dt_s / turn_s
+            self._passed_s = 0.0
+            self._age = np.minimum(self._age + turns, SLOW_TURNS)
+            self._pull = tick / np.minimum(np.maximum(self._age, tick), TURNS)
+            self.now = np.abs(self._phasor)
+        self._ticks += 1
+        self._passed_s += dt_s
+        np.abs(phi, out=size)
+        np.maximum(size, 1e-9, out=size)
+        np.conjugate(phi, out=work)
+        work /= size
+        work *= 2.0 * error
+        work -= self._phasor
+        work *= self._pull
+        self._phasor += work
+        return turns
+
+    def _judge(self, turns: Floats, deviation: Complexes, turn_s: Floats, dt_s: float) -> None:
         self._judged += turns
-        self._slow += (
-            turns
-            / np.maximum(np.minimum(self._judged, SLOW_TURNS), turns)
-            * (self.now - self._slow)
-        )
-        self.without = np.abs(deviation) * size
+        heard = np.minimum(self._judged, SLOW_TURNS)
+        self._slow += turns / np.maximum(heard, np.maximum(turns, 1e-9)) * (self.now - self._slow)
+        self.without = np.abs(deviation) * self._size
         # what white noise of one reading leaves in a lock-in over two turns
         noise = 2.0 * self._noise * np.sqrt(dt_s / (TURNS * turn_s))
         bad = (self.now > HARM * self.without + 3.0 * noise) & (self._judged > TURNS)
@@ -73,27 +114,7 @@ class ShapeMonitor:
         started = (self._bad > HARM_TURNS) & (self._rest <= 0.0)
         self._rest = np.where(started, REST_TURNS, np.maximum(0.0, self._rest - turns))
         self._bad[started] = 0.0
-        change = dt_s / FADE_S
-        target = np.where(self._rest > 0.0, -change, change)
-        self.share = np.minimum(1.0, np.maximum(0.0, self.share + target))
-
-    def listen(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> None:
-        """Take a sample while nothing goes out: what is there without correction, unjudged."""
-        self._lock_in(error, phi, turn_s, dt_s)
-        self._judged[:] = 0.0
-
-    def _lock_in(
-        self, error: float, phi: Seen, turn_s: Floats, dt_s: float
-    ) -> tuple[Floats, Floats]:
-        """Follow every column's amplitude; return |phi| and the turns that passed."""
-        size = np.abs(phi)
-        turns = dt_s / turn_s
-        self._age = np.minimum(self._age + turns, SLOW_TURNS)
-        carrier = phi / np.maximum(size, 1e-9)
-        share = turns / np.minimum(np.maximum(self._age, turns), TURNS)
-        self._phasor += share * (2.0 * error * carrier.conj() - self._phasor)
-        self.now = np.abs(self._phasor)
-        return size, turns
+        self.calm = not self._rest.any() and bool((self.share == 1.0).all())
 
     @property
     def heard(self) -> bool:
@@ -116,6 +137,7 @@ class ShapeMonitor:
         self._phasor[columns] = 0.0
         for part in (self._slow, self._age, self._judged, self._bad, self._rest):
             part[columns] = 0.0
+        self._ticks = 0  # judge with the next sample, so that the lock-in starts with its age
         self.now[columns] = self.without[columns] = math.nan
 
     def trend(self, at: int) -> Trend:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from aff_runtime.base.errors import ConfigError
 
@@ -18,10 +18,12 @@ class ShapeProfile:
 
     ``weight_m`` is the complex deviation of the moment arm, arm = R + Re sum W e^{j n theta};
     ``correction`` is the learned d of P (true P = (1 + d) P), which may be missing.
+    ``imbalance_m`` is the weight of a roll's imbalance column, 100 N m per m, where there is one.
     """
 
     weight_m: Mapping[tuple[str, int], complex]
     correction: Mapping[tuple[str, int], complex]
+    imbalance_m: Mapping[str, complex] = field(default_factory=dict)
 
     def to_json(self) -> str:
         """Return text that ``from_json`` reads back."""
@@ -33,7 +35,11 @@ class ShapeProfile:
             }
             for (roll, order), w in self.weight_m.items()
         ]  # fmt: skip
-        return json.dumps({"format": FORMAT, "columns": rows}, indent=1, allow_nan=False)
+        heavy = [
+            {"roll": roll, "re_m": w.real, "im_m": w.imag} for roll, w in self.imbalance_m.items()
+        ]
+        found = {"format": FORMAT, "columns": rows, "imbalance": heavy}
+        return json.dumps(found, indent=1, allow_nan=False)
 
     @classmethod
     def from_json(cls, text: str) -> ShapeProfile:
@@ -48,9 +54,13 @@ class ShapeProfile:
                 key = (str(row["roll"]), int(row["order"]))
                 weight[key] = complex(float(row["re_m"]), float(row["im_m"]))
                 correction[key] = complex(float(row["d_re"]), float(row["d_im"]))
+            heavy = {
+                str(row["roll"]): complex(float(row["re_m"]), float(row["im_m"]))
+                for row in data.get("imbalance", ())
+            }
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise ConfigError(f"not a shape file: {error}; learn the roll again") from error
-        for w in (*weight.values(), *correction.values()):
+        for w in (*weight.values(), *correction.values(), *heavy.values()):
             if not (math.isfinite(w.real) and math.isfinite(w.imag)):
                 raise ConfigError("a shape file holds a number that is not finite")
-        return cls(weight_m=weight, correction=correction)
+        return cls(weight_m=weight, correction=correction, imbalance_m=heavy)

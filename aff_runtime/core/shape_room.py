@@ -10,6 +10,7 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 RATIO_EPS = 1e-9
 MARGIN = 0.97
+TAKEN_MORE = 0.01  # of the output, so that the next tick is not at the limit again
 RETURN_S = 2.0
 LIMIT_GROWS_PER_S = 0.02
 TINY = 1e-9
@@ -24,11 +25,12 @@ class Room:
     learned away, nothing winds up, and a whole column is scaled, so no harmonics arise.
     """
 
-    __slots__ = ("_limit", "peak", "share")
+    __slots__ = ("_limit", "limited", "peak", "share")
 
     def __init__(self, count: int) -> None:
         self.share = np.ones(count)
         self.peak = 0.0
+        self.limited = False  # whether any column is shortened
         self._limit = math.inf
 
     def step(
@@ -45,18 +47,15 @@ class Room:
         """
         if 0.0 <= limit_ratio < 1.0 - RATIO_EPS:
             self._limit = limit_ratio * self.peak
-            self._shorten((1.0 - limit_ratio) * self.peak, b, weight, signal_per_m)
+            excess = (1.0 - limit_ratio + TAKEN_MORE) * self.peak
+            self._shorten(excess, b, weight, signal_per_m)
         elif self.limited:
             self._limit *= 1.0 + LIMIT_GROWS_PER_S * dt_s
             if self.peak < MARGIN * self._limit:
                 cost = np.where(self.share < 1.0, _cost(b, signal_per_m), math.inf)
                 at = int(np.argmin(cost))
                 self.share[at] = min(1.0, self.share[at] + dt_s / RETURN_S)
-
-    @property
-    def limited(self) -> bool:
-        """Whether any column is shortened."""
-        return bool((self.share < 1.0).any())
+                self.limited = bool((self.share < 1.0).any())
 
     def _shorten(
         self,
@@ -73,6 +72,7 @@ class Room:
             taken = min(float(self.share[at]), excess / float(amplitude[at]))
             self.share[at] -= taken
             excess -= taken * float(amplitude[at])
+            self.limited = self.limited or taken > 0.0
 
 
 def _cost(b: npt.NDArray[np.complex128], signal_per_m: Floats) -> Floats:

@@ -44,6 +44,9 @@ class ModbusTcpTransport:
       for ``backoff_max_s`` or longer the first attempt comes at once; the pause before the
       others doubles from ``backoff_min_s`` to ``backoff_max_s`` until a good reply. The tick
       that starts an attempt is always NOT_CONNECTED, so a caller sees every reconnect.
+    - A connection that replaces another one only reads (FC3) until a reply was good: a PLC that
+      obeys and cannot be heard would otherwise hold a command anew, and its own watchdog would
+      begin again, late.
 
     Parameters
     ----------
@@ -95,6 +98,7 @@ class ModbusTcpTransport:
         self._backoff_ns = self._backoff_min_ns
         self._up_at_ns = self._act_at_ns
         self._served = False  # a good reply on this connection
+        self._may_write = True
         self._tid = 0
         self._sent = 0  # requests on this connection, counted up to the stale window
         self._outstanding = False
@@ -117,7 +121,7 @@ class ModbusTcpTransport:
             return Outcome.NOT_CONNECTED, _NO_WORDS
         outcome = self._exchange(write_words, deadline_ns)
         if outcome is Outcome.OK:
-            self._served = True
+            self._served = self._may_write = True
             self._backoff_ns = self._backoff_min_ns
             return outcome, self._reply
         if outcome is Outcome.TIMEOUT:
@@ -148,6 +152,7 @@ class ModbusTcpTransport:
         if state is Connecting.UP:
             self._link = _Link.UP
             self._up_at_ns = now_ns
+            self._may_write = self.connects == 0
             self.connects += 1
             return True
         if state is Connecting.FAILED or now_ns >= self._act_at_ns:
@@ -175,7 +180,7 @@ class ModbusTcpTransport:
         outcome = self._clear_late_replies()
         if outcome is not Outcome.OK:
             return outcome
-        if self._function is WireFunction.FC3:
+        if self._function is WireFunction.FC3 or not self._may_write:
             tid = self._next_tid()
             return self._round_trip(self._frames.read_request(tid), READ, deadline_ns)
         if not self._frames.fits(words):

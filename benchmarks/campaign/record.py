@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -102,9 +102,15 @@ def simulate(
     speed = np.append(told.speed_m_s, told.speed_m_s[-1])
     run(m, state, speed, told.tension_N, late, cell_noise, speed_noise, loop_noise, gust, steps,
         round(SETTLE_S / short.SAMPLE_S), out)  # fmt: skip
-    stamp = np.arange(rows) * short.SAMPLE_S + late * TICK_S / STEPS_PER_TICK
-    return Columns(time_s=stamp, values=_channels(m, out, told, exact=not noise),
-                   start_rad=out[0, cells + drives : cells + drives + n].copy())  # fmt: skip
+    due = np.arange(rows) * short.SAMPLE_S
+    stamp = due + late * TICK_S / STEPS_PER_TICK
+    # a late scan logs the reference that is in force by then
+    logged = replace(told, speed_m_s=np.interp(stamp, due, told.speed_m_s))
+    angles_at = cells + drives
+    return Columns(
+        time_s=stamp, values=_channels(m, out, logged, exact=not noise),
+        start_rad=out[0, angles_at : angles_at + n].copy(),
+    )  # fmt: skip
 
 
 def _lay(m: Machine, theta: Array, phi: Array, vertices: IntArray) -> None:

@@ -1,115 +1,140 @@
-"""``python -m benchmarks.control``: run the tables, keep the numbers, write the page."""
+"""``python -m benchmarks.control``: run the tables row by row, keep every row, write the page."""
 
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 import time
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 from pathlib import Path
 
-from benchmarks.control import cases, report
-from benchmarks.control.jobs import Job, Row, do, timing
-from benchmarks.control.laws import RIVALS
+from benchmarks.control import cases, extras, report, store
+from benchmarks.control.jobs import BOTH, NO_SWRAP, ORACLE, PERFECT, SAVED, Job, Row, do
+from benchmarks.control.laws import OWN, RIVALS
 from benchmarks.control.lines import ROOT
+from benchmarks.control.nominal_loop import nominal_loop
 
 TUNED_SEED, UNSEEN_SEED = 1, 101
-SECTIONS = ("constant", "ramp", "roll", "follower", "mismatch")
-ALL = ("shape-KF", *RIVALS)
-OWN = ("shape-KF",)
+SECTIONS = ("constant", "ramp", "roll", "follower", "mismatch", "transient")
+FOLLOWERS = ("follower, tension", BOTH, "follower, velocity", "velocity and unwind")
 
 
-def jobs_of(section: str, *, quick: bool, seed: int, unseen: bool) -> list[Job]:
-    """Return the rows of a section; a second set of seeds runs the law alone."""
-    laws = OWN if unseen else ALL
+def jobs_of(section: str, *, quick: bool, seed: int) -> list[Job]:
+    """Return the rows of a section: every law on every case; the short set for ``quick``."""
+    every = (OWN, *RIVALS)
     if section == "constant":
         chosen = cases.constant_cases()
         chosen = [chosen[i] for i in (3, 8, 12)] if quick else chosen
-        rich = {chosen[i].name for i in (0, 1)} if quick else {c.name for c in chosen[::3]}
-        return [
-            Job(section=section, case=c, laws=laws, seed=seed,
-                extras=not unseen and c.name in rich)
-            for c in chosen
-        ]  # fmt: skip
-    if section == "ramp":
-        chosen = cases.ramp_cases()[: 1 if quick else None]
-        return [Job(section=section, case=c, laws=laws, seed=seed) for c in chosen]
-    if section == "roll":
-        chosen = cases.roll_cases()[: 1 if quick else None]
+        laws: tuple[str, ...] = (*every, PERFECT, SAVED, ORACLE)
+    elif section == "ramp":
+        chosen, laws = cases.ramp_cases()[: 1 if quick else None], (*every, PERFECT)
+    elif section == "roll":
+        chosen, laws = cases.roll_cases()[: 1 if quick else None], every
         # quick: from before the 1x crossing at 6.05 in to behind it
         chosen = [replace(c, radius_in=6.3) for c in chosen] if quick else chosen
-        return [
-            Job(section=section, case=c, seed=seed, extras=i == 0 and not unseen and not quick,
-                laws=laws if i == 0 else OWN, end_in=5.6 if quick else 2.5)
-            for i, c in enumerate(chosen)
-        ]  # fmt: skip
-    if section == "follower":
-        chosen = cases.follower_cases()[: 1 if quick else None]
-        return [Job(section=section, case=c, laws=(), seed=seed) for c in chosen]
-    chosen = cases.mismatch_cases()
-    chosen = [c for c in chosen if c.note == "all5"][:1] if quick else chosen
-    some = ("shape-KF", "plain blocks", "resonators", "FxLMS", "repetitive")
-    return [
-        Job(section=section, case=c, seed=seed,
-            laws=some if c.note in ("all5", "delay50") and not unseen else OWN)
+    elif section == "follower":
+        chosen, laws = cases.follower_cases()[: 1 if quick else None], FOLLOWERS
+    elif section == "transient":
+        chosen, laws = cases.transient_cases()[: 3 if quick else None], (OWN,)
+    else:
+        chosen, laws = cases.mismatch_cases(), every
+        chosen = [c for c in chosen if c.note == "all5"][:1] if quick else chosen
+    end_in = 5.6 if quick and section == "roll" else 2.5
+    jobs = [
+        Job(section=section, case=c, law=law, seed=seed, end_in=end_in)
         for c in chosen
-    ]  # fmt: skip
+        for law in laws
+    ]
+    if section == "roll" and not quick:
+        jobs.append(replace(jobs[0], law=NO_SWRAP))
+    return jobs
+
+
+def chosen_jobs(sections: Sequence[str], seeds: Sequence[int], *, quick: bool) -> list[Job]:
+    """Return the jobs asked for, whole rolls first, because one of them takes longest."""
+    jobs = [
+        job
+        for section in sections
+        if section in SECTIONS
+        for seed in seeds
+        for job in jobs_of(section, quick=quick, seed=seed)
+    ]
+    return sorted(jobs, key=lambda job: job.section != "roll")
+
+
+def run_jobs(jobs: Sequence[Job], folder: Path, processes: int) -> tuple[int, float]:
+    """Run what has no row yet, keep every row as it comes; return how many and the CPU seconds."""
+    todo = [job for job in jobs if store.load(folder, job) is None]
+    sys.stderr.write(f"{len(jobs)} rows, {len(jobs) - len(todo)} of them kept from before\n")
+    if not todo:
+        return 0, 0.0
+    for material, cycle_s in sorted({(job.case.material, job.case.cycle_s) for job in todo}):
+        nominal_loop(material, cycle_s=cycle_s)  # once, before the workers are forked
+    spent_s = 0.0
+    with ProcessPoolExecutor(processes) as pool:
+        waiting = [pool.submit(do, job) for job in todo]
+        for i, done in enumerate(as_completed(waiting), 1):
+            job, row = done.result()
+            store.save(folder, job, row)
+            spent_s += row["cpu_s"]
+            sys.stderr.write(f"{i}/{len(todo)} {row['cpu_s']:.0f} s {report.line(row)}\n")
+    return len(todo), spent_s
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.control")
+    parser.add_argument("--sections", default=",".join(SECTIONS))
+    parser.add_argument("--seeds", default=f"{TUNED_SEED},{UNSEEN_SEED}")
+    parser.add_argument("--laws", default="", help="only these, divided by ;")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "control-bench")
+    parser.add_argument("--docs", type=Path, default=None, help="also write the page and plots")
+    parser.add_argument("--fresh", action="store_true", help="run rows again that are there")
+    parser.add_argument("--report-only", action="store_true")
+    parser.add_argument(
+        "--timing", action="store_true", help="cost of one tick; on a quiet machine"
+    )
+    parser.add_argument(
+        "--memory", type=float, default=0.0, help="minutes of ticks without a plant"
+    )
+    parser.add_argument("--wire", action="store_true", help="three rows over the wire, real time")
+    return parser.parse_args()
 
 
 def main() -> int:
     """Run, print, write; return the exit code."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.control")
-    parser.add_argument("--sections", default=",".join(SECTIONS))
-    parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--out", type=Path, default=ROOT / "out" / "control-bench")
-    parser.add_argument("--docs", type=Path, default=None, help="also write the page and plots")
-    parser.add_argument("--own", action="store_true", help="the shape law alone, no rivals")
-    parser.add_argument("--report-only", action="store_true")
-    given = parser.parse_args()
+    given = _arguments()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     quick = os.environ.get("QUICK", "") not in ("", "0")
-    given.out.mkdir(parents=True, exist_ok=True)
+    seeds = [int(s) for s in given.seeds.split(",")][: 1 if quick else None]
+    folder = given.out / "quick" if quick else given.out
+    jobs = chosen_jobs(given.sections.split(","), seeds, quick=quick)
+    if given.laws:
+        jobs = [job for job in jobs if job.law in given.laws.split(";")]
+    if given.fresh:
+        for job in jobs:
+            store.place(folder, job).unlink(missing_ok=True)
+    started = time.monotonic()  # noqa: TID251
     if not given.report_only:
-        for section in given.sections.split(","):
-            started = time.monotonic()  # noqa: TID251
-            rows: list[Row] = []
-            for found_rows in _run(section, quick, given.processes, given.own):
-                rows += found_rows
-                took_s = time.monotonic() - started  # noqa: TID251
-                text = {"section": section, "quick": quick, "took_s": took_s, "rows": rows}
-                (given.out / f"{section}.json").write_text(json.dumps(text, indent=1))
-    found = [
-        json.loads(path.read_text())
-        for name in (*SECTIONS, "timing")
-        if (path := given.out / f"{name}.json").exists()
-    ]
-    page = report.page(found)
+        count, spent_s = run_jobs(jobs, folder, given.processes)
+        took_s = time.monotonic() - started  # noqa: TID251
+        sys.stderr.write(f"{count} rows: {took_s:.0f} s, {spent_s:.0f} CPU s\n")
+        if count:
+            extras.note_run(folder, count, took_s, spent_s)
+    extras.run_asked(given, folder)
+    everything = chosen_jobs(SECTIONS, seeds, quick=quick)
+    rows: list[Row] = [row for job in everything if (row := store.load(folder, job)) is not None]
+    rows += extras.rows(folder)
+    page = report.page(rows, missing=len(everything) - sum("cpu_s" in r for r in rows))
     sys.stdout.write(page)
-    (given.out / "control-bench.md").write_text(page)
-    if given.docs is not None:
+    (folder / "control-bench.md").write_text(page)
+    if given.docs is not None and not quick:
         (given.docs / "control-bench.md").write_text(page)
-        report.plots(found, given.docs)
+        report.plots(rows, given.docs)
     return 0
-
-
-def _run(section: str, quick: bool, processes: int, own: bool) -> Iterator[list[Row]]:
-    if section == "timing":
-        yield [timing(16), timing(24)]
-        return
-    jobs = jobs_of(section, quick=quick, seed=TUNED_SEED, unseen=False)
-    if own:
-        jobs = [replace(job, laws=job.laws and OWN, extras=False) for job in jobs]
-    if not quick:
-        jobs += jobs_of(section, quick=False, seed=UNSEEN_SEED, unseen=True)
-    with ProcessPoolExecutor(processes) as pool:
-        for rows in pool.map(do, jobs):
-            for row in rows:
-                sys.stderr.write(f"{report.line(row)}\n")
-            yield rows
 
 
 if __name__ == "__main__":

@@ -125,12 +125,56 @@ def ramp_profile() -> npt.NDArray[np.float64]:
 def roll_cases() -> list[Case]:
     """Return the whole rolls, 8 in to 2.5 in."""
     base = {"radius_in": 8.0, "shape": "flat"}
+    grid = itertools.product(("tyvek", "pe"), (300.0, 200.0))
+    cases = [Case(material=m, fpm=v, **base) for m, v in grid]  # type: ignore[arg-type]
+    cases.append(
+        Case(material="tyvek", fpm=300.0, hidden=ALL_FIVE, note="all5", **base)  # type: ignore[arg-type]
+    )
+    return cases
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """Speed, roll id and permission per sample; when it happens and when the line is back."""
+
+    speed_m_s: npt.NDArray[np.float64]
+    roll_id: npt.NDArray[np.int64]
+    enabled: npt.NDArray[np.bool_]
+    event_s: float
+    back_s: float
+
+
+def transient_cases() -> list[Case]:
+    """Return stop and start, emergency stop and roll change, on both webs."""
     return [
-        Case(material="tyvek", fpm=300.0, **base),  # type: ignore[arg-type]
-        Case(material="pe", fpm=300.0, **base),  # type: ignore[arg-type]
-        Case(material="tyvek", fpm=200.0, **base),  # type: ignore[arg-type]
-        Case(material="tyvek", fpm=300.0, hidden=ALL_FIVE, note="all5", **base),  # type: ignore[arg-type]
+        Case(material=m, fpm=200.0, radius_in=8.0, shape="flat", note=note)
+        for m in ("tyvek", "pe")
+        for note in ("stop, start", "emergency stop", "roll change")
     ]
+
+
+def transient(case: Case) -> Plan:
+    """Return the plan of a transient: learn 50 s, the event, 45 s afterwards.
+
+    A stop takes 10 s each way and stands for 10 s, with the permission to correct all the time;
+    an emergency stop takes 2 s and takes the permission away until the line is back. A new roll
+    has its own id and its shape at another angle (``NEW_ROLL_RAD``) of the encoder.
+    """
+    event_s, v = 60.0, case.speed_m_s
+    down_s = {"stop, start": 10.0, "emergency stop": 2.0, "roll change": 0.0}[case.note]
+    back_s = event_s + (down_s + 20.0 if down_s > 0.0 else 0.0)
+    time_s = np.arange(0.0, back_s + 45.0, case.cycle_s)
+    still = 0.0 if down_s > 0.0 else v
+    at_s = [0.0, event_s, event_s + down_s + 1e-6, back_s - 10.0 + 2e-6, back_s + 3e-6]
+    speed = np.interp(time_s, at_s, [v, v, still, still, v])
+    enabled = time_s >= ON_S
+    if case.note == "emergency stop":
+        enabled &= (time_s < event_s) | (time_s >= back_s)
+    changed = (time_s >= event_s) & (case.note == "roll change")
+    return Plan(
+        speed_m_s=np.asarray(speed, dtype=np.float64), roll_id=1 + changed.astype(np.int64),
+        enabled=enabled, event_s=event_s, back_s=back_s,
+    )  # fmt: skip
 
 
 def roll_duration_s(case: Case, end_in: float = 2.5) -> float:

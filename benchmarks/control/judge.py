@@ -79,8 +79,8 @@ class Constant:
     middle_dB: Array
     reference_dB: Array
     settle_20_turns: float
+    first_20_turns: float
     ripple_ratio: float
-    floor_ratio: float
     peak_ratio: float
     plain_N: Array
 
@@ -93,8 +93,12 @@ def turn_times_s(record: Record, on_s: float) -> Array:
     return np.asarray(np.interp(whole, turned, record.time_s[first:]))
 
 
-def settle_turns(record: Record, plain: Record, on_s: float, wanted_dB: float) -> float:
-    """Return the turns after which 1x-4x stay down by ``wanted_dB``, infinite when never.
+def settle_turns(
+    record: Record, plain: Record, on_s: float, wanted_dB: float
+) -> tuple[float, float]:
+    """Return the turns after which 1x-4x stay, and first are, down by ``wanted_dB``.
+
+    Infinite when never.
 
     Windows of two turns, every half turn, judged over the first thirty turns; a window counts at
     its middle. The PI-only amplitude is that of the whole run: short windows of it beat with the
@@ -105,15 +109,17 @@ def settle_turns(record: Record, plain: Record, on_s: float, wanted_dB: float) -
         np.arange(0.0, min(ends.size - 1, 30) + 0.01, 0.5), np.arange(ends.size), ends
     )
     without = amplitudes(plain, between(plain, on_s, float(plain.time_s[-1])))[:4]
-    last_bad = -1
+    last_bad, first_good = -1, math.inf
     for i in range(halves.size - 4):
         part = between(record, halves[i], halves[i + 4])
         with_law = amplitudes(record, part)[:4]
         if np.min(ratio_dB(without, with_law)) < wanted_dB:
             last_bad = i
+        else:
+            first_good = min(first_good, 0.5 * i + 1.0)
     if last_bad == halves.size - 5:
-        return math.inf
-    return 0.5 * (last_bad + 1) + 1.0 if last_bad >= 0 else 1.0
+        return math.inf, first_good
+    return (0.5 * (last_bad + 1) + 1.0 if last_bad >= 0 else 1.0), first_good
 
 
 def judge_constant(record: Record, plain: Record, on_s: float) -> Constant:
@@ -135,13 +141,14 @@ def judge_constant(record: Record, plain: Record, on_s: float) -> Constant:
     before_late = amplitudes(plain, late)
     start = between(record, on_s, min(end_s, float(ends[min(10, ends.size - 1)])))
     mean = float(np.mean(plain.tension_N[start]))
+    settled = settle_turns(record, plain, on_s, 20.0)
     return Constant(
         late_dB=ratio_dB(before_late, amplitudes(record, late)),
         middle_dB=middle_dB,
         reference_dB=reference_dB,
-        settle_20_turns=settle_turns(record, plain, on_s, 20.0),
+        settle_20_turns=settled[0],
+        first_20_turns=settled[1],
         ripple_ratio=rms(record.tension_N[late]) / rms(plain.tension_N[late]),
-        floor_ratio=math.nan,
         peak_ratio=float(
             np.max(np.abs(record.tension_N[start] - mean)) / np.max(np.abs(plain.tension_N - mean))
         ),
@@ -191,3 +198,37 @@ def judge_moving(
         worst_5s=float(ratios.max()),
         worse_share=float((ratios > 1.0).mean()),
     )
+
+
+def judge_transient(
+    record: Record, plain: Record, event_s: float, back_s: float
+) -> dict[str, float]:
+    """Return ripple over that of PI alone: before, worst 2 s since the event, at the end.
+
+    ``peak`` is the largest excursion from the mean since the event over that of PI alone;
+    ``back_turns`` counts from ``back_s`` to the first window of two turns below a tenth.
+    """
+
+    def ratio(start_s: float, end_s: float) -> float:
+        part = between(record, start_s, end_s)
+        return rms(record.tension_N[part]) / rms(plain.tension_N[part])
+
+    end_s = float(record.time_s[-1])
+    since = between(record, event_s, end_s)
+    mean = float(np.mean(plain.tension_N[between(plain, event_s - 20.0, event_s)]))
+    turns = turn_times_s(record, back_s)
+    back = math.inf
+    for i in range(turns.size - 2):
+        if ratio(float(turns[i]), float(turns[i + 2])) < 0.1:
+            back = float(i + 1)
+            break
+    return {
+        "before": ratio(event_s - 20.0, event_s),
+        "worst_2s": max(ratio(t, t + 2.0) for t in np.arange(event_s, end_s - 2.0, 1.0)),
+        "after": ratio(end_s - 20.0, end_s),
+        "peak": float(
+            np.max(np.abs(record.tension_N[since] - mean))
+            / np.max(np.abs(plain.tension_N[since] - mean))
+        ),
+        "back_turns": back,
+    }

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -31,29 +34,20 @@ from benchmarks.control.rivals_repetitive import Repetitive
 
 ORDERS = 24
 SHAPE = ShapeParams()
+OWN = "shape-KF"
+TUNED = json.loads((Path(__file__).parent / "tuned.json").read_text())
+RIVALS = (
+    "plain blocks", "printed (5.14)", "angle, no phase", "resonators", "FxLMS", "repetitive",
+)  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Setting:
-    """A law's name in the tables and the words for how it was tuned."""
-
-    name: str
-    tuning: str
-
-
-SETTINGS = (
-    Setting(name="shape-KF", tuning="24 orders and S-wrap 1x, memory 6 turns, one setting"),
-    Setting(name="plain blocks", tuning="8 orders, settle 6 s, P at 8 in, not swept"),
-    Setting(name="printed (5.14)", tuning="4 orders, v/R, g1 0.0005, gain not swept"),
-    Setting(name="angle, no phase", tuning="4 orders, same g1, encoder angle"),
-    Setting(name="resonators", tuning="8 orders, P phase, 1/|P|, 0.3 1/s, gain not swept"),
-    Setting(
-        name="FxLMS",
-        tuning="24 orders to 14-16 Hz, same P and S-wrap, 3 turns, not swept",
-    ),
-    Setting(name="repetitive", tuning="angle table, inverse of P, Q 8 Hz, gain 0.4, not swept"),
-)
-RIVALS = tuple(s.name for s in SETTINGS[1:])
+def tuning(law: str) -> str:
+    """Return a law's one setting in words, for the page."""
+    if law == OWN:
+        return f"{ORDERS} orders and S-wrap 1x, memory {SHAPE.memory_turns:g} turns"
+    found = TUNED[law]
+    setting = ", ".join(f"{key} {value}" for key, value in found["setting"].items())
+    return f"{setting}; best of {found['tried']} settings, ripple {found['score']:.3f} of PI alone"
 
 
 def drive_of(material: str) -> DriveParams:
@@ -148,35 +142,40 @@ def oracle(material: str, cycle_s: float, profile: ShapeProfile) -> LawBuilder:
     return build
 
 
-def rival(name: str, material: str, cycle_s: float = 0.005) -> LawBuilder:
-    """Return the builder of a rival by its name in ``SETTINGS``."""
+def rival(
+    name: str, material: str, cycle_s: float = 0.005, setting: Mapping[str, Any] | None = None
+) -> LawBuilder:
+    """Return the builder of a law by its name, with its tuned setting or the one given."""
+    if name == OWN:
+        return shape_law(material, cycle_s)
     loop = nominal_loop(material, cycle_s=cycle_s)
-    builders: dict[str, LawBuilder] = {
-        "shape-KF": shape_law(material, cycle_s),
-        "plain blocks": lambda ph, c: Bank(
-            _plain(cycle_s, 8), phases=ph, response=measured(loop, cycle_s), cycle_s=c
-        ),
-        "printed (5.14)": lambda ph, _c: PrintedLaw(
-            replace(_plain(cycle_s, 4), printed_gain=5e-4), phases=ph
-        ),
-        "angle, no phase": lambda ph, c: AngleBlocks(ph, c, orders=4, gain=5e-4),
-        "resonators": lambda ph, c: AngleBlocks(ph, c, orders=8, gain=0.3, loop=loop),
-        "FxLMS": lambda ph, c: FxLms(
-            ph, c, loop,
-            columns=[*(("unwind", n) for n in range(1, ORDERS + 1)), ("swrap_follower", 1)],
-            turns=3.0,
-        ),
-        "repetitive": lambda ph, c: Repetitive(ph, c, loop, gain=0.4, q_Hz=8.0),
-    }  # fmt: skip
-    return builders[name]
+    chosen = dict(TUNED[name]["setting"] if setting is None else setting)
+    if name == "plain blocks":
+        return plain_blocks(material, cycle_s, chosen["orders"], chosen["settle_s"])
+    if name == "printed (5.14)":
+        params = replace(_plain(cycle_s, chosen["orders"]), printed_gain=chosen["gain"])
+        return lambda ph, _c: PrintedLaw(params, phases=ph)
+    if name == "angle, no phase":
+        return lambda ph, c: AngleBlocks(ph, c, **chosen)
+    if name == "resonators":
+        return lambda ph, c: AngleBlocks(ph, c, loop=loop, **chosen)
+    kinds: dict[str, Any] = {"FxLMS": FxLms, "repetitive": Repetitive}
+    return lambda ph, c: kinds[name](ph, c, loop, **chosen)
 
 
-def _plain(cycle_s: float, orders: int) -> ActuatorParams:
+def plain_blocks(material: str, cycle_s: float, orders: int, settle_s: float) -> LawBuilder:
+    """Return a builder of the runtime's plain blocks with P as probed at 8 in, without noise."""
+    params = _plain(cycle_s, orders, settle_s=settle_s)
+    response = measured(nominal_loop(material, cycle_s=cycle_s), cycle_s)
+    return lambda ph, c: Bank(params, phases=ph, response=response, cycle_s=c)
+
+
+def _plain(cycle_s: float, orders: int, settle_s: float = 6.0) -> ActuatorParams:
     return ActuatorParams(
         name="unwind", signal="unwind_tension_N", reference="tension_ref_N", transport_s=cycle_s,
         blocks=(
             BlockParams(
-                roll="unwind", orders=tuple(range(1, orders + 1)), settle_s=6.0, amp_limit=0.1
+                roll="unwind", orders=tuple(range(1, orders + 1)), settle_s=settle_s, amp_limit=0.1
             ),
         ),
     )  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
@@ -17,8 +18,9 @@ from aff_runtime.core.params import RollParams, SiteParams
 from aff_runtime.core.phase import RollPhase
 from benchmarks.control.lines import Hidden, with_hidden
 from sim_plant.line.declaration import Declaration
-from sim_plant.line.kernel import advance_frame, log_frame
+from sim_plant.line.kernel import advance_frame, log_frame, run_frames
 from sim_plant.line.open import make_line
+from sim_plant.line.simulation import LineSimulation
 
 Array = npt.NDArray[np.float64]
 CHANNELS = (
@@ -53,6 +55,9 @@ SIGNAL_OF = {"unwind": 0, "swrap_follower": 4, "swrap_follower speed": 7}
 SOFT_START_S = 1.5
 LIMIT_M_S = 0.3
 WORD_SPAN_N = 400.0
+CHUNK = 4096
+KEPT_LINES = 4
+NEW_ROLL_RAD = 1.9  # by how much a new roll's shape lies at another angle of the encoder
 LawBuilder = Callable[[Mapping[str, RollPhase], float], ActuatorLaw]
 
 
@@ -114,7 +119,7 @@ def run(
     cycle_s: float = 0.005,
     hidden: Hidden | None = None,
     watch: Callable[[int, Mapping[str, ActuatorLaw]], None] | None = None,
-    roll_id: Array | None = None,
+    roll_id: npt.NDArray[np.int64] | None = None,
     enabled: npt.NDArray[np.bool_] | None = None,
 ) -> Record:
     """Run the line over a speed profile (m/s per sample), the laws enabled from ``on_s``.
@@ -123,11 +128,9 @@ def run(
     value of tick k acts from tick k + 1 on (one sample of transport), plus what ``hidden`` adds.
     """
     secret = hidden or Hidden()
-    line = make_line(
-        with_hidden(declaration, secret),
-        seed=seed, sample_time_s=cycle_s, speed_m_s=float(speed_m_s[0]),
-    )  # fmt: skip
-    line.settle()
+    line = _settled(with_hidden(declaration, secret), cycle_s, float(speed_m_s[0]))
+    if not laws:
+        return _alone(line, speed_m_s, seed, cycle_s, secret)
     site = SiteParams(cycle_s=cycle_s, channels=CHANNELS, rolls=ROLLS, actuators=())
     phases = RollPhases(site)
     delay = 1 + round(secret.delay_s / cycle_s)
@@ -153,6 +156,8 @@ def run(
     log_frame(arrays, lay, state, work, cells, d, n, row)
     for k in range(count):
         values = columns.values(row, theta0, float(tension_ref[0]))
+        if roll_id is not None and roll_id[k] > 1:
+            values = (*values[:5], values[5] + NEW_ROLL_RAD * (int(roll_id[k]) - 1), *values[6:])
         on = k * cycle_s >= on_s if enabled is None else bool(enabled[k])
         snapshot = Snapshot(
             tick=k, t_ns=0, outcome=Outcome.OK, fresh=True, age_s=0.0, plc_heartbeat=k,
@@ -168,17 +173,60 @@ def run(
             watch(k, {name: a.law for name, a in actuators.items()})
         if k + 1 == count:
             break
-        if k % 4096 == 0:
+        if k % CHUNK == 0:
             noise = (
-                rng.standard_normal((4096, width)) if seed is not None else np.zeros((4096, width))
+                rng.standard_normal((CHUNK, width))
+                if seed is not None
+                else np.zeros((CHUNK, width))
             )
         advance_frame(
             arrays, lay, state, work, speed_m_s[k], speed_m_s[k + 1], tension_ref, aff,
-            noise[k % 4096],
+            noise[k % CHUNK],
         )  # fmt: skip
         row = log[k + 1]
         log_frame(arrays, lay, state, work, cells, d, n, row)
     return columns.record(log, theta0, corrections, speed_m_s, cycle_s)
+
+
+_SETTLED: dict[tuple[str, float, float], LineSimulation] = {}
+
+
+def _settled(declaration: Declaration, cycle_s: float, speed_m_s: float) -> LineSimulation:
+    """Return a line at rest in its operating point; the laws of a row start from copies of it."""
+    key = (declaration.model_dump_json(), cycle_s, speed_m_s)
+    if key not in _SETTLED:
+        if len(_SETTLED) >= KEPT_LINES:
+            del _SETTLED[next(iter(_SETTLED))]
+        line = make_line(declaration, seed=None, sample_time_s=cycle_s, speed_m_s=speed_m_s)
+        line.settle()
+        _SETTLED[key] = line
+    return copy.deepcopy(_SETTLED[key])
+
+
+def _alone(
+    line: LineSimulation, speed_m_s: Array, seed: int | None, cycle_s: float, hidden: Hidden
+) -> Record:
+    """Run the line without any law: the same frames in compiled chunks."""
+    state, arrays, lay, work = line.state, line.arrays, line.layout, line.work
+    cells, d, n, count = arrays.cells.size, arrays.drives.size, lay.n, speed_m_s.size
+    log = np.zeros((count, 3 * cells + 2 * d + n + 2 + n - 1))
+    rng = np.random.default_rng(seed)
+    arrays.timing["noisy"] = 0 if seed is None else 1
+    width = cells + d * (1 + line.timing.ticks_per_frame)
+    theta0 = line.angles().copy()
+    log_frame(arrays, lay, state, work, cells, d, n, log[0])
+    tension_N = line.declaration.operating_point.tension_N
+    for first in range(0, count - 1, CHUNK):
+        frames = min(CHUNK, count - 1 - first)
+        noise = rng.standard_normal((CHUNK, width)) if seed is not None else np.zeros((1, width))
+        ends = np.lib.stride_tricks.sliding_window_view(speed_m_s[first : first + frames + 1], 2)
+        run_frames(
+            arrays, lay, state, work, np.ascontiguousarray(ends),
+            np.full((frames, arrays.loops.size), tension_N), np.zeros((frames, d)), noise,
+            log[first + 1 : first + 1 + frames],
+        )  # fmt: skip
+    columns = _Columns(line.declaration, cells, d, n, hidden)
+    return columns.record(log, theta0, np.zeros((1, count)), speed_m_s, cycle_s)
 
 
 class _Columns:

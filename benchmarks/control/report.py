@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.control.laws import SETTINGS
-from benchmarks.control.verdicts import targets
+from benchmarks.control.laws import OWN, RIVALS, tuning
+from benchmarks.control.sweep import SUBSET
+from benchmarks.control.verdicts import beaten, targets
 
 Row = dict[str, Any]
 
@@ -23,13 +24,21 @@ def _number(value: float, digits: int = 3) -> str:
     return "never" if math.isinf(value) else f"{value:.{digits}f}"
 
 
+def _newton(values: Sequence[float]) -> str:
+    return " ".join(f"{v:.3f}" for v in values[:4])
+
+
+def _settled(row: Row) -> str:
+    return f"{_number(row['first_turns'], 1)}, {_number(row['settle_turns'], 1)}"
+
+
 COLUMNS: dict[str, list[tuple[str, Any]]] = {
     "constant": [
         ("late dB 1x-4x", lambda r: _dB(r["late_dB"])),
         ("5x-8x", lambda r: _dB(r["late_dB"][4:])),
         ("turns 10-20", lambda r: _dB(r["middle_dB"])),
         ("noise reference", lambda r: _dB(r["reference_dB"])),
-        ("20 dB after [turns]", lambda r: _number(r["settle_turns"], 1)),
+        ("20 dB reached, kept [turns]", _settled),
         ("ripple / PI", lambda r: _number(r["ripple"])),
         ("start peak / PI", lambda r: _number(r["peak"], 2)),
     ],
@@ -57,6 +66,29 @@ COLUMNS: dict[str, list[tuple[str, Any]]] = {
         ("p50 [us]", lambda r: f"{r['p50_us']:.0f}"),
         ("p99 [us]", lambda r: f"{r['p99_us']:.0f}"),
     ],
+    "transient": [
+        ("ripple / PI before", lambda r: _number(r["before"])),
+        ("worst 2 s since", lambda r: _number(r["worst_2s"], 2)),
+        ("largest excursion / PI", lambda r: _number(r["peak"], 2)),
+        ("below 0.1 after [turns]", lambda r: _number(r["back_turns"], 1)),
+        ("ripple / PI at the end", lambda r: _number(r["after"])),
+    ],
+    "memory": [
+        ("ticks", lambda r: f"{r['ticks']:,}"),
+        ("share of a week", lambda r: f"{100 * r['ticks'] / r['week_ticks']:.1f} %"),
+        ("objects, grown by", lambda r: f"{r['objects']}, {r['objects_grown']}"),
+        ("bytes, grown by", lambda r: f"{r['bytes']:,}, {r['bytes_grown']}"),
+        ("interpreter's blocks, grown by", lambda r: f"{r['blocks_grown']}"),
+        ("resident [kB], grown by", lambda r: f"{r['resident_kB']:,}, {r['resident_grown_kB']}"),
+    ],
+    "wire": [
+        ("PI alone 1x-4x [N]", lambda r: _newton(r["plain_N"])),
+        ("with the law 1x-4x [N]", lambda r: _newton(r["with_N"])),
+        ("dB 1x-4x over the wire", lambda r: _dB(r["late_dB"])),
+        ("dB 1x-4x in lockstep", lambda r: _dB(r["lockstep_dB"])),
+        ("ripple / PI over the wire", lambda r: _number(r["ripple"])),
+        ("in lockstep", lambda r: _number(r["lockstep_ripple"])),
+    ],
 }
 COLUMNS["mismatch"] = COLUMNS["constant"]
 TITLES = {
@@ -65,7 +97,10 @@ TITLES = {
     "roll": "Whole roll, 8 in to 2.5 in",
     "follower": "Eccentric follower, 0.5 mm: two zones, one or two actuators",
     "mismatch": "Hidden mismatch",
+    "transient": "Stop and start, emergency stop, roll change",
+    "wire": "Over the wire: Modbus TCP, two processes, real time",
     "timing": "Cost of one tick",
+    "memory": "Memory",
 }
 
 
@@ -88,40 +123,67 @@ def _table(section: str, rows: Iterable[Row]) -> list[str]:
     return out
 
 
-def page(found: Sequence[dict[str, Any]]) -> str:
-    """Return the whole page as markdown."""
-    out = ["# Control bench", "", *INTRODUCTION, "", "## Targets", ""]
-    rows = [row for part in found for row in part["rows"]]
-    out += ["| target | asked | reached | met |", "|---|---|---|---|"]
-    out += [f"| {t.what} | {t.asked} | {t.reached} | {t.met} |" for t in targets(rows)]
-    out += ["", "## Laws and their tuning", ""]
-    out += [f"- **{s.name}**: {s.tuning}." for s in SETTINGS]
-    for part in found:
-        section = part["section"]
-        out += ["", f"## {TITLES[section]}", ""]
-        took = part.get("took_s")
-        if took:
-            size = "quick set" if part.get("quick") else "full set"
-            out += [f"{size}, {took / 60:.1f} min.", ""]
-        out += _table(section, part["rows"])
+def page(rows: Sequence[Row], missing: int = 0) -> str:
+    """Return the whole page as markdown; ``missing`` rows have not been run."""
+    out = ["# Control bench", "", *INTRODUCTION, ""]
+    if missing:
+        out += [f"**{missing} rows of the full table have not been run.**", ""]
+    note = Path(__file__).parent / "state.md"
+    if note.exists():
+        out += [note.read_text().strip(), ""]
+    out += ["## Targets", "", *_targets(rows), ""]
+    out += ["## Laws and their tuning", ""]
+    out += [f"- **{law}**: {tuning(law)}." for law in (OWN, *RIVALS)]
+    out += ["", f"Tuned on seed 1: {SUBSET}.", ""]
+    lost = beaten(rows)
+    out += ["## Rows where a rival leaves less ripple", ""]
+    for r, ratio in lost:
+        row = f"{r['section']}, {r['case']}, seed {r['seed']}"
+        out.append(f"- {row}: {r['law']} leaves {ratio:.2f} times the shape law's ripple")
+    if not lost:
+        out.append("None.")
+    for section, title in TITLES.items():
+        part = [r for r in rows if r["section"] == section]
+        if part:
+            part.sort(key=lambda r: (r.get("seed", 0), r["case"], ORDER.get(r["law"], 99)))
+            out += ["", f"## {title}", "", *_table(section, part)]
     return "\n".join(out) + "\n"
 
 
+def _targets(rows: Sequence[Row]) -> list[str]:
+    seeds = sorted({r["seed"] for r in rows if "seed" in r})
+    sets = [{t.what: t for t in targets([r for r in rows if r.get("seed") == s])} for s in seeds]
+    heads = " | ".join(f"seed {s}: min / median / max | met" for s in seeds)
+    out = [f"| target | asked | {heads} |", "|" + "---|" * (2 + 2 * len(seeds))]
+    for what in dict.fromkeys(w for found in sets for w in found):
+        first = next(found[what] for found in sets if what in found)
+        cells = " | ".join(
+            f"{found[what].reached} | {found[what].met}" if what in found else "- | -"
+            for found in sets
+        )
+        out.append(f"| {what} | {first.asked} | {cells} |")
+    return out
+
+
+ORDER = {law: i for i, law in enumerate((OWN, *RIVALS))}
 INTRODUCTION = [
     "Written by `make bench-control` (`QUICK=1` for the short set). One line, one noise, one",
     "limit (0.3 m/s), 5 ms, one sample of transport, laws in lockstep with the simulated line, no",
     "sockets. Judged on the true mean tension of the spans at the load cell, by least squares on",
     "the roll's angle; dB against the same run with the tension PI alone. Lead and follower are",
     "0.3 mm eccentric, so ripple of other rolls is part of every row. Seed 1 was used for tuning,",
-    "seed 101 never. P is the declared line's own noise-free answer to a push (six radii):",
+    "seed 101 never. Rows are kept in `out/control-bench`, a stopped run goes on. P is the",
+    "declared line's own noise-free answer to a push (six radii, 200 FPM):",
     "nominal rows are a best case, hidden-mismatch rows use the same P on a line that differs.",
-    "Noise reference: what averaging white load-cell noise over ten turns leaves; a yardstick.",
+    "Noise reference: what averaging white load-cell noise over ten turns leaves; a yardstick. A",
+    "perfect roll is the same line and noise without any fault; best fixed weights are what the",
+    "law learned without noise, held still: both say where the line sets the limit, not the law.",
     "",
     "![Whole roll](control-bench-roll.svg) ![By law](control-bench-laws.svg)",
 ]
 
 
-def plots(found: Sequence[dict[str, Any]], folder: Path) -> None:
+def plots(rows: Sequence[Row], folder: Path) -> None:
     """Write the plots as SVG."""
     import matplotlib
 
@@ -129,7 +191,6 @@ def plots(found: Sequence[dict[str, Any]], folder: Path) -> None:
     import matplotlib.pyplot as plt
 
     matplotlib.rcParams["svg.hashsalt"] = "control-bench"
-    rows = [row for part in found for row in part["rows"]]
     rolls = [r for r in rows if r["section"] == "roll" and r["seed"] == 1]
     if rolls:
         figure, axes = plt.subplots(figsize=(8, 4))

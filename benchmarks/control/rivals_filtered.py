@@ -6,15 +6,13 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+from padasip.filters import FilterLMS
 
 from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.shape_filter import LoopFilter
-
-FADE_FROM_HZ, FADE_TO_HZ = 14.0, 16.0
-MEAN_S = 10.0
 
 
 class Rival:
@@ -48,10 +46,12 @@ class Rival:
 
 
 class FxLms(Rival):
-    """v = Re sum w_n q_n, w_n <- w_n - mu e conj(P[q_n]) / |P[q_n]|^2 (normalised, ``turns``).
+    """Filtered-x LMS per order on padasip's ``FilterLMS``: v = Re sum w_n q_n.
 
-    The filter the literature offers (padasip's NLMS) is this update for a regressor of filtered
-    carriers; written out here because the error is measured, not computed from a target.
+    The regressor is every carrier seen through P and made one in size, P[q_n] / |P[q_n]|, as
+    pairs of reals; so one step size serves all orders (normalised LMS per order). padasip takes a
+    target and forms the error itself: given prediction minus measured error as target, its error
+    is the measured one with the sign that makes the ripple fall. ``turns`` is the time constant.
     """
 
     def __init__(
@@ -60,19 +60,23 @@ class FxLms(Rival):
         cycle_s: float,
         loop: LoopModel,
         *,
-        columns: list[tuple[str, int]],
+        orders: int,
         turns: float,
+        fade_Hz: tuple[float, float] = (14.0, 16.0),
     ) -> None:
+        columns = [("unwind", n) for n in range(1, orders + 1)] + [("swrap_follower", 1)]
+        count = len(columns)
         self._phases = [phases[roll] for roll, _ in columns]
         self._order = np.array([float(n) for _, n in columns])
-        self._filter = LoopFilter(loop, len(columns))
-        self._own = phases[columns[0][0]]
-        self._w = np.zeros(len(columns), dtype=np.complex128)
-        self._q = np.zeros(len(columns), dtype=np.complex128)
+        self._filter = LoopFilter(loop, count)
+        self._own = phases["unwind"]
+        self._lms = FilterLMS(2 * count, mu=0.0, w="zeros")
+        self._w = np.zeros(count, dtype=np.complex128)
+        self._q = np.zeros(count, dtype=np.complex128)
         self._lead_s = 1.5 * cycle_s
         self._turns = turns
-        self._mean = math.nan
-        self._size = np.full(len(columns), 1e-3)
+        self._fade_Hz = fade_Hz
+        self._size = np.full(count, 1e-3)
 
     def step(self, inputs: Inputs) -> ActuatorStep:
         """Advance by one tick."""
@@ -81,19 +85,25 @@ class FxLms(Rival):
             self._w *= inputs.limit_ratio
         self._filter.follow_radius(self._own.radius_m)
         self._filter.push(self._q, self._q, 1)
-        omega = np.array([phase.omega_rad_s for phase in self._phases])
-        error = inputs.signal - inputs.reference
         if inputs.adapt:
-            seen, _ = self._filter.read()
-            power = seen.real**2 + seen.imag**2
-            self._size += dt_s * (power - self._size)
-            rate = 2.0 * dt_s * np.abs(omega) / (math.tau * self._turns)
-            step = rate * error * seen.conj() / np.maximum(self._size, 1.0)
-            self._w -= step
+            self._adapt(inputs.signal - inputs.reference, dt_s)
         angle = np.array([phase.lead(self._lead_s) for phase in self._phases])
+        omega = np.array([phase.omega_rad_s for phase in self._phases])
         frequency = np.abs(self._order * omega) / math.tau
-        fade = np.clip((FADE_TO_HZ - frequency) / (FADE_TO_HZ - FADE_FROM_HZ), 0.0, 1.0)
+        low, high = self._fade_Hz
+        fade = np.clip((high - frequency) / (high - low), 0.0, 1.0)
         self._q = fade * np.exp(1j * self._order * angle)
-        parts = self._w * self._q
-        value = float(parts.real.sum())
+        value = float((self._w * self._q).real.sum())
         return ActuatorStep(value=value, peak_bound=max(abs(value), 1e-9), slew_bound=0.0)
+
+    def _adapt(self, error: float, dt_s: float) -> None:
+        seen, _ = self._filter.read()
+        power = seen.real**2 + seen.imag**2
+        self._size += dt_s * (power - self._size)
+        size = np.sqrt(np.maximum(self._size, 1.0))
+        x = np.conj(seen / size).astype(np.complex128).view(np.float64)
+        lms = self._lms
+        lms.mu = 2.0 * dt_s * abs(self._own.omega_rad_s) / (math.tau * self._turns)
+        lms.w = (self._w * size).view(np.float64)
+        lms.adapt(float(lms.predict(x)) - error, x)
+        self._w = lms.w.view(np.complex128) / size

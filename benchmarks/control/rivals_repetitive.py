@@ -13,8 +13,6 @@ from aff_runtime.core.law import Inputs
 from aff_runtime.core.phase import RollPhase
 from benchmarks.control.rivals_filtered import Rival
 
-BINS = 48
-
 
 class Repetitive(Rival):
     """Once per turn: u(angle) <- Q [u - gain P^-1 e(angle)], all in the angle domain.
@@ -32,16 +30,18 @@ class Repetitive(Rival):
         *,
         gain: float,
         q_Hz: float,
+        bins: int = 48,
     ) -> None:
+        self._bins = bins
         self._phase = phases["unwind"]
         self._loop = loop
         self._cycle_s = cycle_s
         self._gain = gain
         self._q_Hz = q_Hz
-        self._table = np.zeros(BINS // 2 + 1, dtype=np.complex128)
-        self._sum = np.zeros(BINS)
-        self._hits = np.zeros(BINS)
-        self._order = np.arange(BINS // 2 + 1)
+        self._table = np.zeros(bins // 2 + 1, dtype=np.complex128)
+        self._sum = np.zeros(bins)
+        self._hits = np.zeros(bins)
+        self._order = np.arange(bins // 2 + 1)
         self._turn = -1
         self._good = False
 
@@ -58,7 +58,7 @@ class Repetitive(Rival):
             self._sum[:] = 0.0
             self._hits[:] = 0.0
             self._good = inputs.adapt
-        at = int((theta / math.tau - turn) * BINS) % BINS
+        at = int((theta / math.tau - turn) * self._bins) % self._bins
         self._sum[at] += inputs.signal - inputs.reference
         self._hits[at] += 1.0
         ahead = self._phase.lead(1.5 * self._cycle_s)
@@ -67,16 +67,16 @@ class Repetitive(Rival):
         return ActuatorStep(value=value, peak_bound=max(abs(value), 1e-9), slew_bound=0.0)
 
     def _learn(self) -> None:
-        spectrum = np.fft.rfft(self._sum / self._hits) * (2.0 / BINS)
+        spectrum = np.fft.rfft(self._sum / self._hits) * (2.0 / self._bins)
         turn_Hz = abs(self._phase.omega_rad_s) / math.tau
-        middle = np.exp(-1j * self._order * math.pi / BINS)
+        middle = np.exp(-1j * self._order * math.pi / self._bins)
         for n in range(1, self._order.size):
             frequency_Hz = n * turn_Hz
             if frequency_Hz > 1.5 * self._q_Hz:
                 self._table[n] = 0.0
                 continue
             turned = np.exp(1j * n * self._phase.omega_rad_s * 1.5 * self._cycle_s)
-            p = self._loop.response(frequency_Hz, self._cycle_s, self._phase.radius_m) * 1.0
+            p = self._loop.response(frequency_Hz, self._cycle_s, self._phase.radius_m)
             drive = p * turned
             inverse = drive.conjugate() / (abs(drive) ** 2 + 25.0)
             keep = 1.0 / (1.0 + (frequency_Hz / self._q_Hz) ** 8)

@@ -110,11 +110,13 @@ class Around:
 class MatrixBench:
     """One plant, one wire, one runtime that can be killed and started again."""
 
-    def __init__(self, wire: str, seed: int = 0) -> None:
+    def __init__(self, wire: str, seed: int = 0, sample_s: float = SAMPLE_S) -> None:
         self.wire = wire
+        self.sample_s = sample_s
+        self._period_ns = round(sample_s * 1e9)
         self.site = SITES[wire]
         self.clock = VirtualClock()
-        self.lockstep = LockstepPlant(QuietLine(), Plc(default_map()))
+        self.lockstep = LockstepPlant(QuietLine(sample_s), Plc(default_map()))
         self.plant = self.lockstep.plant
         self.bus: LockstepBus | None = None
         if wire != "modbus":
@@ -133,7 +135,7 @@ class MatrixBench:
         self.guard = Guard(replace(guarded, actuators=outputs, splice_settle_s=0.1))
         self.around = Around(self.guard)
         settings = CycleSettings(
-            period_ns=5_000_000,
+            period_ns=self._period_ns,
             io_deadline_ns=3_000_000,
             fade_s=self.site.freshness.fade_ms * 1e-3,
             channel_count=len(self.site.gateway.read.channels),
@@ -166,14 +168,18 @@ class MatrixBench:
     def run(self, seconds: float) -> list[float]:
         """Advance both sides; return the largest correction at the plant, sample by sample."""
         begin = len(self.applied)
-        for _ in range(round(seconds / SAMPLE_S)):
-            self.lockstep.advance(SAMPLE_S)
-            if self.running:
-                self.running = self.cycle.tick()
-            else:
-                self.clock.advance_ns(5_000_000)
-            self.applied.append(max(abs(v) for v in self.plant.applied_m_s.values()))
+        for _ in range(round(seconds / self.sample_s)):
+            self.applied.append(self.step())
         return self.applied[begin:]
+
+    def step(self) -> float:
+        """Advance both sides by one sample; return the largest correction at the plant."""
+        self.plant.step()
+        if self.running:
+            self.running = self.cycle.tick()
+        else:
+            self.clock.advance_ns(self._period_ns)
+        return max(map(abs, self.plant.applied_m_s.values()))
 
     def arm(self) -> None:
         self.around.inbox.append(Arm())
@@ -182,10 +188,10 @@ class MatrixBench:
         self.around.inbox.append(Bypass())
 
     def until(self, *states: State, within_s: float = 3.0) -> bool:
-        for _ in range(round(within_s / SAMPLE_S)):
+        for _ in range(round(within_s / self.sample_s)):
             if self.guard.state in states:
                 return True
-            self.run(SAMPLE_S)
+            self.run(self.sample_s)
         return False
 
     def begin(self, spec: str) -> None:

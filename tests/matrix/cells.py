@@ -70,6 +70,13 @@ def judge(cell: Cell) -> str:  # noqa: PLR0911 (one return per verdict)
         if any(whole[zero_from:]):
             return f"not zero {ZERO_S * 1e3:.0f} ms after the fault began"
         bench.bypass()
+        bench.run(0.02)
+        bench.arm()  # at once, as operators do: the PLC must have seen the runtime idle before
+        bench.run(1.0)
+        if not any(bench.applied[-20:]):
+            return f"bypass and arm at once: {bench.guard.state.name}, {bench.plant.refusal}"
+        bench.bypass()
+        bench.run(0.4)
         return _recovers(bench)
     if cell.reaction == "fade":
         if any(during[zero_from:]):

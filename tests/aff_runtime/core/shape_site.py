@@ -14,13 +14,17 @@ from aff_runtime.core.shape_law import ShapeLaw
 from tests.aff_runtime.core.plants import ACTUATOR, CYCLE_S, SWRAP, UNWIND, LagDelay
 
 DRIVE = DriveParams(roll="unwind", K_ref_rad_s=15.0, zeta=1.1, inertia_kg_m2=0.4, tension_N=90.0)
+# no torque on the roll and no imbalance: the length rate alone
+LENGTH_ONLY = replace(DRIVE, torque_term=False, imbalance=False)
 GAIN_N_S_M = 400.0
 
 
 def actuator(orders=(1, 2), extra=(), **kw) -> ActuatorParams:
     blocks = [BlockParams(roll="unwind", orders=tuple(orders), settle_s=8.0, amp_limit=0.3)]
     blocks += [BlockParams(roll=r, orders=o, settle_s=8.0, amp_limit=0.3) for r, o in extra]
-    return replace(ACTUATOR, law=LawKind.SHAPE, drive=DRIVE, blocks=tuple(blocks), **kw)
+    return replace(
+        ACTUATOR, **{"law": LawKind.SHAPE, "drive": DRIVE, "blocks": tuple(blocks), **kw}
+    )
 
 
 def loop_of(plant: LagDelay, length: int = 200) -> LoopModel:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from aff_runtime.core.phase import Quality
 from aff_runtime.core.shape_profile import ShapeProfile
 from tests.aff_runtime.core.plants import CYCLE_S, LagDelay
-from tests.aff_runtime.core.shape_site import GAIN_N_S_M, Rig, actuator
+from tests.aff_runtime.core.shape_site import GAIN_N_S_M, LENGTH_ONLY, Rig, actuator
 
 RIPPLE = {("unwind", 1): 1.2 - 0.4j, ("unwind", 2): -0.5 + 0.8j}
 
@@ -31,8 +31,7 @@ def test_ripple_falls_by_forty_dB_within_ten_turns_with_noise():
 def test_the_weight_is_the_shape_in_metres():
     """Ripple that a shape makes through P is cancelled by exactly that shape."""
     shape = 0.4e-3 * np.exp(0.9j)
-    rig = Rig(actuator(orders=(1,)))
-    rig.law.basis._pull[:] = 0.0  # length rate alone: the plant here has no torque input
+    rig = Rig(actuator(orders=(1,), drive=LENGTH_ONLY))
     lead = 0.5 * CYCLE_S
     omega = rig.phases["unwind"].omega_rad_s
     s = 1j * omega
@@ -47,8 +46,8 @@ def test_the_weight_is_the_shape_in_metres():
 
 def test_a_speed_change_needs_no_new_learning_where_P_is_flat():
     """The same shape at twice the speed: what was learned cancels it at once."""
-    rig = Rig(actuator(orders=(1,)), plant=LagDelay(GAIN_N_S_M, delay=0, lag=0.0))
-    rig.law.basis._pull[:] = 0.0
+    flat = LagDelay(GAIN_N_S_M, delay=0, lag=0.0)
+    rig = Rig(actuator(orders=(1,), drive=LENGTH_ONLY), plant=flat)
     shape = 0.4e-3
 
     def ripple_at(omega):
@@ -161,6 +160,7 @@ def test_a_saved_profile_starts_at_once_and_survives_the_file():
     second = Rig(ripple=RIPPLE)
     second.noise_N = 0.1
     second.law.start_from(ShapeProfile.from_json(text))
+    assert (second.law.weight == first.law.weight).all()  # the imbalance's column too
     trace = second.run(6.0)
     assert tail_rms(trace, 4.0) < 0.05
 
@@ -179,6 +179,19 @@ def test_a_changed_roll_fades_without_a_jump_and_is_forgotten_the_other_roll_is_
     assert np.abs(np.diff(outputs)).max() < 0.25 * np.abs(outputs).max()
     assert abs(rig.law.weights()[("unwind", 2)]) < 0.2e-3
     assert rig.law.weights()[("swrap", 1)] == pytest.approx(kept, rel=0.3)
+
+
+def test_a_new_roll_is_learned_and_not_mistaken_for_harm():
+    rig = Rig(ripple=RIPPLE)
+    rig.noise_N = 0.1
+    rig.run(12.0)
+    rig.law.reset_roll("unwind")
+    rig.ripple = {key: c * np.exp(1.9j) for key, c in RIPPLE.items()}
+    trace = []
+    for _ in range(round(25.0 / CYCLE_S)):
+        trace.append(rig.tick())
+        assert rig.law.monitor.calm
+    assert tail_rms(np.array(trace), 15.0) < 0.05
 
 
 def test_a_lost_angle_fades_its_columns_and_stops_learning():

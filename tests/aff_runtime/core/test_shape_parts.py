@@ -104,10 +104,11 @@ def test_the_filter_agrees_with_batch_least_squares_under_its_prior():
         phi = 500.0 * np.exp(1j * np.array([0.05 * k, 0.1 * k]))
         error = 0.4 * math.cos(0.05 * k) - 0.7 * math.sin(0.1 * k) + 0.5 * rng.standard_normal()
         kalman.step(error, phi, zero, np.ones(n), CYCLE_S)
-        rows.append(np.concatenate([phi.real, -phi.imag, np.zeros(2 * n), [1.0]]))
+        rows.append(np.concatenate([phi.conj().view(float), np.zeros(2 * n), [1.0]]))
         errors.append(error)
     H = np.array(rows)
     batch = np.linalg.solve(H.T @ H / 0.25 + np.diag(1 / prior), H.T @ np.array(errors) / 0.25)
+    batch[2 * n : 4 * n : 2] += 1.0  # P is taken as right until readings say otherwise
     assert kalman.state == pytest.approx(batch, abs=1e-7, rel=1e-5)
     assert np.allclose(kalman.covariance, kalman.covariance.T, rtol=0, atol=1e-15)
 
@@ -134,11 +135,14 @@ def test_the_peak_bound_covers_the_turn_and_is_closer_than_the_sum():
     rng = np.random.default_rng(1)
     order = np.arange(1.0, 9.0)
     parts = rng.standard_normal(8) + 1j * rng.standard_normal(8)
-    peak, slew = PeakBound(order, ["a"] * 8, "a").of(parts, np.full(8, 3.0))
+    bound = PeakBound(order, ["a"] * 8, "a")
+    peak, slew = bound.of(parts, np.ones(8), np.full(8, 3.0))
+    turned = np.exp(0.1j * order)
+    assert bound.of(parts * turned, turned, np.full(8, 3.0)) == pytest.approx((peak, slew))
     angle = np.linspace(0, math.tau, 20001)
     wave = (parts[:, None] * np.exp(1j * order[:, None] * angle)).real.sum(axis=0)
     rate = (1j * 3.0 * order[:, None] * parts[:, None] * np.exp(1j * order[:, None] * angle)).real
-    assert np.abs(wave).max() <= peak <= 1.1 * np.abs(wave).max()
+    assert np.abs(wave).max() <= peak <= 1.03 * np.abs(wave).max()
     assert np.abs(rate.sum(axis=0)).max() <= slew
     assert peak < np.abs(parts).sum()
 
@@ -148,7 +152,8 @@ def test_room_gives_back_what_it_took_when_the_limit_is_gone():
     b, weight = np.array([1 + 0j, 4 + 0j]), np.array([1e-3 + 0j, 1e-3 + 0j])
     room.peak = 5e-3
     room.step(0.6, b, weight, np.array([100.0, 100.0]), CYCLE_S)
-    assert room.share == pytest.approx([1.0, 0.5])
+    # the excess of 2e-3 and a hundredth of the output more, from what costs most
+    assert room.share == pytest.approx([1.0, 1.0 - (2e-3 + 5e-5) / 4e-3])
     room.peak = 1e-3
     for _ in range(500):
         room.step(1.0, b, weight, np.array([100.0, 100.0]), CYCLE_S)

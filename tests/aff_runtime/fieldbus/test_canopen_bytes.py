@@ -53,7 +53,7 @@ def test_received_pdos_carry_the_words_and_the_velocity_offsets() -> None:
 
 
 def test_sync_is_identifier_0x080_without_data() -> None:
-    assert Frame(0x080, False, b"") == SYNC
+    assert (SYNC.can_id, SYNC.extended, SYNC.data) == (0x080, False, b"")
 
 
 def test_our_heartbeat_says_pre_operational_until_the_nodes_work() -> None:

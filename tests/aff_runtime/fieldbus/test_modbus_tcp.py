@@ -395,3 +395,30 @@ def test_no_server_delays_a_tick_past_its_deadline_or_passes_off_an_old_answer(
         if outcome is Outcome.NOT_CONNECTED:
             rig.clock.advance_ns(2000 * MS)  # past any pause
     assert rig.tick()[0] is Outcome.OK  # and it recovers from whatever that was
+
+
+def test_a_replaced_connection_writes_nothing_before_a_good_reply() -> None:
+    rig = Rig().connected()
+    assert rig.outcomes(400) == [Outcome.OK] * 400  # 2 s, the longest back-off
+    asked: list[int] = []
+
+    def half(request: bytes) -> Arrivals:
+        asked.append(function_of(request))
+        return [(MS, good(request)[:8])]
+
+    def whole(request: bytes) -> Arrivals:
+        asked.append(function_of(request))
+        return [(MS, good(request))]
+
+    rig.wire.answer = half
+    rig.outcomes(200)
+    assert len(asked) > 3
+    assert asked[0] == 23
+    assert set(asked[1:]) == {3}
+    asked.clear()
+    rig.wire.answer = whole
+    while Outcome.OK not in rig.outcomes(1):
+        pass
+    assert asked == [3]
+    assert rig.outcomes(2) == [Outcome.OK] * 2
+    assert asked == [3, 23, 23]

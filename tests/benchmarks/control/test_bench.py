@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from aff_runtime.base.signals import ActuatorStep
+from benchmarks.control import store
+from benchmarks.control.__main__ import SECTIONS, chosen_jobs
 from benchmarks.control.cases import ON_S, constant_cases, mismatch_cases, roll_duration_s
-from benchmarks.control.judge import order_amplitudes, ratio_dB
+from benchmarks.control.jobs import Job
+from benchmarks.control.judge import judge_transient, order_amplitudes, ratio_dB
+from benchmarks.control.laws import OWN, RIVALS, TUNED, shape_law
 from benchmarks.control.lines import ALL_FIVE, INCH_M, Hidden, nominal, spoilt, with_hidden
-from benchmarks.control.lockstep import run
-from benchmarks.control.verdicts import targets
+from benchmarks.control.lockstep import Record, run
+from benchmarks.control.memory import footprint
+from benchmarks.control.timing import Steady
+from benchmarks.control.verdicts import beaten, targets
 from sim_plant.line.load import consistency
 
 
@@ -78,6 +86,105 @@ def test_targets_say_what_share_of_rows_meets_them():
         "section": "follower", "law": "follower and unwind", "case": "x", "seed": 1,
         "pullroll_1x_dB": 35.0, "pullroll": 0.1, "unwind": 1.2, "follower_speed": 1.0,
     }  # fmt: skip
-    found = {t.what: t.met for t in targets([row])}
+    found = {t.what: t.met for t in targets([row, {**row, "unwind": 0.9}])}
     assert found["4 follower, pull-roll 1x"] == "yes"
-    assert found["4 unwind tension meanwhile"] == "0 % of rows"
+    assert found["4 unwind tension meanwhile"] == "50 %"
+
+
+def test_a_rival_with_less_ripple_is_named_with_its_ratio():
+    own = {"section": "constant", "law": OWN, "case": "x", "seed": 1, "ripple": 0.05}
+    rival = {**own, "law": "FxLMS", "ripple": 0.04}
+    ((row, ratio),) = beaten([own, rival, {**own, "law": "repetitive", "ripple": 0.4}])
+    assert row["law"] == "FxLMS"
+    assert ratio == pytest.approx(0.8)
+
+
+def test_a_row_is_kept_until_its_sources_change(tmp_path, monkeypatch):
+    job = Job(section="constant", case=constant_cases()[0], law="FxLMS", seed=1)
+    assert store.load(tmp_path, job) is None
+    store.save(tmp_path, job, {"ripple": 0.5})
+    assert store.load(tmp_path, job) == {"ripple": 0.5}
+    assert store.load(tmp_path, Job(section="constant", case=job.case, law=OWN, seed=1)) is None
+    monkeypatch.setitem(TUNED["FxLMS"]["setting"], "turns", 77.0)
+    store.fingerprint.cache_clear()
+    assert store.load(tmp_path, job) is None
+    store.fingerprint.cache_clear()
+
+
+def test_every_law_stands_on_every_row():
+    jobs = chosen_jobs(SECTIONS, [1, 101], quick=False)
+    for section in ("constant", "ramp", "roll", "mismatch"):
+        rows = {(j.case.name, j.law, j.seed) for j in jobs if j.section == section}
+        for name, _, seed in rows:
+            assert all((name, law, seed) in rows for law in (OWN, *RIVALS))
+    assert len({store.place(Path(), j) for j in jobs}) == len(jobs)
+
+
+def test_the_compiled_run_without_a_law_is_the_run_with_a_silent_one():
+    line = spoilt(nominal("tyvek", 0.2032), shape="flat", lead_m=0.0, follower_m=0.0)
+    speed = np.linspace(1.0, 1.2, 300)
+
+    class Silent:
+        def step(self, _inputs):
+            return ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
+
+    alone = run(line, {}, speed, seed=3, on_s=0.5)
+    silent = run(line, {"unwind": lambda _phases, _cycle_s: Silent()}, speed, seed=3, on_s=0.5)
+    for name in ("tension_N", "pullroll_N", "unwind_rad", "follower_m_s", "radius_m"):
+        assert (getattr(alone, name) == getattr(silent, name)).all()
+
+
+def test_a_new_roll_shows_its_shape_at_another_angle_of_the_encoder():
+    line = spoilt(nominal("tyvek", 0.2032), shape="flat", lead_m=0.0, follower_m=0.0)
+    seen = []
+
+    class Watcher:
+        def __init__(self, phases):
+            self.phases = phases
+
+        def step(self, _inputs):
+            seen.append(self.phases["unwind"].theta_rad)
+            return ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
+
+        def reset_roll(self, roll):
+            seen.append(roll)
+
+    roll_id = np.repeat([1, 2], 50)
+    run(line, {"unwind": lambda phases, _: Watcher(phases)}, np.full(100, 1.0), seed=None,
+        on_s=0.0, roll_id=roll_id)  # fmt: skip
+    assert seen.index("unwind") == 50
+
+
+def test_back_after_a_transient_is_counted_in_turns():
+    time_s = np.arange(0.0, 60.0, 0.005)
+    angle = 2.0 * math.tau * time_s / 4.0
+    ripple = np.sin(angle)
+    blank = np.zeros_like(time_s)
+
+    def record(tension):
+        return Record(
+            time_s=time_s, tension_N=tension, pullroll_N=blank, follower_m_s=blank,
+            unwind_rad=angle, follower_rad=angle, radius_m=blank, speed_m_s=blank,
+            correction_m_s=np.zeros((1, time_s.size)),
+        )  # fmt: skip
+
+    left = ripple * np.where((time_s > 30.0) & (time_s < 36.0), 1.0, 0.05)
+    found = judge_transient(record(left), record(ripple), 30.0, 30.0)
+    assert found["before"] == pytest.approx(0.05, rel=0.01)
+    assert found["worst_2s"] == pytest.approx(1.0, rel=0.01)
+    assert found["back_turns"] == pytest.approx(4.0)  # the window from 6 to 10 s, at its middle
+
+
+def test_no_container_of_the_law_grows():
+    """The objects that hang on the law, and their bytes, after 1e4 and after 4e4 ticks."""
+    line = Steady(shape_law("tyvek", orders=4))
+
+    def after(ticks):
+        for _ in range(ticks):
+            line.prepare()
+            line.step()
+        return footprint(line)
+
+    after(1000)
+    first = after(9000)
+    assert after(30000) == first
