@@ -12,7 +12,6 @@ import numpy as np
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.demo.judge import read_record
 from sim_plant.demo.pace import Pace, pace_of
 from sim_plant.demo.processes import (
     PLANT,
@@ -24,6 +23,7 @@ from sim_plant.demo.processes import (
     runtime_status,
 )
 from sim_plant.demo.wires import wire_up
+from sim_plant.line.record_file import read_columns
 
 Progress = Callable[[str], None]
 ATTEMPTS = 3
@@ -103,7 +103,7 @@ def run_session(plan: Plan, progress: Progress) -> Session:
         codes["plant"] = plant.stop()
     folders = sorted((bench.folder / "runs").glob("*/run.yaml"))
     return Session(
-        plan=plan, record=read_record(record_path), before_s=(times[0], times[1]),
+        plan=plan, record=read_columns(record_path), before_s=(times[0], times[1]),
         after_s=(times[3], times[4]), armed_at_s=times[2], run_folder=folders[-1].parent,
         probe_text=probe_text, exit_codes=codes,
     )  # fmt: skip

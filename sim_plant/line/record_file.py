@@ -31,8 +31,12 @@ def write_columns(path: Path, columns: Mapping[str, Array]) -> None:
         raise PlantError(f"{path}: cannot be written ({error}). Name another --out.") from error
 
 
-def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, Array]:
+def read_columns(
+    path: Path, names: Sequence[str] | None = None, *, finite: bool = True
+) -> dict[str, Array]:
     """Return the named columns of a record, all of them for None, (samples,) each.
+
+    ``finite`` False takes values that are none, such as readings a gateway did not get.
 
     Raises
     ------
@@ -54,6 +58,6 @@ def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, Ar
         raise PlantError(f"{path}: {len(header)} names over {table.shape[1]} columns of samples")
     columns = {name: np.ascontiguousarray(table[:, header.index(name)]) for name in names}
     for name, values in columns.items():
-        if not np.isfinite(values).all():
+        if finite and not np.isfinite(values).all():
             raise PlantError(f"{path}: column {name!r} holds a number that is not finite")
     return columns
