@@ -44,7 +44,7 @@ class Plan:
     before_s: float = 16.0
     learn_s: float = 60.0
     after_s: float = 20.0
-    relearn_s: float = 12.0
+    relearn_s: float = 30.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,6 +15,8 @@ from aff_runtime.base.errors import WireError
 from sim_plant.servers.can_frames import CanFrame, Take
 from sim_plant.servers.frame_hub import FrameHub
 
+_HEX = frozenset(b"0123456789ABCDEFabcdef")
+
 
 class CanChannel(Protocol):
     """One bus as the plant's event loop sees it."""
@@ -181,7 +183,7 @@ def channel_of(interface: str, channel: str) -> CanChannel:
 def _frame_of(line: bytes) -> CanFrame | None:
     """Return the frame of one slcan line; None for the adapter's own commands."""
     digits = {b"t": 3, b"T": 8}.get(line[:1])
-    if digits is None:
+    if digits is None or not set(line[1:]) <= _HEX:
         return None
     try:
         length = int(line[1 + digits : 2 + digits], 16)

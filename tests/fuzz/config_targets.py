@@ -71,8 +71,13 @@ def _edited(source: Source, text: str) -> str:
     elif kind == 6:
         lines.insert(at, lines[source.below(len(lines))])
     else:
-        lines[at] = source.spoilt(lines[at].encode()).decode("utf-8", "surrogateescape")
+        lines[at] = _spoilt(source, lines[at])
     return "".join(lines)
+
+
+def _spoilt(source: Source, line: str) -> str:
+    raw = source.spoilt(line.encode("utf-8", "surrogateescape"))
+    return raw.decode("utf-8", "surrogateescape")
 
 
 def _keeps_its_promises(found: Site) -> None:

@@ -227,20 +227,27 @@ def words(data: bytes) -> str:
     return "ok"
 
 
+PDUS = (
+    bytes.fromhex("17 0000 000f 0064 000a 14"), bytes.fromhex("10 0064 000a 14"),
+    bytes.fromhex("03 0000 000f"), bytes.fromhex("06 0064"),
+)  # fmt: skip
+
+
 def plc_pdu(data: bytes) -> str:
     """The simulated PLC answers anything, and a refusal changes nothing."""
-    if not data:
+    source = Source(data)
+    good = source.pick(PDUS) + source.take(20).ljust(20, b"\0")
+    asked = source.spoilt(good) if source.byte() & 1 else good[: 1 + source.below(40)]
+    if not asked:
         return "nothing"  # the frame around it has at least a function code
     registers = Registers(PLC_MAP)
     before = list(registers.write_words)
-    said = ModbusDevice(registers).answer(data)
+    said = ModbusDevice(registers).answer(asked)
     assert len(said) <= 253
-    if data and said[0] & 0x80:
+    if said[0] & 0x80:
         assert registers.write_words == before
         return "refused"
     return "ok"
 
 
-SEEDS = [bytes(16), bytes(range(64)), b"\x02\x01" * 40, b"\x00\x01" * 60, b"\x01" * 120,
-         bytes.fromhex("17 0000 000f 0064 000a 14") + bytes(20), bytes.fromhex("03 0000 000f"),
-         bytes.fromhex("10 0064 000a 14") + bytes(20)]  # fmt: skip
+SEEDS = [bytes(16), bytes(range(64)), b"\x02\x01" * 40, b"\x00\x01" * 60, b"\x01" * 120]
