@@ -45,7 +45,7 @@ def cells(states: tuple[str, ...] = STATES) -> Iterator[Cell]:
                 )  # fmt: skip
 
 
-def judge(cell: Cell) -> str:  # noqa: PLR0911 (one return per verdict)
+def judge(cell: Cell) -> str:
     """Run one cell; return what is wrong, empty when nothing is."""
     bench = MatrixBench(cell.wire, seed=len(cell.fault))
     wrong = _reach(bench, cell.state)
@@ -55,7 +55,6 @@ def judge(cell: Cell) -> str:  # noqa: PLR0911 (one return per verdict)
     bench.begin(cell.spec)
     during = bench.run(duration_s)
     bench.end(cell.spec)
-    zero_from = round(ZERO_S / SAMPLE_S) + 1
     after = bench.run(max(0.4, ZERO_S + 0.1 - duration_s))
     whole = during + after
     wrong = _used_as_live(bench.law) if _is_told_apart(cell) else ""
@@ -65,6 +64,15 @@ def judge(cell: Cell) -> str:  # noqa: PLR0911 (one return per verdict)
         return f"{max(bench.applied):.4f} m/s is above the limit"
     if cell.state in {"OFF", "BYPASS"}:
         return "a correction without an operator" if any(whole) else _recovers(bench)
+    return _reacts(cell, bench, during, after)
+
+
+def _reacts(  # noqa: PLR0911 (one return per verdict)
+    cell: Cell, bench: MatrixBench, during: list[float], after: list[float]
+) -> str:
+    """Judge the reaction that the table asks for, and the way back."""
+    whole = during + after
+    zero_from = round(ZERO_S / SAMPLE_S) + 1
     if cell.reaction == "latch":
         if any(whole[zero_from:]):
             return f"not zero {ZERO_S * 1e3:.0f} ms after the fault began"
