@@ -18,6 +18,7 @@ from tests.matrix.deeds import HARMLESS, KILLS, Deed, recorder_pid
 from tests.matrix.disk import small_disk
 from tests.matrix.live_judge import Seen, stays_at_zero, strike
 
+SPEED_M_S = 0.6  # one roll lasts for half an hour
 KILL_SPACING_S = 25.0  # three deaths within a minute end the service, by design
 
 
@@ -96,7 +97,7 @@ def main(arguments: list[str]) -> int:
     wire, minutes = arguments[0], float(arguments[1])
     seed = int(arguments[2]) if len(arguments) > 2 else 1
     with small_disk() as folder:
-        line = LiveLine(folder, wire)
+        line = LiveLine(folder, wire, speed_m_s=SPEED_M_S)
         try:
             soak = LiveSoak(line, wire, seed)
             until("the service sees the PLC", lambda: line.status().get("comm") == "OK")
