@@ -6,7 +6,8 @@ STAMP  := $(VENV)/.installed
 SPEED  ?= 200
 WIRE   ?= modbus
 CASES  ?= 600
-.PHONY: campaign demo demo-refine test check bench bench-control size matrix test-socketcan setup clean
+
+.PHONY: campaign demo demo-refine refine-pairs test check bench bench-control size matrix test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -24,6 +25,10 @@ demo: setup
 # two records with an undeclared effect: name it, write the amended line, error before and after
 demo-refine: setup
 	$(BIN)/python -m sim_plant.cli.main refine config/lines/euclid.yaml --example --out out/refine
+
+# every pair of shared/data/lines, and each with its true effect taken out of the library; minutes a run
+refine-pairs: setup
+	$(BIN)/python -m tests.sim_plant.refine.pairs --out out/refine-pairs
 
 # everything that decides whether a change may land
 test: setup check

@@ -24,6 +24,15 @@ class Unknown:
     coordinate: dict[str, float | str]
     strength: float
 
+    @property
+    def text(self) -> str:
+        """Class and coordinate, for people."""
+        where = ", ".join(
+            f"{key} {value:.5g}" if isinstance(value, float) else f"{key} {value}"
+            for key, value in self.coordinate.items()
+        )
+        return f"{self.kind} ({where})"
+
 
 def strongest(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, float, float]:
     """Return the strongest free line of all records: spectrum, coordinate, drop."""
