@@ -98,13 +98,15 @@ class LineJudge:
         self._set_gates(values)
         running = self._status & self._need == self._need and (was_moving or self.moving)
         causes = 0
+        credible = True
         unbelievable = ""
         for channel in self._channels:
             value = _value(values, channel.params.channel)
             if not channel.is_plausible(value, elapsed_s, running):
                 causes |= 1 << channel.params.event
                 unbelievable = unbelievable or channel.params.name
-        self.believes = causes == 0
+            credible = credible and channel.is_credible(value)
+        self.believes = causes == 0 and credible
         splicing = self._is_splicing(now_ns)
         for radius in self._radii:
             if splicing:

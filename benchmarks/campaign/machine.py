@@ -70,11 +70,18 @@ def machine_of(line: dict[str, Any], rng: np.random.Generator, size: float = 1.0
         for r in rollers
     ]  # fmt: skip
     acts = [t["acts_on"] for t in loops]
+    radius = _of(s.near(r["radius_m"], "radius") for r in rollers)
+    driven = [names.index(d["roller"]) for d in drives]
+    # a drive divides by the radius that was typed in; that of a roll is measured
+    believed = [
+        rollers[k]["radius_m"] / radius[k] if rollers[k]["kind"] == "driven" else 1.0
+        for k in driven
+    ]
     none = np.zeros(len(drives))
     flat = np.zeros(len(cells))
     return Machine(
         bodies=round_bodies(line, s),
-        radius=_of(s.near(r["radius_m"], "radius") for r in rollers),
+        radius=radius,
         inertia=np.array(inertia),
         drag=_of(s.near(r["friction_constant_N_m"], "friction") for r in rollers),
         viscous=_of(s.near(r["friction_viscous_N_m_s"], "friction") for r in rollers),
@@ -96,7 +103,7 @@ def machine_of(line: dict[str, Any], rng: np.random.Generator, size: float = 1.0
         drive_loop=np.array(
             [acts.index(d["roller"]) if d["roller"] in acts else -1 for d in drives]
         ),
-        drive_ratio=none + 1.0, drive_delay=np.zeros(len(drives), dtype=np.int64),
+        drive_ratio=np.array(believed), drive_delay=np.zeros(len(drives), dtype=np.int64),
         drive_slew=none.copy(), encoder=none.copy(), encoder_angle=none.copy(),
         encoder_share=none.copy(),
         slip=np.zeros(len(rollers)), slip_speed=np.zeros(len(rollers)),

@@ -29,6 +29,13 @@ SIZED_BY = (*short.CELLS, *short.SPEEDS)
 """Channels in which a signal-to-noise ratio is taken; angles drift without bound."""
 
 
+PROPORTIONAL = ("eccentric_roller", "unbalanced_roller", "unbalanced_measuring_roller",
+                "torque_ripple", "bearing_drag", "mains_hum", "encoder_eccentricity",
+                "wound_in_strain", "thermal_strain", "dancer_swing", "hidden_nip",
+                "drifting_cell", "gusty_drive", "web_wave")  # fmt: skip
+"""Effects whose response grows with their size: one run tells the size that is wanted."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Made:
     """What is known of a case that was written.
@@ -106,7 +113,10 @@ def sized(at: Stage, fault: Fault, wanted: float, healthy: dict[str, Array],
             break
         size = fault.size * wanted / reached
         least = SMALLEST.get(fault.effect, 0.0)
-        fault = replace(fault, size=float(np.copysign(max(abs(size), least), size)))
+        size = float(np.copysign(max(abs(size), least), size))
+        if fault.effect in PROPORTIONAL:
+            return replace(fault, size=size), reached * size / fault.size
+        fault = replace(fault, size=size)
         reached = snr_of(at.quiet((fault,)), healthy, floor)
     return fault, reached
 

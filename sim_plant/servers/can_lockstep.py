@@ -80,6 +80,11 @@ class LockstepBus:
         """End the conversation."""
         self.closed = True
 
+    def reopen(self) -> None:
+        """Begin anew, as a fresh socket does: what was sent before is not heard."""
+        self._queue.clear()
+        self.closed = False
+
     def _on_sample(self, plant: Plant) -> None:
         self._put(self._node.publish(plant))
         if plant.faults.active(Fault.SECOND):

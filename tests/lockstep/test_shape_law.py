@@ -137,6 +137,7 @@ def test_the_shape_is_kept_in_mm_at_the_encoders_zero(learned):
     assert (data["roll_id"], data["format"]) == (1, "aff-learned-shape-1")
     first = next(r for r in data["orders"] if (r["roll"], r["order"]) == ("unwind", 1))
     assert 0.2 < first["deviation_mm"] < 2.0  # a 12 mm flat spot has a first order of this size
+    assert data["imbalance"][0]["roll"] == "unwind"
     assert set(kept) == {"unwind"}  # the follower runs the plain blocks
 
 

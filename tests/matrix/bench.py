@@ -50,19 +50,37 @@ class QuietLine(FakeLine):
 
 
 class Greedy:
-    """A law that asks for more than every limit, without pause."""
+    """A law that asks for more than every limit, without pause, and looks at what it is given.
 
-    def __init__(self) -> None:
-        self.fails = False
+    Attributes
+    ----------
+    ails : how it is broken: ``law`` raises, ``lazy`` answers nothing, ``nan`` is no number.
+    oldest_scans : age of the oldest reading that it was given as fresh, in scans of the PLC.
+    largest : largest reading that it was given as fresh.
+    """
+
+    def __init__(self, plc: Plc) -> None:
+        self.ails = ""
+        self.oldest_scans = 0
+        self.largest = 0.0
+        self._plc = plc
         self._k = 0
 
     def step(
         self, snapshot: Snapshot, dt_s: float, permission: Permission
-    ) -> tuple[ActuatorStep, ...]:
-        if self.fails:
+    ) -> tuple[ActuatorStep, ...] | None:
+        if snapshot.fresh:
+            age = (self._plc._heartbeat - snapshot.plc_heartbeat) & 0xFFFF
+            self.oldest_scans = max(self.oldest_scans, age)
+            self.largest = max(self.largest, *map(abs, snapshot.values[:2]))
+        if self.ails == "law":
             raise RuntimeError("the law is broken")
+        if self.ails == "lazy":
+            return None
         self._k += 1
         value = 0.08 * math.cos(0.02 * self._k)
+        if self.ails == "nan":
+            value = math.nan
         step = ActuatorStep(value=value, peak_bound=0.08, slew_bound=0.4)
         return (step, replace(step, value=0.5 * value, peak_bound=0.04))
 
@@ -123,7 +141,7 @@ class MatrixBench:
             protocol = {"can": "dbc", "canopen": "canopen"}[wire]
             node = can_node(self.plant, protocol, CONFIG / "plc" / f"can_{protocol}.yaml")
             self.bus = LockstepBus(self.lockstep, node, self.clock, seed=seed)
-        self.law = Greedy()
+        self.law = Greedy(self.lockstep.plant.plc)
         self.applied: list[float] = []
         self.running = True
         self.start()
@@ -201,17 +219,17 @@ class MatrixBench:
             self.running = False
         elif name == "!supervisor":
             self.around.inbox.append(SupervisorLost())
-        elif name == "!law":
-            self.law.fails = True
+        elif name in {"!law", "!lazy", "!nan"}:
+            self.law.ails = name[1:]
         else:
             self.lockstep.inject(parse_fault(spec))
 
     def end(self, spec: str) -> None:
         """End what ``begin`` began, where time alone does not."""
         name, _, _ = spec.partition(":")
-        self.law.fails = False
+        self.law.ails = ""
         if name in {"!kill", "!supervisor"}:
             if self.bus is not None:
-                self.bus.closed = False
+                self.bus.reopen()
             self.start()
         self.running = True

@@ -6,39 +6,20 @@ memory, descriptors and threads are compared. Every blow is judged at the plant.
 
 from __future__ import annotations
 
-import contextlib
 import os
 import random
-import subprocess
 import sys
-import tempfile
 from collections import defaultdict
-from collections.abc import Iterator
 from pathlib import Path
 
 from tests.hil.live_line import CLOCK, LiveLine, until
 from tests.matrix.cells import TABLE
 from tests.matrix.deeds import HARMLESS, KILLS, Deed, recorder_pid
+from tests.matrix.disk import small_disk
 from tests.matrix.live_judge import Seen, stays_at_zero, strike
 
+SPEED_M_S = 0.6  # one roll lasts for half an hour
 KILL_SPACING_S = 25.0  # three deaths within a minute end the service, by design
-DISK_MB = 768
-
-
-@contextlib.contextmanager
-def small_disk() -> Iterator[Path]:
-    """Yield a folder on a file system of its own, where the machine lets us; else a plain one."""
-    with tempfile.TemporaryDirectory(prefix="soak", dir="/tmp") as name:
-        image, folder = Path(name) / "disk", Path(name) / "d"
-        folder.mkdir()
-        with image.open("wb") as stream:
-            stream.truncate(DISK_MB << 20)
-        subprocess.run(["mkfs.ext4", "-q", "-m", "0", str(image)], check=True)
-        subprocess.run(["mount", "-o", "loop", str(image), str(folder)], check=True)
-        try:
-            yield folder
-        finally:
-            subprocess.run(["umount", "-l", str(folder)], check=True)
 
 
 def size_of(pid: int) -> tuple[int, int, int]:
@@ -116,7 +97,7 @@ def main(arguments: list[str]) -> int:
     wire, minutes = arguments[0], float(arguments[1])
     seed = int(arguments[2]) if len(arguments) > 2 else 1
     with small_disk() as folder:
-        line = LiveLine(folder, wire)
+        line = LiveLine(folder, wire, speed_m_s=SPEED_M_S)
         try:
             soak = LiveSoak(line, wire, seed)
             until("the service sees the PLC", lambda: line.status().get("comm") == "OK")
@@ -160,10 +141,8 @@ def _report(
         wrong = sum(bool(seen.wrong) for seen in all_)
         zero = max(seen.zero_s for seen in all_)
         largest = max(seen.largest for seen in all_)
-        print(
-            f"{name:34} {len(all_):4} times, last not zero {zero * 1e3:6.0f} ms, "
-            f"largest {largest:.3f} of the limit, wrong {wrong}"
-        )
+        print(f"{name:34} {len(all_):4} times, last not zero {zero * 1e3:6.0f} ms, "
+              f"largest {largest:.3f} of the limit, wrong {wrong}")  # fmt: skip
     wrong = [seen for seen in soak.seen if seen.wrong]
     calm = [seen for seen in wrong if not seen.held_up]
     print(f"{len(soak.seen)} blows, {len(wrong)} wrong, {len(calm)} of them on a calm machine")

@@ -7,7 +7,8 @@ import pytest
 
 from benchmarks.campaign.cases import GROUPS, case_number
 from benchmarks.campaign.effects import CHANGES, flat_outline, outline
-from benchmarks.campaign.make import SIZED_BY, rms, stage, write_case
+from benchmarks.campaign.make import SIZED_BY, floors, rms, snr_of, stage, write_case
+from benchmarks.campaign.record import simulate
 from benchmarks.campaign.work import coordinate_of
 
 pytestmark = pytest.mark.timeout(300)
@@ -43,7 +44,12 @@ def test_every_effect_drawn_can_be_put_on_the_machine():
 def test_a_case_written_has_the_asked_ratio_and_the_noise_it_says(tmp_path):
     case = first("single 0.4", effect="eccentric_roller")
     made = write_case(case, tmp_path)
-    assert made.snr == (pytest.approx(0.4, rel=0.06),)
+    at = stage(case, "a")
+    noisy = simulate(at.machine, at.told, at.angles, at.seed, colour=case.colour).even()
+    healthy = at.quiet()
+    reached = snr_of(at.quiet(made.faults), healthy, floors(noisy, healthy))
+    assert reached == pytest.approx(0.4, rel=0.06)
+    assert made.snr == (pytest.approx(reached, rel=0.05),)
     at = stage(case, "b")
     quiet = at.quiet(made.faults)
     rows = np.loadtxt(tmp_path / "b.csv", delimiter=",", skiprows=1)

@@ -90,7 +90,13 @@ def test_quantiles_do_not_interpolate():
 def test_the_page_calls_a_miss_a_miss():
     text = page([row(said()), row(said(location="R3"))])
     assert "| exact with place, single 0.4 | >= 95 % | 50.0 % (1 of 2) |" in text
-    assert "**missed**" in text
+    assert "9.5 to 90.5 % | **missed** |" in text  # 95 % is outside the bound
     assert "| eccentric_roller at R2 | eccentric_roller at R3 | 1 |" in text
+    assert "| wrong attribution | <= 1 % | 50.0 % (1 of 2) | 9.5 to 90.5 % | **missed** |" in text
     # 0.26 N after, over this generator's noise of 0.25 N, not over the tool's own floor
     assert "| <= 1.05 | 1.04 (1) |" in text
+
+
+def test_a_bound_on_both_sides_of_a_target_decides_nothing():
+    text = page([row(said()) for _ in range(3)])
+    assert "| 100.0 % (3 of 3) | 43.9 to 100.0 % | yes, not decided |" in text
