@@ -44,3 +44,16 @@ def test_two_runtimes_on_one_plc_leave_no_correction(other_armed: bool) -> None:
     ours.arm()
     ours.run(1.0)
     assert any(ours.applied[-20:])  # alone again, after an operator's edge
+
+
+def test_a_drive_notices_by_itself_that_the_runtime_is_gone() -> None:
+    bench = MatrixBench("canopen")
+    bench.run(1.0)
+    bench.arm()
+    assert bench.until(State.ACTIVE)
+    assert bench.bus is not None
+    drives = bench.bus._node._devices.values()  # type: ignore[attr-defined]
+    assert {drive.emcy for drive in drives} == {0}
+    bench.begin("!kill")
+    bench.run(ZERO_S)
+    assert {drive.emcy for drive in drives} & {0x8130, 0x8250}  # heartbeat, RPDO timeout
