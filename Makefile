@@ -45,7 +45,7 @@ check: setup
 
 # every fault on every wire in every state: the reactions, cell by cell
 matrix: setup
-	$(BIN)/python -m tests.matrix
+	$(BIN)/python -m tests.matrix --docs
 
 # the CAN tests on genuine SocketCAN (vcan) under QEMU; says why where it cannot
 test-socketcan: setup

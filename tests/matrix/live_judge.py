@@ -74,7 +74,13 @@ def strike(
 
 def stays_at_zero(line: LiveLine, seen: Seen) -> Seen:
     """Wait with everything well again: what latched must not come back without an operator."""
-    until("the service sees the PLC", lambda: line.status().get("comm") == "OK")
+    try:
+        until("the service sees the PLC", lambda: line.status().get("comm") == "OK")
+    except AssertionError as error:
+        raise AssertionError(
+            f"after {seen}: {error}; service {line.service.process.poll()}, "
+            f"plant {line.plant.process.poll()}\n{line.service.tail()}\n{line.plant.tail()}"
+        ) from error
     start_s = line.now_s()
     line.wait_plant(start_s + QUIET_S)
     if line.state not in ("FAULT", "BYPASS"):

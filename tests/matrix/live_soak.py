@@ -19,7 +19,7 @@ from tests.matrix.disk import small_disk
 from tests.matrix.live_judge import Seen, stays_at_zero, strike
 
 SPEED_M_S = 0.6  # one roll lasts for half an hour
-KILL_SPACING_S = 25.0  # three deaths within a minute end the service, by design
+KILL_SPACING_S = 32.0  # three deaths within a minute end the service, by design
 
 
 def size_of(pid: int) -> tuple[int, int, int]:

@@ -1,8 +1,8 @@
-"""``python -m tests.matrix.mutants [--docs]``: take each reaction away and see what notices.
+"""``python -m tests.matrix.mutants [NAME ...]``: take each reaction away and see what notices.
 
-A mutant is tried on the cells most likely to notice, then on all others of its wire, then on the
-unit tests of its room. It survives when everything stays green without the reaction. The list of
-survivors is the result.
+A mutant is tried on the cells most likely to notice, then on the unit tests of its room, then on
+all other cells of its wire. It survives when everything stays green without the reaction. The
+list of survivors is the result.
 """
 
 from __future__ import annotations
@@ -10,8 +10,6 @@ from __future__ import annotations
 import contextlib
 import io
 import sys
-from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -22,33 +20,26 @@ from tests.matrix.mutations import MUTANTS, Mutant, applied
 ROOT = Path(__file__).parents[2]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
-    """What noticed that a reaction was gone; empty when nothing did."""
-
-    mutant: Mutant
-    by: str
-
-
-def relevant(mutant: Mutant) -> Iterable[Cell]:
-    """Return the mutant's own faults first, then every other cell of its wire."""
-    own = [c for c in cells(mutant.states) if not mutant.wire or c.wire == mutant.wire]
-    likely = [c for c in own if any(c.spec.startswith(name) for name in mutant.likely)]
-    return likely + [c for c in own if c not in likely]
-
-
 def notices(mutant: Mutant) -> str:
-    """Return the first cell, or the unit test, that notices; empty when none does."""
-    found, cell = "", None
-    with applied(mutant):
-        for cell in relevant(mutant):
+    """Return what notices: a likely cell, a unit test, any other cell; empty when nothing does."""
+    own = [c for c in cells(mutant.states) if not mutant.wire or c.wire == mutant.wire]
+    likely = [c for c in own if c.spec.startswith(mutant.likely)]
+    found = _first_red(mutant, likely)
+    if not found and mutant.tests:
+        with applied(mutant):
+            found = _first_failure(mutant.tests)
+    return found or _first_red(mutant, [c for c in own if c not in likely])
+
+
+def _first_red(mutant: Mutant, tried: list[Cell]) -> str:
+    """Return the first cell that turns red without the reaction, and is green with it."""
+    for cell in tried:
+        with applied(mutant):
             found = judge(cell)
-            if found:
-                break
-        else:
-            return _first_failure(mutant.tests) if mutant.tests else ""
-    assert not judge(cell), f"{cell} is red without any mutant"
-    return f"{cell}: {found}"
+        if found:
+            assert not judge(cell), f"{cell} is red without any mutant"
+            return f"{cell}: {found}"
+    return ""
 
 
 class _First:

@@ -253,5 +253,6 @@ MUTANTS: tuple[Mutant, ...] = (
            tests="tests/deploy"),
     Mutant(name="device: process data never late", owner=canopen_device.Device, attribute="lost",
            change=always(False), likely=("!kill", "mute"), wire="canopen",
-           tests="tests/sim_plant/servers/test_canopen_node.py"),
+           tests="tests/matrix/test_matrix.py::"
+        "test_a_drive_notices_by_itself_that_the_runtime_is_gone"),
 )  # fmt: skip
