@@ -69,3 +69,11 @@ def test_a_line_in_time_is_taken_in_time_only():
     basis = free_lines([item], replace(TRAVEL))
     assert left(basis, np.sin(2.0 * np.pi * 3.4 * TIME_S)) < 1e-6
     assert left(basis, np.cos(2.0 * np.pi * 3.4 * METRES)) > 0.9
+
+
+def test_orders_of_one_roll_are_one_unknown():
+    time = Unknown(kind="time", coordinate={"frequency_Hz": 3.4}, strength=1.0)
+    other = Unknown(kind="angle", coordinate={"roll": "rewind", "order": 1.0}, strength=1.0)
+    assert angle(4.0).like(angle(1.0))
+    assert not angle(1.0).like(other)
+    assert not time.like(time)
