@@ -59,6 +59,7 @@ def main() -> int:
     parser.add_argument("--docs", type=Path, default=None, help="also write the page here")
     parser.add_argument("--for-s", type=float, default=1e9, help="hand out no case after this")
     parser.add_argument("--report-only", action="store_true")
+    parser.add_argument("--note", default="", help="a sentence under the page's head")
     parser.add_argument("--write-case", type=int, default=None, metavar="NUMBER",
                         help="only write the files of one case into --out")  # fmt: skip
     given = parser.parse_args()
@@ -78,7 +79,7 @@ def main() -> int:
     from benchmarks.campaign.report import page
 
     paths = sorted((given.out / "rows").glob("*.json"))
-    text = page([json.loads(p.read_text(encoding="utf-8")) for p in paths])
+    text = page([json.loads(p.read_text(encoding="utf-8")) for p in paths], given.note)
     print(text)
     (given.out / "refine-campaign.md").write_text(text, encoding="utf-8")
     if given.docs is not None:

@@ -200,14 +200,14 @@ def claims(rows: Sequence[Row]) -> list[str]:
     return [*lines, *(f"| {s} | {n} |" for s, n in count.most_common())]
 
 
-def page(rows: Sequence[Row]) -> str:
-    """Return the page of these rows as Markdown."""
+def page(rows: Sequence[Row], note: str = "") -> str:
+    """Return the page of these rows as Markdown, ``note`` under its head."""
     spent = sorted(r["refine_s"] for r in rows)
     burnt = sum(r["refine_cpu_s"] for r in rows)
     failed = [r["number"] for r in rows if not r["refine"]["verdict"]]
     seeds = sorted({r["seed"] for r in rows})
     parts = [
-        HEAD,
+        HEAD, *([note, ""] if note else []),
         f"{len(rows)} cases of seed {', '.join(map(str, seeds))}; refine took "
         f"{quantile(spent, 0.5):.1f} s in the median, {quantile(spent, 0.95):.1f} s at the 95th "
         f"percentile (one worker each, two at a time, other loads on the machine), "
