@@ -151,7 +151,7 @@ def page(rows: Sequence[Row], missing: int = 0) -> str:
 
 
 def _targets(rows: Sequence[Row]) -> list[str]:
-    seeds = sorted({r["seed"] for r in rows if "seed" in r})
+    seeds = sorted({r["seed"] for r in rows if r["section"] in ALL_SEEDS})
     sets = [{t.what: t for t in targets([r for r in rows if r.get("seed") == s])} for s in seeds]
     heads = " | ".join(f"seed {s}: min / median / max | met" for s in seeds)
     out = [f"| target | asked | {heads} |", "|" + "---|" * (2 + 2 * len(seeds))]
@@ -165,6 +165,7 @@ def _targets(rows: Sequence[Row]) -> list[str]:
     return out
 
 
+ALL_SEEDS = ("constant", "ramp", "roll", "follower", "mismatch")
 ORDER = {law: i for i, law in enumerate((OWN, *RIVALS))}
 INTRODUCTION = [
     "Written by `make bench-control` (`QUICK=1` for the short set). One line, one noise, one",

@@ -88,9 +88,9 @@ def targets(rows: Sequence[Row]) -> list[Target]:
         *_each("5 whole roll, all five, ripple", "<= 0.1", (r["ripple"] for r in spoilt),
                lambda x: x <= 0.1, 3),
         *_each("6 start-up peak, constant speed", "<= 1.0", (r["peak"] for r in of("constant")),
-               lambda x: x <= 1.0, 2),
+               lambda x: x <= 1.0, 3),
         *_each("6 start-up peak, mismatch", "<= 1.0", (r["peak"] for r in hidden),
-               lambda x: x <= 1.0, 2),
+               lambda x: x <= 1.0, 3),
         *_ahead(rows, own),
     ]  # fmt: skip
 
@@ -156,11 +156,12 @@ def _ramp(rows: Sequence[Row]) -> list[Target]:
 
 def beaten(rows: Sequence[Row]) -> list[tuple[Row, float]]:
     """Return every row of a rival with less ripple than the shape law's, and the ratio."""
-    own = {(r["section"], r["case"], r["seed"]): r for r in rows if r["law"] == OWN}
+    judged = [r for r in rows if r["section"] in RIPPLE]
+    own = {(r["section"], r["case"], r["seed"]): r for r in judged if r["law"] == OWN}
     found = []
-    for r in rows:
-        mine = own.get((r["section"], r["case"], r.get("seed")))
-        if r["law"] in RIVALS and r["section"] in RIPPLE and mine is not None:
+    for r in judged:
+        mine = own.get((r["section"], r["case"], r["seed"]))
+        if r["law"] in RIVALS and mine is not None:
             ratio = r[RIPPLE[r["section"]]] / mine[RIPPLE[r["section"]]]
             if ratio < 1.0:
                 found.append((r, float(ratio)))
