@@ -12,19 +12,22 @@ from sim_plant.refine.generic import speed_weights
 from sim_plant.refine.unknown import Unknown
 
 HARMONICS = {"angle": 16, "travel": 6, "time": 2}
+SLOW = 8
+"""Half waves over the record by which a free line may change."""
 LINE_KINDS = frozenset(HARMONICS)
 
 
 def free_lines(found: Sequence[Unknown], travel: Travel) -> Array:
     """Return orthonormal columns (judged samples, terms) of free lines and their harmonics.
 
-    Every line may grow with speed, and with time: that also takes up a coordinate that is a
-    fraction of a bin off. A line that is a whole order of a roll brings all orders of that roll.
+    Every line may grow with speed, and change slowly with time: that takes up a coordinate that
+    is a fraction of a bin off, and a resonance that the line crosses. A line that is a whole
+    order of a roll brings all orders of that roll.
     """
     nyquist = 0.5 / travel.sample_time_s
-    ones = speed_weights(travel.speed_m_s)
-    slope = np.linspace(-1.0, 1.0, travel.time_s.size)
-    weights = np.vstack([ones, slope[None, :]])
+    run = np.linspace(0.0, np.pi, travel.time_s.size)
+    slow = np.cos(np.outer(np.arange(1, SLOW + 1), run))
+    weights = np.vstack([speed_weights(travel.speed_m_s), slow])
     columns: list[Array] = []
     for item in found:
         cycles, first = _cycles(item, travel)

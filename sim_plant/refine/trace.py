@@ -69,16 +69,19 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
     made again beside it: an effect is claimed only for what that term cannot explain.
     """
     found = _pursue(problem, library, say)
+    before = found.before
     boxes: list[Unknown] = []
     for _ in range(MOST_BOXES):
-        fresh = [u for u in found.unknown if u.kind in LINE_KINDS]
+        fresh = [u for u in found.unknown if u.kind in LINE_KINDS and u not in boxes]
         if not fresh:
             break
         boxes += fresh
         say(f"no effect explains {', '.join(u.text for u in fresh)}: searching beside a free term")
         beside = problem.beside([free_lines(boxes, travel) for travel in found.travels])
         found = _pursue(beside, library, say)
-        found.unknown = [*boxes, *(u for u in found.unknown if u not in boxes)]
+        more = [u for u in found.unknown if not any(u.like(box) for box in boxes)]
+        found.unknown = [*boxes, *more]
+        found.before = before  # with the line that is now a free term, for the report
     return found
 
 

@@ -24,6 +24,11 @@ class Unknown:
     coordinate: dict[str, float | str]
     strength: float
 
+    def like(self, other: Unknown) -> bool:
+        """Return whether both are orders of the same roll."""
+        roll = self.coordinate.get("roll")
+        return self.kind == other.kind == "angle" and roll == other.coordinate.get("roll")
+
     @property
     def text(self) -> str:
         """Class and coordinate, for people."""

@@ -148,4 +148,6 @@ if __name__ == "__main__":
     parser.add_argument("--out", type=Path, default=Path("out/refine-pairs"))
     parser.add_argument("--only", default="")
     arguments = parser.parse_args()
+    if FOLDER is None:
+        raise SystemExit(f"no line records: looked for {PLACES[0]} and {PLACES[1]}")
     raise SystemExit(1 if table(arguments.out, arguments.only) else 0)
