@@ -30,7 +30,7 @@ def run(seed: int, numbers: Sequence[int], workers: int, out: Path, until_s: flo
             late = time.monotonic() - begun > until_s  # noqa: TID251
             while todo and len(running) < workers and not late:
                 number = todo.pop(0)
-                job = pool.submit(do, seed, number, out / "work" / f"{number:05d}")
+                job = pool.submit(do, seed, number, out / "work" / f"{os.getpid()}-{number:05d}")
                 running[job] = number
             if not running:
                 return

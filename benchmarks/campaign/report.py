@@ -41,7 +41,8 @@ power coloured. SNR: rms of the effect over rms of the noise in its strongest te
 single effects 0.4 and 0.2, all others 0.6. An effect that a tolerance of its own would hide is
 made as large as four standard deviations of it. Held-out error: against this generator's own
 noise, not the tool's. Bounds are Wilson's, 95 %; where one holds both sides of a target, this many
-cases do not decide it.
+cases do not decide it. Not drawn: viscoelastic web, cell calibration and resonance, rate limit,
+splice, roll bounce, shaft compliance, radius error.
 """
 
 
