@@ -39,6 +39,8 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Refine; 0 whatever the verdict, 2 when an input cannot be judged."""
+    # small products only: threads of the linear algebra wait for each other more than they work
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from sim_plant.effects.catalogue import BY_NAME  # noqa: PLC0415 - heavy imports
     from sim_plant.refine.example import write_example  # noqa: PLC0415
     from sim_plant.refine.outcome import Plan  # noqa: PLC0415
