@@ -6,8 +6,9 @@ STAMP  := $(VENV)/.installed
 SPEED  ?= 200
 LAW    ?= shape
 WIRE   ?= modbus
-
-.PHONY: demo demo-refine test check bench bench-control size matrix test-socketcan setup clean
+SECONDS ?= 130
+CASES  ?= 600
+.PHONY: campaign demo demo-refine refine-pairs test check bench bench-control size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -27,6 +28,10 @@ demo: setup
 demo-refine: setup
 	$(BIN)/python -m sim_plant.cli.main refine config/lines/euclid.yaml --example --out out/refine
 
+# every pair of shared/data/lines, and each with its true effect taken out of the library; minutes a run
+refine-pairs: setup
+	$(BIN)/python -m tests.sim_plant.refine.pairs --out out/refine-pairs
+
 # everything that decides whether a change may land
 test: setup check
 	$(BIN)/python -m pytest -q
@@ -40,11 +45,18 @@ check: setup
 
 # every fault on every wire in every state: the reactions, cell by cell
 matrix: setup
-	$(BIN)/python -m tests.matrix
+	$(BIN)/python -m tests.matrix --docs
 
 # the CAN tests on genuine SocketCAN (vcan) under QEMU; says why where it cannot
 test-socketcan: setup
 	$(BIN)/python -m tests.socketcan
+
+# codecs and config loader under any bytes for SECONDS in all; guided by coverage where atheris
+# can be had, else by chance
+fuzz: setup
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[fuzz]" \
+		|| echo "atheris cannot be had: inputs by chance"
+	$(BIN)/python -m tests.fuzz --seconds $(SECONDS) --out out/fuzz
 
 # speed, as ratios measured in one run; about two minutes, writes docs/bench.md
 bench: setup
@@ -70,6 +82,11 @@ size:
 # tick, ten minutes of watching memory, three rows over the wire in real time (on a quiet machine)
 bench-control: setup
 	QUICK=$(QUICK) $(BIN)/python -m benchmarks.control --docs docs $(EXTRA)
+
+# refine on CASES random records that other code made, against its targets; hours, goes on where
+# it was stopped (out/campaign), writes docs/refine-campaign.md
+campaign: setup
+	nice -n 19 $(BIN)/python -m benchmarks.campaign --cases $(CASES) --docs docs
 
 clean:
 	rm -rf $(VENV) out runs .pytest_cache .mypy_cache .ruff_cache

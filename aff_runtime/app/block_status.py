@@ -129,7 +129,7 @@ def _say_meetings(rows: list[dict[str, Any]], site: Mapping[str, Any]) -> None:
     """Add to shapes of different rolls that the signal cannot tell apart now that they meet."""
     shapes = [r for r in rows if r["law"] == "shape" and r["frequency_Hz"] and r["order"]]
     for one in shapes:
-        memory = site.get("actuators", {}).get(one["actuator"], {}).get("memory_turns", 6.0)
+        memory = site.get("actuators", {}).get(one["actuator"], {}).get("memory_turns", 9.0)
         for other in shapes:
             if other["actuator"] != one["actuator"] or other["roll"] == one["roll"]:
                 continue

@@ -17,6 +17,7 @@ from typing import Any
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.models import Site
+from aff_runtime.core.shape_basis import IMBALANCE_N_M_PER_M
 from aff_runtime.core.shape_profile import ShapeProfile
 
 FORMAT = "aff-learned-shape-1"
@@ -34,7 +35,8 @@ class ShapeFile:
     roll_id : the PLC's counter of splices when it was saved.
     radius_m : radius by roll when it was saved.
     web : declared density, width of the web.
-    profile : W by (roll, order), m, where the encoder reads zero; correction of P.
+    profile : W by (roll, order), m, where the encoder reads zero; correction of P; imbalance,
+        in the file as a torque.
     """
 
     actuator: str
@@ -60,9 +62,18 @@ class ShapeFile:
             }
             for (roll, order), w in self.profile.weight_m.items()
         ]
+        heavy = [
+            {
+                "roll": roll,
+                "torque_N_m": IMBALANCE_N_M_PER_M * abs(w),
+                "angle_deg": math.degrees(cmath.phase(w)),
+            }
+            for roll, w in self.profile.imbalance_m.items()
+        ]
         head = {name: getattr(self, name) for name in _HEAD}
         about = {"radius_m": dict(self.radius_m), "web": dict(self.web)}
-        return json.dumps({"format": FORMAT, **head, **about, "orders": rows}, allow_nan=False)
+        shapes = {"orders": rows, "imbalance": heavy}
+        return json.dumps({"format": FORMAT, **head, **about, **shapes}, allow_nan=False)
 
     @classmethod
     def from_json(cls, text: str) -> ShapeFile:
@@ -78,16 +89,23 @@ class ShapeFile:
                 turn = math.radians(float(row["angle_deg"]))
                 weight[at] = cmath.rect(1e-3 * float(row["deviation_mm"]), turn)
                 correction[at] = complex(float(row["loop_re"]), float(row["loop_im"]))
+            heavy = {
+                str(row["roll"]): cmath.rect(
+                    float(row["torque_N_m"]) / IMBALANCE_N_M_PER_M,
+                    math.radians(float(row["angle_deg"])),
+                )
+                for row in data["imbalance"]
+            }
             found = cls(
                 **{name: str(data[name]) for name in _HEAD if name != "roll_id"},
                 roll_id=int(data["roll_id"]),
                 radius_m={str(k): float(v) for k, v in data["radius_m"].items()},
                 web={str(k): float(v) for k, v in data["web"].items()},
-                profile=ShapeProfile(weight_m=weight, correction=correction),
+                profile=ShapeProfile(weight_m=weight, correction=correction, imbalance_m=heavy),
             )
         except _UNREADABLE as error:
             raise ConfigError(f"not a shape file: {error!r}; the roll is learned anew") from error
-        numbers = (*weight.values(), *correction.values())
+        numbers = (*weight.values(), *correction.values(), *heavy.values())
         if not all(cmath.isfinite(w) for w in numbers):
             raise ConfigError("not a shape file: a number is not finite; the roll is learned anew")
         return found

@@ -36,6 +36,7 @@ class _Known:
     source: str
     weight_m: Orders
     correction: Orders
+    imbalance_m: Mapping[str, complex] = field(default_factory=dict)
     file: ShapeFile | None = None
 
 
@@ -81,8 +82,10 @@ class ShapeKeeper:
         self._config_hash = str(record["config_hash"])
         self._hash = {name: shape_basis_hash(site, name) for name in site.actuators}
         for name in site.actuators:
+            if name in self._used:
+                continue
             known = self._known(name, start_values(record["site"], name))
-            if known and name not in self._used:
+            if known:
                 self._trials[name] = _Trial(known)
 
     def _known(self, actuator: str, given: Orders) -> list[_Known]:
@@ -96,12 +99,14 @@ class ShapeKeeper:
                         source=f"the shape saved {file.saved_at}",
                         weight_m=file.profile.weight_m,
                         correction=file.profile.correction,
+                        imbalance_m=file.profile.imbalance_m,
                         file=file,
                     )
                 )
             else:
                 text = "the saved shape is of another drive or encoder; the roll is learned anew"
                 self._tell(actuator, text)
+                del self._shapes[actuator]
         if given:
             source = "the start values of the site file"
             known.append(_Known(source=source, weight_m=given, correction={}))
@@ -126,23 +131,19 @@ class ShapeKeeper:
             if any(law.weights().values()):
                 del self._trials[name]  # it learned meanwhile
                 continue
-            self._listen(name, law, controller, values, fresh and quiet)
+            if not (quiet and law.is_open):
+                self._trials[name].heard_s, self._trials[name].trial = 0.0, None
+            elif fresh:
+                self._listen(name, law, controller, values)
 
     def _listen(
-        self,
-        name: str,
-        law: ShapeLaw,
-        controller: Controller,
-        values: Sequence[float],
-        usable: bool,
+        self, name: str, law: ShapeLaw, controller: Controller, values: Sequence[float]
     ) -> None:
         waiting = self._trials[name]
         params = controller.site
         signal, reference = _readings(params, name, values)
         known = all(p.quality is Quality.GOOD for p in controller.phases.by_name.values())
-        if not (usable and known and law.is_open and math.isfinite(signal - reference)):
-            if not usable or not law.is_open:
-                waiting.heard_s, waiting.trial = 0.0, None
+        if not known or not math.isfinite(signal - reference):
             return
         waiting.heard_s += params.cycle_s
         if waiting.heard_s < self._site.actuators[name].response_memory_s:
@@ -164,6 +165,7 @@ class ShapeKeeper:
         assert waiting.trial is not None
         start: dict[tuple[str, int], complex] = {}
         correction: dict[tuple[str, int], complex] = {}
+        imbalance: dict[str, complex] = {}
         self._used.add(name)
         for roll in dict.fromkeys(roll for roll, _ in law.keys):
             for known in waiting.known:
@@ -173,7 +175,8 @@ class ShapeKeeper:
                     self._tell(name, f"{roll}: {known.source} is not used: {text}")
                     continue
                 weight, learned = _at(law, roll, known, phases)
-                fit = waiting.trial.fit(roll, weight, learned)
+                heavy = _imbalance_at(roll, known, phases)
+                fit = waiting.trial.fit(roll, _with_imbalance(law, roll, weight, heavy), learned)
                 self._tell(name, f"{roll}: {_words(known.source, fit)}")
                 if not fit.fits:
                     continue
@@ -182,8 +185,10 @@ class ShapeKeeper:
                         start[key] = weight[i] * cmath.exp(-1j * key[1] * fit.turned_rad)
                         if key in known.correction:
                             correction[key] = complex(learned[i])
+                if heavy:
+                    imbalance[roll] = heavy * cmath.exp(-1j * fit.turned_rad)
                 break
-        law.start_from(ShapeProfile(weight_m=start, correction=correction))
+        law.start_from(ShapeProfile(weight_m=start, correction=correction, imbalance_m=imbalance))
 
     def _misfit(self, roll: str, known: _Known, phases: RollPhases) -> str | None:
         """Return why the shape cannot be this roll's; None when it can."""
@@ -223,6 +228,11 @@ class ShapeKeeper:
             origin = {roll: phases.by_name[roll].origin_rad for roll, _ in kept}
             if not kept or name in wrong or not all(map(math.isfinite, origin.values())):
                 continue
+            heavy = {
+                roll: w * cmath.exp(1j * origin[roll])
+                for roll, w in profile.imbalance_m.items()
+                if roll in origin
+            }
             turned = {(r, n): w * cmath.exp(1j * n * origin[r]) for (r, n), w in kept.items()}
             drive = self._site.actuators[name].drive
             file = ShapeFile(
@@ -237,7 +247,9 @@ class ShapeKeeper:
                     "density_kg_m3": drive.web_density_kg_m3 if drive else 0.0,
                     "width_m": drive.web_width_m if drive else 0.0,
                 },
-                profile=ShapeProfile(weight_m=turned, correction=profile.correction),
+                profile=ShapeProfile(
+                    weight_m=turned, correction=profile.correction, imbalance_m=heavy
+                ),
             )
             try:
                 self._keep(name, file.to_json())
@@ -246,6 +258,11 @@ class ShapeKeeper:
 
     def forget(self, controller: Controller) -> None:
         """Drop the shapes of every roll that is exchanged; the rollers are kept."""
+        exchanged = set(controller.phases.spliced)
+        for waiting in self._trials.values():
+            for known in waiting.known:
+                kept = {k: w for k, w in known.weight_m.items() if k[0] not in exchanged}
+                known.weight_m = kept
         for law in controller.shape_laws().values():
             for roll in controller.phases.spliced:
                 law.reset_roll(roll)
@@ -273,6 +290,27 @@ def _at(
             weight[i] = known.weight_m.get(key, 0j) * cmath.exp(-1j * key[1] * origin)
             correction[i] = known.correction.get(key, 0j)
     return weight, correction
+
+
+def _imbalance_at(roll: str, known: _Known, phases: RollPhases) -> complex:
+    """Return the imbalance column's weight at the law's angle origin; 0 without one."""
+    origin = phases.by_name[roll].origin_rad
+    origin = origin if math.isfinite(origin) else 0.0
+    return known.imbalance_m.get(roll, 0j) * cmath.exp(-1j * origin)
+
+
+def _with_imbalance(
+    law: ShapeLaw, roll: str, weight: np.ndarray[Any, np.dtype[np.complex128]], heavy: complex
+) -> np.ndarray[Any, np.dtype[np.complex128]]:
+    """Return deviations with order 1 as the signal sees it: shape and imbalance in one."""
+    seen = law.seen()
+    if not heavy or (roll, 1) not in law.keys or seen.size == len(law.keys):
+        return weight
+    first = law.keys.index((roll, 1))
+    both = weight.copy()
+    if abs(seen[first]) > 0.0:
+        both[first] += heavy * seen[-1] / seen[first]
+    return both
 
 
 def _words(source: str, fit: Fit) -> str:

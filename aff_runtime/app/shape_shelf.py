@@ -70,7 +70,10 @@ class ShapeShelf:
             left = {k: w for k, w in file.profile.weight_m.items() if k[0] not in exchanged}
             if len(left) == len(file.profile.weight_m):
                 continue
-            kept = ShapeProfile(weight_m=left, correction=file.profile.correction)
+            heavy = {r: w for r, w in file.profile.imbalance_m.items() if r not in exchanged}
+            kept = ShapeProfile(
+                weight_m=left, correction=file.profile.correction, imbalance_m=heavy
+            )
             path = Path(record["shape_files"][actuator])
             try:
                 replace_text(path, replace(file, profile=kept).to_json() + "\n")

@@ -42,7 +42,9 @@ def gateway_of(
             interface=can.interface, channel=can.channel, bitrate=can.bitrate
         )
         if isinstance(can, CanDbc):
-            return can_catalogue.can_gateway(can_map_of(site, dict(wire_files)), bus, clock)
+            period_ns = round(site.cycle_s * 1e9)
+            can_map = can_map_of(site, dict(wire_files))
+            return can_catalogue.can_gateway(can_map, bus, clock, period_ns=period_ns)
         return can_catalogue.canopen_gateway(
             network_of(site, dict(wire_files)),
             bus,

@@ -42,3 +42,8 @@ class VirtualClock:
 def wall_time_iso() -> str:
     """Return wall time, UTC, ISO 8601; for run headers and labels only."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def wall_time_s() -> float:
+    """Return wall time as the kernel stamps packets with it, s; for the age of a stamp only."""
+    return time.time()

@@ -32,7 +32,18 @@ class WordTransport(Protocol):
 
 
 class Gateway(Protocol):
-    """The wire in SI: one transaction per tick."""
+    """The wire in SI: one transaction per tick.
+
+    Attributes
+    ----------
+    shift_ns : how much later (negative: earlier) the next tick should start so that it meets the
+        other side's scan; 0 where that side keeps no pace of its own.
+    """
+
+    @property
+    def shift_ns(self) -> int:
+        """Wanted shift of the next tick, ns."""
+        ...
 
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
         """Send ``command``, return what the PLC says; never blocks past the deadline."""

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.base.arguments import speed_m_s
 from aff_runtime.config.check import check_site
 
 
@@ -16,11 +17,12 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     parser.add_argument("site", type=Path, metavar="SITE.yaml")
     parser.add_argument(
         "--speed",
-        type=float,
+        type=speed_m_s,
         action="append",
         default=[],
-        metavar="M_S",
-        help="line speed at which frequencies are shown, m/s; may be repeated",
+        metavar="SPEED",
+        help="line speed at which frequencies are shown: m/s, or with a unit such as '200 FPM'; "
+        "may be repeated",
     )
     parser.set_defaults(command=check)
 

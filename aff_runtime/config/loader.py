@@ -28,6 +28,12 @@ _RULES: tuple[Callable[[Site], Iterator[Issue]], ...] = (
 )
 
 
+_A_LINE = (
+    "this is a line declaration, which sim-plant reads. "
+    "Give a site file, such as config/euclid.yaml."
+)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reading:
     """A valid site file, what deserves a look in it, and where every key stands."""
@@ -50,6 +56,8 @@ def load_site(path: Path | str) -> Site:
 def read_site(path: Path | str) -> Reading:
     """Read and check a site file; like `load_site`, with warnings and marks."""
     tree = read_marked(path)
+    if "schema" in tree.values and "rollers" in tree.values:
+        raise SiteFileError([tree.finding(("schema",), _A_LINE, at_key=True)])
     findings = empty_keys(tree)
     if findings:
         raise SiteFileError(findings)

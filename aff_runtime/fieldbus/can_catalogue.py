@@ -17,6 +17,7 @@ from aff_runtime.fieldbus.can_writer import CanWriter
 from aff_runtime.fieldbus.canopen_402 import Network
 from aff_runtime.fieldbus.canopen_link import CanopenLink
 from aff_runtime.fieldbus.frame_socket import FrameSocketBus
+from aff_runtime.fieldbus.phase_lock import PhaseLock
 from aff_runtime.fieldbus.slcan_tty import SlcanTtyBus
 
 
@@ -52,10 +53,16 @@ class BusSite:
     bitrate: int
 
 
-def can_gateway(can_map: CanMap, bus: BusSite, clock: Clock) -> CanGateway:
-    """Return the gateway of a map; the bus is opened by its first ticks."""
+def can_gateway(can_map: CanMap, bus: BusSite, clock: Clock, *, period_ns: int = 0) -> CanGateway:
+    """Return the gateway of a map; the bus is opened by its first ticks.
+
+    The PLC sends when its own scan says so: ticks of ``period_ns`` are locked to that; 0 locks
+    nothing.
+    """
     reader, writer = CanReader(can_map), CanWriter(can_map)
-    return CanGateway(_link(bus, (*reader.ids, *writer.ids), clock), reader, writer, clock)
+    link = _link(bus, (*reader.ids, *writer.ids), clock)
+    lock = PhaseLock(period_ns) if period_ns else None
+    return CanGateway(link, reader, writer, clock, lock)
 
 
 def canopen_gateway(

@@ -37,12 +37,21 @@ class FrameLink(Protocol):
         """Whether frames can be sent, even if what comes back is not to be believed."""
         ...
 
+    @property
+    def arrived_ns(self) -> int:
+        """Monotonic time at which the last frame received was here; -1 when it is not known."""
+        ...
+
     def ready(self) -> bool:
         """Move a pending (re)connection one step; True when frames can be exchanged."""
         ...
 
     def send(self, frame: Frame) -> bool:
         """Queue one frame; False when the bus does not take it."""
+        ...
+
+    def sync(self) -> bool:
+        """Say that the tick's frames are out: a bus with a SYNC sends it; False as of ``send``."""
         ...
 
     def receive(self, wait_ns: int) -> Frame | None:

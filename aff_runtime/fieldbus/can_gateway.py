@@ -9,6 +9,8 @@ from aff_runtime.base.signals import Command, Outcome, Snapshot
 from aff_runtime.fieldbus.can_frames import FrameLink
 from aff_runtime.fieldbus.can_reader import CanReader, Taken
 from aff_runtime.fieldbus.can_writer import CanWriter
+from aff_runtime.fieldbus.liveness import Liveness
+from aff_runtime.fieldbus.phase_lock import PhaseLock
 
 _MOST_FRAMES = 256  # read in one tick; a babbling bus must not hold the tick
 
@@ -16,29 +18,38 @@ _MOST_FRAMES = 256  # read in one tick; a babbling bus must not hold the tick
 class CanGateway:
     """``Gateway`` over cyclic CAN frames.
 
-    Each tick sends the command, then takes what has arrived; when no new set is among it, it
-    waits for one until the deadline. Heartbeat and correction leave from here alone, so they stop
-    with the control thread.
+    A tick never waits: it takes what has arrived since the last one, sends the command, and SYNC
+    where the bus has one (the answers belong to the next tick). How old the newest set is, the
+    driver's receive stamp says; without a stamp, or with one that cannot be (a stepped clock), the
+    set counts as old as it can be: from when the bus was last found empty. Heartbeat and
+    correction leave from here alone, so they stop with the control thread.
 
     OK is a consistent set in this tick; TIMEOUT none; BAD_REPLY a frame of wrong length, or one
     of our own identifiers from somebody else (a second master), whatever else arrived;
     NOT_CONNECTED no bus, or nodes that do not all work; what can be sent is sent, so that a fade
-    reaches whoever still listens. The first set after NOT_CONNECTED is reported as NOT_CONNECTED:
-    it gives the heartbeat to compare with, its values go nowhere. Unless OK, ``values`` are NaN.
+    reaches whoever still listens. What is fresh, and what the first set after a loss is worth,
+    ``Liveness`` says. Unless OK, ``values`` are NaN.
 
     Parameters
     ----------
     link : the bus.
     reader, writer : meaning of the frames.
     clock : monotonic time.
+    lock : where the other side sets the pace, when the ticks should start; None without.
 
     Attributes
     ----------
     foreign : frames that carried our identifiers.
+    shift_ns : how much later (negative: earlier) the next tick should start.
     """
 
     def __init__(
-        self, link: FrameLink, reader: CanReader, writer: CanWriter, clock: Clock
+        self,
+        link: FrameLink,
+        reader: CanReader,
+        writer: CanWriter,
+        clock: Clock,
+        lock: PhaseLock | None = None,
     ) -> None:
         self._link = link
         self.reader = reader
@@ -46,44 +57,35 @@ class CanGateway:
         self._clock = clock
         self._ours = frozenset(writer.ids)
         self._no_values = (math.nan,) * len(reader.values)
-        self._moved_at_ns = clock.now_ns()
-        self._heartbeat = 0
-        self._heartbeat_known = False
-        self._was_lost = True
+        self._lock = lock
+        self._liveness = Liveness(clock.now_ns(), lost=True)
+        self._emptied_ns = self._arrived_ns = clock.now_ns()
+        self._stamped = False
+        self.shift_ns = 0
         self.foreign = 0
 
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
         """Send ``command``, return what the PLC says; never blocks past the deadline."""
-        outcome = Outcome.NOT_CONNECTED
-        ready = self._link.ready()
-        sent = self._link.carries and self._send(command)
-        if ready and sent:
-            outcome = self._receive(deadline_ns)
-        t_ns = self._clock.now_ns()
-        reader = self.reader
-        fresh = False
-        values = self._no_values
-        if outcome is Outcome.NOT_CONNECTED:
-            if not self._was_lost:
-                self._was_lost = True
-            reader.reset()
-        elif outcome is Outcome.OK and self._was_lost:
-            self._was_lost = False
-            self._heartbeat, self._heartbeat_known = reader.heartbeat, True
+        began_ns = self._clock.now_ns()
+        self.shift_ns = 0
+        outcome = self._receive(deadline_ns) if self._link.ready() else Outcome.NOT_CONNECTED
+        if outcome is Outcome.OK and self._lock is not None and self._stamped:
+            self.shift_ns = self._lock.shift_ns(began_ns - self._arrived_ns)
+        if not (self._link.carries and self._send(command)):
             outcome = Outcome.NOT_CONNECTED
-        elif outcome is Outcome.OK:
-            fresh = self._heartbeat_known and reader.heartbeat != self._heartbeat
-            self._heartbeat, self._heartbeat_known = reader.heartbeat, True
-            values = reader.values
-            if fresh:
-                self._moved_at_ns = t_ns
+        t_ns = self._clock.now_ns()
+        reader, liveness = self.reader, self._liveness
+        if outcome is Outcome.NOT_CONNECTED:
+            reader.reset()
+        outcome = liveness.judge(outcome, reader.heartbeat, self._arrived_ns)
+        values = reader.values if outcome is Outcome.OK else self._no_values
         return Snapshot(
             tick=tick,
             t_ns=t_ns,
             outcome=outcome,
-            fresh=fresh,
-            age_s=(t_ns - self._moved_at_ns) * 1e-9,
-            plc_heartbeat=self._heartbeat,
+            fresh=liveness.fresh,
+            age_s=liveness.age_s(t_ns),
+            plc_heartbeat=liveness.heartbeat,
             status=reader.status,
             roll_id=reader.roll_id,
             values=values,
@@ -94,30 +96,36 @@ class CanGateway:
         self._link.close()
 
     def _send(self, command: Command) -> bool:
-        return all(self._link.send(frame) for frame in self._writer.encode(command))
+        sent = all(self._link.send(frame) for frame in self._writer.encode(command))
+        return self._link.sync() and sent
 
     def _receive(self, deadline_ns: int) -> Outcome:
-        """Take frames until a new set is there; drain what follows it without waiting."""
-        before = self._heartbeat
-        have_set = have_new = bad = False
+        """Take what has arrived, up to the deadline on a bus that never falls silent."""
+        have_set = bad = False
         for _ in range(_MOST_FRAMES):
-            wait_ns = 0 if have_new else deadline_ns - self._clock.now_ns()
-            frame = self._link.receive(max(0, wait_ns))
+            frame = self._link.receive(0)
             if frame is None:
                 if not self._link.ready():
                     return Outcome.NOT_CONNECTED
-                if have_new or wait_ns <= 0:
-                    break
-                continue
+                self._emptied_ns = self._clock.now_ns()
+                break
             taken = self.reader.take(frame)
             if taken is Taken.SET:
                 have_set = True
-                have_new = have_new or self.reader.heartbeat != before
+                self._note_arrival()
             elif taken is Taken.BAD:
                 bad = True
             elif taken is Taken.IGNORED and (frame.can_id, frame.extended) in self._ours:
                 self.foreign += 1
                 bad = True
+            if self._clock.now_ns() >= deadline_ns:
+                break
         if bad:
             return Outcome.BAD_REPLY
         return Outcome.OK if have_set else Outcome.TIMEOUT
+
+    def _note_arrival(self) -> None:
+        """Keep when the frame just taken was here; the earliest it can be if that is not known."""
+        stamp_ns = self._link.arrived_ns
+        self._stamped = self._emptied_ns <= stamp_ns <= self._clock.now_ns()
+        self._arrived_ns = stamp_ns if self._stamped else self._emptied_ns

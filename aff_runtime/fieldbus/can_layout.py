@@ -84,12 +84,37 @@ class FrameLayout:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CanChannel:
-    """One reading: SI = physical value * scale; ``wraps`` for counters that start over."""
+    """One reading: SI = physical value * scale; ``wraps`` for angles that start over."""
 
     name: str
     field: Field
     scale: float = 1.0
     wraps: bool = False
+
+    @property
+    def modulus(self) -> int:
+        """Return after how many counts the reading starts over; 0 when it does not.
+
+        All counts of its bits, or those of the signal's range where that is narrower. A range
+        that names both ends of a turn, 0 to 360 degrees, has one count less: both are one place.
+        """
+        field = self.field
+        if not self.wraps:
+            return 0
+        ends = [(bound - field.offset) / field.factor for bound in (field.minimum, field.maximum)]
+        if not all(map(math.isfinite, ends)):
+            return field.mask + 1
+        counts = round(abs(ends[1] - ends[0])) + 1
+        if not 2 <= counts <= field.mask:
+            return field.mask + 1
+        count_rad = abs(field.factor * self.scale)
+        is_double = _is_turns((counts - 1) * count_rad) and not _is_turns(counts * count_rad)
+        return counts - is_double
+
+
+def _is_turns(angle_rad: float) -> bool:
+    turns = angle_rad / (2.0 * math.pi)
+    return round(turns) >= 1 and abs(turns - round(turns)) < 1e-6 * turns
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ from typing import Final
 
 import can
 
+from aff_runtime.base.clock import wall_time_s
 from aff_runtime.base.ports import Clock
 from aff_runtime.fieldbus.can_frames import Frame
 
@@ -25,6 +26,7 @@ class PythonCanLink:
     ----------
     open_bus : makes the bus; called by ticks, so it must return within a millisecond or so.
     clock : monotonic time.
+    wall_s : the clock of the drivers' receive stamps.
 
     Attributes
     ----------
@@ -38,8 +40,11 @@ class PythonCanLink:
         *,
         backoff_min_s: float = 0.1,
         backoff_max_s: float = 2.0,
+        wall_s: Callable[[], float] = wall_time_s,
     ) -> None:
         self._open = open_bus
+        self._wall_s = wall_s
+        self._stamp_s = 0.0
         self._clock = clock
         self._backoff_min_ns = round(backoff_min_s * 1e9)
         self._backoff_max_ns = round(backoff_max_s * 1e9)
@@ -55,6 +60,16 @@ class PythonCanLink:
     def carries(self) -> bool:
         """Whether the bus is open."""
         return self._bus is not None
+
+    @property
+    def arrived_ns(self) -> int:
+        """When the last frame was here by its driver's stamp, monotonic; -1 without a stamp.
+
+        Stamps are wall time: across a step of that clock the answer is any number.
+        """
+        if self._stamp_s <= 0.0:
+            return -1
+        return self._clock.now_ns() - round((self._wall_s() - self._stamp_s) * 1e9)
 
     def ready(self) -> bool:
         """Open the bus when it is time to; True when frames can be exchanged."""
@@ -89,6 +104,10 @@ class PythonCanLink:
             return False
         return True
 
+    def sync(self) -> bool:
+        """Return whether the bus still carries frames; it has no SYNC."""
+        return self._bus is not None
+
     def receive(self, wait_ns: int) -> Frame | None:
         """Return the next data frame, waiting at most ``wait_ns``."""
         bus = self._bus
@@ -103,9 +122,10 @@ class PythonCanLink:
             return None
         if message.is_error_frame:
             return self._judge_error(message.arbitration_id)
-        if message.is_remote_frame or message.is_fd or not message.is_rx:
+        if message.is_remote_frame or message.is_fd:
             return Frame(-1, False, b"")
         self._backoff_ns = self._backoff_min_ns
+        self._stamp_s = message.timestamp
         return Frame(message.arbitration_id, message.is_extended_id, bytes(message.data))
 
     def close(self) -> None:

@@ -53,7 +53,7 @@ class _Row:
     shift: int
     mask: int
     sign_bit: int
-    wraps: bool
+    modulus: int
     float_bits: int
     factor: float
     offset: float
@@ -70,7 +70,8 @@ class CanReader:
     must carry the low bits of this very heartbeat. A heartbeat that steps back is dropped once:
     two in a row that follow each other are a PLC that started again.
 
-    A physical value outside its signal's range is NaN.
+    A physical value outside its signal's range is NaN. An angle goes on where it starts over, also
+    across a loss: what it was then is the same place of the turn.
 
     Attributes
     ----------
@@ -104,7 +105,7 @@ class CanReader:
         self._status_row = _row(can_map.status, slots)
         self._roll_row = _row(can_map.roll_id, slots)
         self._rows = tuple(
-            _row(channel.field, slots, wraps=channel.wraps, scale=channel.scale)
+            _row(channel.field, slots, modulus=channel.modulus, scale=channel.scale)
             for channel in can_map.channels
         )
         self._counters = tuple(
@@ -114,8 +115,7 @@ class CanReader:
             for (name, _), slot in slots.items()
             if name == layout.name
         )
-        self._counts = [0] * len(self._rows)
-        self._counts_known = False
+        self._turned: list[int | None] = [None] * len(self._rows)
 
     @property
     def ids(self) -> tuple[tuple[int, bool], ...]:
@@ -123,9 +123,8 @@ class CanReader:
         return tuple(self._frames)
 
     def reset(self) -> None:
-        """Forget what was heard: the next set starts heartbeat and wrapping counters afresh."""
+        """Forget what was heard: the next set starts the heartbeat afresh."""
         self._known = False
-        self._counts_known = False
         self._refused = -1
         for slot in self._slots:
             slot.scans = 1 << 30
@@ -177,8 +176,6 @@ class CanReader:
             return True
         follows = self._refused >= 0 and 0 < (heartbeat - self._refused) & mask <= 4
         self._refused = heartbeat
-        if follows:
-            self._counts_known = False
         return follows
 
     def _is_whole(self, heartbeat: int) -> bool:
@@ -193,31 +190,33 @@ class CanReader:
 
     def _decode(self) -> None:
         values = []
-        counts = self._counts
         for index, row in enumerate(self._rows):
             raw = _bits(row)
             if row.float_bits:
                 number: float = _float_of(raw, row.float_bits)
             else:
-                if row.wraps and self._counts_known:
-                    half = (row.mask >> 1) + 1
-                    step = (raw - counts[index]) & row.mask
-                    raw = counts[index] + (step ^ half) - half
-                elif row.sign_bit:
-                    raw = (raw ^ row.sign_bit) - row.sign_bit
-                counts[index] = raw
-                number = raw
+                number = (raw ^ row.sign_bit) - row.sign_bit
             physical = number * row.factor + row.offset
-            if not row.wraps and not row.minimum <= physical <= row.maximum:
+            if not row.minimum <= physical <= row.maximum:
                 self.out_of_range += 1
                 physical = math.nan
+            elif row.modulus:
+                physical = self._go_on(index, int(number)) * row.factor + row.offset
             values.append(physical * row.scale)
-        self._counts_known = True
         self.values = tuple(values)
+
+    def _go_on(self, index: int, count: int) -> int:
+        """Return the count that is nearest to the last one among those that look the same."""
+        last, modulus = self._turned[index], self._rows[index].modulus
+        if last is not None:
+            step = (count - last) % modulus
+            count = last + (step - modulus if 2 * step >= modulus else step)
+        self._turned[index] = count
+        return count
 
 
 def _row(
-    field: Field, slots: dict[tuple[str, int], _Slot], *, wraps: bool = False, scale: float = 1.0
+    field: Field, slots: dict[tuple[str, int], _Slot], *, modulus: int = 0, scale: float = 1.0
 ) -> _Row:
     slot = slots[(field.frame, -1 if field.selector is None else field.selector)]
     return _Row(
@@ -225,8 +224,8 @@ def _row(
         field.big_endian,
         field.shift,
         field.mask,
-        1 << (field.length - 1) if field.signed or wraps else 0,
-        wraps,
+        1 << (field.length - 1) if field.signed else 0,
+        modulus,
         field.length if field.is_float else 0,
         field.factor,
         field.offset,

@@ -238,13 +238,20 @@ def _pdos(od: ObjectDictionary, com: int, mapping: int) -> list[_Pdo]:
         record, entries = od[com + number], od[mapping + number]
         if isinstance(record, ODVariable) or isinstance(entries, ODVariable):
             continue
-        count = int(entries[0].default or 0)
-        values = tuple(int(entries[i + 1].default or 0) for i in range(count))
-        can_id = int(record[1].default or 0)
+        count = _default(od, mapping + number, 0)
+        values = tuple(_default(od, mapping + number, i + 1) for i in range(count))
+        can_id = _default(od, com + number, 1)
         if can_id & _NOT_VALID or not values:
             continue
         found.append(_Pdo(com + number, mapping + number, can_id & 0x7FF, values, 5 in record))
     return found
+
+
+def _default(od: ObjectDictionary, index: int, subindex: int) -> int:
+    value = _variable(od, index, subindex).default
+    if value is not None and not isinstance(value, int):
+        raise ConfigError(f"0x{index:04X}:{subindex:02X} is {value!r} in the EDS, not a number")
+    return value or 0
 
 
 def _variable(od: ObjectDictionary, index: int, subindex: int) -> ODVariable:

@@ -16,9 +16,9 @@ _PRE_OPERATIONAL: Final = 0x7F
 class CanopenLink:
     """``FrameLink`` over another one: network management below, process data through.
 
-    A tick sends its process data, then SYNC, then listens: drives act on the data and sample on
-    one and the same SYNC. Our own heartbeat leaves with the ticks and with nothing else, so the
-    drives' consumers see the control thread die.
+    A tick takes the answers to the SYNC before, sends its process data, then SYNC: drives act on
+    the data and sample on one and the same SYNC. Our own heartbeat leaves with the ticks and with
+    nothing else, so the drives' consumers see the control thread die.
 
     Parameters
     ----------
@@ -49,7 +49,6 @@ class CanopenLink:
         self._heartbeat_id = 0x700 + own_node
         self._heartbeat_ns = heartbeat_ms * 1_000_000
         self._beat_at_ns = now_ns
-        self._sync_due = False
 
     @property
     def bus_offs(self) -> int:
@@ -74,11 +73,6 @@ class CanopenLink:
         """Move every node one step; True when all of them work."""
         if not self._inner.ready():
             return False
-        if (
-            self._sync_due
-        ):  # nobody listened last tick: the fade must reach the drives all the same
-            self._sync_due = False
-            self._inner.send(SYNC)
         now_ns = self._clock.now_ns()
         good = self._all_good()
         if now_ns >= self._beat_at_ns:
@@ -93,17 +87,21 @@ class CanopenLink:
                 self._inner.send(frame)
         return self._all_good() and good
 
+    @property
+    def arrived_ns(self) -> int:
+        """When the last frame was here, monotonic; -1 when the bus below does not know."""
+        return self._inner.arrived_ns
+
     def send(self, frame: Frame) -> bool:
-        """Queue process data; SYNC follows when the tick begins to listen."""
-        self._sync_due = True
+        """Send process data; nodes act on it at the SYNC that follows."""
         return self._inner.send(frame)
+
+    def sync(self) -> bool:
+        """Send SYNC, also while nobody is listened to: a fade must reach the drives."""
+        return self._inner.send(SYNC)
 
     def receive(self, wait_ns: int) -> Frame | None:
         """Return the next frame of process data; network management is dealt with here."""
-        if self._sync_due:
-            self._sync_due = False
-            if not self._inner.send(SYNC):
-                return None
         end_ns = self._clock.now_ns() + wait_ns
         for _ in range(_MOST_FRAMES):
             frame = self._inner.receive(max(0, wait_ns))

@@ -15,6 +15,9 @@ from typing import Any, Final
 import can
 
 _FRAME: Final = struct.Struct("=IB3x8s")
+_SO_TIMESTAMPNS: Final = 35  # of linux/socket.h; Python names it not
+_TIMESPEC: Final = struct.Struct("@ll")
+_ROOM: Final = socket.CMSG_SPACE(_TIMESPEC.size)
 _EXTENDED: Final = 0x8000_0000
 _REMOTE: Final = 0x4000_0000
 _ERROR: Final = 0x2000_0000
@@ -37,6 +40,7 @@ class FrameSocketBus(can.BusABC):
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         try:
             self._socket.setblocking(False)
+            self._socket.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
             self._socket.connect(channel)
         except OSError:
             self._socket.close()
@@ -54,7 +58,7 @@ class FrameSocketBus(can.BusABC):
         try:
             if timeout:
                 select.select((self._socket,), (), (), timeout)
-            packet = self._socket.recv(_FRAME.size)
+            packet, beside, _, _ = self._socket.recvmsg(_FRAME.size, _ROOM)
         except BlockingIOError:
             return None, False
         if len(packet) != _FRAME.size:
@@ -62,6 +66,7 @@ class FrameSocketBus(can.BusABC):
         can_id, length, data = _FRAME.unpack(packet)
         extended = bool(can_id & _EXTENDED)
         message = can.Message(
+            timestamp=_stamp_s(beside),
             arbitration_id=can_id & (0x1FFF_FFFF if extended or can_id & _ERROR else 0x7FF),
             is_extended_id=extended,
             is_remote_frame=bool(can_id & _REMOTE),
@@ -79,3 +84,12 @@ class FrameSocketBus(can.BusABC):
         super().shutdown()
         with contextlib.suppress(OSError):
             self._socket.close()
+
+
+def _stamp_s(beside: list[tuple[int, int, bytes]]) -> float:
+    """Return the kernel's receive stamp, wall time in s; 0 without one."""
+    for level, kind, data in beside:
+        if level == socket.SOL_SOCKET and kind == _SO_TIMESTAMPNS:
+            seconds, nanoseconds = _TIMESPEC.unpack(data)
+            return float(seconds + nanoseconds * 1e-9)
+    return 0.0

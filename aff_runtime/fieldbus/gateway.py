@@ -11,15 +11,14 @@ import math
 from aff_runtime.base.ports import Clock, WordTransport
 from aff_runtime.base.signals import Command, Outcome, Snapshot
 from aff_runtime.fieldbus.codec import WordCodec
+from aff_runtime.fieldbus.liveness import Liveness
 
 
 class WordGateway:
     """``Gateway`` over any word transport.
 
-    Only the PLC's own heartbeat proves that it lives: a server keeps answering with frozen words
-    when its program has stopped. The first good reply after NOT_CONNECTED is reported as
-    NOT_CONNECTED as well: it gives the heartbeat to compare with and restarts the wrapping
-    counters, but its values go nowhere.
+    What is fresh, and what the first reply after a loss is worth, ``Liveness`` says; that reply
+    also restarts the wrapping counters.
 
     Unless the outcome is OK, ``values`` are NaN and heartbeat, status and roll id are the last
     ones known (0 before any).
@@ -29,17 +28,20 @@ class WordGateway:
     transport : moves the words.
     codec : gives them meaning.
     clock : monotonic time.
+
+    Attributes
+    ----------
+    shift_ns : always 0: the other side answers when it is asked.
     """
+
+    shift_ns = 0
 
     def __init__(self, transport: WordTransport, codec: WordCodec, clock: Clock) -> None:
         self._transport = transport
         self._codec = codec
         self._clock = clock
         self._no_values = (math.nan,) * codec.channel_count
-        self._moved_at_ns = clock.now_ns()
-        self._heartbeat = 0
-        self._heartbeat_known = False
-        self._was_lost = False
+        self._liveness = Liveness(clock.now_ns(), lost=False)
         self._status = 0
         self._roll_id = 0
 
@@ -48,31 +50,24 @@ class WordGateway:
         outcome, words = self._transport.transact(self._codec.encode(command), deadline_ns)
         t_ns = self._clock.now_ns()
         values = self._no_values
-        fresh = False
+        heartbeat, status, roll_id = 0, 0, 0
+        liveness = self._liveness
         if outcome is Outcome.OK and len(words) != self._codec.read_count:
             outcome = Outcome.BAD_REPLY
-        if outcome is Outcome.NOT_CONNECTED:
-            self._was_lost = True
-        elif outcome is Outcome.OK and self._was_lost:
-            self._was_lost = False
-            self._codec.reset()
-            self._heartbeat = self._codec.decode(words)[0]
-            self._heartbeat_known = True
-            outcome = Outcome.NOT_CONNECTED
-        elif outcome is Outcome.OK:
-            heartbeat, self._status, self._roll_id, values = self._codec.decode(words)
-            fresh = self._heartbeat_known and heartbeat != self._heartbeat
-            self._heartbeat = heartbeat
-            self._heartbeat_known = True
-            if fresh:
-                self._moved_at_ns = t_ns
+        if outcome is Outcome.OK:
+            if liveness.lost:
+                self._codec.reset()
+            heartbeat, status, roll_id, decoded = self._codec.decode(words)
+        outcome = liveness.judge(outcome, heartbeat, t_ns)
+        if outcome is Outcome.OK:
+            self._status, self._roll_id, values = status, roll_id, decoded
         return Snapshot(
             tick=tick,
             t_ns=t_ns,
             outcome=outcome,
-            fresh=fresh,
-            age_s=(t_ns - self._moved_at_ns) * 1e-9,
-            plc_heartbeat=self._heartbeat,
+            fresh=liveness.fresh,
+            age_s=liveness.age_s(t_ns),
+            plc_heartbeat=liveness.heartbeat,
             status=self._status,
             roll_id=self._roll_id,
             values=values,

@@ -37,12 +37,16 @@ class ModbusTcpTransport:
     - One request is in flight. While the reply to an earlier one is outstanding nothing is sent
       and the tick is TIMEOUT. A late reply is completed, recognised by its transaction id and
       thrown away, never returned.
-    - ``misses_before_reconnect`` ticks without a reply, or any breach of protocol, drop the
-      connection; an exception reply does neither. A dropped connection is reset, so no old
-      command is delivered later.
-    - Reconnecting moves one step per tick and waits for nothing; the pause between attempts
-      doubles from ``backoff_min_s`` to ``backoff_max_s`` until a good reply. The tick that
-      starts an attempt is always NOT_CONNECTED, so a caller sees every reconnect.
+    - ``silence_before_reconnect_s`` without the reply, or any breach of protocol, drops the
+      connection; an exception reply does neither, nor does our own lateness. A dropped
+      connection is reset, so no old command is delivered later.
+    - Reconnecting moves one step per tick and waits for nothing. After a connection that served
+      for ``backoff_max_s`` or longer the first attempt comes at once; the pause before the
+      others doubles from ``backoff_min_s`` to ``backoff_max_s`` until a good reply. The tick
+      that starts an attempt is always NOT_CONNECTED, so a caller sees every reconnect.
+    - A connection that replaces another one only reads (FC3) until a reply was good: a PLC that
+      obeys and cannot be heard would otherwise hold a command anew, and its own watchdog would
+      begin again, late.
 
     Parameters
     ----------
@@ -50,7 +54,9 @@ class ModbusTcpTransport:
     wire : the connection.
     clock : monotonic time, of the deadlines.
     function : FC23; FC16 then FC3; or FC3 alone, which writes nothing.
-    misses_before_reconnect : consecutive TIMEOUT ticks that drop the connection.
+    silence_before_reconnect_s : how long a reply may be outstanding, s; shorter than the
+        freshness fault, so that a dead connection is replaced before it, and much longer than a
+        pause of the PLC, whose late reply costs nothing.
     backoff_min_s, backoff_max_s : pause before an attempt, first and longest, s.
     connect_timeout_s : time one attempt may take, s.
 
@@ -67,20 +73,22 @@ class ModbusTcpTransport:
         wire: Wire,
         clock: Clock,
         function: WireFunction = WireFunction.FC23,
-        misses_before_reconnect: int = 3,
+        silence_before_reconnect_s: float = 0.05,
         backoff_min_s: float = 0.1,
         backoff_max_s: float = 2.0,
         connect_timeout_s: float = 1.0,
     ) -> None:
-        if misses_before_reconnect < 1:
-            raise ConfigError(f"misses_before_reconnect {misses_before_reconnect}: at least 1")
+        if not silence_before_reconnect_s > 0.0:
+            raise ConfigError(
+                f"silence_before_reconnect_s {silence_before_reconnect_s}: above 0, say 0.05"
+            )
         if not 0.0 < backoff_min_s <= backoff_max_s or not connect_timeout_s > 0.0:
             raise ConfigError("back-off and connect timeout: 0 < backoff_min_s <= backoff_max_s")
         self._frames = frames
         self._wire = wire
         self._clock = clock
         self._function = function
-        self._allowed_misses = misses_before_reconnect
+        self._silence_ns = round(silence_before_reconnect_s * 1e9)
         self._backoff_min_ns = round(backoff_min_s * 1e9)
         self._backoff_max_ns = round(backoff_max_s * 1e9)
         self._connect_timeout_ns = round(connect_timeout_s * 1e9)
@@ -88,10 +96,13 @@ class ModbusTcpTransport:
         self._link = _Link.DOWN
         self._act_at_ns = clock.now_ns()  # DOWN: next attempt; CONNECTING: give up
         self._backoff_ns = self._backoff_min_ns
-        self._misses = 0
+        self._up_at_ns = self._act_at_ns
+        self._served = False  # a good reply on this connection
+        self._may_write = True
         self._tid = 0
         self._sent = 0  # requests on this connection, counted up to the stale window
         self._outstanding = False
+        self._sent_at_ns = self._act_at_ns
         self._buffer = bytearray(_BUFFER_BYTES)
         self._view = memoryview(self._buffer)
         self._filled = 0
@@ -110,16 +121,14 @@ class ModbusTcpTransport:
             return Outcome.NOT_CONNECTED, _NO_WORDS
         outcome = self._exchange(write_words, deadline_ns)
         if outcome is Outcome.OK:
-            self._misses = 0
+            self._served = self._may_write = True
             self._backoff_ns = self._backoff_min_ns
             return outcome, self._reply
-        if outcome is Outcome.EXCEPTION:
-            self._misses = 0
-        elif outcome is Outcome.TIMEOUT:
-            self._misses += 1
-            if self._misses >= self._allowed_misses:
+        if outcome is Outcome.TIMEOUT:
+            silent_ns = self._clock.now_ns() - self._sent_at_ns
+            if self._outstanding and silent_ns >= self._silence_ns:
                 self._drop()
-        else:
+        elif outcome is not Outcome.EXCEPTION:
             self._drop()
         return outcome, _NO_WORDS
 
@@ -142,6 +151,8 @@ class ModbusTcpTransport:
         state = self._wire.connecting()
         if state is Connecting.UP:
             self._link = _Link.UP
+            self._up_at_ns = now_ns
+            self._may_write = self.connects == 0
             self.connects += 1
             return True
         if state is Connecting.FAILED or now_ns >= self._act_at_ns:
@@ -151,21 +162,25 @@ class ModbusTcpTransport:
     def _disconnect(self, *, abort: bool) -> None:
         self._wire.close(abort=abort)
         self._link = _Link.DOWN
-        self._misses = 0
+        self._served = False
         self._sent = 0
         self._filled = 0
         self._outstanding = False
 
     def _drop(self) -> None:
+        now_ns = self._clock.now_ns()
+        proven = self._served and now_ns - self._up_at_ns >= self._backoff_max_ns
         self._disconnect(abort=True)
-        self._act_at_ns = self._clock.now_ns() + self._backoff_ns
+        self._act_at_ns = now_ns if proven else now_ns + self._backoff_ns
+        if proven:
+            return
         self._backoff_ns = min(2 * self._backoff_ns, self._backoff_max_ns)
 
     def _exchange(self, words: list[int], deadline_ns: int) -> Outcome:
         outcome = self._clear_late_replies()
         if outcome is not Outcome.OK:
             return outcome
-        if self._function is WireFunction.FC3:
+        if self._function is WireFunction.FC3 or not self._may_write:
             tid = self._next_tid()
             return self._round_trip(self._frames.read_request(tid), READ, deadline_ns)
         if not self._frames.fits(words):
@@ -201,6 +216,7 @@ class ModbusTcpTransport:
         if not self._wire.send(frame):
             return Outcome.NOT_CONNECTED
         self._outstanding = True
+        self._sent_at_ns = self._clock.now_ns()
         self._sent = min(self._sent + 1, _STALE_WINDOW)
         while True:
             wait_ns = deadline_ns - self._clock.now_ns()

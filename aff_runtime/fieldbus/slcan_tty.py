@@ -24,6 +24,7 @@ BITRATE_CODE: Final = {
 _CHUNK: Final = 4096
 _LONGEST_LINE: Final = 64
 _BUS_OFF: Final = 0x40
+_HEX: Final = frozenset(b"0123456789ABCDEFabcdef")
 
 
 class SlcanTtyBus(can.BusABC):
@@ -102,7 +103,7 @@ def parse_line(line: bytes) -> can.Message | None:
     if kind == b"s" and line[1:2] == b"b":
         return can.Message(arbitration_id=_BUS_OFF, is_error_frame=True, is_extended_id=False)
     digits = {b"t": 3, b"T": 8}.get(kind)
-    if digits is None:
+    if digits is None or not set(line[1:]) <= _HEX:  # int() would take signs, blanks, underscores
         return None
     try:
         can_id = int(line[1 : 1 + digits], 16)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import nan
 
 from aff_runtime.base.events import BY_NAME
@@ -148,6 +148,7 @@ class Cycle:
         self._snapshot = self._gateway.exchange(
             self._command(), self._tick, self._started_ns + self._settings.io_deadline_ns
         )
+        self._ticker.shift(self._gateway.shift_ns)
         read_ns = self._clock.now_ns()
         self._io_ns = read_ns - self._started_ns
         if self._snapshot.outcome is Outcome.OK:
@@ -157,7 +158,13 @@ class Cycle:
         self._permission = self._guard.observe(
             self._snapshot, read_ns, overrun, self._orders.supervisor_alive
         )
-        self._steps = self._orders.law.step(self._snapshot, self._dt_s, self._permission)
+        self._steps = self._orders.law.step(self._believed(), self._dt_s, self._permission)
+
+    def _believed(self) -> Snapshot:
+        """Return what the law may see: readings that cannot be true are no readings."""
+        if self._guard.believes:
+            return self._snapshot
+        return replace(self._snapshot, fresh=False, values=self._blank.values)
 
     def _bound(self) -> None:
         self._corrections, self._bits, self._alarm = self._guard.limit(self._steps, self._dt_s)

@@ -23,6 +23,11 @@ class GuardPort(Protocol):
         ...
 
     @property
+    def believes(self) -> bool:
+        """Whether the last readings can be true."""
+        ...
+
+    @property
     def quiet(self) -> bool:
         """Whether every output is closed and zero."""
         ...

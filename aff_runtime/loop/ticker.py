@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from aff_runtime.base.ports import Clock
+
+_MOST_SHIFT: Final = 200  # a period is made longer or shorter by at most this part of itself
 
 
 class Ticker:
@@ -32,6 +36,14 @@ class Ticker:
     def start(self) -> None:
         """Begin the grid now; whatever passed before does not count."""
         self.deadline_ns = self._clock.now_ns()
+
+    def shift(self, wanted_ns: int) -> None:
+        """Move the grid towards the wire's own pace, by at most half a percent of a period.
+
+        The number of periods still counts time: a tick that is off by so little is one period.
+        """
+        most_ns = self.period_ns // _MOST_SHIFT
+        self.deadline_ns += max(-most_ns, min(most_ns, wanted_ns))
 
     def wait(self) -> int:
         """Sleep to the next tick; return whole periods since the last one (1 when none missed)."""

@@ -20,6 +20,7 @@ _BYPASSED = BY_NAME["BYPASSED"].code
 _PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
 _OF_START = bit("PLC_STALE") | bit("OVERRUN")  # no news until there was a connection
 _AT_REST = (State.FAULT, State.BYPASS)
+_IDLE_SCANS = 3  # of the PLC, without ACTIVE and FADING, before a new start
 _ZEROS_TOLD = 3  # commands with zero that still say FADING: the PLC holds what it last accepted
 
 
@@ -57,6 +58,8 @@ class Guard:
         self._was_connected = False
         self._plc_reset = PlcReset()
         self._zeros = _ZEROS_TOLD
+        self._idle_scans = _IDLE_SCANS
+        self._told_idle = True
         self._observed_ns: int | None = None
         self._tick = 0
         self._events: list[tuple[int, int]] = [(0, _POWER_UP)]
@@ -117,6 +120,11 @@ class Guard:
         return self.standing.state
 
     @property
+    def believes(self) -> bool:
+        """Whether the last readings can be true; what cannot must not reach a law."""
+        return self._line.believes
+
+    @property
     def quiet(self) -> bool:
         """Whether every output is closed and zero."""
         return all(envelope.level == 0.0 for envelope in self._envelopes)
@@ -150,6 +158,8 @@ class Guard:
         supervisor_alive : False latches SUPERVISOR_LOST.
         """
         self._tick = snapshot.tick
+        if self._told_idle and snapshot.fresh and self._idle_scans < _IDLE_SCANS:
+            self._idle_scans += 1
         freshness = self._freshness.judge(snapshot, now_ns)
         self._comm_warn = freshness is not Freshness.GOOD or snapshot.outcome is not Outcome.OK
         causes = self._found_in_tick | self._line.judge(snapshot, now_ns)
@@ -192,6 +202,9 @@ class Guard:
         corrections = tuple(limiter.output for limiter in self._limiters)
         told_zero = self.quiet and self._zeros >= _ZEROS_TOLD
         self._zeros = min(self._zeros + 1, _ZEROS_TOLD) if self.quiet else 0
+        self._told_idle = told_zero and self.standing.state is not State.ACTIVE
+        if not self._told_idle:
+            self._idle_scans = 0
         word = state_word(
             self.standing,
             told_zero=told_zero,
@@ -244,7 +257,9 @@ class Guard:
     def _advance(self, news: int) -> None:
         before = self.standing.state
         latching = self._causes & LATCHING
-        quiet = self.quiet
+        # a PLC that refuses starts to listen again only after it has seen us idle
+        rested = self._idle_scans >= _IDLE_SCANS or before not in _AT_REST
+        quiet = self.quiet and rested
         self.standing = advance(
             self.standing,
             Inputs(

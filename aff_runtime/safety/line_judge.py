@@ -23,6 +23,7 @@ class LineJudge:
     ----------
     gates : per actuator, whether the line is fast enough (with hysteresis).
     unbelievable : name of the first channel that cannot be true; empty when all can.
+    believes : whether the last readings can be true; a jump of a radius alone leaves it True.
     """
 
     def __init__(self, params: GuardParams) -> None:
@@ -33,6 +34,7 @@ class LineJudge:
         self._judged_ns: int | None = None
         self.gates = [False] * len(params.actuators)
         self.unbelievable = ""
+        self.believes = True
         self.adopt(params)
 
     def adopt(self, params: GuardParams) -> None:
@@ -96,12 +98,15 @@ class LineJudge:
         self._set_gates(values)
         running = self._status & self._need == self._need and (was_moving or self.moving)
         causes = 0
+        credible = True
         unbelievable = ""
         for channel in self._channels:
             value = _value(values, channel.params.channel)
             if not channel.is_plausible(value, elapsed_s, running):
                 causes |= 1 << channel.params.event
                 unbelievable = unbelievable or channel.params.name
+            credible = credible and channel.is_credible(value)
+        self.believes = causes == 0 and credible
         splicing = self._is_splicing(now_ns)
         for radius in self._radii:
             if splicing:

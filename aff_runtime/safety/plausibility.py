@@ -36,6 +36,13 @@ class ChannelJudge:
             and self._rate_is_possible(value, last, elapsed_s)
         )
 
+    def is_credible(self, value: float) -> bool:
+        """Return whether ``value`` is of a size the signal can have, running or not.
+
+        A line at rest may read less than its minimum, but nothing larger than either bound.
+        """
+        return abs(value) <= max(abs(self.params.minimum), abs(self.params.maximum))
+
     def _moves(self, value: float, last: float | None, elapsed_s: float) -> bool:
         self._unchanged_s = self._unchanged_s + elapsed_s if value == last else 0.0
         return self._unchanged_s < self.params.stuck_after_s - _EDGE_S

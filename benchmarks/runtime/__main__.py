@@ -24,7 +24,7 @@ def main() -> None:
     options = parser.parse_args()
     share = 0.1 if options.quick else 1.0
     sections = [machine(), kernel(), latency(20.0 * share), law_time(8.0 * share)]
-    sections.append(whole_tick(20.0 * share))
+    sections += whole_tick(20.0 * share)
     print(text(sections))
     if not options.quick:
         options.page.write_text(markdown(sections, date=wall_time_iso()), encoding="utf-8")

@@ -1,6 +1,6 @@
-"""The whole tick over loopback TCP against the plant's server: both ends are real.
+"""The whole tick on each wire against the plant's server: both ends are real processes.
 
-``python -m benchmarks.runtime.whole_tick PORT SECONDS`` is the runtime's end and prints JSON.
+``python -m benchmarks.runtime.whole_tick SITE.yaml SECONDS`` is the runtime's end; prints JSON.
 """
 
 from __future__ import annotations
@@ -21,29 +21,32 @@ from aff_runtime.base.signals import Outcome, State
 from aff_runtime.loop.messages import Arm, Message, Stop
 from aff_runtime.loop.realtime import RealtimeRequest, ask
 from aff_runtime.loop.seams import Advice
-from benchmarks.runtime.facts import Row, Section, timing_row
+from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
 from benchmarks.runtime.paced import PERIOD_NS, own_processor
-from sim_plant.demo.processes import PLANT, Child
-from sim_plant.demo.wires import free_port
+from sim_plant.demo.processes import Child
+from sim_plant.demo.wires import SITES, wire_up
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
-CONNECT_TICKS = 200
-NAMES = ("io", "tick", "wake")
+CONNECT_TICKS = 400
+ROUNDS = 3
+WIRES = {"modbus": "Modbus TCP, one FC23", "can": "CAN by DBC", "canopen": "CANopen 402"}
+COLUMNS = {"state": 3, "outcome": 6, "heartbeat": 9, "wake": -4, "io": -3, "tick": -2}
 
 
 class Listener:
     """The outside of the cycle: arms once the wire is up, keeps times, stops in the end."""
 
     def __init__(self, seconds: float) -> None:
+        self._clock = MonotonicClock()
         self._last = CONNECT_TICKS + round(seconds * 1e9 / PERIOD_NS)
         self.record: Sequence[float] = ()
-        self.rows: list[Sequence[float]] = []
+        self.rows: list[tuple[int, Sequence[float]]] = []
 
     def publish(self, record: Sequence[float]) -> None:
-        """Keep a record once the wire is warm."""
+        """Keep a record, and when the correction stood, once the wire is warm."""
         self.record = record
         if record[1] > CONNECT_TICKS:
-            self.rows.append(record)
+            self.rows.append((self._clock.now_ns(), record))
 
     def poll(self) -> Sequence[Message]:
         """Arm once, stop at the end."""
@@ -73,52 +76,86 @@ class Listener:
         """Feed no watchdog."""
 
 
-def runtime_end(port: int, seconds: float) -> dict[str, Any]:
-    """Run the shipped site's cycle against ``port`` and return its times, ns."""
-    record = load_record(CONFIG / "euclid_blocks.yaml").record or {}
-    record["site"]["gateway"]["modbus_tcp"]["port"] = port
+def runtime_end(site: Path, seconds: float) -> dict[str, Any]:
+    """Run the cycle of ``site``; return its times per tick, ns, and what it used when."""
+    record = load_record(site).record or {}
     assembly = assemble(record, MonotonicClock())
     listener = Listener(seconds)
     cycle = cycle_of(assembly, listener)
     ask(RealtimeRequest(cpus=(own_processor(),)))
     cycle.run()
     assembly.gateway.close()
-    columns = {"state": 3, "outcome": 6, "wake": -4, "io": -3, "tick": -2}
     rows = listener.rows
-    times = {name: [round(row[columns[name]] * 1e3) for row in rows] for name in NAMES}
-    good = sum(row[columns["outcome"]] == Outcome.OK for row in rows)
-    active = sum(row[columns["state"]] == State.ACTIVE for row in rows)
-    return {**times, "ticks": len(rows), "good": good, "active": active}
+    times = {
+        name: [round(row[COLUMNS[name]] * 1e3) for _, row in rows]
+        for name in ("wake", "io", "tick")
+    }
+    good = [(at_ns, row) for at_ns, row in rows if row[COLUMNS["outcome"]] == Outcome.OK]
+    return {
+        **times,
+        "used": [(at_ns, int(row[COLUMNS["heartbeat"]])) for at_ns, row in good],
+        "ticks": len(rows),
+        "good": len(good),
+        "active": sum(row[COLUMNS["state"]] == State.ACTIVE for _, row in rows),
+    }
 
 
-def whole_tick(seconds: float) -> Section:
-    """Measure for ``seconds`` with the plant served in a process of its own."""
-    port = free_port()
-    with tempfile.TemporaryDirectory() as folder:
-        line = str(CONFIG / "lines" / "euclid_ripple.yaml")
-        command = [*PLANT, "serve", line, "--modbus", f"127.0.0.1:{port}"]
-        with Child("plant", command, Path(folder) / "plant.log", ready="ready"):
-            found = json.loads(
+def one_round(wire: str, seconds: float) -> dict[str, Any]:
+    """Measure one wire once; adds the age of the data in each good tick, ns."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        wired = wire_up(wire, CONFIG / SITES[wire], folder)
+        stamps = folder / "stamps.json"
+        command = [
+            *(sys.executable, "-m", "benchmarks.runtime.stamped_plant", str(stamps)),
+            *(str(CONFIG / "lines" / "euclid_ripple.yaml"), *wired.plant_arguments),
+        ]
+        with Child("plant", command, folder / "plant.log", ready="ready"):
+            found: dict[str, Any] = json.loads(
                 subprocess.run(
-                    [sys.executable, "-m", __name__, str(port), str(seconds)],
+                    [sys.executable, "-m", __name__, str(wired.site), str(seconds)],
                     check=True,
                     stdout=subprocess.PIPE,
                     text=True,
                 ).stdout
             )
-    ticks = f"{found['good']} of {found['ticks']} answered in time, {found['active']} active"
-    return Section(
-        title="Whole tick over loopback TCP",
-        note=f"Plant and runtime as two processes, config/euclid_blocks.yaml, {seconds:g} s; "
-        "no measured response, so the blocks follow their angles and adapt nothing.",
-        rows=(
-            timing_row("wire, one FC23", found["io"]),
-            timing_row("whole tick", found["tick"]),
-            timing_row("wake-up", found["wake"]),
-            Row(name="ticks", value=ticks),
-        ),
-    )
+        made_ns = {int(k): int(v) for k, v in json.loads(stamps.read_text()).items()}
+    found["age"] = [at_ns - made_ns[beat] for at_ns, beat in found.pop("used")]
+    return found
+
+
+def whole_tick(seconds: float) -> list[Section]:
+    """Measure every wire for ``seconds``, in turns, so that a busy minute meets them all."""
+    found: dict[str, dict[str, Any]] = {}
+    for _ in range(ROUNDS):
+        for wire in WIRES:
+            one = one_round(wire, seconds / ROUNDS)
+            sums = found.setdefault(wire, {})
+            for name, value in one.items():
+                sums[name] = sums[name] + value if name in sums else value
+    modbus_us = quantiles_us(found["modbus"]["tick"])[1]
+    sections = []
+    for wire, title in WIRES.items():
+        one = found[wire]
+        ratio = quantiles_us(one["tick"])[1] / modbus_us
+        ticks = f"{one['good']} of {one['ticks']} with a new set, {one['active']} active"
+        sections.append(
+            Section(
+                title=f"Whole tick on {title}",
+                note=f"config/{SITES[wire]}, plant and runtime as two processes, {ROUNDS} turns "
+                f"of {seconds / ROUNDS:.3g} s with the other wires in between.",
+                rows=(
+                    timing_row("wire", one["io"], "send the last command, take what is there"),
+                    timing_row("whole tick", one["tick"], "from wake-up to record"),
+                    timing_row("wake-up", one["wake"]),
+                    timing_row("age of the data", one["age"], "PLC's scan to correction"),
+                    Row(name="ticks", value=ticks),
+                    Row(name="p99 to Modbus", value=f"{ratio:.2f}", remark="whole tick"),
+                ),
+            )
+        )
+    return sections
 
 
 if __name__ == "__main__":
-    json.dump(runtime_end(int(sys.argv[1]), float(sys.argv[2])), sys.stdout)
+    json.dump(runtime_end(Path(sys.argv[1]), float(sys.argv[2])), sys.stdout)

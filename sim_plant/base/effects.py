@@ -27,6 +27,7 @@ Candidates = Literal[
 ]
 Value = float | str
 Apply = Callable[[LineArrays, int, Mapping[str, Value]], LineArrays]
+Limits = Callable[[LineArrays, int], Mapping[str, tuple[float, float]]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,12 +40,14 @@ class Parameter:
     unit : SI; ``1`` for a ratio, empty for a word.
     typical : a size worth starting a search from, as the parameter's value (not as a change); a
         finite difference may step a small share of ``typical - default`` away from the default.
-    low, high : physical bounds, inclusive.
+    low, high : physical bounds, inclusive, finite for every number but an angle: what a machine
+        that still runs can have. Tracing neither tries nor reports anything beyond them.
     linear : the response is proportional to ``value - default`` to first order, from the default
         on and in both directions (where the bounds allow both).
     role : ``strength`` makes the effect; ``shape`` only modifies it (no response while every
         strength is at its default); ``angle`` is a shape that turns; ``option`` is
         chosen, not fitted.
+    step : finite difference to take, where the line answers in steps; 0: chosen by the search.
     tries : values worth a candidate each, where a search by slope is hopeless; empty otherwise.
     """
 
@@ -55,6 +58,7 @@ class Parameter:
     high: float = float("inf")
     linear: bool = False
     role: Literal["strength", "shape", "angle", "option"] = "strength"
+    step: float = 0.0
     tries: tuple[Value, ...] = ()
 
 
@@ -63,13 +67,15 @@ class Quadrature:
     """Two ways to say one phasor: cos = amplitude cos(angle), sin = amplitude sin(angle).
 
     Both may be given at once; they add. ``amplitude`` and ``angle`` are empty where an effect is
-    declared by its two components only.
+    declared by its two components only. ``order`` names the parameter that says how often a turn
+    the phasor turns; empty: the pairs of an effect are its orders 1, 2, 3 ...
     """
 
     cos: str
     sin: str
     amplitude: str = ""
     angle: str = ""
+    order: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,6 +98,8 @@ class Effect:
     order_locked : its response stands still over the angle of the body at its location.
     sensor_only : acts in a reading, not in the web: must not be cancelled.
     quadratures : pairs among ``accepts``.
+    limits : returns narrower bounds (low, high) of some parameters at an index of its place on a
+        given line, where physics knows them; None where the line says nothing.
     """
 
     name: str
@@ -104,6 +112,7 @@ class Effect:
     order_locked: bool = False
     sensor_only: bool = False
     quadratures: tuple[Quadrature, ...] = ()
+    limits: Limits | None = None
 
     @property
     def parameters(self) -> Mapping[str, Value]:

@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from aff_runtime.base.arguments import speed_m_s
 from aff_runtime.base.errors import PlantError
 
 if TYPE_CHECKING:
@@ -47,9 +48,9 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     )
     parser.add_argument(
         "--speed-m-s",
-        type=float,
-        metavar="M_S",
-        help="line speed, m/s (default: the declaration's)",
+        type=speed_m_s,
+        metavar="SPEED",
+        help="line speed: m/s, or with a unit such as '200 FPM' (default: the declaration's)",
     )
     parser.add_argument("--seed", type=int, default=0, help="of every random number (default 0)")
     parser.add_argument(

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import gzip
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -43,14 +40,6 @@ class Row:
     def passed(self) -> bool:
         """Whether the target is met."""
         return self.reduction_dB >= self.target_dB or self.at_floor
-
-
-def read_record(path: Path) -> dict[str, Array]:
-    """Return the columns of a plant record."""
-    with gzip.open(path, "rt", encoding="ascii") as stream:
-        names = next(csv.reader(stream))
-        table = np.loadtxt(stream, delimiter=",")
-    return {name: table[:, i] for i, name in enumerate(names)}
 
 
 def window(record: dict[str, Array], start_s: float, end_s: float) -> dict[str, Array]:

@@ -9,7 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -44,7 +44,10 @@ class Bench:
 class Child:
     """A process of ours with its output in a log file; ended by its own handle only."""
 
-    def __init__(self, name: str, command: Sequence[str], log: Path, ready: str = "") -> None:
+    def __init__(
+        self, name: str, command: Sequence[str], log: Path, ready: str = "",
+        environment: Mapping[str, str] | None = None,
+    ) -> None:  # fmt: skip
         self.name, self.log = name, log
         self._stream = log.open("wb")
         self.process = subprocess.Popen(
@@ -52,6 +55,7 @@ class Child:
             stdout=subprocess.PIPE if ready else self._stream,
             stderr=self._stream,
             start_new_session=True,
+            env=None if environment is None else dict(environment),
         )
         if ready:
             self.await_line(ready, 120.0)

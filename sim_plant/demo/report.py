@@ -11,16 +11,18 @@ from jinja2 import Environment, PackageLoader
 
 from sim_plant.base.arrays import Array
 from sim_plant.demo.figures import block_figure, spectrum_figure, tension_figure, timing_figure
-from sim_plant.demo.judge import Row, more_orders, read_record, window
+from sim_plant.demo.judge import Row, more_orders, window
 from sim_plant.demo.roll_figure import learned_orders, roll_figure
 from sim_plant.demo.session import Session
+from sim_plant.line.record_file import read_columns
 
 WIRE_NAMES = {"modbus": "Modbus TCP", "can": "CAN by DBC", "canopen": "CANopen"}
 
 
 def runtime_columns(folder: Path) -> dict[str, Array]:
     """Return the runtime's recorded columns, all segments joined."""
-    parts = [read_record(path) for path in sorted(folder.glob("signals-*.csv.gz"))]
+    paths = sorted(folder.glob("signals-*.csv.gz"))
+    parts = [read_columns(path, finite=False) for path in paths]
     names = parts[0] if parts else {}
     return {name: np.concatenate([part[name] for part in parts]) for name in names}
 

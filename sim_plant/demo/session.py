@@ -12,7 +12,7 @@ import numpy as np
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.demo.judge import read_record
+from sim_plant.demo.pace import Pace, pace_of
 from sim_plant.demo.processes import (
     PLANT,
     RUNTIME,
@@ -23,9 +23,11 @@ from sim_plant.demo.processes import (
     runtime_status,
 )
 from sim_plant.demo.wires import wire_up
+from sim_plant.line.record_file import read_columns
 
 Progress = Callable[[str], None]
 ATTEMPTS = 3
+SETTLED_S = 6.0  # a pause this long before a window still shows in it
 OF_A_PAUSE = ("PLC_STALE", "OVERRUN")  # alarms that a busy machine raises
 
 
@@ -42,7 +44,7 @@ class Plan:
     before_s: float = 16.0
     learn_s: float = 60.0
     after_s: float = 20.0
-    relearn_s: float = 12.0
+    relearn_s: float = 30.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +103,7 @@ def run_session(plan: Plan, progress: Progress) -> Session:
         codes["plant"] = plant.stop()
     folders = sorted((bench.folder / "runs").glob("*/run.yaml"))
     return Session(
-        plan=plan, record=read_record(record_path), before_s=(times[0], times[1]),
+        plan=plan, record=read_columns(record_path), before_s=(times[0], times[1]),
         after_s=(times[3], times[4]), armed_at_s=times[2], run_folder=folders[-1].parent,
         probe_text=probe_text, exit_codes=codes,
     )  # fmt: skip
@@ -145,27 +147,41 @@ def _correct(
     """Arm, learn and measure; return plant times (armed, after start, after end).
 
     A machine that is too busy lets the PLC's data go stale, the runtime fades to zero and waits
-    for an operator. The demo is that operator: it says so, arms again and measures anew.
+    for an operator. The demo is that operator: it says so, arms again and measures anew. A window
+    in which the machine paused is measured again as well, but once only: the roll gets smaller
+    and its order 1 nears the S-wrap's. The last window counts whatever happened in it.
     """
     runtime_command(bench, "arm")
     armed = plant_time(bench)
-    learn_s = plan.learn_s
+    learn_s, has_paused = plan.learn_s, False
     for attempt in range(ATTEMPTS):
         _await_state(bench, service, {"ACTIVE"}, 10.0)
         progress(f"armed; learning for {learn_s:.0f} s")
-        _watch(bench, learn_s, progress)
+        _watch(bench, learn_s - SETTLED_S, progress)
+        pace = _pace(bench)
+        _watch(bench, SETTLED_S, progress)
         after_start = plant_time(bench)
         progress(f"measuring for {plan.after_s:.0f} s")
         _watch(bench, plan.after_s, progress)
         after_end = plant_time(bench)
         status = runtime_status(bench)
-        if status.get("state") == "ACTIVE" or attempt == ATTEMPTS - 1:
+        lost = _pace(bench).lost_since(pace)
+        is_active = status.get("state") == "ACTIVE"
+        if attempt == ATTEMPTS - 1 or (is_active and (has_paused or not lost)):
             break
+        if is_active:
+            progress(f"the machine paused ({lost}); measuring again")
+            learn_s, has_paused = 2.0 * SETTLED_S, True
+            continue
+        learn_s = plan.relearn_s
         alarm = dict(status.get("alarm") or {})
         progress(f"the runtime went to zero ({alarm.get('text')}); arming again as an operator")
         runtime_command(bench, "arm")
-        learn_s = plan.relearn_s
     return armed, after_start, after_end
+
+
+def _pace(bench: Bench) -> Pace:
+    return pace_of(runtime_status(bench), ask_plant(bench, "status"))
 
 
 def pause(seconds: float) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Value
 
@@ -19,19 +21,31 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return arrays
 
 
+def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
+    """Return 0..T R: web at tension T cannot drag a harder bearing round, it slips.
+
+    T is the tension the roll was wound at. A bearing easier than declared is a tolerance of the
+    declared friction, not this effect.
+    """
+    tension_N = float(arrays.web["wound_in_strain"][0]) * float(np.max(arrays.spans["EA_N"]))
+    most = tension_N * float(arrays.bodies["radius_m"][place])
+    return {"constant_N_m": (0.0, most)} if most > 0.0 else {}
+
+
 EFFECT = Effect(
     name="bearing_drag",
     place="body",
     candidates="turning",
     accepts={
         "constant_N_m": Parameter(
-            default=0.0, unit="N m", typical=0.05, low=-1.0, high=50.0, linear=True
+            default=0.0, unit="N m", typical=0.05, low=0.0, high=20.0, linear=True
         ),
         "viscous_N_m_s": Parameter(
-            default=0.0, unit="N m s", typical=0.001, low=-1.0, high=5.0, linear=True
+            default=0.0, unit="N m s", typical=0.001, low=0.0, high=2.0, linear=True
         ),
     },
     traced=("constant_N_m", "viscous_N_m_s"),
     apply=apply,
+    limits=limits,
     text="a bearing turns hard: tension steps across the roller, with a slope over speed",
 )

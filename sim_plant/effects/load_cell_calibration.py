@@ -22,9 +22,9 @@ EFFECT = Effect(
     place="cell",
     candidates="cell",
     accepts={
-        "gain": Parameter(default=1.0, unit="1", typical=1.05, low=0.1, high=10.0, linear=True),
+        "gain": Parameter(default=1.0, unit="1", typical=1.05, low=0.5, high=2.0, linear=True),
         "offset_N": Parameter(
-            default=0.0, unit="N", typical=2.0, low=-1000.0, high=1000.0, linear=True
+            default=0.0, unit="N", typical=2.0, low=-200.0, high=200.0, linear=True
         ),
     },
     traced=("gain", "offset_N"),

@@ -26,15 +26,22 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return arrays
 
 
+def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
+    """Return the lag at which no filter would be left: less than none is impossible."""
+    tau_s = 1.0 / (2.0 * math.pi * float(arrays.cells["corner_Hz"][place]))
+    return {"lag_s": (min(0.0, SHORTEST_TIME_S - tau_s), 2.0)}
+
+
 EFFECT = Effect(
     name="load_cell_filter",
     place="cell",
     candidates="cell",
     accepts={
         "corner_Hz": Parameter(default=0.0, unit="Hz", typical=3.0, low=0.0, high=200.0),
-        "lag_s": Parameter(default=0.0, unit="s", typical=0.02, low=-0.1, high=10.0, linear=True),
+        "lag_s": Parameter(default=0.0, unit="s", typical=0.02, low=-0.1, high=2.0, linear=True),
     },
     traced=("lag_s",),
     apply=apply,
+    limits=limits,
     text="a load-cell amplifier filters more than declared: readings and loop lag",
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 
@@ -22,21 +23,29 @@ HIGHEST_ORDER = 6
 PAIRS = tuple(Quadrature(cos=f"cos{n}_m", sin=f"sin{n}_m") for n in range(1, HIGHEST_ORDER + 1))
 
 
-def named(kind: str, size_m: float, radius_m: float, angle_rad: float) -> Shape:
+def named(
+    kind: str, size_m: float, radius_m: float, angle_rad: float, flat_width_m: float = 0.0
+) -> Shape:  # fmt: skip
     """Return the named profile round ``radius_m``; size is depth, height or half axis spread."""
+    return _at_angle_0(kind, size_m, radius_m, flat_width_m).turned(angle_rad)
+
+
+@lru_cache(maxsize=64)
+def _at_angle_0(kind: str, size_m: float, radius_m: float, flat_width_m: float) -> Shape:
+    """Return the profile not turned, made once: a hull takes longer than a minute of line."""
     if kind not in KINDS:
         raise PlantError(f"out_of_round_roll.shape: read {kind!r}; expected one of {KINDS}")
     if size_m == 0.0 or kind == "orders":
         return circle(radius_m)
     if kind == "flat":
-        return flat_spot(size_m, radius_m, angle_rad)
+        return flat_spot(size_m, radius_m)
     if kind == "bulge":
-        return bulge(size_m, radius_m, angle_rad)
+        return bulge(size_m, radius_m)
     if kind == "asym":
-        return asymmetric(size_m, radius_m, angle_rad)
+        return asymmetric(size_m, radius_m)
     if kind == "flattened_bulge":
-        return flattened_bulge(size_m, 6.0 * size_m, radius_m, angle_rad)
-    return ellipse(radius_m + size_m, radius_m - size_m).turned(angle_rad)
+        return flattened_bulge(size_m, flat_width_m or 6.0 * size_m, radius_m)
+    return ellipse(radius_m + size_m, radius_m - size_m)
 
 
 def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
@@ -47,7 +56,8 @@ def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
     """
     kind, size_m = str(parameters["shape"]), float(parameters["size_m"])
     formed_m = float(parameters["formed_radius_m"]) or radius_m
-    shape = named(kind, size_m, formed_m, float(parameters["angle_rad"]))
+    angle_rad, flat_width_m = float(parameters["angle_rad"]), float(parameters["flat_width_m"])
+    shape = named(kind, size_m, formed_m, angle_rad, flat_width_m)
     shape = shape.at_radius(shape.mean_radius_m + radius_m - formed_m)
     if float(parameters["smoothing_rad"]) != 0.0:
         shape = shape.smoothed(float(parameters["smoothing_rad"]))
@@ -108,6 +118,9 @@ EFFECT = Effect(
         ),
         "formed_radius_m": Parameter(  # 0: the radius of the roll at the start
             default=0.0, unit="m", typical=0.2, low=0.0, high=5.0, role="shape"
+        ),
+        "flat_width_m": Parameter(  # of a flattened bulge; 0: six times its size
+            default=0.0, unit="m", typical=0.03, low=0.0, high=0.3, role="shape"
         ),
         "gravity": Parameter(
             default=1.0, unit="1", typical=0.0, low=0.0, high=2.0, linear=True, role="shape"

@@ -10,7 +10,7 @@ from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.effects.phasor import component, phasor
 
 FIRST = Quadrature(cos="cos1_kg_m", sin="sin1_kg_m")
-OTHER = Quadrature(cos="cosn_kg_m", sin="sinn_kg_m")
+OTHER = Quadrature(cos="cosn_kg_m", sin="sinn_kg_m", order="order")
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -71,10 +71,10 @@ EFFECT = Effect(
             role="option",
             tries=(2.0, 3.0, 4.0, 5.0, 6.0),
         ),
-        "cos1_kg_m": component("kg m", 0.02, 10.0),
-        "sin1_kg_m": component("kg m", 0.02, 10.0),
-        "cosn_kg_m": component("kg m", 0.02, 10.0),
-        "sinn_kg_m": component("kg m", 0.02, 10.0),
+        "cos1_kg_m": component("kg m", 0.02, 2.0),
+        "sin1_kg_m": component("kg m", 0.02, 2.0),
+        "cosn_kg_m": component("kg m", 0.02, 2.0),
+        "sinn_kg_m": component("kg m", 0.02, 2.0),
     },
     traced=("cos1_kg_m", "sin1_kg_m", "cosn_kg_m", "sinn_kg_m", "frequency_Hz", "damping"),
     quadratures=(

@@ -28,14 +28,14 @@ EFFECT = Effect(
     candidates="driven",
     accepts={
         "slope_s_m": Parameter(
-            default=0.0, unit="s/m", typical=0.002, low=-0.5, high=0.5, linear=True
+            default=0.0, unit="s/m", typical=0.002, low=-0.1, high=0.1, linear=True
         ),
         "threshold_m_s": Parameter(
             default=1.0,
             unit="m/s",
             typical=1.0,
             low=0.0,
-            high=50.0,
+            high=20.0,
             role="shape",
             tries=(0.0, 0.5, 0.8, 1.0, 1.2, 1.4),
         ),

@@ -29,11 +29,9 @@ EFFECT = Effect(
     place="web",
     candidates="web",
     accepts={
-        "EA_factor": Parameter(
-            default=1.0, unit="1", typical=0.9, low=0.1, high=10.0, linear=True
-        ),
+        "EA_factor": Parameter(default=1.0, unit="1", typical=0.9, low=0.3, high=3.0, linear=True),
         "thickness_factor": Parameter(
-            default=1.0, unit="1", typical=1.1, low=0.1, high=10.0, linear=True
+            default=1.0, unit="1", typical=1.1, low=0.3, high=3.0, linear=True
         ),
         "at_length_m": Parameter(
             default=0.0, unit="m", typical=30.0, low=0.0, high=100000.0, role="shape"

@@ -25,7 +25,7 @@ EFFECT = Effect(
     candidates="zone",
     accepts={
         "strain": Parameter(
-            default=0.0, unit="1", typical=0.0005, low=-0.05, high=0.05, linear=True
+            default=0.0, unit="1", typical=0.0005, low=-0.02, high=0.02, linear=True
         ),
     },
     traced=("strain",),

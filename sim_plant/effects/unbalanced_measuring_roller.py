@@ -33,10 +33,10 @@ EFFECT = Effect(
     place="cell",
     candidates="cell",
     accepts={
-        "unbalance_kg_m": amplitude("kg m", 1e-3, 1.0),
+        "unbalance_kg_m": amplitude("kg m", 1e-3, 0.2),
         "angle_rad": angle(),
-        "cos_kg_m": component("kg m", 1e-3, 1.0),
-        "sin_kg_m": component("kg m", 1e-3, 1.0),
+        "cos_kg_m": component("kg m", 1e-3, 0.2),
+        "sin_kg_m": component("kg m", 1e-3, 0.2),
     },
     traced=("cos_kg_m", "sin_kg_m"),
     quadratures=(PAIR,),

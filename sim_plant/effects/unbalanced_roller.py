@@ -28,10 +28,10 @@ EFFECT = Effect(
     place="body",
     candidates="turning",
     accepts={
-        "unbalance_kg_m": amplitude("kg m", 2e-3, 10.0),
+        "unbalance_kg_m": amplitude("kg m", 2e-3, 2.0),
         "angle_rad": angle(),
-        "cos_kg_m": component("kg m", 2e-3, 10.0),
-        "sin_kg_m": component("kg m", 2e-3, 10.0),
+        "cos_kg_m": component("kg m", 2e-3, 2.0),
+        "sin_kg_m": component("kg m", 2e-3, 2.0),
     },
     traced=("cos_kg_m", "sin_kg_m"),
     quadratures=(PAIR,),

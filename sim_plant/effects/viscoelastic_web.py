@@ -25,13 +25,13 @@ EFFECT = Effect(
     place="web",
     candidates="web",
     accepts={
-        "ratio": Parameter(default=0.0, unit="1", typical=0.1, low=0.0, high=20.0, linear=True),
+        "ratio": Parameter(default=0.0, unit="1", typical=0.1, low=0.0, high=5.0, linear=True),
         "time_s": Parameter(
             default=1.0,
             unit="s",
             typical=1.0,
-            low=0.01,
-            high=1000.0,
+            low=0.02,
+            high=100.0,
             role="shape",
             tries=(0.1, 0.3, 1.0, 3.0, 10.0),
         ),

@@ -17,16 +17,22 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return arrays
 
 
+def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
+    """Return the change at which the roll would have been wound with no strain at all."""
+    return {"strain": (-float(arrays.web["wound_in_strain"][place]), 0.02)}
+
+
 EFFECT = Effect(
     name="wound_in_strain",
     place="web",
     candidates="web",
     accepts={
         "strain": Parameter(
-            default=0.0, unit="1", typical=0.001, low=-0.05, high=0.05, linear=True
+            default=0.0, unit="1", typical=0.001, low=-0.02, high=0.02, linear=True
         ),
     },
     traced=("strain",),
     apply=apply,
+    limits=limits,
     text="the roll was wound tighter or looser: it turns at another speed for the same web",
 )

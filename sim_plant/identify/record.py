@@ -1,10 +1,8 @@
-"""Recorded columns from CSV files, and what makes a column useless."""
+"""Recorded columns for an estimate, and what makes a column useless."""
 
 from __future__ import annotations
 
-import csv
-import gzip
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +10,13 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.identify.estimate import UndecidableError
+from sim_plant.line.record_file import read_columns
 
-Record = Mapping[str, Array]
 _LONGEST_EQUAL_RUN = 12
 
 
 def read_record(path: str | Path, needed: Sequence[str]) -> dict[str, Array]:
-    """Return the columns of a ``.csv`` or ``.csv.gz`` record with a header row.
+    """Return the needed columns of a record.
 
     Raises
     ------
@@ -26,30 +24,10 @@ def read_record(path: str | Path, needed: Sequence[str]) -> dict[str, Array]:
         The file cannot be read, a needed column is missing, a number is not finite, or time
         does not increase; the message names file and column.
     """
-    try:
-        opener = gzip.open if str(path).endswith(".gz") else open
-        with opener(path, "rt", encoding="ascii") as stream:
-            names = [name.strip() for name in next(csv.reader(stream), [])]
-            table = np.loadtxt(stream, delimiter=",", ndmin=2)
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise PlantError(f"{path}: cannot be read as a CSV record ({error})") from error
-    if table.shape[1] != len(names) or table.shape[0] < 2:
-        raise PlantError(f"{path}: {len(names)} column names over {table.shape[1]} columns")
-    record = {name: table[:, k] for k, name in enumerate(names)}
-    for name in needed:
-        if name not in record:
-            raise PlantError(f"{path}: no column {name!r}; it has {', '.join(names)}")
-        if not np.all(np.isfinite(record[name])):
-            raise PlantError(f"{path}: column {name!r} holds a number that is not finite")
+    record = read_columns(Path(path), needed)
     if "time_s" in record and np.any(np.diff(record["time_s"]) <= 0.0):
         raise PlantError(f"{path}: time_s must increase from row to row")
     return record
-
-
-def write_record(path: str | Path, record: Record) -> None:
-    """Write columns of equal length as ``.csv`` or ``.csv.gz``."""
-    table = np.column_stack(list(record.values()))
-    np.savetxt(path, table, delimiter=",", header=",".join(record), comments="", fmt="%.9g")
 
 
 def refuse_clipped(name: str, values: Array) -> None:

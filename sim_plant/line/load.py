@@ -35,6 +35,11 @@ def load_declaration(path: str | Path) -> Declaration:
         raise PlantError(f"{path}: not YAML: {error}") from error
     if not isinstance(data, dict):
         raise PlantError(f"{path}: holds no keys; expected schema: web-line-declaration/1")
+    if "schema" not in data and "gateway" in data:
+        raise PlantError(
+            f"{path}:1:1: is a site file, which aff-runtime reads. "
+            "Give a line declaration, such as config/lines/euclid.yaml."
+        )
     if repeated:
         raise PlantError("\n".join(f"{path}:{finding}" for finding in repeated))
     try:

@@ -1,4 +1,4 @@
-"""Records as gzipped CSV: one header line of names with units, one row per sample."""
+"""Records as CSV, gzipped where named so: one header line of names with units, then samples."""
 
 from __future__ import annotations
 
@@ -22,33 +22,42 @@ def write_columns(path: Path, columns: Mapping[str, Array]) -> None:
         When the file cannot be written.
     """
     table = np.column_stack(list(columns.values()))
+    opener = gzip.open if path.suffix == ".gz" else open
     try:
-        with gzip.open(path, "wt", encoding="ascii", newline="") as stream:
+        with opener(path, "wt", encoding="ascii", newline="") as stream:
             stream.write(",".join(columns) + "\n")
             np.savetxt(stream, table, fmt="%.9g", delimiter=",")
     except OSError as error:
         raise PlantError(f"{path}: cannot be written ({error}). Name another --out.") from error
 
 
-def read_columns(path: Path, names: Sequence[str]) -> dict[str, Array]:
-    """Return the named columns of a record, (samples,) each.
+def read_columns(
+    path: Path, names: Sequence[str] | None = None, *, finite: bool = True
+) -> dict[str, Array]:
+    """Return the named columns of a record, all of them for None, (samples,) each.
+
+    ``finite`` False takes values that are none, such as readings a gateway did not get.
 
     Raises
     ------
     PlantError
         When the file is not such a record, a column is missing, or a value is not finite.
     """
+    opener = gzip.open if path.suffix == ".gz" else open
     try:
-        opened = gzip.open if path.suffix == ".gz" else open
-        with opened(path, "rt", encoding="ascii") as stream:
-            header = next(csv.reader(stream), [])
+        with opener(path, "rt", encoding="ascii") as stream:
+            header = [name.strip() for name in next(csv.reader(stream), [])]
+            names = header if names is None else names
             missing = [name for name in names if name not in header]
             if missing:
-                raise PlantError(f"{path}:1: no column {missing[0]}; its header has {header}")
-            use = [header.index(name) for name in names]
-            table = np.loadtxt(stream, delimiter=",", usecols=use, ndmin=2)
-    except (OSError, ValueError, UnicodeDecodeError) as error:
+                raise PlantError(f"{path}:1: no column {missing[0]!r}; its header has {header}")
+            table = np.loadtxt(stream, delimiter=",", ndmin=2)
+    except (OSError, EOFError, ValueError, UnicodeDecodeError) as error:
         raise PlantError(f"{path}: not a record ({error}). Give a CSV or CSV.gz file.") from error
-    if table.shape[0] == 0 or not np.isfinite(table).all():
-        raise PlantError(f"{path}: empty, or a value of {list(names)} is not a finite number")
-    return {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(names)}
+    if table.shape[0] == 0 or table.shape[1] != len(header):
+        raise PlantError(f"{path}: {len(header)} names over {table.shape[1]} columns of samples")
+    columns = {name: np.ascontiguousarray(table[:, header.index(name)]) for name in names}
+    for name, values in columns.items():
+        if finite and not np.isfinite(values).all():
+            raise PlantError(f"{path}: column {name!r} holds a number that is not finite")
+    return columns

@@ -72,6 +72,10 @@ class Bench:
             self._known = found
         return [[found[t, case] for t in range(len(self.twins))] for case in cases]
 
+    def forget(self) -> None:
+        """Drop all results: a search that goes on from elsewhere does not come back to them."""
+        self._known.clear()
+
     def one(self, case: Case) -> list[Array]:
         """Return one case, per twin."""
         return self.run([case])[0]

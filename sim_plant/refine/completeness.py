@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from sim_plant.refine.coordinates import Travel, line_support, spectra
@@ -13,6 +14,9 @@ from sim_plant.refine.unknown import LINE_THRESHOLD, strongest
 
 COMPLETENESS = 0.8
 LEFT_OVER = 0.15
+FAIR_SHARE = 0.3
+SURE = 3.0
+"""Standard deviations of a chi-square cost by which what is left surely exceeds noise."""
 
 
 def lines_left(
@@ -31,13 +35,17 @@ def complete(
 ) -> bool:  # fmt: skip
     """Return whether the effects that ``fit`` adds to ``base`` explain their own lines.
 
-    An effect that is no line must explain what the strongest free line would.
+    An effect that is no line must explain what the strongest free line would, and a fair share of
+    all that is left: the largest of up to three true ones does, an imitation of something else
+    seldom.
     """
     drop = base.cost - fit.cost
     fresh = fit.hypotheses[len(base.hypotheses) :]
     locked = [h for h in fresh if line_support(h, travels[0], before[0]) is not None]
     if not locked:
-        return drop > COMPLETENESS * (strongest(before)[2] - LINE_THRESHOLD)
+        sure = base.cost - problem.expected_cost - SURE * math.sqrt(2.0 * problem.expected_cost)
+        line = strongest(before)[2] - LINE_THRESHOLD
+        return drop > max(COMPLETENESS * line, FAIR_SHARE * sure)
     left = lines_left(problem, fit, travels)
     for h in locked:
         line = max(_support(h, t, s) for t, s in zip(travels, before, strict=True))

@@ -85,18 +85,19 @@ def felt_radii(problem: Problem) -> dict[str, float]:
     return found
 
 
-def _jacobian(
+def jacobian(
     problem: Problem, hypotheses: Sequence[Hypothesis], values: Sequence[tuple[float, ...]],
-    shifts: dict[str, float], base: Sequence[Array], coarse: bool,
+    shifts: dict[str, float],
 ) -> Array:  # fmt: skip
+    """Return the columns of all numbers; always from coarse runs: only their zero matters."""
     cases, steps = [], []
     for at, (h, v) in enumerate(zip(hypotheses, values, strict=True)):
         for k, step in enumerate(h.steps(v)):
             moved = [tuple(x) for x in values]
             moved[at] = tuple(x + step * (j == k) for j, x in enumerate(v))
-            cases.append(case_of(hypotheses, moved, shifts, coarse))
+            cases.append(case_of(hypotheses, moved, shifts))
             steps.append(step)
-    runs = problem.bench.run(cases)
+    base, *runs = problem.bench.run([case_of(hypotheses, values, shifts), *cases])
     columns = [problem.column(r, base, s) for r, s in zip(runs, steps, strict=True)]
     rows = problem.projector.nuisances.shape[0]
     return np.stack(columns, axis=1) if columns else np.zeros((rows, 0))
@@ -117,7 +118,7 @@ def refine_fit(
 ) -> Fit:  # fmt: skip
     """Return the best fit near ``start``: linearise, step, halve the step when the cost rises.
 
-    ``coarse`` takes the quick simulation (some percent off in size), else the declared tick.
+    ``coarse`` takes the quick simulation, else the declared tick for all but the slopes.
 
     Raises
     ------
@@ -134,7 +135,7 @@ def refine_fit(
     if not np.isfinite(cost):
         rounds, residual = 0, np.zeros_like(residual)
     for _ in range(rounds):
-        columns = _jacobian(problem, hypotheses, values, shifts, run, coarse)
+        columns = jacobian(problem, hypotheses, values, shifts)
         if not np.isfinite(columns).all():
             break
         full = problem.projector.beside(columns)

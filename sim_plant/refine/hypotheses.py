@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 from sim_plant.base.effects import Effect, Value
 from sim_plant.effects.catalogue import CATALOGUE
+from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import Declaration
-from sim_plant.line.locations import candidate_locations
+from sim_plant.line.locations import candidate_locations, places_of
 from sim_plant.refine.twin import Added
 
 
@@ -25,7 +26,7 @@ class Hypothesis:
     names : fitted parameters; the first ``strengths`` of them make the effect.
     start : values to try, the size of a first guess.
     absent : values at which the effect is exactly absent.
-    low, high : bounds.
+    low, high : physical bounds, from the effect's own file and from the line.
     linear : per strength, whether the response is proportional to it in both directions.
     """
 
@@ -54,6 +55,16 @@ class Hypothesis:
         pairs = zip(self.names, clipped, strict=True)
         return Added(self.effect.name, self.location, (*self.fixed, *pairs))
 
+    def at_bound(self, values: Sequence[float]) -> bool:
+        """Return whether a number sits at a bound that is not its absence: no estimate."""
+        rows = zip(values, self.low, self.high, self.absent, strict=True)
+        return any(
+            bound != absent and abs(value - bound) < 1e-6 * abs(bound - absent)
+            for value, low, high, absent in rows
+            for bound in (low, high)
+            if math.isfinite(bound)
+        )
+
     def probes(self) -> list[Added]:
         """Return one case per strength: that one at its typical size, the others absent."""
         found = []
@@ -75,8 +86,8 @@ class Hypothesis:
             self.names, values, self.start, self.absent, strict=True
         ):
             row = self.effect.accepts[name]
-            if row.role == "angle":
-                found.append(0.02)
+            if row.role == "angle" or row.step > 0.0:
+                found.append(row.step or 0.02)
                 continue
             size, typical = abs(value - absent), abs(start - absent)
             if row.role == "strength" and row.linear and name != "size_m":
@@ -121,8 +132,12 @@ def hypothesis(
     location: str,
     choice: Sequence[tuple[str, Value]] = (),
     traced: Sequence[str] | None = None,
+    line: Declaration | None = None,
 ) -> Hypothesis:
-    """Return one hypothesis; ``choice`` fixes options and starts searches elsewhere."""
+    """Return one hypothesis; ``choice`` fixes options and starts searches elsewhere.
+
+    With ``line`` the bounds are narrowed to what is possible at this place of this line.
+    """
     picked = dict(choice)
     names = [n for n in (traced or effect.traced) if effect.accepts[n].role != "option"]
     names.sort(key=lambda n: effect.accepts[n].role != "strength")
@@ -130,19 +145,37 @@ def hypothesis(
     rows = [effect.accepts[n] for n in names]
     start = [float(picked.get(n, r.typical)) for n, r in zip(names, rows, strict=True)]
     strengths = [r for r in rows if r.role == "strength"]
+    bounds = limits_at(line, effect, location) if line is not None else {}
+    low = [max(r.low, bounds.get(n, (r.low,))[0]) for n, r in zip(names, rows, strict=True)]
+    high = [min(r.high, bounds.get(n, (r.high,))[-1]) for n, r in zip(names, rows, strict=True)]
     return Hypothesis(
         effect=effect, location=location, fixed=fixed, names=tuple(names),
         strengths=len(strengths), start=tuple(start),
         absent=tuple(float(r.default) for r in rows),
-        low=tuple(r.low for r in rows), high=tuple(r.high for r in rows),
-        linear=tuple(r.linear and r.low < float(r.default) for r in strengths),
+        low=tuple(low), high=tuple(high),
+        linear=tuple(r.linear and low[k] < float(r.default) for k, r in enumerate(strengths)),
     )  # fmt: skip
+
+
+def limits_at(
+    line: Declaration, effect: Effect, location: str
+) -> dict[str, tuple[float, float]]:  # fmt: skip
+    """Return the bounds that this place of this line sets, the tightest of all it names."""
+    if effect.limits is None:
+        return {}
+    arrays = build_arrays(line, timing_of(line, line.sample_time_s))
+    found: dict[str, tuple[float, float]] = {}
+    for place in places_of(line, effect, location, effect.name):
+        for name, (low, high) in effect.limits(arrays, place).items():
+            old = found.get(name, (low, high))
+            found[name] = max(low, old[0]), min(high, old[1])
+    return found
 
 
 def library(line: Declaration, without: Collection[str] = ()) -> list[Hypothesis]:
     """Return every hypothesis of the library on this line, effects in ``without`` left out."""
     return [
-        hypothesis(effect, location, choice, SCREENED.get(effect.name))
+        hypothesis(effect, location, choice, SCREENED.get(effect.name), line)
         for effect in CATALOGUE
         if effect.name not in without
         for location in candidate_locations(line, effect)
@@ -153,10 +186,14 @@ def library(line: Declaration, without: Collection[str] = ()) -> list[Hypothesis
 def turned(effect: Effect, values: dict[str, Value], angle_rad: float) -> dict[str, Value]:
     """Return parameters of the same effect with its body turned ``angle_rad`` further at start.
 
-    Pairs are taken as orders 1, 2, 3 ... when there are several, as one free phase otherwise.
+    Pairs are taken as orders 1, 2, 3 ... when there are several (or as the order they name), as
+    one free phase otherwise.
     """
     found = dict(values)
-    for order, pair in enumerate(effect.quadratures, start=1):
+    for place, pair in enumerate(effect.quadratures, start=1):
+        order = float(place)
+        if pair.order:
+            order = float(values.get(pair.order, effect.parameters[pair.order]))
         if pair.cos not in found and pair.sin not in found:
             continue
         size = complex(float(found.get(pair.cos, 0.0)), float(found.get(pair.sin, 0.0)))

@@ -6,7 +6,7 @@ import fnmatch
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from sim_plant.base.arrays import IDLER, LineArrays
+from sim_plant.base.arrays import DRIVEN, IDLER, LineArrays
 from sim_plant.effects.shape_rows import add_mean
 from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
@@ -91,6 +91,18 @@ def _felt(body: int) -> Shift:
     return shift
 
 
+def _radius(body: int) -> Shift:
+    """Return a shift of the true radius: the drive goes on dividing by the declared one."""
+
+    def shift(arrays: LineArrays, amount: float) -> LineArrays:
+        arrays.bodies["radius_m"][body] *= 1.0 + amount
+        if int(arrays.bodies["kind"][body]) == DRIVEN:
+            arrays.drives["radius_ratio"][arrays.drives["body"] == body] /= 1.0 + amount
+        return arrays
+
+    return shift
+
+
 def declared_nuisances(line: Declaration) -> list[Nuisance]:
     """Return one nuisance per declared parameter that the record could feel."""
     rows: list[tuple[str, str, Shift]] = [
@@ -110,7 +122,7 @@ def declared_nuisances(line: Declaration) -> list[Nuisance]:
             rows.append((path + "inertia_kg_m2", "inertia", _scale("bodies", "inertia_kg_m2", k)))
             if roller.kind == "roll":
                 rows.append((path + "effective_radius", "effective_radius", _felt(k)))
-            rows.append((path + "radius_m", "radius", _scale("bodies", "radius_m", k)))
+            rows.append((path + "radius_m", "radius", _radius(k)))
     rows += _control_rows(line)
     for c, sensor in enumerate(cell_sensors(line)):
         rows.append((f"sensors.{sensor.channel}.gain", "gain", _scale("cells", "gain", c)))

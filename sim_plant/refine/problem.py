@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,8 @@ from sim_plant.refine.twin import Case, Twin
 
 NOISE_RUNS = 2
 NOMINAL = Case()
+LOOSE_ORDERS = 12
+LOOSE_M = 2e-5
 
 
 class Problem:
@@ -30,27 +33,38 @@ class Problem:
         self.nuisances: list[Nuisance] = declared_nuisances(bench.twins[0].declaration)
         cases = [Case(coarse=False, seed=s) for s in (None, *range(NOISE_RUNS))]
         runs = bench.run([NOMINAL, *cases])
+        self.anchor = NOMINAL
+        self.loose: tuple[int, ...] = ()
         self.coarse, self.fine = runs[0], runs[1]
         noisy = [np.stack([run[t] for run in runs[2:]]) for t in range(len(bench.twins))]
-        self.noise = [
-            self._noise(twin, noise - fine[None], record - fine)
-            for twin, noise, fine, record in zip(
-                bench.twins, noisy, self.fine, self.measured, strict=True
-            )
+        self.quiet = [
+            self._noise(twin, noise - fine[None])
+            for twin, noise, fine in zip(bench.twins, noisy, self.fine, strict=True)
         ]
+        self.noise = self.quiet
+        self.basis: list[Array | None] = [None] * len(self.measured)
         self.rows = sum(
             m.shape[0] * (m.shape[1] - n.first)
             for m, n in zip(self.measured, self.noise, strict=True)
         )
-        self.projector = Projector(self._nuisance_columns())
+        self.weigh()
 
     @staticmethod
-    def _noise(twin: Twin, runs: Array, residual: Array) -> NoiseModel:
+    def _noise(twin: Twin, runs: Array) -> NoiseModel:
         line = twin.declaration
         steps = {s.channel: s.lsb_m or 0.0 for s in line.sensors}
-        first = first_judged(residual.shape[1], line.sample_time_s)
-        model = noise_model(runs, first, np.array([steps[c] for c in twin.channels]))
-        return model.scaled(measured_scale(model.whiten(residual)))
+        first = first_judged(runs.shape[2], line.sample_time_s)
+        return noise_model(runs, first, np.array([steps[c] for c in twin.channels]))
+
+    def weigh(self) -> None:
+        """Take the declared noise, louder where data are clearly louder than at the anchor."""
+        rows = zip(self.quiet, self.measured, self.fine, strict=True)
+        self.noise = [n.scaled(measured_scale(n.whiten(m - y))) for n, m, y in rows]
+        self.project()
+
+    def project(self) -> None:
+        """Take the responses to declared numbers, and to what is loose, at the anchor."""
+        self.projector = Projector(self._nuisance_columns())
 
     @property
     def sd(self) -> Array:
@@ -59,15 +73,15 @@ class Problem:
 
     def whiten(self, values: Sequence[Array]) -> Array:
         """Return one vector of innovations of per-record channels (channels, samples)."""
-        parts = [n.whiten(v).ravel() for n, v in zip(self.noise, values, strict=True)]
-        return np.concatenate(parts)
+        rows = zip(self.noise, values, self.basis, strict=True)
+        return np.concatenate([_without(n.whiten(v), basis).ravel() for n, v, basis in rows])
 
     def residual(
         self, run: Sequence[Array], shifts: dict[str, float] | None = None, coarse: bool = True
     ) -> Array:
         """Return the residual vector of a run made with these nuisance shifts.
 
-        To a coarse run the difference of the two nominal runs is added.
+        To a coarse run the difference fine - coarse at the anchor is added.
         """
         gone = [
             m - (y + f - c) if coarse else m - y
@@ -82,14 +96,28 @@ class Problem:
         return np.concatenate([self.whiten(change), np.zeros(len(self.nuisances))])
 
     def _nuisance_columns(self) -> Array:
-        cases = [replace(NOMINAL, shifts=((n.name, n.tolerance),)) for n in self.nuisances]
+        put = dict(self.anchor.shifts)
+        cases = [
+            replace(self.anchor, shifts=tuple(sorted(
+                {**put, n.name: put.get(n.name, 0.0) + n.tolerance}.items())))
+            for n in self.nuisances
+        ]  # fmt: skip
         runs = self.bench.run(cases)
         columns = []
         for at, (row, run) in enumerate(zip(self.nuisances, runs, strict=True)):
             column = self.column(run, self.coarse, row.tolerance)
             column[self.rows + at] = 1.0 / self.sd[at]
             columns.append(column)
-        return np.stack([*columns, *self._zero_columns()], axis=1)
+        return np.stack([*columns, *self._zero_columns(), *self._loose_columns()], axis=1)
+
+    def _loose_columns(self) -> list[Array]:
+        """Return what one typical ripple of each order of each loose shape does, cos and sin."""
+        cases = [
+            replace(self.anchor, ripples=((body, n, LOOSE_M * c / n, LOOSE_M * s / n),))
+            for body in self.loose for n in range(1, LOOSE_ORDERS + 1)
+            for c, s in ((1.0, 0.0), (0.0, 1.0))
+        ]  # fmt: skip
+        return [self.column(run, self.coarse, 1.0) for run in self.bench.run(cases)]
 
     def _zero_columns(self) -> list[Array]:
         """Return free offsets of angle channels: their zero is the first row, with its noise."""
@@ -102,6 +130,39 @@ class Problem:
                     columns.append(np.concatenate([self.whiten(ones), np.zeros(self.sd.size)]))
         return columns
 
+    def anchored(self, case: Case) -> Problem:
+        """Return the same problem with coarse runs put right at ``case``, not at the declaration.
+
+        A coarse tick is some percent off in what an effect does; from here on only changes are.
+        """
+        near = copy(self)
+        self.bench.forget()
+        near.anchor = replace(case, coarse=True)
+        near.coarse, near.fine = self.bench.run([near.anchor, replace(case, coarse=False)])
+        near.weigh()
+        return near
+
+    def loosened(self, bodies: Sequence[int]) -> Problem:
+        """Return the same problem with the shapes of ``bodies`` free in every low order.
+
+        What is then found must explain more than a detail of a shape that is there already.
+        """
+        near = copy(self)
+        near.loose = tuple(sorted(set(bodies)))
+        near.project()
+        return near
+
+    def beside(self, basis: Sequence[Array]) -> Problem:
+        """Return the same problem with free terms taken out of every channel first.
+
+        ``basis`` has orthonormal columns (judged samples, terms) per record. What is left is what
+        an effect has to explain that these terms, free in size in every channel, cannot.
+        """
+        near = copy(self)
+        near.basis = list(basis)
+        near.project()
+        return near
+
     @property
     def expected_cost(self) -> float:
         """Cost that a true model would leave: rows, channels of coarse words counted less."""
@@ -110,7 +171,10 @@ class Problem:
             share = np.minimum(1.0, (noise.floor / noise.sd) ** 2)
             coarse = np.array([taps.size == 1 for taps in noise.filters])
             total += float(np.where(coarse, share, 1.0).sum()) * (measured.shape[1] - noise.first)
-        return total
+        taken = [0 if q is None else q.shape[1] for q in self.basis]
+        total -= 2.0 * LOOSE_ORDERS * len(self.loose)
+        terms = sum(m.shape[0] * k for m, k in zip(self.measured, taken, strict=True))
+        return total - float(terms)
 
     def split(self, vector: Array) -> list[Array]:
         """Return the per-record innovations (channels, judged samples) of a residual vector."""
@@ -120,3 +184,11 @@ class Problem:
             parts.append(vector[at : at + shape[0] * shape[1]].reshape(shape))
             at += shape[0] * shape[1]
         return parts
+
+
+def _without(white: Array, basis: Array | None) -> Array:
+    """Return channels (channels, samples) less their part along ``basis`` (samples, terms)."""
+    if basis is None:
+        return white
+    rest: Array = white - (white @ basis) @ basis.T
+    return rest

@@ -54,17 +54,17 @@ def _effect_of(
     line = problem.bench.twins[0].declaration
     part = name.split(".")
     if name == "web.EA_N":
-        return hypothesis(BY_NAME["web_modulus"], "web"), (1.0 + shift,)
+        return hypothesis(BY_NAME["web_modulus"], "web", line=line), (1.0 + shift,)
     if name == "web.wound_in_tension_N":
         strain = line.web.wound_in_tension_N / line.web.EA_N
-        return hypothesis(BY_NAME["wound_in_strain"], "web"), (strain * shift,)
+        return hypothesis(BY_NAME["wound_in_strain"], "web", line=line), (strain * shift,)
     if part[-1] == "friction_constant_N_m":
         declared = line.rollers[line.body(part[1])].friction_constant_N_m
-        h = hypothesis(BY_NAME["bearing_drag"], part[1], (), ("constant_N_m",))
-        return h, (declared * shift,)
+        h = hypothesis(BY_NAME["bearing_drag"], part[1], (), ("constant_N_m",), line)
+        return (h, (declared * shift,)) if shift > 0.0 else None
     if part[0] == "sensors" and part[-1] in ("gain", "offset"):
         roller = next(s.roller for s in line.sensors if s.channel == part[1])
-        h = hypothesis(BY_NAME["load_cell_calibration"], roller)
+        h = hypothesis(BY_NAME["load_cell_calibration"], roller, line=line)
         start = {"gain": 1.0 + shift if part[-1] == "gain" else 1.0,
                  "offset_N": shift if part[-1] == "offset" else 0.0}  # fmt: skip
         return h, tuple(start[k] for k in h.names)

@@ -5,18 +5,16 @@ from __future__ import annotations
 import csv
 import gzip
 import hashlib
-import importlib
-import io
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
+from sim_plant.refine.read_binary import Table, mdf_table, parquet_table
 from sim_plant.refine.record import Record
-from sim_plant.refine.sanity import even_grid, oddities
-from sim_plant.refine.units import SUFFIXES, TO_SI, canonical, split_header, suffix_of
+from sim_plant.refine.sanity import even_grid, oddities, place_of
+from sim_plant.refine.units import SUFFIXES, TO_SI, canonical, split_header
 
 TIME_NAMES = ("time", "t", "timestamp")
 
@@ -35,10 +33,12 @@ def read_record(path: str | Path) -> Record:
         payload = path.read_bytes()
     except OSError as error:
         raise PlantError(f"{path}: cannot be read ({error})") from error
-    raw = _table(path, payload)
+    raw, said = _table(path, payload)
     columns = {}
     for header, values in raw.items():
         name, factor = si_name(header, path)
+        if name in columns:
+            raise PlantError(f"{path}: column {name} appears twice, in two units")
         columns[name] = values * factor
     time_name = next((n for n in columns if n.lower().removesuffix("_s") in TIME_NAMES), None)
     if time_name is None:
@@ -50,7 +50,7 @@ def read_record(path: str | Path) -> Record:
     sample_time_s, columns, findings = even_grid(path, time_s, columns)
     return Record(
         path=path, sha256=hashlib.sha256(payload).hexdigest(), sample_time_s=sample_time_s,
-        columns=columns, findings=(*findings, *oddities(columns)),
+        columns=columns, findings=(*said, *findings, *oddities(columns)),
     )  # fmt: skip
 
 
@@ -76,42 +76,23 @@ def _finite(path: Path, name: str, values: Array) -> None:
     if bad.size:
         raise PlantError(
             f"{path}: column {name}: {bad.size} values are missing or not numbers, the first in "
-            f"line {bad[0] + 2}; cut the record there or record it again"
+            f"{place_of(path, int(bad[0]))}; cut the record there or record it again"
         )
 
 
-def _table(path: Path, payload: bytes) -> dict[str, Array]:
+def _table(path: Path, payload: bytes) -> Table:
     name = path.name.lower()
     if name.endswith((".csv", ".csv.gz", ".txt", ".txt.gz")):
         try:
             plain = gzip.decompress(payload) if name.endswith(".gz") else payload
-            return _csv(path, plain.decode("utf-8-sig"))
+            return _csv(path, plain.decode("utf-8-sig")), []
         except (OSError, EOFError, UnicodeDecodeError) as error:
             raise PlantError(f"{path}: not a readable CSV file ({error})") from error
     if name.endswith(".parquet"):
-        table = _extra(path, "pyarrow.parquet", "pyarrow").read_table(io.BytesIO(payload))
-        return {c: np.asarray(table[c], dtype=np.float64) for c in table.column_names}
+        return parquet_table(path, payload)
     if name.endswith((".mf4", ".mdf")):
-        return _mdf(_extra(path, "asammdf", "asammdf").MDF(io.BytesIO(payload)))
+        return mdf_table(path, payload)
     raise PlantError(f"{path}: unknown kind of file; give .csv, .csv.gz, .parquet or .mf4")
-
-
-def _extra(path: Path, module: str, package: str):  # type: ignore[no-untyped-def]
-    try:
-        return importlib.import_module(module)
-    except ImportError as error:
-        raise PlantError(f"{path}: needs the package {package}: pip install {package}") from error
-
-
-def _mdf(mdf) -> dict[str, Array]:  # type: ignore[no-untyped-def]
-    frame = mdf.to_dataframe(time_from_zero=True)
-    units: Mapping[str, str] = {s.name: s.unit for s in mdf.iter_channels()}
-    found = {"time_s": np.asarray(frame.index, dtype=np.float64)}
-    for column in frame.columns:
-        unit = units.get(column, "")
-        header = f"{column} [{unit}]" if unit and not suffix_of(column) else column
-        found[header] = np.asarray(frame[column], dtype=np.float64)
-    return found
 
 
 def _csv(path: Path, text: str) -> dict[str, Array]:

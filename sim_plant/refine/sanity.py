@@ -31,7 +31,7 @@ def even_grid(
     steps = np.diff(time_s)
     back = np.flatnonzero(steps < 0.0)
     if back.size:
-        raise PlantError(f"{path}: line {back[0] + 3}: time does not go on")
+        raise PlantError(f"{path}: {place_of(path, int(back[0]) + 1)}: time does not go on")
     step = float(np.median(steps))
     odd = np.flatnonzero((steps > LONGEST_GAP_SAMPLES * step) | (steps == 0.0))
     misplaced = [int(k) for k in odd if _one_stamp_off(steps, int(k), step)]
@@ -39,7 +39,7 @@ def even_grid(
     if gap:
         at = gap[0]
         raise PlantError(
-            f"{path}: {len(gap)} gaps in time_s, the first after line {at + 2} "
+            f"{path}: {len(gap)} gaps in time_s, the first after {place_of(path, at)} "
             f"({steps[at]:.4g} s where {step:.4g} s is usual); give a record without gaps"
         )
     said = [f"{len(misplaced)} stamps sit on their neighbour's"] if misplaced else []
@@ -56,6 +56,12 @@ def even_grid(
         even,
         [*said, f"stamps are uneven by up to {late:.2g} s: put on a grid of {mean:.6g} s"],
     )
+
+
+def place_of(path: Path, row: int) -> str:
+    """Return where data row ``row`` (from 0) stands: a line of a text file, a row of others."""
+    text = path.name.lower().removesuffix(".gz").endswith((".csv", ".txt"))
+    return f"line {row + 2}" if text else f"row {row + 1}"
 
 
 def _one_stamp_off(steps: Array, at: int, step: float) -> bool:

@@ -126,7 +126,8 @@ def score_one(problem: Problem, h: Hypothesis, residual: Array, columns: Array) 
         size = float(gain.values[k])
         if not h.linear[at]:
             size = min(max(size, 0.1), 3.0)
-        start[at] = h.absent[at] + size * (h.start[at] - h.absent[at])
+        value = h.absent[at] + size * (h.start[at] - h.absent[at])
+        start[at] = min(max(value, h.low[at]), h.high[at])
     return Scored(
         hypothesis=h, gain=gain, score=gain.drop - price(problem, max(1, len(use))),
         start=tuple(start),

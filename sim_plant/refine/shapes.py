@@ -13,6 +13,7 @@ from sim_plant.refine.hypotheses import Hypothesis, hypothesis
 
 SIZES_M = (0.001, 0.002, 0.004, 0.006, 0.009, 0.012, 0.016)
 PROFILE_NUMBERS = ("size_m", "angle_rad", "smoothing_rad")
+FLATTENED = "flattened_bulge"
 EFFECT = "out_of_round_roll"
 
 
@@ -46,8 +47,14 @@ def profile_starts(
             best = max(best, (float(gain[at]), kind, size, float(angles[at])))
         found.append(best)
     found.sort(reverse=True)
-    return [
-        (hypothesis(BY_NAME[EFFECT], location, (("shape", kind),), PROFILE_NUMBERS),
-         (size, angle, 0.02))
-        for gain, kind, size, angle in found[:keep] if gain > 0.0
-    ]  # fmt: skip
+    return [_start(location, kind, size, angle) for gain, kind, size, angle in found[:keep]
+            if gain > 0.0]  # fmt: skip
+
+
+def _start(
+    location: str, kind: str, size_m: float, angle_rad: float
+) -> tuple[Hypothesis, tuple[float, ...]]:
+    wide = kind == FLATTENED
+    names = (*PROFILE_NUMBERS, *(("flat_width_m",) if wide else ()))
+    start = (size_m, angle_rad, 0.02, *((6.0 * size_m,) if wide else ()))
+    return hypothesis(BY_NAME[EFFECT], location, (("shape", kind),), names), start

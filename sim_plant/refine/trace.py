@@ -9,8 +9,10 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.blackbox import LINE_KINDS, free_lines
 from sim_plant.refine.completeness import complete, lines_left
-from sim_plant.refine.coordinates import Travel, travel_of
+from sim_plant.refine.coordinates import Travel, line_support, travel_of
+from sim_plant.refine.details import polished
 from sim_plant.refine.fit import Fit, empty_fit, felt_radii, refine_fit
 from sim_plant.refine.generic import LineSpectrum
 from sim_plant.refine.hypotheses import Hypothesis
@@ -22,7 +24,10 @@ from sim_plant.refine.shapes import profile_starts
 from sim_plant.refine.unknown import LINE_THRESHOLD, Unknown, strongest, unknowns
 
 MOST_EFFECTS = 4
+MOST_BOXES = 2
 SCORE_THRESHOLD = 75.0
+BEYOND_DOUBT = 3000.0
+"""A score above this needs no second look at the declared drive tick."""
 RUNNERS = 4
 DISCREPANCY = 0.006
 """A further effect must explain more than this share of what was explained: no model is exact."""
@@ -58,8 +63,32 @@ Say = Callable[[str], None]
 
 
 def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
-    """Return effects that explain the records, and what remains unexplained."""
+    """Return effects that explain the records, and what remains unexplained.
+
+    Where a line remains that no effect explains, it becomes a free term, and the whole search is
+    made again beside it: an effect is claimed only for what that term cannot explain.
+    """
+    found = _pursue(problem, library, say)
+    before = found.before
+    boxes: list[Unknown] = []
+    for _ in range(MOST_BOXES):
+        fresh = [u for u in found.unknown if u.kind in LINE_KINDS and u not in boxes]
+        if not fresh:
+            break
+        boxes += fresh
+        say(f"no effect explains {', '.join(u.text for u in fresh)}: searching beside a free term")
+        beside = problem.beside([free_lines(boxes, travel) for travel in found.travels])
+        found = _pursue(beside, library, say)
+        more = [u for u in found.unknown if not any(u.like(box) for box in boxes)]
+        found.unknown = [*boxes, *more]
+        found.before = before  # with the line that is now a free term, for the report
+    return found
+
+
+def _pursue(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
+    """Return the effects found one after another, and what is left then."""
     nominal = empty_fit(problem, felt_radii(problem))
+    problem, nominal = polished(problem, nominal)
     travels = [
         travel_of(twin, measured, nominal.case, noise.first)
         for twin, measured, noise in zip(
@@ -72,20 +101,42 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
         accepted = _search(problem, found, library, say)
         if accepted is None:
             break
-        steps, found.fit = accepted
+        steps, fit = accepted
         found.steps.extend(steps)
+        say("all numbers together, at the declared drive tick")
+        problem, found.fit = polished(problem, fit)
         found.after = lines_left(problem, found.fit, travels)
         if _at_floor(problem, found):
             break
-    if found.steps:
-        say("final numbers at the declared drive tick")
-        fit = found.fit
-        exact = refine_fit(problem, fit.hypotheses, fit.values, fit.shifts, rounds=2, coarse=False)
-        if np.isfinite(exact.cost):
-            found.fit = exact
-            found.after = lines_left(problem, exact, travels)
     found.unknown = unknowns(problem, found.nominal, found.fit, found.after)
+    if any(u.kind not in LINE_KINDS for u in found.unknown):
+        _keep_lines_only(problem, found, say)
     return found
+
+
+def _keep_lines_only(problem: Problem, found: Trace, say: Say) -> None:
+    """Take back effects that are no lines when structure is left that is no line either.
+
+    Without a coordinate of its own such an effect is known only by how well it fits: one that
+    leaves more than noise has at best imitated the cause.
+    """
+    fit = found.fit
+    kept = [k for k, h in enumerate(fit.hypotheses) if is_line(h, found)]
+    if len(kept) == len(fit.hypotheses):
+        return
+    say("structure is left that is no line: effects that are none are taken back")
+    found.steps = [found.steps[k] for k in kept]
+    rest = [(fit.hypotheses[k], fit.values[k]) for k in kept]
+    found.fit = refine_fit(
+        problem, [h for h, _ in rest], [v for _, v in rest], fit.shifts, rounds=4, coarse=False
+    )
+    found.after = lines_left(problem, found.fit, found.travels)
+    found.unknown = unknowns(problem, found.nominal, found.fit, found.after)
+
+
+def is_line(h: Hypothesis, found: Trace) -> bool:
+    """Return whether a hypothesis shows at a coordinate of its own."""
+    return line_support(h, found.travels[0], found.before[0]) is not None
 
 
 def _search(
@@ -116,7 +167,9 @@ def _search(
             if found.fit.cost - accepted[1].cost > 0.3 * (found.fit.cost - floor):
                 break
             continue
-        say("  leaves too much of its own line: not accepted alone")
+        say("  leaves too much: not accepted alone")
+        if not is_line(accepted[0].hypothesis, found):
+            continue
         if half is None or accepted[1].cost < half[1].cost:
             half = accepted
     if full is not None:
@@ -221,6 +274,11 @@ def _next(
     if not fits or fits[0][0] < max(SCORE_THRESHOLD, DISCREPANCY * explained):
         return None
     score, fit, h = fits[0]
+    if score < BEYOND_DOUBT:
+        score = min(score, _missed(problem, fit) - price(problem, len(h.names)))
+    if score < max(SCORE_THRESHOLD, DISCREPANCY * explained):
+        say(f"  {h.effect.name} at {h.location}: not missed when all else is fitted again")
+        return None
     others = [(s, k) for s, _, k in fits[1:] if k.key != h.key]
     others += [(s.score, s.hypothesis) for s in ranked
                if s.hypothesis.key not in {k.key for _, _, k in fits}]  # fmt: skip
@@ -234,6 +292,20 @@ def _next(
         ambiguous=tuple(k.key for s, k in others if score - s < 10.0),
     )  # fmt: skip
     return step, fit
+
+
+def _missed(problem: Problem, fit: Fit) -> float:
+    """Return how much the cost rises without the last effect, all else fitted anew from here.
+
+    Both at the declared drive tick. A fit that was made again finds a better place for the
+    declared numbers too, and a coarse tick moves the speed at which a quantised loop rests:
+    those shares are not the effect's.
+    """
+    there = refine_fit(problem, fit.hypotheses, fit.values, fit.shifts, rounds=4, coarse=False)
+    gone = refine_fit(
+        problem, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=4, coarse=False
+    )
+    return gone.cost - there.cost
 
 
 def _fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
@@ -262,7 +334,9 @@ def _fitted(
     new = refine_fit(
         problem, (*fit.hypotheses, h), (*fit.values, tuple(start)), shifts, rounds=rounds
     )
-    return new if np.isfinite(new.cost) else None
+    if not np.isfinite(new.cost) or new.hypotheses[-1].at_bound(new.values[-1]):
+        return None
+    return new
 
 
 def _worth(problem: Problem, fit: Fit) -> float:

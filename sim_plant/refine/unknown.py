@@ -24,6 +24,20 @@ class Unknown:
     coordinate: dict[str, float | str]
     strength: float
 
+    def like(self, other: Unknown) -> bool:
+        """Return whether both are orders of the same roll."""
+        roll = self.coordinate.get("roll")
+        return self.kind == other.kind == "angle" and roll == other.coordinate.get("roll")
+
+    @property
+    def text(self) -> str:
+        """Class and coordinate, for people."""
+        where = ", ".join(
+            f"{key} {value:.5g}" if isinstance(value, float) else f"{key} {value}"
+            for key, value in self.coordinate.items()
+        )
+        return f"{self.kind} ({where})"
+
 
 def strongest(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, float, float]:
     """Return the strongest free line of all records: spectrum, coordinate, drop."""

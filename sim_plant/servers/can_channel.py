@@ -15,6 +15,8 @@ from aff_runtime.base.errors import WireError
 from sim_plant.servers.can_frames import CanFrame, Take
 from sim_plant.servers.frame_hub import FrameHub
 
+_HEX = frozenset(b"0123456789ABCDEFabcdef")
+
 
 class CanChannel(Protocol):
     """One bus as the plant's event loop sees it."""
@@ -163,7 +165,7 @@ class BusChannel:
             message = self._bus.recv(0)
             if message is None:
                 return
-            if message.is_rx and not (message.is_error_frame or message.is_remote_frame):
+            if not (message.is_error_frame or message.is_remote_frame):
                 self._take(
                     CanFrame(message.arbitration_id, message.is_extended_id, bytes(message.data))
                 )
@@ -181,7 +183,7 @@ def channel_of(interface: str, channel: str) -> CanChannel:
 def _frame_of(line: bytes) -> CanFrame | None:
     """Return the frame of one slcan line; None for the adapter's own commands."""
     digits = {b"t": 3, b"T": 8}.get(line[:1])
-    if digits is None:
+    if digits is None or not set(line[1:]) <= _HEX:
         return None
     try:
         length = int(line[1 + digits : 2 + digits], 16)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +64,65 @@ def load_dbc_map(path: Path) -> tuple[DbcMap, Database]:
     return rows, database
 
 
+_VALUE, _PAGE, _COUNTER = range(3)
+
+
+@dataclass(frozen=True, slots=True)
+class _Shown:
+    """One signal of a message that the PLC sends."""
+
+    name: str
+    dotted: str
+    kind: int
+    pages: frozenset[int]
+    low: float
+    high: float
+    blank: float
+    half: int  # of a count that wraps; 0 for a value
+
+    def fitting(self, value: float) -> float:
+        """Return the value as the signal can say it: wrapped, or at the end of its range."""
+        if math.isnan(value):
+            return self.blank
+        if self.half and math.isfinite(value):
+            return float((round(value) + self.half) % (2 * self.half) - self.half)
+        return min(max(value, self.low), self.high)
+
+
+@dataclass(frozen=True, slots=True)
+class _Plan:
+    """A message that the PLC sends, looked up once."""
+
+    message: Message
+    rows: tuple[_Shown, ...]
+    pages: tuple[int, ...]
+
+
+def _plan(message: Message, wrapping: frozenset[str]) -> _Plan:
+    rows = []
+    for signal in message.signals:
+        half = 1 << (signal.length - 1)
+        dotted = f"{message.name}.{signal.name}"
+        signed = signal.is_signed
+        low = -half * signal.scale if signed else 0.0
+        high = (half - 1 if signed else 2 * half - 1) * signal.scale
+        kind = _PAGE if signal.is_multiplexer else _VALUE
+        rows.append(
+            _Shown(
+                name=signal.name,
+                dotted=dotted,
+                kind=_COUNTER if signal.name == "Counter" else kind,
+                pages=frozenset(signal.multiplexer_ids or ()),
+                low=float(low),
+                high=float(high),
+                blank=float(low if signed else high),
+                half=half if dotted in wrapping else 0,
+            )
+        )
+    pages = sorted({page for row in rows for page in row.pages})
+    return _Plan(message, tuple(rows), tuple(pages))
+
+
 class DbcNode:
     """The PLC's CAN interface.
 
@@ -84,12 +144,14 @@ class DbcNode:
         self._last: list[CanFrame] = []
         self._pending: dict[str, dict[str, Any]] = {}
         self._words: dict[str, int] = {}
-        self._ours = _messages(database, [*rows.read.values(), *_signals(rows.channels)])
+        ours = _messages(database, [*rows.read.values(), *_signals(rows.channels)])
         pairs = [(c.signal, c.complement) for c in rows.corrections.values()]
         theirs = [*rows.write.values(), *(name for pair in pairs for name in pair)]
         self._theirs = {m.frame_id: m for m in _messages(database, theirs)}
         heartbeat = rows.read["plc_heartbeat"].partition(".")[0]
-        self._ours.sort(key=lambda message: (message.name == heartbeat, message.frame_id))
+        ours.sort(key=lambda message: (message.name == heartbeat, message.frame_id))
+        wrapping = frozenset(c.signal for c in rows.channels.values() if c.wraps)
+        self._ours = [_plan(message, wrapping) for message in ours]
         self._aff_heartbeat = tuple(rows.write["aff_heartbeat"].split(".", 1))
 
     def reset(self) -> list[CanFrame]:
@@ -127,7 +189,7 @@ class DbcNode:
         values: dict[str, float] = {s: shown[n] for n, s in self._rows.read.items()}
         for name, channel in self._rows.channels.items():
             values[channel.signal] = plant.measured[name] / channel.scale
-        self._last = [self._encode(message, values, heartbeat) for message in self._ours]
+        self._last = [self._encode(plan, values, heartbeat) for plan in self._ours]
         return self._last
 
     def second_master(self) -> list[CanFrame]:
@@ -154,36 +216,19 @@ class DbcNode:
             if any(signal.name == "Counter" for signal in theirs.signals):
                 del self._pending[theirs.name]
 
-    def _encode(self, message: Message, values: Mapping[str, float], heartbeat: int) -> CanFrame:
+    def _encode(self, plan: _Plan, values: Mapping[str, float], heartbeat: int) -> CanFrame:
         chosen: dict[str, float] = {}
-        page = None
-        for signal in message.signals:
-            if signal.is_multiplexer:
-                ids = sorted({i for s in message.signals for i in s.multiplexer_ids or ()})
-                page = ids[heartbeat % len(ids)]
-                chosen[signal.name] = page
-        for signal in message.signals:
-            dotted = f"{message.name}.{signal.name}"
-            if signal.name == "Counter":
-                chosen["Counter"] = heartbeat & 0xFF
-            elif dotted in values and (
-                not signal.multiplexer_ids or page in signal.multiplexer_ids
-            ):
-                chosen[signal.name] = self._fitting(signal, values[dotted], dotted)
+        page = plan.pages[heartbeat % len(plan.pages)] if plan.pages else None
+        for row in plan.rows:
+            if row.kind == _PAGE and page is not None:
+                chosen[row.name] = page
+            elif row.kind == _COUNTER:
+                chosen[row.name] = heartbeat & 0xFF
+            elif row.dotted in values and (not row.pages or page in row.pages):
+                chosen[row.name] = row.fitting(values[row.dotted])
+        message = plan.message
         data = message.encode(chosen, strict=False)
         return CanFrame(message.frame_id, message.is_extended_frame, bytes(data))
-
-    def _fitting(self, signal: Any, value: float, dotted: str) -> float:
-        """Return the value as the signal can say it: wrapped, or at the end of its range."""
-        wraps = any(c.wraps for c in self._rows.channels.values() if c.signal == dotted)
-        half = 1 << (signal.length - 1)
-        if wraps and math.isfinite(value):
-            return float((round(value) + half) % (2 * half) - half)
-        low = -half * signal.scale if signal.is_signed else 0.0
-        high = (half - 1 if signal.is_signed else 2 * half - 1) * signal.scale
-        if math.isnan(value):
-            return float(low if signal.is_signed else high)
-        return float(min(max(value, low), high))
 
 
 def _signals(channels: Mapping[str, _Channel]) -> list[str]:

@@ -19,6 +19,11 @@ class CanFrame(NamedTuple):
 
 
 Take = Callable[[CanFrame], None]
+_CUTTING = frozenset({Fault.BUSOFF, Fault.DROP, Fault.REFUSE, Fault.RESTART})
+_ON_THE_WAY = _CUTTING | {
+    Fault.MUTE, Fault.BUSY, Fault.PARTIAL, Fault.SHORT, Fault.TID, Fault.SWAP, Fault.LOSE,
+    Fault.DOUBLE, Fault.REORDER,
+}  # fmt: skip
 
 
 class CanNode(Protocol):
@@ -56,8 +61,7 @@ class BusFaults:
     @property
     def cut(self) -> bool:
         """Whether nothing passes in either direction."""
-        gone = (Fault.BUSOFF, Fault.DROP, Fault.REFUSE, Fault.RESTART)
-        return any(self._faults.active(fault) for fault in gone)
+        return self._faults.any_of(_CUTTING)
 
     def arrives(self) -> bool:
         """Return whether one frame of the runtime reaches the nodes."""
@@ -68,6 +72,8 @@ class BusFaults:
     def on_the_way(self, frames: list[CanFrame]) -> list[CanFrame]:
         """Return what reaches the runtime of one scan's ``frames``."""
         faults = self._faults
+        if not faults.any_of(_ON_THE_WAY):
+            return frames
         if self.cut or faults.active(Fault.MUTE) or faults.active(Fault.BUSY):
             return []
         changes: tuple[tuple[Fault, Callable[[list[CanFrame]], list[CanFrame]]], ...] = (

@@ -32,6 +32,7 @@ class LockstepBus:
         self._was_cut = False
         self.bus_offs = 0
         self.closed = False
+        self.arrived_ns = -1
         self.sent: deque[CanFrame] = deque(maxlen=64)
         self._plant.observers.append(self._on_sample)
         self._plant.edge_observers.append(
@@ -63,16 +64,26 @@ class LockstepBus:
             self._put(self._node.take(CanFrame(*frame)))
         return not self._faults.cut
 
+    def sync(self) -> bool:
+        """Return whether the bus takes frames; it has no SYNC of its own."""
+        return not self._faults.cut
+
     def receive(self, wait_ns: int) -> CanFrame | None:
         """Return the next frame that is due; nothing arrives while one waits."""
         del wait_ns
         if self._queue and self._queue[0][0] <= self._clock.now_ns():
-            return self._queue.popleft()[1]
+            self.arrived_ns, frame = self._queue.popleft()
+            return frame
         return None
 
     def close(self) -> None:
         """End the conversation."""
         self.closed = True
+
+    def reopen(self) -> None:
+        """Begin anew, as a fresh socket does: what was sent before is not heard."""
+        self._queue.clear()
+        self.closed = False
 
     def _on_sample(self, plant: Plant) -> None:
         self._put(self._node.publish(plant))

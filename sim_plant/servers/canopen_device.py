@@ -120,4 +120,4 @@ class Device:
 
 def maps(pdos: Any) -> list[Any]:
     """Return the PDO maps of one direction."""
-    return list(pdos.map.values())
+    return list(pdos.map.maps.values())

@@ -144,6 +144,10 @@ class FaultBoard:
         """Return whether ``fault`` is active now."""
         return fault in self._active
 
+    def any_of(self, faults: frozenset[Fault]) -> bool:
+        """Return whether at least one of ``faults`` is active now."""
+        return not faults.isdisjoint(self._active)
+
     def argument(self, fault: Fault) -> str:
         """Return the argument of an active fault, else an empty text."""
         spec = self._active.get(fault)

@@ -3,8 +3,9 @@
 A correction that fails any rule of ``_judge`` or ``_decode`` stops counting, for every actuator:
 the value held then ramps linearly to zero within ``fade_s`` of the last scan that accepted one.
 A live runtime whose corrections are intact and zero ends the ramp at once.
-Nothing latches, except that after a watchdog trip or a start a scan with a moving heartbeat and
-neither ACTIVE nor FADING must come before the next correction counts.
+Nothing latches, except that after a watchdog trip, a start, or a heartbeat that jumps (another
+master writes as well, or the runtime is a new one) a scan with a moving heartbeat and neither
+ACTIVE nor FADING must come before the next correction counts.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from sim_plant.servers.plc_map import PlcMap
 
 _COUNTS = StateBits.ACTIVE | StateBits.FADING
 _TIME_TOLERANCE_S = 1e-9
+_LONGEST_STEP = 64  # of a heartbeat between two scans of a runtime that is alone
 _LIMIT_TOLERANCE = 1.0 + 1e-9
 ALL_WELL = (
     Status.LINE_RUN
@@ -143,6 +145,8 @@ class Plc:
         heartbeat = self.map.write_word(block, "aff_heartbeat")
         if self._aff_heartbeat is not None and heartbeat != self._aff_heartbeat:
             self._heard_at_s = now_s
+            if (heartbeat - self._aff_heartbeat) & 0xFFFF > _LONGEST_STEP:
+                self._needs_rearm = True
         self._aff_heartbeat = heartbeat
         if self._heard_at_s is None:
             return False

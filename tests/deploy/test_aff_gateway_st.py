@@ -113,6 +113,28 @@ def test_an_intact_zero_of_a_live_runtime_ends_the_fade() -> None:
     assert both.scan(4, 0, 0, state=0)["Correction1"] == 0.0
 
 
+@pytest.mark.parametrize("state", [0, ACTIVE])
+def test_a_second_master_takes_the_correction_to_zero(state: int) -> None:
+    both = Both().accepted()
+    for scan in range(4, 60):
+        other = both.scan(40_000 + scan, 0, 0, state=state)
+        assert not other["Accepted"]
+        ours = both.scan(scan, 1234, -567)
+        assert not ours["Accepted"]
+        assert scan < 30 or ours["Correction1"] == 0.0
+    both.scan(60, state=0)
+    assert both.scan(61, 1234, -567)["Accepted"]
+
+
+@pytest.mark.parametrize("before", [3, 65_500, 65_535])
+def test_a_heartbeat_may_step_by_64_and_wrap(before: int) -> None:
+    for step, refusal in ((1, 0), (64, 0), (65, 3), (40_000, 3)):
+        both = Both()
+        for heartbeat in (before - 2, before - 1, before):
+            both.scan(heartbeat, state=0)
+        assert both.scan((before + step) & 0xFFFF, 100)["Refusal"] == refusal, step
+
+
 def test_our_heartbeat_wraps_without_an_overflow() -> None:
     both = Both()
     both.block.v["PlcHeartbeat"] = 65534
@@ -149,6 +171,8 @@ MUTANTS = (
     ("1.0 - Since / Fade", "1.0"),
     ("        Held1 := 0.0;\n", ""),
     ("Known AND AffHeartbeat", "AffHeartbeat"),
+    ("LastHeartbeat > 64", "LastHeartbeat > 65"),
+    ("65535 - 63", "65535 - 64"),
 )
 
 
@@ -166,6 +190,8 @@ def test_every_rule_of_the_block_is_missed_when_it_is_gone(
         test_nothing_counts_before_a_heartbeat_moved_and_a_state_without_active_was_seen,
         test_a_dead_heartbeat_trips_after_the_watchdog_and_is_zero_after_the_fade,
         test_an_intact_zero_of_a_live_runtime_ends_the_fade,
+        lambda: test_a_second_master_takes_the_correction_to_zero(0),
+        *(lambda b=b: test_a_heartbeat_may_step_by_64_and_wrap(b) for b in (3, 65_500)),
         *(lambda s=s: test_block_and_simulated_plc_agree_on_random_runs(s) for s in range(3)),
     )
     for case in cases:

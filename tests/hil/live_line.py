@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from aff_runtime.app.request_client import ServiceClient
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
 from sim_plant.demo.processes import PLANT, RUNTIME, Bench, Child, ask_plant
-from sim_plant.demo.wires import free_port
+from sim_plant.demo.wires import SITES, wire_up
 from tests.lockstep.fault_table import WORKING_M_S, peak
 from tests.lockstep.known_response import LINE, ROOT, SPEED_M_S, known_responses
 
@@ -56,27 +56,48 @@ class Pauses:
 
 
 class LiveLine:
-    """One plant, one service, and what an operator and a judge at the plant can do."""
+    """One plant, one service, and what an operator and a judge at the plant can do.
 
-    def __init__(self, folder: Path, site_file: str = "euclid_blocks.yaml") -> None:
-        self.port = free_port()
-        wire = ("--modbus", f"127.0.0.1:{self.port}")
-        self.bench = Bench(folder=folder, site=folder / "euclid.yaml", plant_arguments=wire)
+    Parameters
+    ----------
+    folder : everything of this session; its name must be short enough for sockets.
+    wire : modbus, can or canopen.
+    environment : of the service, where it is not ours.
+    site_file : of config; the wire's own, or the plain law's on Modbus, where not given.
+    speed_m_s : line speed; a roll at 200 FPM is used up after 19 minutes.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        wire: str = "modbus",
+        environment: Mapping[str, str] | None = None,
+        site_file: str = "",
+        speed_m_s: float = SPEED_M_S,
+    ) -> None:
+        self._speed_m_s = speed_m_s
+        shipped = site_file or {"modbus": "euclid_blocks.yaml"}.get(wire, SITES[wire])
+        wired = wire_up(wire, ROOT / "config" / shipped, folder)
+        self.bench = Bench(folder=folder, site=wired.site, plant_arguments=wired.plant_arguments)
+        self._environment = environment
         (folder / "learned").mkdir()
-        for actuator, response in known_responses().items():
-            path = folder / "learned" / f"euclid_{actuator}.json"
+        stem = wired.site.stem.removesuffix("_blocks")
+        for actuator, response in known_responses(speed_m_s).items():
+            path = folder / "learned" / f"{stem}_{actuator}.json"
             path.write_text(response.to_json())
-        text = (ROOT / "config" / site_file).read_text()
-        text = text.replace("port: 5020", f"port: {self.port}")
+        text = wired.site.read_text()
         self.site_text = re.sub(r"soft_start_s: [\d.]+", "soft_start_s: 0.3", text)
         self.bench.site.write_text(self.site_text)
-        plant = [
-            *PLANT, "serve", str(LINE), "--modbus", f"127.0.0.1:{self.port}",
-            "--speed-m-s", str(SPEED_M_S), "--seed", str(SEED),
+        self.plant = self._start_plant()
+        self.service = self._serve()
+
+    def _start_plant(self) -> Child:
+        command = [
+            *PLANT, "serve", str(LINE), *self.bench.plant_arguments,
+            "--speed-m-s", str(self._speed_m_s), "--seed", str(SEED),
             "--control", str(self.bench.plant_socket),
         ]  # fmt: skip
-        self.plant = Child("plant", plant, folder / "plant.log", ready="ready")
-        self.service = self._serve()
+        return Child("plant", command, self.bench.folder / "plant.log", ready="ready")
 
     def _serve(self) -> Child:
         command = [
@@ -84,7 +105,8 @@ class LiveLine:
             "--runtime-dir", str(self.bench.runtime_dir),
             "--record-dir", str(self.bench.folder / "runs"),
         ]  # fmt: skip
-        return Child("runtime", command, self.bench.folder / "runtime.log")
+        log = self.bench.folder / "runtime.log"
+        return Child("runtime", command, log, environment=self._environment)
 
     def close(self) -> None:
         """End both processes."""
@@ -148,6 +170,11 @@ class LiveLine:
         """Start the service anew after it was killed."""
         self.service.stop()
         self.service = self._serve()
+
+    def start_plant_again(self) -> None:
+        """Start the plant anew after it was killed."""
+        self.plant.stop()
+        self.plant = self._start_plant()
 
     # --- at the plant -----------------------------------------------------------------------
 

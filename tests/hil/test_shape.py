@@ -33,7 +33,7 @@ def _learn(line: LiveLine) -> dict[str, dict]:
 
 
 def test_a_shape_is_kept_at_bypass_and_starts_the_next_service(tmp_path):
-    line = LiveLine(tmp_path, "euclid.yaml")
+    line = LiveLine(tmp_path, site_file="euclid.yaml")
     try:
         blocks = _learn(line)
         assert 0.3 < blocks["unwind_2x"]["amplitude"] < 2.0

@@ -141,3 +141,14 @@ def test_a_fault_that_stays_refuses_the_operators_edge(bench: Bench):
     assert bench.guard.state is State.FAULT  # the edges pressed during the fault are spent
     bench.arm(LEARNING_S)
     assert peak(bench.applied, bench.now_s - 0.3, bench.now_s) > WORKING_M_S
+
+
+@pytest.mark.parametrize("spec", ["absurd", "swap"])
+def test_what_cannot_be_true_is_never_learned_from(bench: Bench, spec: str):
+    before = [now for _, now in bench.law.ripple()]
+    bench.inject(f"{spec}@0.05:{LASTS_S}")
+    bench.run(0.05 + LASTS_S + QUIET_S)
+    bench.arm(LEARNING_S)
+    for (reference_N, now_N), before_N in zip(bench.law.ripple(), before, strict=True):
+        assert now_N < before_N + 3.0  # the ripple of the bare line is below 3 N
+        assert reference_N < 6.0

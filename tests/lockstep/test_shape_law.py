@@ -48,7 +48,7 @@ class Shop:
     rows: list[tuple[float, ...]] = field(default_factory=list)
 
 
-def shop(responses, shapes=None, site_file=SITE) -> Shop:
+def shop(responses, shapes=None, site_file=SITE, fresh_every=1) -> Shop:
     """Return a bench on the line, with what was kept before."""
     site = load_site(site_file)
     bench = Bench(Setup(site=site_file, responses=responses, soft_start_s=1.5))
@@ -72,7 +72,8 @@ def shop(responses, shapes=None, site_file=SITE) -> Shop:
         assert isinstance(bench.law, Controller)
         values = row[len(HEAD) : len(HEAD) + channels]
         guard = bench.guard
-        made.keeper.listen(bench.law, values, fresh=bool(row[fresh]), quiet=guard.quiet)
+        is_new = bool(row[fresh]) and int(row[1]) % fresh_every == 0
+        made.keeper.listen(bench.law, values, fresh=is_new, quiet=guard.quiet)
         made.keeper.watch(
             bench.law,
             active=guard.state is State.ACTIVE,
@@ -136,6 +137,7 @@ def test_the_shape_is_kept_in_mm_at_the_encoders_zero(learned):
     assert (data["roll_id"], data["format"]) == (1, "aff-learned-shape-1")
     first = next(r for r in data["orders"] if (r["roll"], r["order"]) == ("unwind", 1))
     assert 0.2 < first["deviation_mm"] < 2.0  # a 12 mm flat spot has a first order of this size
+    assert data["imbalance"][0]["roll"] == "unwind"
     assert set(kept) == {"unwind"}  # the follower runs the plain blocks
 
 
@@ -213,3 +215,33 @@ def test_a_shape_that_is_not_the_rolls_is_refused_by_the_ripple(responses, learn
 def test_the_follower_stands_on_its_blocks_as_long_as_it_has_no_drive():
     params = site_params(load_site(SITE))
     assert [a.law.value for a in params.actuators] == ["shape", "plain"]
+
+
+def test_repeated_readings_lengthen_a_trial_and_do_not_end_it(responses, learned):
+    *_, kept = learned
+    made = shop(responses, at_full_radius(kept), fresh_every=2)
+    made.bench.run(9.0)
+    assert not made.said
+    made.bench.run(9.0)
+    assert any("unwind: starts from the shape saved" in text for text in made.said), made.said
+
+
+def test_a_roll_that_is_forgotten_before_its_trial_is_not_tried(responses, learned):
+    *_, kept = learned
+    made = shop(responses, at_full_radius(kept))
+    made.bench.run(2.0)
+    made.keeper.forget(made.bench.law)
+    made.bench.run(9.0)
+    weights = made.bench.law.shape_laws()["unwind"].weights()
+    assert all(w == 0j for (roll, _), w in weights.items() if roll == "unwind")
+    assert weights["swrap_follower", 1] != 0j
+
+
+def test_a_shape_learned_with_another_drive_is_refused_and_said_once(responses, learned):
+    *_, kept = learned
+    other = {**json.loads(kept["unwind"]), "belongs_to": "another"}
+    made = shop(responses, {"unwind": json.dumps(other)})
+    made.bench.run(9.0)
+    assert len(made.said) == 1
+    assert "another drive or encoder" in made.said[0]
+    assert not any(made.bench.law.shape_laws()["unwind"].weights().values())

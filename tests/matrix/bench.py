@@ -50,19 +50,37 @@ class QuietLine(FakeLine):
 
 
 class Greedy:
-    """A law that asks for more than every limit, without pause."""
+    """A law that asks for more than every limit, without pause, and looks at what it is given.
 
-    def __init__(self) -> None:
-        self.fails = False
+    Attributes
+    ----------
+    ails : how it is broken: ``law`` raises, ``lazy`` answers nothing, ``nan`` is no number.
+    oldest_scans : age of the oldest reading that it was given as fresh, in scans of the PLC.
+    largest : largest reading that it was given as fresh.
+    """
+
+    def __init__(self, plc: Plc) -> None:
+        self.ails = ""
+        self.oldest_scans = 0
+        self.largest = 0.0
+        self._plc = plc
         self._k = 0
 
     def step(
         self, snapshot: Snapshot, dt_s: float, permission: Permission
-    ) -> tuple[ActuatorStep, ...]:
-        if self.fails:
+    ) -> tuple[ActuatorStep, ...] | None:
+        if snapshot.fresh:
+            age = (self._plc._heartbeat - snapshot.plc_heartbeat) & 0xFFFF
+            self.oldest_scans = max(self.oldest_scans, age)
+            self.largest = max(self.largest, *map(abs, snapshot.values[:2]))
+        if self.ails == "law":
             raise RuntimeError("the law is broken")
+        if self.ails == "lazy":
+            return None
         self._k += 1
         value = 0.08 * math.cos(0.02 * self._k)
+        if self.ails == "nan":
+            value = math.nan
         step = ActuatorStep(value=value, peak_bound=0.08, slew_bound=0.4)
         return (step, replace(step, value=0.5 * value, peak_bound=0.04))
 
@@ -110,18 +128,20 @@ class Around:
 class MatrixBench:
     """One plant, one wire, one runtime that can be killed and started again."""
 
-    def __init__(self, wire: str, seed: int = 0) -> None:
+    def __init__(self, wire: str, seed: int = 0, sample_s: float = SAMPLE_S) -> None:
         self.wire = wire
+        self.sample_s = sample_s
+        self._period_ns = round(sample_s * 1e9)
         self.site = SITES[wire]
         self.clock = VirtualClock()
-        self.lockstep = LockstepPlant(QuietLine(), Plc(default_map()))
+        self.lockstep = LockstepPlant(QuietLine(sample_s), Plc(default_map()))
         self.plant = self.lockstep.plant
         self.bus: LockstepBus | None = None
         if wire != "modbus":
             protocol = {"can": "dbc", "canopen": "canopen"}[wire]
             node = can_node(self.plant, protocol, CONFIG / "plc" / f"can_{protocol}.yaml")
             self.bus = LockstepBus(self.lockstep, node, self.clock, seed=seed)
-        self.law = Greedy()
+        self.law = Greedy(self.lockstep.plant.plc)
         self.applied: list[float] = []
         self.running = True
         self.start()
@@ -133,7 +153,7 @@ class MatrixBench:
         self.guard = Guard(replace(guarded, actuators=outputs, splice_settle_s=0.1))
         self.around = Around(self.guard)
         settings = CycleSettings(
-            period_ns=5_000_000,
+            period_ns=self._period_ns,
             io_deadline_ns=3_000_000,
             fade_s=self.site.freshness.fade_ms * 1e-3,
             channel_count=len(self.site.gateway.read.channels),
@@ -166,14 +186,18 @@ class MatrixBench:
     def run(self, seconds: float) -> list[float]:
         """Advance both sides; return the largest correction at the plant, sample by sample."""
         begin = len(self.applied)
-        for _ in range(round(seconds / SAMPLE_S)):
-            self.lockstep.advance(SAMPLE_S)
-            if self.running:
-                self.running = self.cycle.tick()
-            else:
-                self.clock.advance_ns(5_000_000)
-            self.applied.append(max(abs(v) for v in self.plant.applied_m_s.values()))
+        for _ in range(round(seconds / self.sample_s)):
+            self.applied.append(self.step())
         return self.applied[begin:]
+
+    def step(self) -> float:
+        """Advance both sides by one sample; return the largest correction at the plant."""
+        self.plant.step()
+        if self.running:
+            self.running = self.cycle.tick()
+        else:
+            self.clock.advance_ns(self._period_ns)
+        return max(map(abs, self.plant.applied_m_s.values()))
 
     def arm(self) -> None:
         self.around.inbox.append(Arm())
@@ -182,10 +206,10 @@ class MatrixBench:
         self.around.inbox.append(Bypass())
 
     def until(self, *states: State, within_s: float = 3.0) -> bool:
-        for _ in range(round(within_s / SAMPLE_S)):
+        for _ in range(round(within_s / self.sample_s)):
             if self.guard.state in states:
                 return True
-            self.run(SAMPLE_S)
+            self.run(self.sample_s)
         return False
 
     def begin(self, spec: str) -> None:
@@ -195,17 +219,17 @@ class MatrixBench:
             self.running = False
         elif name == "!supervisor":
             self.around.inbox.append(SupervisorLost())
-        elif name == "!law":
-            self.law.fails = True
+        elif name in {"!law", "!lazy", "!nan"}:
+            self.law.ails = name[1:]
         else:
             self.lockstep.inject(parse_fault(spec))
 
     def end(self, spec: str) -> None:
         """End what ``begin`` began, where time alone does not."""
         name, _, _ = spec.partition(":")
-        self.law.fails = False
+        self.law.ails = ""
         if name in {"!kill", "!supervisor"}:
             if self.bus is not None:
-                self.bus.closed = False
+                self.bus.reopen()
             self.start()
         self.running = True

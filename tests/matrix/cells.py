@@ -10,11 +10,13 @@ from typing import Any
 import yaml
 
 from aff_runtime.base.signals import State
-from tests.matrix.bench import LIMIT_M_S, SAMPLE_S, WIRES, MatrixBench
+from tests.matrix.bench import LIMIT_M_S, SAMPLE_S, WIRES, Greedy, MatrixBench
 
 TABLE: dict[str, Any] = yaml.safe_load((Path(__file__).parent / "table.yaml").read_text())
 STATES = ("OFF", "SOFT_START", "ACTIVE", "FADING", "BYPASS")
 ZERO_S = TABLE["zero_ms"] * 1e-3
+PLAUSIBLE = 2000.0  # N: nothing above the site's own maximum may reach a law
+OLDEST_SCANS = 3
 _ROUNDING = 1.0 + 1e-6
 
 
@@ -43,7 +45,7 @@ def cells(states: tuple[str, ...] = STATES) -> Iterator[Cell]:
                 )  # fmt: skip
 
 
-def judge(cell: Cell) -> str:  # noqa: PLR0911 (one return per verdict)
+def judge(cell: Cell) -> str:
     """Run one cell; return what is wrong, empty when nothing is."""
     bench = MatrixBench(cell.wire, seed=len(cell.fault))
     wrong = _reach(bench, cell.state)
@@ -53,13 +55,24 @@ def judge(cell: Cell) -> str:  # noqa: PLR0911 (one return per verdict)
     bench.begin(cell.spec)
     during = bench.run(duration_s)
     bench.end(cell.spec)
-    zero_from = round(ZERO_S / SAMPLE_S) + 1
     after = bench.run(max(0.4, ZERO_S + 0.1 - duration_s))
     whole = during + after
+    wrong = _used_as_live(bench.law) if _is_told_apart(cell) else ""
+    if wrong:
+        return wrong
     if max(bench.applied) > LIMIT_M_S * _ROUNDING:
         return f"{max(bench.applied):.4f} m/s is above the limit"
     if cell.state in {"OFF", "BYPASS"}:
         return "a correction without an operator" if any(whole) else _recovers(bench)
+    return _reacts(cell, bench, during, after)
+
+
+def _reacts(  # noqa: PLR0911 (one return per verdict)
+    cell: Cell, bench: MatrixBench, during: list[float], after: list[float]
+) -> str:
+    """Judge the reaction that the table asks for, and the way back."""
+    whole = during + after
+    zero_from = round(ZERO_S / SAMPLE_S) + 1
     if cell.reaction == "latch":
         if any(whole[zero_from:]):
             return f"not zero {ZERO_S * 1e3:.0f} ms after the fault began"
@@ -70,6 +83,13 @@ def judge(cell: Cell) -> str:  # noqa: PLR0911 (one return per verdict)
         if any(whole[zero_from:]):
             return f"not zero {ZERO_S * 1e3:.0f} ms after the fault began"
         bench.bypass()
+        bench.run(0.02)
+        bench.arm()  # at once, as operators do: the PLC must have seen the runtime idle before
+        bench.run(1.0)
+        if not any(bench.applied[-20:]):
+            return f"bypass and arm at once: {bench.guard.state.name}, {bench.plant.refusal}"
+        bench.bypass()
+        bench.run(0.4)
         return _recovers(bench)
     if cell.reaction == "fade":
         if any(during[zero_from:]):
@@ -78,6 +98,24 @@ def judge(cell: Cell) -> str:  # noqa: PLR0911 (one return per verdict)
         return "" if cell.state == "FADING" or any(back) else "did not come back by itself"
     if cell.state != "FADING" and (bench.guard.state is not State.ACTIVE or not any(after[-20:])):
         return f"did not ride through: {bench.guard.state.name}"
+    return ""
+
+
+def _is_told_apart(cell: Cell) -> bool:
+    """Whether the wire itself shows that a reading is old or garbled.
+
+    A constant delay on CAN does not: everything moves, late. A swapped status word may say that
+    the line does not run, and of a line at rest every finite reading is believed.
+    """
+    return not cell.spec.startswith(("delay", "swap"))
+
+
+def _used_as_live(law: Greedy) -> str:
+    """Return what was given to the law as fresh and was not, empty when nothing was."""
+    if law.largest > PLAUSIBLE:
+        return f"the law was given {law.largest:.0f} N"
+    if law.oldest_scans > OLDEST_SCANS:
+        return f"the law was given readings {law.oldest_scans} scans old as fresh"
     return ""
 
 

@@ -107,6 +107,11 @@ def test_readings_come_and_commands_arrive(bench: Bench) -> None:
     bench.until(lambda _: bench.service.plant.registers.write_words[at] == 100)
 
 
+def test_the_kernel_s_receive_stamp_is_the_age_of_a_set(bench: Bench) -> None:
+    bench.until(lambda s: s.fresh)
+    bench.until(lambda s: s.fresh and bench.gateway._stamped)
+
+
 def test_a_bus_that_goes_down_is_not_connected_and_comes_back(bench: Bench) -> None:
     bench.until(lambda s: s.fresh)
     set_link(False)
@@ -130,3 +135,22 @@ def test_foreign_traffic_stays_in_the_kernel(bench: Bench) -> None:
         for _ in range(500):
             other.send(can.Message(arbitration_id=0x7F0, is_extended_id=False, data=bytes(8)))
         assert bench.until(lambda s: s.fresh, ticks=200).outcome is Outcome.OK
+
+
+def test_an_error_frame_of_bus_off_closes_the_bus_and_it_comes_back(bench: Bench) -> None:
+    bench.until(lambda s: s.fresh)
+    bus_off = can.Message(arbitration_id=0x40, is_error_frame=True, data=bytes(8))
+    with can.Bus(interface="socketcan", channel="vcan0") as other:
+        other.send(bus_off)
+        bench.until(lambda s: s.outcome is Outcome.NOT_CONNECTED)
+    bench.until(lambda s: s.fresh)
+
+
+def test_a_29_bit_twin_of_our_identifier_is_another_frame(bench: Bench) -> None:
+    bench.until(lambda s: s.fresh)
+    with can.Bus(interface="socketcan", channel="vcan0") as other:
+        for can_id, _ in bench.gateway._ours:
+            other.send(can.Message(arbitration_id=can_id, is_extended_id=True, data=bytes(8)))
+        for _ in range(20):
+            assert bench.tick().outcome is not Outcome.BAD_REPLY
+    assert bench.gateway.foreign == 0

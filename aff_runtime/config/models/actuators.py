@@ -126,7 +126,7 @@ class Actuator(Section):
     memory_turns: Turns = key(
         "Law shape, the one number to tune: over how many turns of its roll an order is learned. "
         "Raise it when shapes in status wander, lower it for a roll that changes fast.",
-        default=6.0,
+        default=9.0,
         live=True,
         ge=1,
         le=100,

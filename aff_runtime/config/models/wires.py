@@ -16,8 +16,9 @@ INTERFACE = (
     "frame_socket (a unix socket) and udp_multicast for benches."
 )
 CAN_DEADLINE = (
-    "Longest wait for the PLC's frames in one tick. Raise it when status shows timeouts on a "
-    "healthy bus; it must stay below cycle_ms."
+    "Most time that reading the bus may take of one tick. A tick takes what has arrived and never "
+    "waits; what is left is for the next one. Lower it when a babbling device makes ticks late; "
+    "it must stay below cycle_ms."
 )
 
 

@@ -219,7 +219,7 @@ def test_a_block_that_the_monitor_rests_stays_as_it_is():
     line = Line()
     line.run(6.0)
     law = line.shape
-    law.monitor._rest[1] = 20.0
+    law.monitor._rest[1], law.monitor.calm = 20.0, False
     before = law.weights()["unwind", 2]
     line.run(2.0)
     assert law.weights()["unwind", 2] == before

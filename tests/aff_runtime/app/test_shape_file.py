@@ -29,7 +29,9 @@ def file(**more: Any) -> ShapeFile:
         "actuator": "unwind", "belongs_to": "b", "config_hash": "c", "saved_at": "t",
         "version": "v", "roll_id": 3, "radius_m": {"unwind": 0.2, "swrap_follower": 0.15},
         "web": {"density_kg_m3": 395.0},
-        "profile": ShapeProfile(weight_m=WEIGHT, correction={("unwind", 1): 0.1 - 0.2j}),
+        "profile": ShapeProfile(
+            weight_m=WEIGHT, correction={("unwind", 1): 0.1 - 0.2j}, imbalance_m={"unwind": 4e-4j}
+        ),
     }  # fmt: skip
     return ShapeFile(**{**known, **more})
 
@@ -47,6 +49,7 @@ def test_what_is_written_is_read_back() -> None:
     for key, w in WEIGHT.items():
         assert back.profile.weight_m[key] == pytest.approx(w)
     assert back.profile.correction["unwind", 1] == pytest.approx(0.1 - 0.2j)
+    assert back.profile.imbalance_m["unwind"] == pytest.approx(4e-4j)
     assert (back.roll_id, back.radius_m) == (3, {"unwind": 0.2, "swrap_follower": 0.15})
 
 
@@ -54,6 +57,8 @@ def test_a_technician_reads_mm_and_degrees() -> None:
     row = json.loads(file().to_json())["orders"][1]
     assert (row["order"], row["deviation_mm"]) == (3, pytest.approx(0.1))
     assert row["angle_deg"] == pytest.approx(90.0)
+    (heavy,) = json.loads(file().to_json())["imbalance"]
+    assert heavy["torque_N_m"] == pytest.approx(0.04)  # 100 N m per metre
 
 
 @pytest.mark.parametrize(
@@ -87,7 +92,7 @@ def test_the_shape_lies_beside_the_response() -> None:
     ("edit", "same"),
     [
         (("    limit_m_s: 0.15", "    limit_m_s: 0.1"), True),
-        (("memory_turns: 6", "memory_turns: 9"), True),
+        (("memory_turns: 9", "memory_turns: 6"), True),
         (("14, 15, 16]", "14]"), True),
         (("inertia_kg_m2: 0.25", "inertia_kg_m2: 0.4"), False),
         (("radius_m: 0.15367", "radius_m: 0.16"), False),
@@ -112,6 +117,7 @@ def test_forgetting_takes_the_exchanged_roll_and_keeps_the_roller(tmp_path: Path
     shelf.forget(about)
     left = ShapeFile.from_json(shelf.load(about)["unwind"]).profile.weight_m
     assert set(left) == {("swrap_follower", 1)}
+    assert not ShapeFile.from_json(shelf.load(about)["unwind"]).profile.imbalance_m
     assert "the shape of unwind is forgotten" in said[-1]
 
 

@@ -58,7 +58,7 @@ def test_words_counts_and_crossings():
     assert crossing.radius_m == pytest.approx(0.15367)
 
 
-def test_crossings_of_larger_rolls_are_those_of_the_field_notes(tmp_path):
+def test_T6_the_forecast_of_crossings_is_that_of_the_field_notes(tmp_path):
     # swrap 6.05 in meets 2x/1x at 12.1 in; with orders 1..4 on both also 3x/2x and 4x/3x
     path = edited(
         tmp_path,

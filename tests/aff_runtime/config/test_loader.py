@@ -50,6 +50,17 @@ def test_missing_key_is_named_at_its_section(tmp_path):
     )
 
 
+def test_a_line_declaration_is_refused_in_one_sentence(tmp_path):
+    path = tmp_path / "line.yaml"
+    path.write_text("schema: web-line-declaration/1\nrollers: []\n")
+    with pytest.raises(ConfigError) as caught:
+        load_site(path)
+    assert str(caught.value) == (
+        f"{path}:1:1  schema: this is a line declaration, which sim-plant reads. "
+        "Give a site file, such as config/euclid.yaml."
+    )
+
+
 def test_actuator_without_a_correction_word_is_refused(tmp_path):
     old = "      swrap_follower: { register: 108, complement: 109, scale: 0.00001 }\n"
     path = edited(tmp_path, (old, ""))

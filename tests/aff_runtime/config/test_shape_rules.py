@@ -53,8 +53,8 @@ CASES = {
     "inertia in another unit": (
         ("inertia_kg_m2: 0.25", "inertia_kg_m2: 0.25 N"),
         "0.25 N",
-        'actuators.unwind.drive.inertia_kg_m2: "0.25 N" is a force, expected a moment of inertia: a number '
-        "in kg m2, or with its unit (kg m^2, kgm2, kg cm2).",
+        'actuators.unwind.drive.inertia_kg_m2: "0.25 N" is a force, expected a moment of inertia: '
+        "a number in kg m2, or with its unit (kg m^2, kgm2, kg cm2).",
     ),
     "start of an order that no block has": (
         (START, "        start: [{ order: 40, deviation_m: 0.001, angle_rad: 0 }]"),
@@ -116,8 +116,8 @@ def test_check_says_what_the_law_will_do(tmp_path):
     # 17 Hz * 2 pi * 0.1016 m / 1.016 m/s = 10.7 orders, 19 Hz: 11.9; 1.524 m/s: 7.1 and 7.9
     assert "10 of 16 orders of unwind below 17 Hz, 1 fade, 5 above 19 Hz rest" in said[0]
     assert "7 of 16 orders of unwind below 17 Hz, 9 above 19 Hz rest" in said[2]
-    # a turn at 0.1016 m and 1.016 m/s: 0.628 s
-    assert "memory 6 turns = 3.8 s" in said[0]
+    # a turn at 0.1016 m and 1.016 m/s: 0.628 s; nine of them
+    assert "memory 9 turns = 5.7 s" in said[0]
     assert any("unwind 1x meets swrap_follower 1x" in line for line in report.lines())
 
 
@@ -140,7 +140,7 @@ def test_a_motor_behind_a_gear_counts_with_the_square_of_its_ratio(tmp_path):
 @pytest.mark.parametrize(
     ("edit", "live"),
     [
-        (("memory_turns: 6", "memory_turns: 12"), True),
+        (("memory_turns: 9", "memory_turns: 12"), True),
         (("    #shape_limit_m: 15 mm", "    shape_limit_m: 5 mm"), True),
         (("    limit_m_s: 0.15", "    limit_m_s: 0.1"), True),
         (("14, 15, 16]", "14]"), True),

@@ -18,6 +18,7 @@ class FakeLink:
         self.heard: deque[Frame] = deque()
         self.takes = True
         self.bus_offs = 0
+        self.arrived_ns = -1
 
     @property
     def carries(self) -> bool:
@@ -28,6 +29,9 @@ class FakeLink:
 
     def send(self, frame: Frame) -> bool:
         self.sent.append(frame)
+        return self.takes
+
+    def sync(self) -> bool:
         return self.takes
 
     def receive(self, wait_ns: int) -> Frame | None:

@@ -10,6 +10,7 @@ from aff_runtime.fieldbus.can_frames import Frame
 from aff_runtime.fieldbus.can_gateway import CanGateway
 from aff_runtime.fieldbus.can_reader import CanReader
 from aff_runtime.fieldbus.can_writer import CanWriter
+from aff_runtime.fieldbus.phase_lock import PhaseLock
 from tests.aff_runtime.fieldbus.euclid_can import command, euclid_map, scan
 from tests.aff_runtime.fieldbus.fake_link import FakeLink
 
@@ -19,10 +20,10 @@ DEADLINE_NS = 3_000_000
 
 
 class Bench:
-    def __init__(self) -> None:
+    def __init__(self, lock: PhaseLock | None = None) -> None:
         self.clock = VirtualClock()
         self.link = FakeLink(self.clock)
-        self.gateway = CanGateway(self.link, CanReader(MAP), CanWriter(MAP), self.clock)
+        self.gateway = CanGateway(self.link, CanReader(MAP), CanWriter(MAP), self.clock, lock)
         self.ticks = 0
 
     def tick(self, *frames: Frame) -> Snapshot:
@@ -31,7 +32,7 @@ class Bench:
         self.ticks += 1
         self.link.heard.extend(frames)
         shot = self.gateway.exchange(command(self.ticks), self.ticks, start + DEADLINE_NS)
-        assert self.clock.now_ns() <= start + DEADLINE_NS
+        assert self.clock.now_ns() == start  # a tick never waits
         assert shot.outcome is Outcome.OK or all(math.isnan(v) for v in shot.values)
         return shot
 
@@ -55,7 +56,8 @@ def test_silence_is_a_timeout_with_age() -> None:
     bench = Bench().running()
     shots = [bench.tick() for _ in range(4)]
     assert {shot.outcome for shot in shots} == {Outcome.TIMEOUT}
-    assert shots[-1].age_s == pytest.approx(0.023, abs=1e-9)  # 4 ticks and the wait of the last
+    # without a stamp the last set may have been there since the tick before found the bus empty
+    assert shots[-1].age_s == pytest.approx(0.025, abs=1e-9)
 
 
 def test_a_frozen_heartbeat_is_answered_but_not_fresh() -> None:
@@ -121,3 +123,63 @@ def test_each_tick_sends_every_frame_once() -> None:
     bench.link.sent.clear()
     bench.tick(*scan(4))
     assert [frame.can_id for frame in bench.link.sent] == [0x200, 0x201, 0x202]
+
+
+def test_the_stamp_of_the_frame_that_closed_the_set_is_its_age() -> None:
+    bench = Bench().running()
+    bench.link.arrived_ns = bench.ticks * TICK_NS - 1_250_000
+    assert bench.tick(*scan(4)).age_s == pytest.approx(0.00125, abs=1e-9)
+
+
+@pytest.mark.parametrize("wrong_ns", [-1, 0, 5 * TICK_NS, 10**18])
+def test_a_stamp_that_cannot_be_leaves_the_set_as_old_as_it_can_be(wrong_ns: int) -> None:
+    # no stamp; before the bus was last found empty; in the future: what a stepped clock gives
+    bench = Bench().running()
+    bench.link.arrived_ns = wrong_ns
+    assert bench.tick(*scan(4)).age_s == pytest.approx(0.005, abs=1e-9)
+
+
+def test_what_a_babbling_bus_left_over_counts_from_before_it() -> None:
+    bench = Bench().running()
+    bench.link.heard.extend([Frame(0x7F0, False, b"")] * 300)
+    assert bench.tick(*scan(4)).outcome is Outcome.TIMEOUT
+    shot = bench.tick()
+    assert (shot.fresh, shot.plc_heartbeat) == (True, 4)
+    assert shot.age_s == pytest.approx(0.010, abs=1e-9)
+
+
+def test_a_tick_reads_no_longer_than_its_deadline() -> None:
+    bench = Bench().running()
+
+    class Slow(FakeLink):
+        def receive(self, wait_ns: int) -> Frame | None:
+            self.clock.advance_ns(500_000)
+            return super().receive(wait_ns)
+
+    slow = Slow(bench.clock)
+    slow.heard.extend([Frame(0x7F0, False, b"")] * 300)
+    gateway = CanGateway(slow, CanReader(MAP), CanWriter(MAP), bench.clock)
+    start_ns = bench.clock.now_ns()
+    gateway.exchange(command(), 1, start_ns + DEADLINE_NS)
+    assert bench.clock.now_ns() - start_ns == DEADLINE_NS
+    assert [frame.can_id for frame in slow.sent] == [0x200, 0x201, 0x202]
+
+
+def test_the_command_leaves_after_what_was_heard_was_taken() -> None:
+    bench = Bench().running()
+    order: list[str] = []
+    receive, send = bench.link.receive, bench.link.send
+    bench.link.receive = lambda wait: (order.append("in"), receive(wait))[1]  # type: ignore[method-assign]
+    bench.link.send = lambda frame: (order.append("out"), send(frame))[1]  # type: ignore[method-assign]
+    bench.tick(*scan(4))
+    assert order == ["in"] * 6 + ["out"] * 3
+
+
+def test_only_a_stamped_set_moves_the_ticks() -> None:
+    bench = Bench(PhaseLock(TICK_NS, margin_ns=1_000_000)).running()
+    assert bench.gateway.shift_ns == 0
+    bench.link.arrived_ns = bench.ticks * TICK_NS - 2_600_000
+    bench.tick(*scan(4))
+    assert bench.gateway.shift_ns == -100_000  # 1.6 ms too old: a sixteenth of that earlier
+    bench.tick()
+    assert bench.gateway.shift_ns == 0  # nothing arrived

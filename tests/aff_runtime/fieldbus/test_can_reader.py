@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from aff_runtime.fieldbus.can_dbc import can_map, load_dbc
 from aff_runtime.fieldbus.can_frames import Frame
 from aff_runtime.fieldbus.can_reader import CanReader, Taken
+from aff_runtime.fieldbus.signal_names import SignalNames
 from tests.aff_runtime.fieldbus.euclid_can import DATABASE, euclid_map, scan
 
 MAP = euclid_map()
@@ -50,13 +52,10 @@ def test_hand_written_bytes_are_read_as_the_dbc_says() -> None:
 
 def test_every_signal_reads_as_cantools_encodes_it() -> None:
     dice = random.Random(3)
-    reader = settled()
     for heartbeat in range(3, 200):
         tension = round(dice.uniform(-400, 400), 3)
         angle = dice.randrange(-(2**27), 2**27)
-        reader.reset()
-        read(reader, scan(heartbeat - 1))
-        reader.reset()
+        reader = CanReader(MAP)
         read(reader, scan(heartbeat - 1, tension_N=tension, angle=angle))
         read(reader, scan(heartbeat, tension_N=tension, angle=angle))
         assert reader.values[0] == pytest.approx(tension, abs=1e-9)
@@ -119,6 +118,68 @@ def test_a_wrapping_counter_goes_on_through_its_end() -> None:
     for heartbeat, angle in enumerate((2**27 - 2, 2**27 - 1, -(2**27), -(2**27) + 1), start=1):
         read(reader, scan(heartbeat, angle=angle))
     assert reader.values[6] == pytest.approx((2**27 + 1) * 2 * math.pi / 4096, rel=1e-12)
+
+
+TURNTABLE = """VERSION "1"
+BU_: PLC AFF
+BO_ 384 PLC: 8 PLC
+ SG_ Beat : 0|16@1+ (1,0) [0|65535] "" AFF
+ SG_ Status : 16|16@1+ (1,0) [0|65535] "" AFF
+ SG_ Roll : 32|16@1+ (1,0) [0|65535] "" AFF
+ SG_ Angle : 48|16@1+ (0.1,0) [RANGE] "deg" AFF
+BO_ 512 AFF: 6 AFF
+ SG_ Beat : 0|16@1+ (1,0) [0|65535] "" PLC
+ SG_ State : 16|16@1+ (1,0) [0|65535] "" PLC
+ SG_ Offset : 32|16@1- (1E-05,0) [-0.3|0.3] "m/s" PLC
+"""
+
+
+def turntable(limits: str) -> CanReader:
+    names = SignalNames(
+        plc_heartbeat="PLC.Beat", status="PLC.Status", roll_id="PLC.Roll",
+        channels={"angle_rad": ("PLC.Angle", math.radians(1.0), True)},
+        aff_heartbeat="AFF.Beat", state="AFF.State",
+        corrections={"unwind": ("AFF.Offset", "", 1.0)},
+    )  # fmt: skip
+    return CanReader(can_map(load_dbc(TURNTABLE.replace("RANGE", limits), "x.dbc"), names))
+
+
+def angles_deg(reader: CanReader, counts: list[int]) -> list[float]:
+    shown = []
+    for heartbeat, count in enumerate(counts, start=1):
+        words = (heartbeat, 0, 0, count)
+        data = b"".join(word.to_bytes(2, "little") for word in words)
+        assert reader.take(Frame(384, False, data)) is Taken.SET
+        shown.append(math.degrees(reader.values[0]))
+    return shown
+
+
+@pytest.mark.parametrize("limits", ["0|359.9", "0|360"])
+def test_an_angle_in_degrees_goes_on_where_its_range_ends(limits: str) -> None:
+    reader = turntable(limits)
+    forward = angles_deg(reader, [3500, 3590, 80, 1800, 3500, 90])
+    assert forward == pytest.approx([350, 359, 368, 540, 710, 729])
+    assert angles_deg(turntable(limits), [50, 3550]) == pytest.approx([5, -5])
+
+
+def test_an_angle_of_all_its_bits_goes_on_where_they_end() -> None:
+    for limits in ("0|6553.5", "0|0"):
+        shown = angles_deg(turntable(limits), [65500, 20])
+        assert shown == pytest.approx([6550.0, 6555.6])
+
+
+def test_a_count_beyond_the_range_of_an_angle_is_not_a_number_and_no_turn() -> None:
+    reader = turntable("0|359.9")
+    shown = angles_deg(reader, [3500, 65535, 3510])
+    assert math.isnan(shown[1])
+    assert [shown[0], shown[2]] == pytest.approx([350, 351])
+
+
+def test_an_angle_goes_on_across_a_loss() -> None:
+    reader = turntable("0|359.9")
+    angles_deg(reader, [3500, 100])
+    reader.reset()
+    assert angles_deg(reader, [200]) == pytest.approx([380])
 
 
 def test_a_value_outside_the_range_of_its_signal_is_not_a_number() -> None:

@@ -5,13 +5,15 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.config.can_wire import network_of, wire_files
 from aff_runtime.fieldbus.can_frames import Frame
 from aff_runtime.fieldbus.canopen_402 import load_eds, object_of
 from aff_runtime.fieldbus.canopen_node import NodeKeeper, NodePlan, NodeState, SdoWrite
-from tests.aff_runtime.fieldbus.canopen_bench import CanopenBench
+from tests.aff_runtime.fieldbus.canopen_bench import SITE, CanopenBench
 
 CONFIG = Path(__file__).parents[3] / "config"
 MS = 1_000_000
+FILES = wire_files(SITE, CONFIG)
 WRITES = (
     SdoWrite(index=0x1017, subindex=0, data=b"\x32\x00"),
     SdoWrite(index=0x1800, subindex=1, data=b"\x83\x01\x00\x80", verify=False),
@@ -201,3 +203,14 @@ def test_nothing_in_the_shipped_eds_is_out_of_its_object_lists() -> None:
         listed = {int(line.split("=")[1], 16) for line in text.splitlines() if "=0x" in line
                   and line.split("=")[0].isdigit()}  # fmt: skip
         assert {index for index in od if index >= 0x1000} == listed
+
+
+@pytest.mark.parametrize(
+    ("was", "now"),
+    [("[1A00sub2]", "[1A00sub9]"), ("[1800sub1]", "[1800sub7]"), ("[1400sub1]", "[1400sub7]")],
+)
+def test_a_pdo_whose_subindices_are_missing_is_named(was: str, now: str) -> None:
+    text = FILES["euclid_drive.eds"].replace(was, now)
+    index = was[1:5]
+    with pytest.raises(ConfigError, match=f"0x{index}:0[12] is not in the EDS"):
+        network_of(SITE, FILES | {"euclid_drive.eds": text})

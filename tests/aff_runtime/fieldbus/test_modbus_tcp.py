@@ -41,15 +41,18 @@ def good(request: bytes) -> bytes:
 class Rig:
     """A transport on a fake wire, ticked every 5 ms with 3 ms for the wire."""
 
-    def __init__(self, function: WireFunction = WireFunction.FC23) -> None:
+    def __init__(
+        self, function: WireFunction = WireFunction.FC23, silence_s: float = 0.05
+    ) -> None:
         self.clock = VirtualClock(start_ns=10**9)
         self.wire = FakeWire(self.clock, lambda request: [(MS, good(request))])
         frames = ModbusFrames(
             device_id=1, read_start=0, read_count=READ_COUNT, write_start=100, write_count=2
         )
         self.transport = ModbusTcpTransport(
-            frames=frames, wire=self.wire, clock=self.clock, function=function
-        )
+            frames=frames, wire=self.wire, clock=self.clock, function=function,
+            silence_before_reconnect_s=silence_s,
+        )  # fmt: skip
         self.waited_ns = 0
 
     def tick(self, words: list[int] | None = None) -> tuple[Outcome, list[int]]:
@@ -139,18 +142,42 @@ def test_a_late_reply_is_thrown_away_and_the_next_answer_is_its_own() -> None:
     assert rig.transport.discarded_replies == 1
 
 
-@pytest.mark.parametrize("misses", [1, 3, 5])
-def test_consecutive_misses_drop_the_connection_with_a_reset(misses: int) -> None:
-    clock = VirtualClock()
-    wire = FakeWire(clock, silence)
-    frames = ModbusFrames(device_id=1, read_start=0, read_count=1)
-    transport = ModbusTcpTransport(
-        frames=frames, wire=wire, clock=clock, misses_before_reconnect=misses,
-        function=WireFunction.FC3,
-    )  # fmt: skip
-    outcomes = [transport.transact([], clock.now_ns() + MS)[0] for _ in range(misses + 2)]
-    expected = [Outcome.NOT_CONNECTED, *[Outcome.TIMEOUT] * misses, Outcome.NOT_CONNECTED]
-    assert (outcomes, wire.aborted) == (expected, [True])
+@pytest.mark.parametrize(("silence_s", "silent_ticks"), [(0.003, 1), (0.01, 3), (0.05, 11)])
+def test_a_silence_drops_the_connection_with_a_reset(silence_s: float, silent_ticks: int) -> None:
+    rig = Rig(silence_s=silence_s).connected()
+    rig.wire.answer = silence
+    expected = [*[Outcome.TIMEOUT] * silent_ticks, Outcome.NOT_CONNECTED]
+    assert rig.outcomes(silent_ticks + 1) == expected
+    assert rig.wire.aborted == [True]
+
+
+def test_our_own_lateness_does_not_drop_the_connection() -> None:
+    rig = Rig().connected()
+    for _ in range(40):
+        assert rig.transport.transact(WORDS, rig.clock.now_ns())[0] is Outcome.TIMEOUT
+        rig.clock.sleep_until_ns(rig.clock.now_ns() + PERIOD_NS)
+    assert (rig.wire.aborted, rig.tick()[0]) == ([], Outcome.OK)
+
+
+def test_a_plc_that_pauses_for_40_ms_is_waited_for() -> None:
+    rig = Rig().connected()
+    rig.wire.answer = lambda request: [(40 * MS, good(request))]
+    assert rig.outcomes(8) == [Outcome.TIMEOUT] * 8
+    rig.wire.answer = lambda request: [(MS, good(request))]
+    assert (rig.tick()[0], rig.wire.aborted) == (Outcome.OK, [])
+
+
+def test_a_connection_that_served_is_replaced_at_once_but_only_once() -> None:
+    rig = Rig().connected()
+    assert rig.outcomes(400) == [Outcome.OK] * 400  # 2 s, the longest back-off
+    rig.wire.answer = silence
+    silent = rig.outcomes(11)
+    assert silent == [Outcome.TIMEOUT] * 11
+    again = rig.outcomes(1 + 11 + 19)
+    assert again == [
+        Outcome.NOT_CONNECTED, *[Outcome.TIMEOUT] * 11, *[Outcome.NOT_CONNECTED] * 19
+    ]  # fmt: skip
+    assert rig.transport.connects == 2
 
 
 def test_an_answer_between_misses_keeps_the_connection() -> None:
@@ -189,7 +216,7 @@ def test_half_a_reply_is_finished_in_a_later_tick_and_never_returned() -> None:
 def test_half_a_reply_does_not_survive_a_reconnect() -> None:
     rig = Rig().connected()
     rig.wire.answer = lambda request: [(MS, good(request)[:9])]
-    assert rig.outcomes(3) == [Outcome.TIMEOUT] * 3
+    assert rig.outcomes(11) == [Outcome.TIMEOUT] * 11
     rig.wire.answer = lambda request: [(MS, good(request))]
     results = [rig.tick() for _ in range(40)]
     answered = [words for outcome, words in results if outcome is Outcome.OK]
@@ -312,7 +339,7 @@ def test_close_with_a_reply_outstanding_resets_and_else_says_goodbye() -> None:
 @pytest.mark.parametrize(
     "bad",
     [
-        {"misses_before_reconnect": 0},
+        {"silence_before_reconnect_s": 0.0},
         {"backoff_min_s": 0.0},
         {"backoff_min_s": 3.0},
         {"connect_timeout_s": 0.0},
@@ -358,7 +385,7 @@ def test_no_server_delays_a_tick_past_its_deadline_or_passes_off_an_old_answer(
     rig = Rig(function)
     pending = iter(habits)
     rig.wire.answer = lambda request: misbehave(*next(pending, ("good", 0, 1)), request)
-    for _ in range(10 + 5 * len(habits)):
+    for _ in range(10 + 13 * len(habits)):
         outcome, words = rig.tick()
         assert rig.waited_ns <= DEADLINE_NS
         if outcome is Outcome.OK:
@@ -368,3 +395,30 @@ def test_no_server_delays_a_tick_past_its_deadline_or_passes_off_an_old_answer(
         if outcome is Outcome.NOT_CONNECTED:
             rig.clock.advance_ns(2000 * MS)  # past any pause
     assert rig.tick()[0] is Outcome.OK  # and it recovers from whatever that was
+
+
+def test_a_replaced_connection_writes_nothing_before_a_good_reply() -> None:
+    rig = Rig().connected()
+    assert rig.outcomes(400) == [Outcome.OK] * 400  # 2 s, the longest back-off
+    asked: list[int] = []
+
+    def half(request: bytes) -> Arrivals:
+        asked.append(function_of(request))
+        return [(MS, good(request)[:8])]
+
+    def whole(request: bytes) -> Arrivals:
+        asked.append(function_of(request))
+        return [(MS, good(request))]
+
+    rig.wire.answer = half
+    rig.outcomes(200)
+    assert len(asked) > 3
+    assert asked[0] == 23
+    assert set(asked[1:]) == {3}
+    asked.clear()
+    rig.wire.answer = whole
+    while Outcome.OK not in rig.outcomes(1):
+        pass
+    assert asked == [3]
+    assert rig.outcomes(2) == [Outcome.OK] * 2
+    assert asked == [3, 23, 23]

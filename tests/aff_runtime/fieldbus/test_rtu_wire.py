@@ -38,6 +38,41 @@ def test_hand_written_frame_of_fc3() -> None:
 
 
 @pytest.mark.parametrize(
+    "frame",
+    [
+        "11 10 0001 0002 04 000A 0102 C6F0",  # FC16 request, published example
+        "11 10 0001 0002 1298",  # its reply
+        "11 03 06 AE41 5652 4340 49AD",  # reply to FC3
+        "0A 81 02 B053",  # exception 2
+    ],
+)
+def test_published_frames_have_our_crc(frame: str) -> None:
+    whole = bytes.fromhex(frame)
+    assert rtu_of(bytes(6) + whole[:-2]) == whole
+
+
+def test_hand_written_frame_of_fc23() -> None:
+    # the FC23 example of the application protocol: read 0003 x6, write 000E x3
+    body = bytes.fromhex("01 17 0003 0006 000E 0003 06 00FF 00FF 00FF")
+    assert rtu_of(bytes(6) + body)[-2:] == crc_by_division(body)
+
+
+def crc_by_division(data: bytes) -> bytes:
+    """CRC-16/MODBUS as long division of bit-reversed bytes by x^16 + x^15 + x^2 + 1."""
+    bits = [byte >> k & 1 for byte in data for k in range(8)] + [0] * 16
+    for k in range(16):
+        bits[k] ^= 1  # the register starts as ones
+    for k in range(8 * len(data)):
+        if bits[k]:
+            for power in (0, 1, 14, 16):  # 0x18005 from its highest power down
+                bits[k + power] ^= 1
+    rest = bits[-16:]
+    return bytes(
+        sum(bit << k for k, bit in enumerate(rest[start : start + 8])) for start in (0, 8)
+    )
+
+
+@pytest.mark.parametrize(
     ("head", "length"),
     [("0103", 0), ("010306", 11), ("011702", 7), ("018302", 5), ("011000", 8), ("016300", -1)],
 )

@@ -60,7 +60,24 @@ def test_a_burst_in_pieces_comes_in_whole(line: tuple[int, str]) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    [b"", b"t", b"t18", b"t1809", b"t1802AA", b"t1802AABBC", b"t8000", b"tXYZ0", b"x", b"t1801G1"],
+    [
+        b"",
+        b"t",
+        b"t18",
+        b"t1809",
+        b"t1802AA",
+        b"t1802AABBC",
+        b"t8000",
+        b"tXYZ0",
+        b"x",
+        b"t1801G1",
+        b"t+181AA",
+        b"t 181AA",
+        b"t1_81AA",
+        b"t1801 A",
+        b"t1802 A B",
+        b"t1801AAzzzz",
+    ],
 )
 def test_garbage_is_no_frame(text: bytes) -> None:
     assert parse_line(text) is None

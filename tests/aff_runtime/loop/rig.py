@@ -46,6 +46,7 @@ class Plc:
         self.raises: Exception | None = None
         self.heartbeat = 0
         self.deadlines: list[int] = []
+        self.shift_ns = 0
 
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
         if self.raises is not None:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from itertools import pairwise
+
 from aff_runtime.base.clock import VirtualClock
 from aff_runtime.loop.ticker import Ticker
 
@@ -70,3 +72,16 @@ def test_time_before_the_start_does_not_count() -> None:
     ticker.start()
     assert ticker.wait() == 1
     assert ticker.missed == 0
+
+
+def test_the_grid_moves_by_half_a_percent_of_a_period_at_most() -> None:
+    clock = VirtualClock()
+    ticker = Ticker(clock, 5 * MS)
+    starts = []
+    for wanted_ns in (10_000, 10 * MS, -10 * MS, 0):
+        assert ticker.wait() == 1
+        starts.append(clock.now_ns())
+        ticker.shift(wanted_ns)
+    steps = [after - before for before, after in pairwise(starts)]
+    assert steps == [5_010_000, 5_025_000, 4_975_000]
+    assert (ticker.missed, ticker.late) == (0, False)

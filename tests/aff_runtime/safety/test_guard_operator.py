@@ -18,6 +18,8 @@ from tests.aff_runtime.safety.bench import (
 FADE_TICKS = round(FADE_S / PERIOD_S)
 FAULT_TICKS = round(PARAMS.freshness.fault_after_s / PERIOD_S)
 STUCK_TICKS = round(PARAMS.channels[0].stuck_after_s / PERIOD_S)
+ZEROS_TOLD = 3  # commands with zero that still say FADING
+IDLE_SCANS = 3
 
 
 def test_it_starts_in_fault_with_zero_and_says_power_up() -> None:
@@ -165,10 +167,13 @@ def test_an_arm_pressed_during_the_fade_of_a_bypass_is_honoured_at_its_end() -> 
     bench.run(3)
     bench.guard.arm()
     outputs = []
-    for _ in range(FADE_TICKS):
+    idle = 0
+    for _ in range(FADE_TICKS + ZEROS_TOLD + IDLE_SCANS):
         bench.run()
         outputs.append(bench.out[0])
+        idle += not bench.bits & (StateBits.ACTIVE | StateBits.FADING)
     assert 0.0 in outputs
+    assert idle >= IDLE_SCANS  # a PLC that refuses listens again only after it saw us idle
     assert bench.state is State.ACTIVE
 
 

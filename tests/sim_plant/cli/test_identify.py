@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from sim_plant.cli.main import main
-from sim_plant.identify.record import write_record
 from sim_plant.identify.roller_run import run_up_and_coast, simulate_roller, with_sensor
+from sim_plant.line.record_file import write_columns
 
 
 def roller_record(path: Path) -> Path:
@@ -18,7 +18,7 @@ def roller_record(path: Path) -> Path:
     )  # fmt: skip
     run = with_sensor(run, 5e-4, 2e-3, 1)
     columns = {"time_s": 0.01 * np.arange(torque.size), "speed_rad_s": run.speed_rad_s}
-    write_record(path, columns | {"torque_N_m": torque})
+    write_columns(path, columns | {"torque_N_m": torque})
     return path
 
 
@@ -49,7 +49,7 @@ def idler_record(path: Path, speeds_m_s: list[float]) -> Path:
     drop = 6.0 / 0.0381 * (0.0172 + 1.43e-4 * speed / 0.0381)
     noise = 0.25 * rng.standard_normal((2, time.size))
     columns = {"time_s": time, "line_speed_m_s": speed}
-    write_record(
+    write_columns(
         path,
         columns | {"unwind_tension_N": 89.0 + noise[0], "r3_tension_N": 89.0 - drop + noise[1]},
     )

@@ -46,6 +46,20 @@ def test_words_of_the_command_become_options():
     assert not chosen.allow_fc23
 
 
+def test_a_speed_is_taken_in_m_s_or_with_its_unit():
+    def speed(*words: str) -> float:
+        return build_parser().parse_args(["serve", "line.yaml", *words]).speed_m_s
+
+    assert speed("--speed-m-s", "1.5") == 1.5
+    assert speed("--speed-m-s", "200 FPM") == pytest.approx(200 * 0.3048 / 60)
+
+
+def test_a_speed_in_a_unit_of_something_else_is_refused(capsys):
+    with pytest.raises(SystemExit, match="2"):
+        build_parser().parse_args(["serve", "line.yaml", "--speed-m-s", "3 N"])
+    assert "expected a speed" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -28,8 +28,8 @@ def test_a_record_holds_the_channels_and_its_references_give_the_same_run_again(
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("time_s,tension_ref_N\n0,1\n", "no column line_speed_ref_m_s"),
-        ("line_speed_ref_m_s,tension_ref_N\n1,nan\n", "not a finite number"),
+        ("time_s,tension_ref_N\n0,1\n", "no column 'line_speed_ref_m_s'"),
+        ("line_speed_ref_m_s,tension_ref_N\n1,nan\n", "not finite"),
         ("line_speed_ref_m_s,tension_ref_N\n1,x\n", "not a record"),
     ],
 )

@@ -89,6 +89,7 @@ def test_a_repeated_key_is_refused_with_both_places(tmp_path):
         ("- 1\n- 2\n", "holds no keys"),
         ("", "holds no keys"),
         ("a: [1, 2", "not YAML"),
+        ("version: 1\ngateway: {}\n", "is a site file, which aff-runtime reads"),
         ("a: !!python/object:os.system {}", "not YAML"),
     ],
 )

@@ -50,3 +50,9 @@ def test_turning_a_roll_turns_order_n_by_n_times_the_angle():
     out = turned(effect, {"cos3_m": 1.0, "sin3_m": 0.0, "angle_rad": 0.1}, 0.2)
     assert math.atan2(out["sin3_m"], out["cos3_m"]) == pytest.approx(0.6)
     assert out["angle_rad"] == pytest.approx(0.3)
+
+
+def test_the_unbalance_of_a_bouncing_roll_turns_by_the_order_it_names():
+    values = {"cosn_kg_m": 1.0, "sinn_kg_m": 0.0, "order": 4.0}
+    out = turned(BY_NAME["roll_bounce"], values, 0.2)
+    assert math.atan2(out["sinn_kg_m"], out["cosn_kg_m"]) == pytest.approx(0.8)

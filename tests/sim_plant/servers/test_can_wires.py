@@ -139,3 +139,11 @@ def test_a_second_master_on_the_bus_is_seen(tmp_path: Path) -> None:
         assert bench.gateway.foreign == 1
     finally:
         bench.close()
+
+
+def test_the_unix_bus_stamps_what_arrives(tmp_path: Path) -> None:
+    bench = Bench("dbc", "frame_socket", tmp_path / "can")
+    try:
+        bench.until(lambda shot: shot.fresh and bench.gateway._stamped)
+    finally:
+        bench.close()

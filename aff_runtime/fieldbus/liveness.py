@@ -1,0 +1,63 @@
+"""Does the other side live? One judgement for every wire, by the PLC's own heartbeat."""
+
+from __future__ import annotations
+
+from aff_runtime.base.signals import Outcome
+
+
+class Liveness:
+    """Compares heartbeats and ages them; knows no words and no frames.
+
+    Only a heartbeat that moved proves a live program: a server keeps answering with frozen words
+    when its program has stopped. The first good set after a loss gives the heartbeat to compare
+    with, and is itself reported as NOT_CONNECTED, so that its values go nowhere.
+
+    Parameters
+    ----------
+    now_ns : monotonic time from which age counts until a heartbeat has moved.
+    lost : whether the wire counts as lost before anything was heard.
+
+    Attributes
+    ----------
+    heartbeat : the last one that was heard.
+    fresh : whether it moved with the last ``judge``.
+    """
+
+    def __init__(self, now_ns: int, *, lost: bool) -> None:
+        self.heartbeat = 0
+        self.fresh = False
+        self._known = False
+        self._lost = lost
+        self._moved_at_ns = now_ns
+
+    @property
+    def lost(self) -> bool:
+        """Return whether the next good set is the first one after a loss."""
+        return self._lost
+
+    def judge(self, outcome: Outcome, heartbeat: int, arrived_ns: int) -> Outcome:
+        """Take how one exchange ended; return how it counts.
+
+        Parameters
+        ----------
+        outcome : of the wire; NOT_CONNECTED is a loss, OK a good set.
+        heartbeat : of the set; ignored unless OK.
+        arrived_ns : monotonic time at which the set was here, ns.
+        """
+        self.fresh = False
+        if outcome is Outcome.NOT_CONNECTED:
+            self._lost = True
+        elif outcome is Outcome.OK:
+            moved = self._known and heartbeat != self.heartbeat
+            self.heartbeat, self._known = heartbeat, True
+            if self._lost:
+                self._lost = False
+                return Outcome.NOT_CONNECTED
+            self.fresh = moved
+            if moved:
+                self._moved_at_ns = arrived_ns
+        return outcome
+
+    def age_s(self, now_ns: int) -> float:
+        """Return the time since the heartbeat last moved, s."""
+        return (now_ns - self._moved_at_ns) * 1e-9

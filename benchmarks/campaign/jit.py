@@ -1,0 +1,35 @@
+"""numba with one setting, apart from the product's.
+
+numba's disk cache looks only at the file of the cached function; the folder is therefore named
+after a hash of all compiled sources.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def _folder() -> str:
+    digest = hashlib.sha256(numba.__version__.encode())
+    for name in ("contact.py", "motion.py", "state.py"):
+        digest.update((Path(__file__).parent / name).read_bytes())
+    return str(Path(tempfile.gettempdir()) / f"aff-campaign-{digest.hexdigest()[:16]}")
+
+
+def compiled(function: F) -> F:
+    """Compile ``function``, cached on disk; it may not allocate (no reference counts)."""
+    options: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
+    before = getattr(numba.config, "CACHE_DIR")  # noqa: B009
+    setattr(numba.config, "CACHE_DIR", _folder())  # noqa: B010 - numba types it read-only
+    try:
+        return cast(F, numba.njit(**options)(function))
+    finally:
+        setattr(numba.config, "CACHE_DIR", before)  # noqa: B010

@@ -1,0 +1,120 @@
+"""One verdict against the truth, and many scores as rows with their bounds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+NORMAL95 = 1.959964
+SAID_AS = {"unbalanced_measuring_roller": "unbalanced_roller"}
+"""Names that a version 1 verdict does not have."""
+STRENGTH = {  # parameter of a verdict that says the size of a fault, and what size 0 is there
+    "eccentric_roller": ("eccentricity_m", 0.0), "unbalanced_roller": ("unbalance_kg_m", 0.0),
+    "unbalanced_measuring_roller": ("unbalance_kg_m", 0.0),
+    "torque_ripple": ("amplitude_N_m", 0.0), "bearing_drag": ("constant_N_m", 0.0),
+    "web_modulus": ("factor", 1.0), "wound_in_strain": ("strain", 0.0),
+    "thermal_strain": ("strain", 0.0), "load_cell_filter": ("lag_s", 0.0),
+    "mains_hum": ("amplitude_N", 0.0), "loop_delay": ("delay_s", 0.0),
+    "encoder_eccentricity": ("eccentricity", 0.0), "slip": ("slope_s_m", 0.0),
+}  # fmt: skip
+OUTCOMES = ("exact", "wrong", "unknown", "not identifiable", "missed", "part", "failed")
+
+
+def wilson(hits: int, runs: int) -> tuple[float, float]:
+    """Return the 95 % interval of a share   [Wilson 1927]."""
+    if runs == 0:
+        return 0.0, 1.0
+    share, z2 = hits / runs, NORMAL95**2
+    middle = (share + z2 / (2 * runs)) / (1.0 + z2 / runs)
+    spread = NORMAL95 / (1.0 + z2 / runs)
+    spread *= math.sqrt(share * (1.0 - share) / runs + z2 / (4.0 * runs * runs))
+    return max(0.0, middle - spread), min(1.0, middle + spread)
+
+
+def keys(faults: Sequence[dict[str, Any]]) -> set[tuple[str, str]]:
+    """Return (effect, location) as verdicts say them."""
+    return {(SAID_AS.get(f["effect"], f["effect"]), f["location"]) for f in faults}
+
+
+def left_open(verdict: dict[str, Any], truth: set[tuple[str, str]]) -> set[tuple[str, str]]:
+    """Return what the verdict names but says may as well be one of the truth."""
+    found = set()
+    for pair in verdict.get("ambiguous", ()):
+        if truth & {_key(text) for text in pair["with"]}:
+            found.add(_key(pair["effect"]))
+    return found
+
+
+def _key(text: str) -> tuple[str, str]:
+    effect, _, place = text.partition(" at ")
+    return SAID_AS.get(effect, effect), place
+
+
+def outcome(row: dict[str, Any]) -> str:
+    """Return what a case with library effects came to, one of ``OUTCOMES``.
+
+    ``wrong`` names any effect or place that is not there, also beside right ones. ``not
+    identifiable`` names the right ones as one possibility among others.
+    """
+    verdict = row["refine"]["verdict"]
+    if not verdict:
+        return "failed"
+    truth, said = keys(row["faults"]), keys(verdict["effects"])
+    if said - truth and said - truth <= left_open(verdict, truth):
+        return "not identifiable"
+    if said - truth:
+        return "wrong"
+    if said == truth and said:
+        return {"traced": "exact", "not_identifiable": "not identifiable"}.get(
+            verdict["verdict"], "part"
+        )
+    if said:
+        return "part"
+    return "missed" if verdict["verdict"] == "nothing" else "unknown"
+
+
+def coordinate_error(row: dict[str, Any]) -> float | None:
+    """Return the relative error of the first unknown's coordinate; None where there is none."""
+    unknown = row["refine"]["verdict"].get("unknown") or [{}]
+    given, true = unknown[0].get("coordinate", {}), row["coordinate"]
+    for name in ("frequency_Hz", "wavenumber_1_m", "order"):
+        if name in true and name in given:
+            return float(given[name]) / float(true[name]) - 1.0
+    return None
+
+
+def class_right(row: dict[str, Any]) -> bool:
+    """Return whether what no library effect explains is unknown, of the right class."""
+    verdict = row["refine"]["verdict"]
+    if not verdict or verdict["effects"] or verdict["verdict"] != "unknown":
+        return False
+    first = verdict["unknown"][0]["class"] if verdict["unknown"] else ""
+    return first in row["classes"]
+
+
+def covered(row: dict[str, Any]) -> list[bool]:
+    """Return, per rightly traced effect, whether its 95 % interval holds the true size."""
+    found = []
+    for fault in row["faults"]:
+        name, zero = STRENGTH.get(fault["effect"], ("", 0.0))
+        for said in row["refine"]["verdict"].get("effects", ()):
+            same = keys([fault]) == keys([said])
+            if same and name in said.get("interval95", {}):
+                low, high = said["interval95"][name]
+                found.append(low <= zero + fault["size"] <= high)
+    return found
+
+
+def held_out(row: dict[str, Any], moving: Sequence[str]) -> list[float]:
+    """Return the rms after over the true floor of record b for the channels in ``moving``."""
+    table = row["refine"]["verdict"].get("residual_rms", {})
+    return [table[c]["after"] / row["floor"][c] for c in moving if c in table]
+
+
+def quantile(values: Sequence[float], share: float) -> float:
+    """Return a quantile, nan of nothing."""
+    if not values:
+        return math.nan
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, math.ceil(share * len(ordered)) - 1 if share else 0)]

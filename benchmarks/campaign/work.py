@@ -1,0 +1,55 @@
+"""One case from number to row; runs in a worker process."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import time
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from benchmarks.campaign import line as short
+from benchmarks.campaign.cases import case_number
+from benchmarks.campaign.make import write_case
+from benchmarks.campaign.refine_runs import refine_files
+
+
+def coordinate_of(fault: dict[str, Any]) -> dict[str, float]:
+    """Return where the free line of a fault is: Hz, 1/m of web, or order."""
+    shape, effect = fault["shape"], fault["effect"]
+    if effect in ("dancer_swing", "hidden_nip"):
+        return {"frequency_Hz" if fault["kind"] == "time" else "wavenumber_1_m": shape}
+    if effect == "web_wave":  # lengths of unstretched web; the free line counts it under tension
+        strain = short.WOUND_N / short.EA_N
+        return {"wavenumber_1_m": 1.0 / (shape * (1.0 + strain))}
+    if effect == "mains_hum":
+        return {"frequency_Hz": abs(shape - 100.0 * round(shape / 100.0))}
+    order = shape if effect == "torque_ripple" else max(1.0, shape)
+    if fault["kind"] == "angle":
+        return {"order": order}
+    radius = {b[0]: b[2] for b in short.BODIES}.get(fault["location"], 0.0)
+    return {"wavenumber_1_m": order / (2.0 * math.pi * radius)} if radius else {}
+
+
+def do(seed: int, number: int, folder: Path) -> dict[str, Any]:
+    """Make one case, refine it, and return the row."""
+    case = case_number(seed, number)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    begun = time.monotonic()  # noqa: TID251
+    made = write_case(case, folder)
+    between = time.monotonic()  # noqa: TID251
+    burnt = time.process_time()
+    found = refine_files(folder, case.without)
+    faults = [asdict(f) for f in made.faults]
+    row = {
+        "number": number, "group": case.group, "seed": seed, "faults": faults,
+        "snr": list(made.snr), "snr_wanted": case.snr, "floor": made.floor,
+        "classes": list(case.classes), "without": list(case.without),
+        "coordinate": coordinate_of(faults[0]) if case.classes else {},
+        "made_s": between - begun, "refine_s": time.monotonic() - between,  # noqa: TID251
+        "refine_cpu_s": time.process_time() - burnt, "refine": found,
+    }  # fmt: skip
+    shutil.rmtree(folder, ignore_errors=True)
+    return row

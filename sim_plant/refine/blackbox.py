@@ -1,0 +1,55 @@
+"""A free term for what the library does not explain, so that the search can go on beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.coordinates import TWO_PI, Travel
+from sim_plant.refine.generic import speed_weights
+from sim_plant.refine.unknown import Unknown
+
+HARMONICS = {"angle": 16, "travel": 6, "time": 2}
+SLOW = 8
+"""Half waves over the record by which a free line may change."""
+LINE_KINDS = frozenset(HARMONICS)
+
+
+def free_lines(found: Sequence[Unknown], travel: Travel) -> Array:
+    """Return orthonormal columns (judged samples, terms) of free lines and their harmonics.
+
+    Every line may grow with speed, and change slowly with time: that takes up a coordinate that
+    is a fraction of a bin off, and a resonance that the line crosses. A line that is a whole
+    order of a roll brings all orders of that roll.
+    """
+    nyquist = 0.5 / travel.sample_time_s
+    run = np.linspace(0.0, np.pi, travel.time_s.size)
+    slow = np.cos(np.outer(np.arange(1, SLOW + 1), run))
+    weights = np.vstack([speed_weights(travel.speed_m_s), slow])
+    columns: list[Array] = []
+    for item in found:
+        cycles, first = _cycles(item, travel)
+        rate = float(np.max(np.abs(np.gradient(cycles, travel.sample_time_s))))
+        for n in range(1, HARMONICS[item.kind] + 1):
+            if n * first * rate > nyquist:
+                break
+            turn = TWO_PI * n * first * cycles
+            columns += [w * wave for w in weights for wave in (np.cos(turn), np.sin(turn))]
+    basis, sizes, _ = np.linalg.svd(np.stack(columns, axis=1), full_matrices=False)
+    kept: Array = np.ascontiguousarray(basis[:, sizes > 1e-6 * sizes[0]])
+    return kept
+
+
+def _cycles(item: Unknown, travel: Travel) -> tuple[Array, float]:
+    """Return the coordinate in cycles per unit (samples,) and the fundamental."""
+    where = item.coordinate
+    if item.kind == "time":
+        return travel.time_s, float(where["frequency_Hz"])
+    if item.kind == "travel":
+        return travel.travel_m, float(where["wavenumber_1_m"])
+    names = [r.name for r in travel.declaration.rollers]
+    turns: Array = travel.angles_rad[names.index(str(where["roll"]))] / TWO_PI
+    order = float(where["order"])
+    return turns, 1.0 if abs(order - round(order)) < 0.02 * max(1.0, order) else order

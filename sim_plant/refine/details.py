@@ -1,0 +1,123 @@
+"""Details of a named profile that is there: kept only when the record itself bears them out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.effects.out_of_round_roll import PAIRS
+from sim_plant.refine.fit import Fit, jacobian, refine_fit
+from sim_plant.refine.hypotheses import hypothesis
+from sim_plant.refine.problem import Problem
+from sim_plant.refine.screen import price
+from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
+
+DETAILS: tuple[tuple[str, ...], ...] = (
+    tuple(name for pair in PAIRS for name in (pair.cos, pair.sin)),
+)
+
+
+def polished(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
+    """Return the problem put right at a better fit, and that fit.
+
+    All effects, their profiles' details and the declared numbers are fitted together at the
+    declared drive tick, with responses taken there. Shapes that are there stay free in their low
+    orders for what is searched next: a further effect must explain more than a detail of them.
+    """
+    hypotheses = fit.hypotheses
+    exact = refine_fit(problem, hypotheses, fit.values, fit.shifts, rounds=4, coarse=False)
+    if not np.isfinite(exact.cost):
+        return problem, fit
+    near = problem.anchored(exact.case)
+    exact = refine_fit(near, hypotheses, exact.values, exact.shifts, rounds=3, coarse=False)
+    better = refined_profiles(near, exact)
+    if better is not exact:
+        near = near.anchored(better.case)
+    line = near.bench.twins[0].declaration
+    bodies = [line.body(better.hypotheses[k].location) for k in shaped(better)]
+    if bodies:
+        near = near.loosened(bodies)
+    rest = refine_fit(
+        near, better.hypotheses, better.values, better.shifts, rounds=0, coarse=False
+    )
+    return near, replace(better, cost=rest.cost, residual=rest.residual)
+
+
+def shaped(fit: Fit) -> list[int]:
+    """Return which of the effects of a fit are named profiles."""
+    return [
+        k for k, h in enumerate(fit.hypotheses)
+        if h.effect.name == OUT_OF_ROUND and "size_m" in h.names
+    ]  # fmt: skip
+
+
+def refined_profiles(problem: Problem, fit: Fit) -> Fit:
+    """Return the fit with details of its named profiles: its low orders.
+
+    A detail is kept when numbers from either half of the record explain the other half better
+    than none, and when they pay their price.
+    """
+    for at in shaped(fit):
+        for names in DETAILS:
+            fit = _tried(problem, fit, at, names)
+    return fit
+
+
+def _tried(problem: Problem, fit: Fit, at: int, names: tuple[str, ...]) -> Fit:
+    old = fit.hypotheses[at]
+    line = problem.bench.twins[0].declaration
+    new = hypothesis(old.effect, old.location, old.fixed, (*old.names, *names), line)
+    known = dict(zip(old.names, fit.values[at], strict=True))
+    start = tuple(known.get(n, a) for n, a in zip(new.names, new.absent, strict=True))
+    wider = replace(
+        fit, hypotheses=(*fit.hypotheses[:at], new, *fit.hypotheses[at + 1 :]),
+        values=(*fit.values[:at], start, *fit.values[at + 1 :]),
+    )  # fmt: skip
+    if not bears_out(problem, wider, at, names):
+        return fit
+    better = refine_fit(
+        problem, wider.hypotheses, wider.values, fit.shifts, rounds=4, coarse=False
+    )
+    return better if better.cost < fit.cost - price(problem, len(names)) else fit
+
+
+def bears_out(problem: Problem, fit: Fit, at: int, names: Sequence[str]) -> bool:
+    """Return whether effect ``at`` with ``names`` free predicts better across halves than without.
+
+    Its numbers are taken by one linear step from one half of the record and judged on the other,
+    both ways round: a detail that fits the noise of one half makes the other worse.
+    """
+    columns = jacobian(problem, fit.hypotheses, fit.values, fit.shifts)
+    if not np.isfinite(columns).all():
+        return False  # a taut web cannot follow such a shape
+    first = sum(len(v) for v in fit.values[:at])
+    own = columns[:, first : first + len(fit.values[at])]
+    cut = problem.projector.project(own)[: problem.rows]
+    left = fit.residual[: problem.rows]
+    plain = [k for k, name in enumerate(fit.hypotheses[at].names) if name not in names]
+    halves = _halves(problem)
+    found = [
+        sum(_judged(cut[:, use], left, one, other) for one, other in (halves, halves[::-1]))
+        for use in (plain, list(range(cut.shape[1])))
+    ]
+    return found[1] < found[0]
+
+
+def _judged(columns: Array, left: Array, one: Array, other: Array) -> float:
+    """Return the squared error on ``other`` rows with sizes taken from rows ``one``."""
+    sizes = np.linalg.lstsq(columns[one], left[one], rcond=None)[0]
+    rest = left[other] - columns[other] @ sizes
+    return float(rest @ rest)
+
+
+def _halves(problem: Problem) -> tuple[Array, Array]:
+    marks = []
+    for part in problem.split(np.zeros(problem.rows)):
+        mark = np.zeros(part.shape, dtype=bool)
+        mark[:, : part.shape[1] // 2] = True
+        marks.append(mark.ravel())
+    first = np.concatenate(marks)
+    return first, ~first

@@ -1,0 +1,34 @@
+"""Every target by name: what is fuzzed, and the inputs to begin with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from tests.fuzz import can_targets, config_targets, modbus_targets
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Target:
+    """``run`` takes any bytes, says in a word what became of them, and raises for nothing."""
+
+    run: Callable[[bytes], str]
+    seeds: Sequence[bytes]
+    good: str = "ok"  # the word that says that the input was taken for true
+
+
+TARGETS = {
+    "modbus_reply": Target(run=modbus_targets.reply, seeds=modbus_targets.SEEDS),
+    "modbus_stream": Target(run=modbus_targets.stream, seeds=modbus_targets.SEEDS),
+    "modbus_serial": Target(run=modbus_targets.serial, seeds=modbus_targets.SEEDS),
+    "modbus_words": Target(run=modbus_targets.words, seeds=modbus_targets.SEEDS),
+    "plc_pdu": Target(run=modbus_targets.plc_pdu, seeds=modbus_targets.SEEDS),
+    "can_ticks": Target(run=can_targets.ticks, seeds=can_targets.SEEDS),
+    "can_command": Target(run=can_targets.command, seeds=can_targets.SEEDS),
+    "canopen": Target(run=can_targets.canopen, seeds=can_targets.SEEDS),
+    "slcan_line": Target(run=can_targets.slcan_line, seeds=can_targets.SEEDS),
+    "dbc_text": Target(run=can_targets.dbc_text, seeds=can_targets.SEEDS),
+    "eds_text": Target(run=can_targets.eds_text, seeds=can_targets.SEEDS),
+    "site_file": Target(run=config_targets.site, seeds=config_targets.SEEDS),
+    "response_file": Target(run=config_targets.response, seeds=config_targets.SEEDS),
+}

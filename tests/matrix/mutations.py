@@ -1,0 +1,258 @@
+"""The reactions of guard, cycle, gateways and PLC, each with what it is without."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any
+
+from aff_runtime.base.signals import Outcome, State
+from aff_runtime.fieldbus import can_gateway, can_reader, canopen_link, canopen_node, gateway
+from aff_runtime.fieldbus.liveness import Liveness
+from aff_runtime.loop import cycle
+from aff_runtime.safety import (
+    envelope,
+    freshness,
+    guard,
+    lease,
+    limits,
+    line_judge,
+    plc_reset,
+)
+from sim_plant.servers import canopen_device, plc
+
+Change = Callable[[Any], Any]
+SAFETY = "tests/aff_runtime/safety"
+LOOP = "tests/aff_runtime/loop"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mutant:
+    """One reaction that is gone.
+
+    Attributes
+    ----------
+    owner, attribute : where it is; ``change`` gets the original and returns the replacement.
+    likely : faults (beginnings of their spec) that should notice first.
+    wire : the only wire it concerns; empty for all.
+    tests : unit tests to ask when no cell notices.
+    equal : why nothing can notice, for a mutant that is no different from the original.
+    """
+
+    name: str
+    owner: Any
+    attribute: str
+    change: Change
+    likely: tuple[str, ...]
+    wire: str = ""
+    tests: str = ""
+    equal: str = ""
+    states: tuple[str, ...] = ("ACTIVE", "FADING")
+
+
+@contextmanager
+def applied(mutant: Mutant) -> Iterator[None]:
+    """Take the reaction away for the time of the block."""
+    original = getattr(mutant.owner, mutant.attribute)
+    kept = mutant.owner.__dict__[mutant.attribute]
+    setattr(mutant.owner, mutant.attribute, mutant.change(original))
+    try:
+        yield
+    finally:
+        setattr(mutant.owner, mutant.attribute, kept)
+
+
+def always(value: Any) -> Change:
+    """Return a change into something that ignores its arguments."""
+    return lambda _: lambda *_args, **_kw: value
+
+
+def _without_overrun(original: Any) -> Any:
+    def causes(self: Any, now_ns: int, fresh: Any, overrun: bool, alive: bool) -> int:
+        self._observed_ns = None
+        return int(original(self, now_ns, fresh, False, alive))
+
+    return causes
+
+
+def _without_supervisor(original: Any) -> Any:
+    return lambda self, now_ns, fresh, overrun, _: original(self, now_ns, fresh, overrun, True)
+
+
+def _believing(original: Any) -> Any:
+    def receive(self: Any, deadline_ns: int) -> Outcome:
+        outcome: Outcome = original(self, deadline_ns)
+        return Outcome.OK if outcome is Outcome.BAD_REPLY else outcome
+
+    return receive
+
+
+def _unlimited(_: Any) -> Any:
+    def step(self: Any, wanted: Any, level: float, dt_s: float) -> None:
+        self.output = 0.0 if wanted is None else wanted.value * level
+
+    return step
+
+
+def _advance_with(**forced: Any) -> Change:
+    def change(original: Any) -> Any:
+        return lambda standing, inputs: original(standing, replace(inputs, **forced))
+
+    return change
+
+
+def _self_arming(original: Any) -> Any:
+    def advance(standing: Any, inputs: Any) -> Any:
+        rest = standing.state in (State.FAULT, State.BYPASS) and not inputs.bypass_edge
+        return original(standing, replace(inputs, arm_edge=True) if rest else inputs)
+
+    return advance
+
+
+def _causes_without(name: str) -> Change:
+    def change(original: Any) -> Any:
+        gone = line_judge.bit(name)
+        return lambda self, *a: original(self, *a) & ~gone
+
+    return change
+
+
+def _ever_fresh(original: Any) -> Any:
+    def judge(self: Any, outcome: Outcome, heartbeat: int, arrived_ns: int) -> Outcome:
+        counts: Outcome = original(self, outcome, heartbeat, arrived_ns)
+        if counts is Outcome.OK:
+            self.fresh, self._moved_at_ns = True, arrived_ns
+        return counts
+
+    return judge
+
+
+def _first_believed(original: Any) -> Any:
+    def judge(self: Any, outcome: Outcome, heartbeat: int, arrived_ns: int) -> Outcome:
+        self._lost = False
+        return Outcome(original(self, outcome, heartbeat, arrived_ns))
+
+    return judge
+
+
+def _any_length(original: Any) -> Any:
+    def take(self: Any, frame: Any) -> Any:
+        known = self._frames.get((frame.can_id, frame.extended))
+        if known is not None and len(frame.data) < known.layout.length:
+            frame = frame._replace(data=frame.data.ljust(known.layout.length, b"\0"))
+        return original(self, frame)
+
+    return take
+
+
+def _own_frames_ignored(original: Any) -> Any:
+    def receive(self: Any, deadline_ns: int) -> Outcome:
+        self._ours = frozenset()
+        return Outcome(original(self, deadline_ns))
+
+    return receive
+
+
+def _believes(_: Any) -> Any:
+    return property(lambda self: True)
+
+
+def _no_rest(original: Any) -> Any:
+    def advance(self: Any, news: int) -> None:
+        self._idle_scans = 99
+        original(self, news)
+
+    return advance
+
+
+MUTANTS: tuple[Mutant, ...] = (
+    Mutant(name="freshness: the PLC is always fresh", owner=freshness.FreshnessJudge,
+           attribute="judge", change=always(freshness.Freshness.GOOD), likely=("freeze",)),
+    Mutant(name="liveness: every answer is fresh", owner=Liveness, attribute="judge",
+           change=_ever_fresh, likely=("freeze",)),
+    Mutant(name="liveness: the first set after a loss is believed", owner=Liveness,
+           attribute="judge", change=_first_believed, likely=("drop", "restart"),
+           tests="tests/aff_runtime/fieldbus/test_gateway.py"),
+    Mutant(name="guard: an overrun is no cause", owner=guard.Guard, attribute="_causes_of_time",
+           change=_without_overrun, likely=("!stall",), tests=SAFETY),
+    Mutant(name="guard: a lost supervisor is no cause", owner=guard.Guard,
+           attribute="_causes_of_time", change=_without_supervisor, likely=("!supervisor",),
+           tests=SAFETY),
+    Mutant(name="guard: an internal fault is no fault", owner=guard.Guard,
+           attribute="internal_fault", change=always(None), likely=("!law",), tests=SAFETY),
+    Mutant(name="guard: a wish that is no number makes sense", owner=guard,
+           attribute="makes_sense", change=always(True), likely=("!nan",), tests=SAFETY),
+    Mutant(name="guard: what cannot be true reaches the law", owner=guard.Guard,
+           attribute="believes", change=_believes, likely=("absurd",)),
+    Mutant(name="guard: armed before the PLC saw it idle", owner=guard.Guard,
+           attribute="_advance", change=_no_rest, likely=("second",), tests=SAFETY),
+    Mutant(name="lease: the law's last word holds for ever", owner=lease.Lease, attribute="tick",
+           change=always(False), likely=("!lazy",), tests=SAFETY),
+    Mutant(name="states: nothing latches", owner=guard, attribute="advance",
+           change=_advance_with(latching=False), likely=("freeze",), tests=SAFETY),
+    Mutant(name="states: leaves FAULT and BYPASS by itself", owner=guard, attribute="advance",
+           change=_self_arming, likely=("freeze",), tests=SAFETY),
+    Mutant(name="states: a lost permissive does not close", owner=guard, attribute="advance",
+           change=_advance_with(blocked=False), likely=("permissive", "splice"), tests=SAFETY),
+    Mutant(name="states: bypass does nothing", owner=guard, attribute="advance",
+           change=_advance_with(bypass_edge=False), likely=("second",), tests=SAFETY),
+    Mutant(name="states: opens while a correction still fades", owner=guard, attribute="advance",
+           change=_advance_with(quiet=True), likely=("second", "permissive"), tests=SAFETY),
+    Mutant(name="line judge: every reading is plausible", owner=line_judge.LineJudge,
+           attribute="judge", change=always(0), likely=("absurd", "nan")),
+    Mutant(name="line judge: permissives do not count", owner=line_judge.LineJudge,
+           attribute="judge", change=_causes_without("PERMISSIVE_LOST"), likely=("permissive",),
+           tests=SAFETY),
+    Mutant(name="line judge: a splice does not count", owner=line_judge.LineJudge,
+           attribute="judge", change=_causes_without("SPLICE"), likely=("splice",), tests=SAFETY),
+    Mutant(name="line judge: a tension that is no number counts", owner=line_judge.LineJudge,
+           attribute="judge", change=_causes_without("TENSION_IMPLAUSIBLE"),
+           likely=("nan", "absurd"), tests=SAFETY),
+    Mutant(name="reset of the PLC: always an edge", owner=plc_reset.PlcReset, attribute="step",
+           change=always(True), likely=("freeze",), tests=SAFETY),
+    Mutant(name="envelope: never closes", owner=envelope.Envelope, attribute="_close",
+           change=always(None), likely=("nan", "permissive"), tests=SAFETY),
+    Mutant(name="limits: nothing is limited", owner=limits.Limiter, attribute="step",
+           change=_unlimited, likely=("double",)),
+    Mutant(name="cycle: a command outlives a stall", owner=cycle.Cycle, attribute="_withdraw",
+           change=always(None), likely=("!stall",), tests=LOOP),
+    Mutant(name="cycle: the law sees what the guard does not believe", owner=cycle.Cycle,
+           attribute="_believed", change=lambda _: lambda self: self._snapshot,
+           likely=("absurd",), tests=LOOP),
+    Mutant(name="words: counters go on after a loss", owner=gateway.WordCodec, attribute="reset",
+           change=always(None), likely=("restart",), wire="modbus",
+           tests="tests/aff_runtime/fieldbus/test_gateway.py "
+                 "tests/aff_runtime/fieldbus/test_codec.py"),
+    Mutant(name="CAN: every set is whole", owner=can_reader.CanReader, attribute="_is_whole",
+           change=always(True), likely=("reorder", "lose", "partial"), wire="can"),
+    Mutant(name="CAN: every heartbeat is in order", owner=can_reader.CanReader,
+           attribute="_in_order", change=always(True), likely=("reorder",), wire="can",
+           tests="tests/aff_runtime/fieldbus/test_can_reader.py"),
+    Mutant(name="CAN: a frame of any length will do", owner=can_reader.CanReader,
+           attribute="take", change=_any_length, likely=("short",), wire="can",
+           tests="tests/aff_runtime/fieldbus/test_can_reader.py"),
+    Mutant(name="CAN: a bad frame does no harm", owner=can_gateway.CanGateway,
+           attribute="_receive", change=_believing, likely=("short", "second"), wire="can",
+           tests="tests/aff_runtime/fieldbus/test_can_gateway.py"),
+    Mutant(name="CAN: our own identifiers from elsewhere do no harm",
+           owner=can_gateway.CanGateway, attribute="_receive", change=_own_frames_ignored,
+           likely=("second",), wire="can"),
+    Mutant(name="CANopen: operational without asking", owner=canopen_node.NodeKeeper,
+           attribute="_heartbeat", change=always(None), likely=("reset",), wire="canopen"),
+    Mutant(name="CANopen: no SYNC", owner=canopen_link.CanopenLink, attribute="sync",
+           change=always(True), likely=("sync",), wire="canopen"),
+    Mutant(name="CANopen: an emergency of a node does not count", owner=canopen_node.NodeKeeper,
+           attribute="good", change=lambda _: property(
+               lambda self: self.state is canopen_node.NodeState.OPERATIONAL),
+           likely=("reset",), wire="canopen", tests="tests/aff_runtime/fieldbus/test_canopen.py"),
+    Mutant(name="PLC: no watchdog", owner=plc.Plc, attribute="_heartbeat_moves",
+           change=always(True), likely=("!kill",)),
+    Mutant(name="PLC: an intact zero does not end the ramp", owner=plc.Plc,
+           attribute="_says_zero", change=always(False), likely=("!supervisor",),
+           tests="tests/deploy"),
+    Mutant(name="device: process data never late", owner=canopen_device.Device, attribute="lost",
+           change=always(False), likely=("!kill", "mute"), wire="canopen",
+           tests="tests/matrix/test_matrix.py::"
+        "test_a_drive_notices_by_itself_that_the_runtime_is_gone"),
+)  # fmt: skip

@@ -1,0 +1,153 @@
+"""All pairs of shared/data/lines, and each with its true effect taken out, as one table.
+
+python -m tests.sim_plant.refine.pairs [--out DIR] [--only TEXT]
+
+Results are kept in DIR, one folder a run; a run that is there is not made again.
+"""
+
+import argparse
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from sim_plant.cli.main import main as sim_plant
+
+PLACES = [Path(__file__).parents[n] / "shared/data/lines" for n in (4, 5)]
+FOLDER = next((p for p in PLACES if p.exists()), None)
+NO_LINE = ("web_modulus", "load_cell_filter", "loop_delay")
+
+
+@dataclass(frozen=True)
+class Run:
+    """One pair, with some effects taken out of the library."""
+
+    case: str
+    without: tuple[str, ...] = ()
+
+    @property
+    def name(self):
+        return "-".join([self.case, *(f"without_{n}" for n in self.without)])
+
+
+def labels():
+    """Return the effects (name, location) of every pair."""
+    if FOLDER is None:
+        return {}
+    cases = yaml.safe_load((FOLDER / "labels.yaml").read_text())["cases"]
+    return {c["case"]: [(e["effect_class"], e["location"]) for e in c["effects"]] for c in cases}
+
+
+def plan():
+    """Return every pair as it is, without each of its effects, and without all of them."""
+    runs = []
+    for case, effects in labels().items():
+        names = [name for name, _ in effects]
+        runs.append(Run(case))
+        runs += [Run(case, (name,)) for name in names]
+        if len(names) > 1:
+            runs.append(Run(case, tuple(sorted(names))))
+    return runs
+
+
+def verdict(run, out):
+    """Return the verdict of a run, made now if it is not in ``out``."""
+    path = out / run.name / "verdict.json"
+    if not path.exists():
+        line, fit, held = (
+            str(FOLDER / f"{run.case}_{end}") for end in ("a.yaml", "a.csv.gz", "b.csv.gz")
+        )
+        taken = [part for name in run.without for part in ("--without", name)]
+        done = sim_plant(
+            ["refine", line, fit, "--holdout", held, "--out", str(path.parent), *taken]
+        )
+        assert done == 0
+    return json.loads(path.read_text())
+
+
+def faults(run, result):
+    """Return what is wrong with a verdict, as sentences; none when it is right."""
+    label = labels()[run.case]
+    left = {pair for pair in label if pair[0] not in run.without}
+    found = {(e["effect"], e["location"]) for e in result["effects"]}
+    wrong = [f"{name} at {place} is not there" for name, place in sorted(found - left)]
+    if not run.without:
+        wrong += [f"{name} at {place} is missed" for name, place in sorted(left - found)]
+        if result["verdict"] != ("traced" if label else "nothing"):
+            wrong.append(f"verdict is {result['verdict']}")
+        return wrong
+    if result["verdict"] != "unknown":
+        return [*wrong, f"verdict is {result['verdict']}"]
+    for name, place in label:
+        if name in run.without and not any(shows(run, name, place, u) for u in result["unknown"]):
+            wrong.append(f"{name} at {place} is not among the unknown")
+    return wrong
+
+
+def shows(run, name, place, unknown):
+    """Return whether an unknown is what this effect would look like to who does not know it.
+
+    On a roll or roller: its angle, or the web travel of its turn (or a harmonic). One that is no
+    line: declared numbers beyond tolerance, or broadband; a delay in the loop of a roll that is
+    not round shows at that roll's orders and nowhere else.
+    """
+    kind, where = unknown["class"], unknown["coordinate"]
+    locked_to = "unwind" if name == "loop_delay" else place
+    if name in NO_LINE and kind in ("state", "broadband"):
+        return True
+    if name in NO_LINE and name != "loop_delay":
+        return False
+    if kind == "angle":
+        return where["roll"] == locked_to
+    if kind != "travel":
+        return False
+    line = yaml.safe_load((FOLDER / f"{run.case}_a.yaml").read_text())
+    radius = next(r["radius_m"] for r in line["rollers"] if r["name"] == locked_to)
+    order = radius / where["equivalent_radius_m"]
+    return round(order) >= 1 and abs(order / round(order) - 1.0) < 0.003
+
+
+def row(run, result):
+    """Return one line of the table."""
+    what = [f"{e['effect']} at {e['location']}" for e in result["effects"]]
+    what += [
+        f"unknown: {u['class']} "
+        + ", ".join(f"{k} {v:.5g}" if isinstance(v, float) else f"{k} {v}"
+                    for k, v in u["coordinate"].items())
+        for u in result["unknown"]
+    ]  # fmt: skip
+    ratio = [r["after"] / r["noise_floor"] for n, r in result["residual_rms"].items()
+             if not n.endswith("_angle_rad")]  # fmt: skip
+    right = "; ".join(faults(run, result)) or "yes"
+    taken = ", ".join(run.without) or "-"
+    text = "; ".join(what) or "nothing"
+    return (
+        f"| {run.case} | {taken} | {text} | {right} | {np.median(ratio):.2f} | {max(ratio):.2f} |"
+    )
+
+
+def table(out, only=""):
+    """Print the table; return how many rows are wrong."""
+    wrong = 0
+    rows = []
+    for run in plan():
+        if only in run.name:
+            result = verdict(run, out)
+            rows.append(row(run, result))
+            wrong += bool(faults(run, result))
+    print("| pair | taken out | found | right | held out, after / floor: median | worst |")
+    print("|---|---|---|---|---|---|")
+    print("\n".join(rows))
+    return wrong
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=Path("out/refine-pairs"))
+    parser.add_argument("--only", default="")
+    arguments = parser.parse_args()
+    if FOLDER is None:
+        raise SystemExit(f"no line records: looked for {PLACES[0]} and {PLACES[1]}")
+    raise SystemExit(1 if table(arguments.out, arguments.only) else 0)

@@ -1,0 +1,47 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine import details
+from sim_plant.refine.fit import Fit
+from sim_plant.refine.hypotheses import hypothesis
+from sim_plant.refine.linear import Projector
+
+ROWS = 400
+TIME = np.linspace(0.0, 1.0, ROWS)
+SIZE, GROWTH = np.sin(40.0 * TIME), TIME * np.sin(40.0 * TIME)
+
+
+@pytest.fixture
+def problem():
+    return SimpleNamespace(
+        rows=ROWS, projector=Projector(np.zeros((ROWS, 1))),
+        split=lambda vector: [np.reshape(vector, (1, ROWS))],
+    )  # fmt: skip
+
+
+def fit_of(residual):
+    h = hypothesis(BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),),
+                   ("size_m", "gravity"))  # fmt: skip
+    return Fit(hypotheses=(h,), values=((0.01, 1.0),), shifts={}, cost=0.0, residual=residual,
+               covariance=np.zeros((0, 0)))  # fmt: skip
+
+
+def noise():
+    return np.random.default_rng(3).standard_normal(ROWS)
+
+
+def test_a_detail_that_either_half_foretells_is_kept(problem, monkeypatch):
+    monkeypatch.setattr(details, "jacobian", lambda *_: np.stack([SIZE, GROWTH], axis=1))
+    residual = noise() + 2.0 * SIZE - 4.0 * GROWTH
+    assert details.bears_out(problem, fit_of(residual), 0, ["gravity"])
+
+
+def test_a_detail_that_fits_one_half_only_is_not(problem, monkeypatch):
+    fluke = np.where(TIME < 0.5, 1.0, -1.0) * np.sin(70.0 * TIME)
+    monkeypatch.setattr(details, "jacobian", lambda *_: np.stack([SIZE, fluke], axis=1))
+    residual = noise() + 2.0 * np.abs(TIME < 0.5) * fluke - 1.0 * (TIME >= 0.5) * fluke * 0.5
+    residual = np.where(TIME < 0.5, residual, noise() - 2.0 * fluke)
+    assert not details.bears_out(problem, fit_of(residual), 0, ["gravity"])
