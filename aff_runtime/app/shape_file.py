@@ -22,6 +22,7 @@ from aff_runtime.core.shape_profile import ShapeProfile
 
 FORMAT = "aff-learned-shape-1"
 MAX_FILE_BYTES = 65536
+MAX_DEVIATION_M, MAX_LOOP, MAX_TORQUE_N_M, MAX_ORDER = 1.0, 100.0, 1e5, 64
 _UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, RecursionError, ArithmeticError)
 
 
@@ -105,10 +106,32 @@ class ShapeFile:
             )
         except _UNREADABLE as error:
             raise ConfigError(f"not a shape file: {error!r}; the roll is learned anew") from error
-        numbers = (*weight.values(), *correction.values(), *heavy.values())
-        if not all(cmath.isfinite(w) for w in numbers):
-            raise ConfigError("not a shape file: a number is not finite; the roll is learned anew")
+        if (odd := _odd_number(found)) is not None:
+            raise ConfigError(f"not a shape file: {odd}; the roll is learned anew")
         return found
+
+
+def _odd_number(file: ShapeFile) -> str | None:
+    """Return which number no roll has, None when all are possible; NaN is none."""
+    shape = file.profile
+    rows: list[tuple[str, float, float, str]] = []
+    for (roll, order), w in shape.weight_m.items():
+        rows.append((f"order of {roll}", order, MAX_ORDER, ""))
+        rows.append(
+            (f"deviation_mm of {roll} {order}x", 1e3 * abs(w), 1e3 * MAX_DEVIATION_M, "mm")
+        )
+    for (roll, order), d in shape.correction.items():
+        rows.append((f"loop_re, loop_im of {roll} {order}x", abs(d), MAX_LOOP, ""))
+    for roll, w in shape.imbalance_m.items():
+        torque = IMBALANCE_N_M_PER_M * abs(w)
+        rows.append((f"torque_N_m of {roll}", torque, MAX_TORQUE_N_M, "N m"))
+    for roll, radius in file.radius_m.items():
+        rows.append((f"radius_m of {roll}", radius, 10.0, "m"))
+    for name, size, most, unit in rows:
+        least = 1 if name.startswith("order") else 0
+        if not least <= size <= most:
+            return f"{name} is {size:g} {unit}".rstrip() + f", expected {least} to {most:g}"
+    return None
 
 
 _HEAD = ("actuator", "belongs_to", "config_hash", "saved_at", "version", "roll_id")
@@ -142,10 +165,12 @@ def read_shapes(paths: Mapping[str, str]) -> tuple[dict[str, str], list[str]]:
     faults: list[str] = []
     for actuator, name in paths.items():
         path = Path(name)
-        if not path.exists():
-            continue
         try:
-            if not path.is_file() or path.stat().st_size > MAX_FILE_BYTES:
+            if not path.exists():
+                continue
+            if not path.is_file():
+                raise ConfigError("not a shape file: not a file at all; the roll is learned anew")
+            if path.stat().st_size > MAX_FILE_BYTES:
                 raise ConfigError("not a shape file: too long; the roll is learned anew")
             text = path.read_text(encoding="utf-8")
             ShapeFile.from_json(text)

@@ -61,7 +61,13 @@ class ShapeShelf:
         self._say(f"{actuator}: what was learned is kept in {name}")
 
     def forget(self, record: Mapping[str, Any]) -> None:
-        """Take the shapes of rolls that are exchanged out of the files; rollers stay."""
+        """Take the shapes of rolls that are exchanged out of the files; rollers stay.
+
+        Raises
+        ------
+        ConfigError
+            When a file cannot be written.
+        """
         exchanged = {
             name for name, roll in record["site"]["rolls"].items() if roll["resets_on"] == "splice"
         }
@@ -78,7 +84,9 @@ class ShapeShelf:
             try:
                 replace_text(path, replace(file, profile=kept).to_json() + "\n")
             except OSError as error:
-                raise ConfigError(f"{path}: {error.strerror}; nothing is forgotten") from None
+                raise ConfigError(
+                    f"{path}: {error.strerror}; the shape in this file is not forgotten"
+                ) from None
             self._say(f"{actuator}: the shape of {', '.join(sorted(exchanged))} is forgotten")
 
     def _say(self, text: str) -> None:

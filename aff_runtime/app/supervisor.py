@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from aff_runtime.app.edit_session import EditSession
-from aff_runtime.app.pending import Pending
+from aff_runtime.app.pending import Answer, Pending
 from aff_runtime.app.probe_session import ProbeSession
 from aff_runtime.app.processes import Processes
 from aff_runtime.app.request_socket import Caller, RequestSocket
@@ -23,7 +23,7 @@ from aff_runtime.app.state_log import StateLog
 from aff_runtime.app.status import describe
 from aff_runtime.app.validation import load_record
 from aff_runtime.base.clock import MonotonicClock
-from aff_runtime.base.errors import AffError, RefusedError
+from aff_runtime.base.errors import AffError, ConfigError, RefusedError
 from aff_runtime.base.signals import State
 from aff_runtime.loop.watchdog import ServiceNotifier
 
@@ -190,8 +190,7 @@ class Supervisor:
                 caller.reply({"ok": True})
             case "forget":
                 self._processes.note("OPERATOR", "forget")
-                self._processes.shapes.forget(self._processes.record)
-                self._ask_control({"do": "FORGET"}, caller)
+                self._ask_control({"do": "FORGET"}, caller, self._forget_files)
             case "probe":
                 self._start_probe(caller, request)
             case "stop":
@@ -204,10 +203,21 @@ class Supervisor:
                     "or stop"
                 )
 
-    def _ask_control(self, message: dict[str, Any], caller: Caller) -> None:
-        """Send ``message`` to the control process; its reply goes back to the caller."""
+    def _forget_files(self, said: dict[str, Any]) -> dict[str, Any]:
+        """Forget in the files too once the control process has; a refusal leaves them alone."""
+        if said.get("ok"):
+            try:
+                self._processes.shapes.forget(self._processes.record)
+            except ConfigError as error:
+                return {"ok": False, "message": str(error), "exit_code": error.exit_code}
+        return said
+
+    def _ask_control(
+        self, message: dict[str, Any], caller: Caller, answer: Answer = lambda said: said
+    ) -> None:
+        """Send ``message`` to the control process; ``answer`` to its reply goes to the caller."""
         control = self._processes.control
-        ident = self._pending.expect(caller, lambda said: said, 2.0)
+        ident = self._pending.expect(caller, answer, 2.0)
         if control is None or not control.link.send({**message, "id": ident}):
             text = "the control process is not running; see `aff-runtime status`"
             self._pending.resolve({"id": ident, "ok": False, "message": text})

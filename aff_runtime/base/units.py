@@ -185,7 +185,7 @@ def _read_text(text: str, unit: str) -> float:
     if info is None:
         raise UnitError(f'unit "{_short(written)}" is not known here. Write {_example(unit)}.')
     if info.dimension != wanted.dimension:
-        asked = f"a {wanted.dimension}" if unit else "a plain number"
+        asked = _a(wanted) if unit else "a plain number"
         raise UnitError(f'"{_short(text)}" is {_a(info)}, expected {asked}: {_example(unit)}.')
     converted = number * info.si_per_unit / wanted.si_per_unit
     if not math.isfinite(converted):

@@ -31,6 +31,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except AffError as error:
         print(f"sim-plant: {error}", file=sys.stderr)
         return error.exit_code
+    except KeyboardInterrupt:
+        print("sim-plant: stopped", file=sys.stderr)
+        return 130
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from sim_plant.effects.catalogue import BY_NAME  # noqa: PLC0415 - heavy imports
     from sim_plant.refine.example import write_example  # noqa: PLC0415
+    from sim_plant.refine.folder import check_folder  # noqa: PLC0415
     from sim_plant.refine.outcome import Plan  # noqa: PLC0415
     from sim_plant.refine.pipeline import refine  # noqa: PLC0415
     from sim_plant.refine.record_only import is_record_declaration  # noqa: PLC0415
@@ -52,16 +54,24 @@ def run(arguments: argparse.Namespace) -> int:
         if name not in BY_NAME:
             raise PlantError(f"--without {name}: no such effect; there are {sorted(BY_NAME)}")
     records, holdout = tuple(arguments.records), tuple(arguments.holdout)
-    if arguments.example:
-        print("making two records with an effect that the line file does not declare")
-        first, second = write_example(arguments.line, arguments.out / "records")
-        records, holdout = (first,), (second,)
-    if not records:
+    if arguments.workers < 1:
+        raise PlantError(f"--workers {arguments.workers}: give at least 1")
+    if arguments.example and (records or holdout):
+        raise PlantError("--example makes its own records; leave RECORD and --holdout out")
+    if not records and not arguments.example:
         raise PlantError("give at least one RECORD, or --example")
     plan = Plan(
         line=arguments.line, records=records, holdout=holdout,
         out=arguments.out, without=tuple(arguments.without), workers=arguments.workers,
     )  # fmt: skip
+    check_folder(plan)
+    if arguments.example:
+        print("making two records with an effect that the line file does not declare")
+        try:
+            first, second = write_example(arguments.line, arguments.out / "records")
+        except OSError as error:
+            raise PlantError(f"--out {arguments.out}: cannot be written ({error})") from error
+        plan = replace(plan, records=(first,), holdout=(second,))
     if is_record_declaration(plan.line):
         print(record_summary(refine_records(plan, lambda text: print(text, flush=True)), plan.out))
         return 0

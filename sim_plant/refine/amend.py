@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -83,9 +84,29 @@ def write_block(
     for block in blocks if declaration is not None else ():
         _add_start(block, rows, declaration, record)
     path = out / BLOCK_FILE
-    path.write_text(BLOCK_HEAD + yaml.safe_dump({"blocks": plain(blocks)}, sort_keys=False),
+    head = BLOCK_HEAD + "".join(_as_roll(block["roll"], declaration) for block in blocks)
+    for block in blocks:
+        block["roll"] = site_name(block["roll"])
+    path.write_text(head + yaml.safe_dump({"blocks": plain(blocks)}, sort_keys=False),
                     encoding="utf-8")  # fmt: skip
     return path
+
+
+def site_name(roller: str) -> str:
+    """Return a roller's name as a site file takes it: small letters, digits, underscores."""
+    name = re.sub(r"[^a-z0-9_]", "_", roller.lower())[:48]
+    return name if name[:1].isalpha() else f"roller_{name}"[:48]
+
+
+def _as_roll(name: str, declaration: Declaration | None) -> str:
+    """Return the comment that says how an idler comes into the site file; none for a drive's."""
+    if declaration is None or name in {drive.roller for drive in declaration.control.drives}:
+        return ""
+    radius_m = declaration.rollers[declaration.body(name)].radius_m
+    return (
+        f"# {name} has no drive; under `rolls` of the site file, with its angle channel if it has "
+        f"one:\n#   {site_name(name)}: {{ radius_m: {radius_m:.6g} }}\n"
+    )
 
 
 def _add_start(

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import load_declaration
@@ -30,9 +31,20 @@ def references(samples: int, step_s: float, slow: float, fast: float) -> tuple[A
 
 
 def write_example(line_path: Path, folder: Path, duration_s: float = 60.0) -> tuple[Path, Path]:
-    """Write ``example_a`` and ``example_b`` (CSV and sidecar); return the two records."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Write ``example_a`` and ``example_b`` (CSV and sidecar); return the two records.
+
+    Raises
+    ------
+    PlantError
+        When the declaration cannot be used; nothing is written then.
+    """
     line = load_declaration(line_path)
+    if HIDDEN.location not in {roller.name for roller in line.rollers}:
+        raise PlantError(
+            f"{line_path}: the example puts its effect on roller {HIDDEN.location}, which this "
+            "line does not have; give RECORDs of your own, or config/lines/euclid.yaml"
+        )
+    folder.mkdir(parents=True, exist_ok=True)
     data = yaml.safe_load(line_path.read_text(encoding="utf-8"))
     data["sample_time_s"] = 0.01
     data.pop("effects", None)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.record import Record
@@ -14,6 +15,7 @@ from sim_plant.refine.twin import REFERENCES, Twin, modelled_channels
 
 SPEED_MISMATCH = 0.2
 TENSION_RANGE = (0.2, 5.0)
+HIGHEST_STRAIN = 0.2
 
 
 def sidecar_of(path: Path) -> Path:
@@ -68,9 +70,11 @@ def twin_of(line: Declaration, record: Record) -> Twin:
         )
     sample = round(record.sample_time_s, 6)
     if abs(sample - own.sample_time_s) > 1e-3 * own.sample_time_s:
+        side = sidecar_of(record.path)
+        where = side if side.exists() else "the line file"
         raise PlantError(
             f"{record.path}: sampled every {sample} s, declared {own.sample_time_s} s; "
-            "correct sample_time_s"
+            f"correct sample_time_s in {where}, or the unit of the time column"
         )
     _plausible(own, record)
     aff = {}
@@ -87,6 +91,17 @@ def twin_of(line: Declaration, record: Record) -> Twin:
 def _plausible(line: Declaration, record: Record) -> None:
     speed = record.columns["line_speed_ref_m_s"]
     tension = record.columns["tension_ref_N"]
+    for name in REFERENCES:
+        if not np.any(record.columns[name]):
+            raise PlantError(f"{record.path}: column {name} is 0 throughout; "
+                             "give a record of the running line")  # fmt: skip
+    strain = float(np.median(tension)) / line.web.EA_N
+    if not 0.0 < strain < HIGHEST_STRAIN:
+        raise PlantError(
+            f"{record.path}: column tension_ref_N: {np.median(tension):.4g} N would strain the "
+            f"declared web (EA {line.web.EA_N:g} N) by {100 * strain:.3g} %; a unit in the header "
+            "is wrong, or the line file is another line's"
+        )
     for sensor in line.sensors:
         values = record.columns[sensor.channel]
         if sensor.scale_radius_m is not None:
@@ -94,6 +109,9 @@ def _plausible(line: Declaration, record: Record) -> None:
         elif sensor.noise_sd_rad_s is not None:
             radius = line.rollers[line.body(sensor.roller)].radius_m
             _compare(record.path, sensor.channel, values, speed / radius, 2.0 * SPEED_MISMATCH)
+        elif sensor.lsb_rad is not None:
+            radius = line.rollers[line.body(sensor.roller)].radius_m
+            _compare_angle(record, sensor.channel, speed / radius)
         elif sensor.low_pass_Hz is not None:
             ratio = float(np.median(values) / np.median(tension))
             if not TENSION_RANGE[0] < ratio < TENSION_RANGE[1]:
@@ -117,6 +135,20 @@ def _compare(path: Path, name: str, values, expected, share: float) -> None:  # 
         raise PlantError(
             f"{path}: column {name}: {ratio:.4g} times what the speed reference and the declared "
             "radius give; a unit in the header is wrong, or the line file is another line's"
+        )
+
+
+def _compare_angle(record: Record, name: str, expected: Array) -> None:
+    """Refuse an angle whose steps belong to another unit; steps back: the count starts over."""
+    steps = np.diff(record.columns[name])
+    onward = steps * np.sign(np.median(steps)) >= 0.0
+    turned = abs(float(np.mean(steps[onward]))) / record.sample_time_s
+    wanted = abs(float(np.mean(expected[1:][onward])))
+    if not abs(turned / wanted - 1.0) < 2.0 * SPEED_MISMATCH:
+        raise PlantError(
+            f"{record.path}: column {name}: turns {turned / wanted:.4g} times as fast as the "
+            "speed reference and the declared radius give; a unit in the header is wrong, or the "
+            "line file is another line's"
         )
 
 

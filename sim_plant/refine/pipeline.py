@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 import shlex
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from aff_runtime.base.errors import PlantError
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.amend import plain, write_amended, write_block
 from sim_plant.refine.bench import Bench
+from sim_plant.refine.folder import check_apart, check_folder, publish
 from sim_plant.refine.holdout import judge
 from sim_plant.refine.hypotheses import library
 from sim_plant.refine.match import limits, twin_of
@@ -55,11 +56,13 @@ def refine(plan: Plan, say: Say) -> Outcome:
     PlantError
         On any input that cannot be judged.
     """
+    check_folder(plan)
     line = load_declaration(plan.line)
     records = [read_record(p) for p in plan.records]
     twins = [twin_of(line, r) for r in records]
     held = [read_record(p) for p in plan.holdout]
     held_twins = [twin_of(line, r) for r in held]
+    check_apart(records, held)
     said = list(dict.fromkeys(text for t in twins for text in limits(t)))
     if not held:
         said.append("no held-out record: the error after is that of the record fitted")
@@ -80,7 +83,7 @@ def refine(plan: Plan, say: Say) -> Outcome:
         plan=plan, records=(*records, *held), limits=tuple(said), trace=found, judgement=judged,
         verdict=result,
     )  # fmt: skip
-    write_all(outcome)
+    publish(plan, lambda into: write_all(replace(outcome, plan=into), command_of(plan)))
     return outcome
 
 
@@ -94,14 +97,9 @@ def command_of(plan: Plan) -> str:
     return shlex.join([*parts, "--out", str(plan.out)])
 
 
-def write_all(outcome: Outcome) -> None:
-    """Write verdict, amended line, AFF block and report."""
+def write_all(outcome: Outcome, command: str) -> None:
+    """Write verdict, amended line, AFF block and report into the plan's folder."""
     plan = outcome.plan
-    try:
-        plan.out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise PlantError(f"{plan.out}: cannot be written ({error})") from error
-    command = command_of(plan)
     amended = None
     if outcome.trace.steps:
         amended = write_amended(plan.line, plan.out, outcome.trace, outcome.records, command,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from scipy.signal import lfilter
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.amend import plain
+from sim_plant.refine.folder import check_apart, check_folder, publish
 from sim_plant.refine.noise import whitening_filter
 from sim_plant.refine.record_lines import Line, basis, clocks, find_lines, sharpest
 from sim_plant.refine.record_only import (
@@ -52,9 +52,11 @@ def refine_records(plan: Plan, say: Callable[[str], None]) -> dict[str, Any]:
     PlantError
         On any input that cannot be judged; nothing is written then.
     """
+    check_folder(plan)
     declaration = load_record_declaration(plan.line)
     records = [read_for(declaration, p) for p in plan.records]
     held = [read_for(declaration, p) for p in plan.holdout]
+    check_apart(records, held)
     said = limits_of(declaration, bool(held))
     for text in said:
         say(f"cannot be claimed: {text}")
@@ -78,7 +80,8 @@ def refine_records(plan: Plan, say: Callable[[str], None]) -> dict[str, Any]:
         "residual_rms": rms,
         "holdout": str((plan.holdout or plan.records)[0]),
     }
-    _write(plan, declaration, result, [(r.path.name, r.sha256) for r in (*records, *held)])
+    hashes = [(r.path.name, r.sha256) for r in (*records, *held)]
+    publish(plan, lambda into: _write(into, declaration, result, hashes))
     return result
 
 
@@ -155,15 +158,11 @@ def _complex(fitted: Array) -> Any:
 def _write(
     plan: Plan, declaration: RecordDeclaration, result: dict[str, Any],
     records: Sequence[tuple[str, str]],
-) -> Path:  # fmt: skip
-    plan.out.mkdir(parents=True, exist_ok=True)
+) -> None:  # fmt: skip
     text = json.dumps(plain(result), indent=1) + "\n"
     (plan.out / "verdict.json").write_text(text, encoding="utf-8")
     template = Environment(
         loader=PackageLoader("sim_plant.refine", "."), autoescape=True
     ).get_template("record_report.html.j2")
-    path = plan.out / "report.html"
-    path.write_text(
-        template.render(note=declaration.note, verdict=result, records=records), encoding="utf-8"
-    )
-    return path
+    page = template.render(note=declaration.note, verdict=result, records=records)
+    (plan.out / "report.html").write_text(page, encoding="utf-8")

@@ -83,7 +83,7 @@ def oddities(columns: Mapping[str, Array]) -> list[str]:
             found.append(f"{name} is read in steps of {smallest:.3g}")
         for level, side in ((levels[-1], "top"), (levels[0], "bottom")):
             stuck = float(np.mean(values == level))
-            if stuck > 0.05 and levels.size > 20 and not name.endswith("_ref_N"):
+            if stuck > 0.05 and levels.size > 20 and "_ref_" not in name:
                 found.append(f"{name} sits at its {side} {level:g} for {100 * stuck:.0f} %")
         spikes = count_spikes(values)
         if spikes:

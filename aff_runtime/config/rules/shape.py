@@ -50,7 +50,12 @@ def _noise(path: KeyPath, actuator: Actuator) -> Iterator[Issue]:
 
 def _drive(path: KeyPath, drive: Drive, actuator: Actuator, site: Site) -> Iterator[Issue]:
     if (drive.zeta is None) == (drive.integral_time_s is None):
-        text = "needs one of zeta and integral_time_s."
+        both = drive.zeta is not None
+        text = (
+            "zeta and integral_time_s both say how the speed loop is damped. Remove one."
+            if both
+            else "needs one of zeta and integral_time_s. Add one."
+        )
         yield Issue(path=path, text=text, at_key=True)
     if drive.roll not in site.rolls:
         text = f"{drive.roll} is no roll. {meant(drive.roll, site.rolls)}"

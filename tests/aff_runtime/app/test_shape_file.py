@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from aff_runtime.app.pending import Pending
+from aff_runtime.app.request_socket import Caller
 from aff_runtime.app.shape_file import (
     ShapeFile,
     read_shapes,
@@ -16,6 +19,8 @@ from aff_runtime.app.shape_file import (
     start_values,
 )
 from aff_runtime.app.shape_shelf import ShapeShelf
+from aff_runtime.app.supervisor import Supervisor
+from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.shape_profile import ShapeProfile
@@ -145,3 +150,78 @@ def test_start_values_are_deviations_at_the_encoders_zero(tmp_path: Path) -> Non
                                              "angle_rad: 90 deg }]"))  # fmt: skip
     site = load_site(path).model_dump(mode="json", by_alias=True)
     assert start_values(site, "unwind") == {("unwind", 2): pytest.approx(0.0005j)}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('"deviation_mm": 0.1,', '"deviation_mm": 1e6,', "deviation_mm of unwind 3x is 1e.06 mm"),
+        ('"loop_im": -0.2', '"loop_im": 1e9', "loop_re, loop_im of unwind 1x is 1e.09"),
+        ('"order": 3', '"order": -3', "order of unwind is -3, expected 1 to 64"),
+        ('"torque_N_m": 0.04', '"torque_N_m": NaN', "torque_N_m of unwind is nan N m"),
+        ('"unwind": 0.2', '"unwind": NaN', "radius_m of unwind is nan m"),
+    ],
+)
+def test_a_number_that_no_roll_has_is_named(old: str, new: str, said: str) -> None:
+    text = file().to_json()
+    assert old in text
+    with pytest.raises(ConfigError, match=f"{said}.*learned anew"):
+        ShapeFile.from_json(text.replace(old, new, 1))
+
+
+def test_a_folder_that_may_not_be_read_is_said_and_ends_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def denied(_: Path) -> bool:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "exists", denied)  # root may read everything
+    texts, (fault,) = read_shapes({"unwind": str(tmp_path / "x.shape.json")})
+    assert not texts
+    assert fault.endswith("x.shape.json: Permission denied; the roll is learned anew")
+
+
+def test_a_folder_in_the_place_of_a_shape_is_called_one(tmp_path: Path) -> None:
+    _, (fault,) = read_shapes({"unwind": str(tmp_path)})
+    assert "not a file at all" in fault
+
+
+class Answered(Caller):
+    """A caller that keeps its answer."""
+
+    def __init__(self) -> None:
+        self.said: list[Any] = []
+
+    def reply(self, answer: Any) -> None:
+        self.said.append(answer)
+
+
+@pytest.mark.parametrize("quiet", [True, False])
+def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) -> None:
+    about, shelf = record(tmp_path), ShapeShelf(lambda *_: None)
+    shelf.hear(about, {"did": "LEARNED", "actuator": "unwind", "file": file().to_json()})
+    sent: list[dict[str, Any]] = []
+    link = SimpleNamespace(send=lambda message: sent.append(message) or True)
+    made = Supervisor.__new__(Supervisor)  # its requests alone, without processes
+    made._pending = Pending(MonotonicClock())
+    made._processes = SimpleNamespace(  # type: ignore[assignment]
+        record=about, shapes=shelf, control=SimpleNamespace(link=link), note=lambda *_: None
+    )
+    caller = Answered()
+    made._answer(caller, {"do": "forget"})
+    path = Path(about["shape_files"]["unwind"])
+    before = path.read_text()
+    made._pending.resolve({"id": sent[0]["id"], "ok": quiet})
+    assert caller.said == [{"ok": quiet}]
+    assert (path.read_text() == before) is not quiet
+
+
+def test_a_file_that_cannot_be_forgotten_is_said_to_the_operator(tmp_path: Path) -> None:
+    about, shelf = record(tmp_path), ShapeShelf(lambda *_: None)
+    shelf.hear(about, {"did": "LEARNED", "actuator": "unwind", "file": file().to_json()})
+    (tmp_path / ".x.shape.json.new").mkdir()  # in the way of writing, also for root
+    made = Supervisor.__new__(Supervisor)
+    made._processes = SimpleNamespace(record=about, shapes=shelf)  # type: ignore[assignment]
+    said = made._forget_files({"ok": True})
+    assert (said["ok"], said["exit_code"]) == (False, 2)
+    assert "is not forgotten" in said["message"]

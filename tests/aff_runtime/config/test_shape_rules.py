@@ -32,7 +32,7 @@ CASES = {
     "two dampings": (
         ("      zeta: 1.1", "      zeta: 1.1\n      integral_time_s: 0.3"),
         "drive:",
-        "actuators.unwind.drive: needs one of zeta and integral_time_s.",
+        "actuators.unwind.drive: zeta and integral_time_s both say how the speed loop is damped.",
     ),
     "no damping": (
         ("      zeta: 1.1\n", ""),

@@ -171,6 +171,19 @@ def test_a_spoilt_held_out_record_stops_everything_too(columns, line_file, tmp_p
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("as_holdout", [True, False])
+def test_a_record_given_twice_is_refused_under_any_name(
+    columns, line_file, tmp_path, capsys, as_holdout
+):
+    for name in ("a.csv", "copy.csv"):
+        write_csv(columns, tmp_path / name)
+    first, copy, out = (str(tmp_path / name) for name in ("a.csv", "copy.csv", "out"))
+    more = ["--holdout", copy] if as_holdout else [copy]
+    assert main(["refine", str(line_file), first, *more, "--out", out]) == 2
+    assert "copy.csv: is the same record as" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_line_file_with_other_rollers_is_refused(columns, tmp_path, line_file, capsys):
     other = declaration()
     for part in (other["rollers"], other["spans"]):

@@ -44,6 +44,35 @@ def test_a_record_of_this_line_is_accepted():
     assert "line_speed_m_s" in twin.channels
 
 
+def degrees_called_radians():
+    return {"unwind_angle_rad": np.rad2deg(columns()["unwind_angle_rad"])}
+
+
+def all_forces(factor):
+    return {k: factor * v for k, v in columns().items() if k.endswith("_N")}
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (degrees_called_radians(), "unwind_angle_rad: turns 57.3 times as fast"),
+        ({"unwind_angle_rad": np.zeros(SAMPLES)}, "unwind_angle_rad: turns 0 times as fast"),
+        (all_forces(1000.0), "tension_ref_N: 8.9e.04 N would strain the declared web"),
+        (all_forces(0.0), "column tension_ref_N is 0 throughout"),
+        ({"line_speed_ref_m_s": np.zeros(SAMPLES)}, "line_speed_ref_m_s is 0 throughout"),
+    ],
+)
+def test_a_unit_that_every_column_gets_wrong_alike_is_refused_all_the_same(changed, said):
+    with pytest.raises(PlantError, match=said):
+        twin_of(LINE, record(changed))
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_an_angle_that_starts_over_each_turn_is_accepted(way):
+    angle = np.mod(way * columns()["unwind_angle_rad"], 2.0 * np.pi)
+    assert twin_of(LINE, record({"unwind_angle_rad": angle}))
+
+
 def test_one_speed_only_is_said():
     assert any("one speed only" in text for text in limits(twin_of(LINE, record())))
 

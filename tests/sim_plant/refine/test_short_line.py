@@ -101,7 +101,7 @@ def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record
     assert amended.provenance["records"] == [{"path": "short.csv", "sha256": "abc"}]
     make_line(amended)
     block = yaml.safe_load(write_block(tmp_path, result["effects"]).read_text())
-    assert block["blocks"][0] | {"roll": "R6", "orders": [1]} == block["blocks"][0]
+    assert block["blocks"][0] | {"roll": "r6", "orders": [1]} == block["blocks"][0]
     row = json.loads(json.dumps(result))["effects"][0]
     assert row["parameters"]["eccentricity_m"] == pytest.approx(3e-4, rel=0.05)
     low, high = row["interval95"]["eccentricity_m"]

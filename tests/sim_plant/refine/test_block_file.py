@@ -1,0 +1,49 @@
+from pathlib import Path
+
+import pytest
+import yaml
+
+from aff_runtime.config.loader import load_site
+from sim_plant.line.load import load_declaration
+from sim_plant.refine.amend import site_name, write_block
+
+CONFIG = Path(__file__).parents[3] / "config"
+LINE = load_declaration(CONFIG / "lines" / "euclid.yaml")
+
+
+def block_of(folder, roller):
+    row = {"effect": "eccentric_roller", "location": roller, "cancel": True,
+           "parameters": {"eccentricity_m": 2.5e-4, "angle_rad": 1.0}}  # fmt: skip
+    return write_block(folder, [row], LINE).read_text()
+
+
+def test_an_idlers_block_says_how_the_idler_comes_into_the_site_file(tmp_path):
+    text = block_of(tmp_path, "R6")
+    (said,) = [x.removeprefix("#   ") for x in text.splitlines() if x.startswith("#   ")]
+    (block,) = yaml.safe_load(text)["blocks"]
+    site = (CONFIG / "euclid.yaml").read_text()
+    ours = f"      - {yaml.safe_dump(block, default_flow_style=True, width=200).strip()}\n"
+    site = site.replace("\nrolls:\n", f"\nrolls:\n  {said}\n", 1)
+    site = site.replace(
+        "      - { roll: swrap_follower", f"{ours}      - {{ roll: swrap_follower", 1
+    )
+    (tmp_path / "site.yaml").write_text(site)
+    loaded = load_site(tmp_path / "site.yaml")
+    assert loaded.rolls["r6"].radius_m == LINE.rollers[LINE.body("R6")].radius_m
+    assert [b.roll for b in loaded.actuators["unwind"].blocks] == [
+        "unwind",
+        "r6",
+        "swrap_follower",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("roller", "name"),
+    [("R6", "r6"), ("pull_roll", "pull_roll"), ("Idler 7/b", "idler_7_b"), ("7", "roller_7")],
+)
+def test_a_rollers_name_becomes_one_that_the_site_file_takes(roller, name):
+    assert site_name(roller) == name
+
+
+def test_a_driven_rollers_block_needs_no_such_word(tmp_path):
+    assert "has no drive" not in block_of(tmp_path, "swrap_follower")
