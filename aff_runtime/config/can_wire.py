@@ -57,15 +57,22 @@ def wire_files(site: Site, folder: Path) -> dict[str, str]:
     texts: dict[str, str] = {}
     for name in wanted:
         try:
-            texts[name] = (folder / name).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            why = error.strerror if isinstance(error, OSError) else error
+            texts[name] = _text((folder / name).read_bytes())
+        except OSError as error:
             text = (
-                f"cannot be read ({why}). Looked for {folder / name}: "
+                f"cannot be read ({error.strerror}). Looked for {folder / name}: "
                 "correct the name or put the file there"
             )
             raise NamedError(name, text) from None
     return texts
+
+
+def _text(content: bytes) -> str:
+    """Return the text of a DBC or EDS file; Windows tools often write its code page."""
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
 
 
 def can_map_of(site: Site, texts: dict[str, str]) -> CanMap:

@@ -190,7 +190,12 @@ class _Builder:
             for entry in pdo.entries:
                 if entry >> 8 == index << 8 | subindex:
                     self._used[(name, pdo.com_index)] = pdo
-                    kind = _variable(self._ods[name], index, subindex).data_type
+                    try:
+                        kind = _variable(self._ods[name], index, subindex).data_type
+                    except ConfigError:
+                        eds = self._nodes[name].eds
+                        text = f"a PDO of {eds} maps this object, but the EDS does not describe it"
+                        raise NamedError(signal, text) from None
                     return Field(
                         name=place,
                         frame=_frame_name(name, pdo),

@@ -172,6 +172,24 @@ def test_the_check_says_what_a_cycle_costs_on_the_bus(name: str, line: str) -> N
     assert not any("0..-1" in text for text in lines)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252"])
+def test_a_dbc_with_a_degree_sign_is_read_in_the_encodings_of_its_editors(
+    folder: Path, encoding: str
+) -> None:
+    dbc = folder / "euclid.dbc"
+    old = '[0|65535] "" AFF'
+    assert old in dbc.read_text()
+    dbc.write_bytes(dbc.read_text().replace(old, '[0|65535] "\u00b0C" AFF', 1).encode(encoding))
+    assert load_site(folder / "euclid_can.yaml").gateway.can_dbc is not None
+
+
+def test_an_object_that_a_pdo_maps_and_the_eds_forgets_is_refused(folder: Path) -> None:
+    eds = folder / "euclid_drive.eds"
+    eds.write_text(eds.read_text().replace("[60B1]", "[60B2]"))
+    with pytest.raises(ConfigError, match=r"a PDO of euclid_drive\.eds maps this object, but"):
+        load_site(folder / "euclid_canopen.yaml")
+
+
 def test_rubbish_in_the_place_of_the_dbc_is_refused(folder: Path) -> None:
     (folder / "euclid.dbc").write_bytes(bytes(range(256)))
     with pytest.raises(ConfigError):
