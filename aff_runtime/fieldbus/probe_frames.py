@@ -53,7 +53,13 @@ def listen(
             moves += reader.heartbeat != last
             last = reader.heartbeat
     link.close()
-    verdict = "moves" if moves > 1 else "STANDS STILL: wrong signal or a stopped PLC"
+    still = "STANDS STILL: wrong signal or a stopped PLC"
+    if not heard:
+        still = (
+            "not heard: no frame of the map came. CANopen nodes send after `aff-runtime run` has "
+            "started them; CAN by DBC: check bit rate, wiring and identifiers"
+        )
+    verdict = "moves" if moves > 1 else still
     yield f"{sets} sets, {reader.torn} torn, {reader.bad_lengths} of wrong length"
     yield f"plc_heartbeat {verdict}; status 0x{reader.status:04X}; roll_id {reader.roll_id}"
     for layout in can_map.frames_of(can_map.read_fields):
