@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.units import plain
+from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Site
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.fieldbus.can_load import MOST_SHARE, bus_share
-from aff_runtime.fieldbus.signal_names import SignalNames
+from aff_runtime.fieldbus.signal_names import NamedError, SignalNames
 
 if TYPE_CHECKING:
     from aff_runtime.fieldbus.can_layout import CanMap
@@ -56,10 +57,22 @@ def wire_files(site: Site, folder: Path) -> dict[str, str]:
     texts: dict[str, str] = {}
     for name in wanted:
         try:
-            texts[name] = (folder / name).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise ConfigError(f"{folder / name}: cannot be read ({error})") from None
+            texts[name] = _text((folder / name).read_bytes())
+        except OSError as error:
+            text = (
+                f"cannot be read ({error.strerror}). Looked for {folder / name}: "
+                "correct the name or put the file there"
+            )
+            raise NamedError(name, text) from None
     return texts
+
+
+def _text(content: bytes) -> str:
+    """Return the text of a DBC or EDS file; Windows tools often write its code page."""
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
 
 
 def can_map_of(site: Site, texts: dict[str, str]) -> CanMap:
@@ -119,13 +132,18 @@ def issues(site: Site, folder: Path) -> Iterator[Issue]:
     if can is None:
         return
     section = ("gateway", site.gateway.wire)
+    node_issues = list(_node_issues(site))
+    if node_issues:
+        yield from node_issues
+        return
     try:
         frames = can_map_of(site, wire_files(site, folder))
     except ConfigError as error:
         key = "dbc" if site.gateway.can_dbc is not None else "nodes"
-        yield Issue(path=(*section, key), text=str(error))
+        named = error.named if isinstance(error, NamedError) else ""
+        path = _where(site.gateway.model_dump(), named, ("gateway",))
+        yield Issue(path=path or (*section, key), text=str(error))
         return
-    yield from _node_issues(site)
     for correction in frames.corrections:
         stated = site.gateway.write.corrections[correction.name].scale
         factor = abs(correction.field.factor * correction.scale)
@@ -143,6 +161,22 @@ def issues(site: Site, folder: Path) -> Iterator[Issue]:
         yield Issue(path=(*section, "bitrate"), text=text)
 
 
+def _where(value: object, named: str, path: KeyPath) -> KeyPath | None:
+    """Return the key path whose text is ``named``, the last of several; None without one."""
+    if isinstance(value, str):
+        return path if named and value == named else None
+    inner: list[tuple[str | int, object]] = []
+    if isinstance(value, dict):
+        inner = list(value.items())
+    elif isinstance(value, list | tuple):
+        inner = list(enumerate(value))
+    for key, one in reversed(inner):
+        found = _where(one, named, (*path, key))
+        if found is not None:
+            return found
+    return None
+
+
 def load_share(site: Site, frames: CanMap) -> float:
     """Return the share of the bus that one cycle's frames take, worst case."""
     can = site.gateway.can
@@ -158,7 +192,10 @@ def _node_issues(site: Site) -> Iterator[Issue]:
         return
     path = ("gateway", "canopen_402")
     if section.lost_after_ms < 3 * section.heartbeat_ms:
-        text = f"is under three heartbeats of {section.heartbeat_ms} ms. Raise it."
+        text = (
+            f"{section.lost_after_ms} ms is under three heartbeats of {section.heartbeat_ms} ms. "
+            "Raise it, or lower heartbeat_ms."
+        )
         yield Issue(path=(*path, "lost_after_ms"), text=text)
     taken: dict[int, str] = {section.own_node: "own_node"}
     for name, node in section.nodes.items():

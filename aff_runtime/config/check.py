@@ -11,17 +11,22 @@ from aff_runtime.config.facts import Facts, facts_of
 from aff_runtime.config.findings import Finding, SiteFileError, dotted
 from aff_runtime.config.loader import read_site
 from aff_runtime.config.models import Site
+from aff_runtime.config.wire_table import budget_lines
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
-    """What is wrong, what deserves a look, what follows; site and facts only without errors."""
+    """What is wrong, what deserves a look, what follows; site and facts only without errors.
+
+    ``bus`` : what one cycle costs on the wire, as lines.
+    """
 
     file: str
     errors: tuple[Finding, ...]
     warnings: tuple[Finding, ...] = ()
     site: Site | None = None
     facts: Facts | None = None
+    bus: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -38,7 +43,7 @@ class Report:
         lines = [f"error    {finding}" for finding in self.errors]
         lines += [f"warning  {finding}" for finding in self.warnings]
         if self.facts is not None:
-            lines += _fact_lines(self.facts)
+            lines += _fact_lines(self.facts, self.bus)
         verdict = "ok" if self.ok else f"refused, {len(self.errors)} error(s)"
         lines.append(f"{self.file}: {verdict}, {len(self.warnings)} warning(s)")
         return lines
@@ -68,14 +73,17 @@ def check_site(path: Path | str, speeds_m_s: Sequence[float] = ()) -> Report:
         warnings=reading.warnings,
         site=reading.site,
         facts=facts_of(reading.site, tuple(speeds_m_s)),
+        bus=tuple(budget_lines(reading.site, Path(path).absolute().parent)),
     )
 
 
-def _fact_lines(facts: Facts) -> Iterator[str]:
+def _fact_lines(facts: Facts, bus: tuple[str, ...]) -> Iterator[str]:
     yield f"revision {facts.revision[:12]}, PLC word 0x{facts.revision[-4:]}"
-    for title, (first, words) in (("read", facts.read_block), ("write", facts.write_block)):
-        yield f"{title:5} block: wire {first}..{first + words - 1}, {words} words"
-    yield f"words per tick: {facts.words_per_tick}"
+    if facts.rows:
+        for title, (first, words) in (("read", facts.read_block), ("write", facts.write_block)):
+            yield f"{title:5} block: wire {first}..{first + words - 1}, {words} words"
+        yield f"words per tick: {facts.words_per_tick}"
+    yield from bus
     for row in facts.rows:
         yield f"wire {row.address:5} {row.type}  {dotted(row.path)}"
     yield from (str(order) for order in facts.orders)

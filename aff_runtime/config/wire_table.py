@@ -36,8 +36,27 @@ def _modbus_lines(site: Site) -> Iterator[str]:
         for row in rows:
             name = dotted(row.path[2:])
             yield f"  wire {row.address:5}  {row.type}  {_example(site, row.path)}  {name}"
+    yield from budget_lines(site, Path())
+
+
+def budget_lines(site: Site, folder: Path) -> Iterator[str]:
+    """Yield what one cycle costs on the bus: transactions and time, or the share of a CAN bus.
+
+    Raises
+    ------
+    ConfigError
+        A file of the wire cannot be used.
+    """
+    modbus, can = site.gateway.modbus, site.gateway.can
+    cycle = plain(site.line.cycle_ms)
+    if can is not None:
+        share = load_share(site, can_map_of(site, wire_files(site, folder)))
+        yield f"bus load {share:.1%} of {can.bitrate} bit/s each {cycle} ms"
+    if modbus is None:
+        return
+    fc23 = modbus.function == "fc23"
     count = 1 if fc23 else 2
-    yield f"{count} transaction(s) per tick of {plain(site.line.cycle_ms)} ms"
+    yield f"{count} transaction(s) per tick of {cycle} ms"
     rtu = site.gateway.modbus_rtu
     if rtu is not None:
         words_both = block_of(read_rows(site))[1], block_of(write_rows(site))[1]
@@ -79,7 +98,4 @@ def _can(site: Site, folder: Path) -> Iterator[str]:
                 value = int.from_bytes(write.data, "little")
                 back = "read back" if write.verify else "written"
                 yield f"  0x{write.index:04X}:{write.subindex:02X} = 0x{value:X}  {back}"
-    can = site.gateway.can
-    if can is not None:
-        share = load_share(site, frames)
-        yield f"bus load {share:.1%} of {can.bitrate} bit/s each {plain(site.line.cycle_ms)} ms"
+    yield from budget_lines(site, folder)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 
 import cantools
@@ -10,7 +11,10 @@ from cantools.database.errors import Error as DatabaseError
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.fieldbus.can_layout import CanChannel, CanCorrection, CanMap, Field, FrameLayout
-from aff_runtime.fieldbus.signal_names import SignalNames
+from aff_runtime.fieldbus.signal_names import NamedError, SignalNames
+
+# What cantools would print on the terminal is said here, with the file and what to do.
+logging.getLogger("cantools").addHandler(logging.NullHandler())
 
 COUNTER_NAME = "Counter"
 
@@ -21,15 +25,35 @@ def load_dbc(text: str, where: str) -> Database:
     Raises
     ------
     ConfigError
-        The text is no DBC file, or two of its signals overlap.
+        The text is no DBC file, two of its signals overlap, or two of its messages have one name
+        or one identifier.
     """
     try:
         loaded = cantools.database.load_string(text, database_format="dbc", strict=True)
     except (DatabaseError, ValueError, TypeError, KeyError, IndexError) as error:
-        raise ConfigError(f"{where}: cannot be read as DBC ({error})") from error
+        raise NamedError(where, f"cannot be read as DBC ({error})") from error
     if not isinstance(loaded, Database) or not loaded.messages:
-        raise ConfigError(f"{where}: holds no messages")
+        raise NamedError(where, "holds no messages")
+    _check_messages(loaded, where)
     return loaded
+
+
+def _check_messages(database: Database, where: str) -> None:
+    """Refuse two messages of one name or one identifier: a signal would be in either."""
+    by_name: dict[str, int] = {}
+    by_id: dict[tuple[int, bool], str] = {}
+    for message in database.messages:
+        name, can_id = message.name, message.frame_id
+        if name in by_name:
+            text = (
+                f"two messages are called {name}, 0x{by_name[name]:X} and 0x{can_id:X}. Rename one"
+            )
+            raise NamedError(where, text)
+        by_name[name] = can_id
+        other = by_id.setdefault((can_id, message.is_extended_frame), name)
+        if other != name:
+            text = f"{other} and {name} both have the identifier 0x{can_id:X}. Give each its own"
+            raise NamedError(where, text)
 
 
 def can_map(database: Database, names: SignalNames) -> CanMap:
@@ -132,6 +156,6 @@ def _find(database: Database, name: str) -> tuple[Message, Signal]:
                 if signal.name == signal_name:
                     return message, signal
             known = ", ".join(signal.name for signal in message.signals)
-            raise ConfigError(f"{name}: {message_name} has no such signal; it has {known}")
+            raise NamedError(name, f"{message_name} has no such signal; it has {known}")
     known = ", ".join(message.name for message in database.messages)
-    raise ConfigError(f"{name}: write MESSAGE.Signal; the messages are {known}")
+    raise NamedError(name, f"write MESSAGE.Signal; the messages are {known}")

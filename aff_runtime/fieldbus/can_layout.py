@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.fieldbus.signal_names import NamedError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,7 +135,8 @@ class CanMap:
     Raises
     ------
     ConfigError
-        A frame is read and written, a field has two owners, a word is too narrow or signless.
+        A frame is read and written, a field has two owners, two frames share an identifier, a word
+        is too narrow or signless.
     """
 
     frames: tuple[FrameLayout, ...]
@@ -180,12 +182,29 @@ class CanMap:
 def _check_owners(can_map: CanMap) -> None:
     read = {field.frame for field in can_map.read_fields}
     seen: set[str] = set()
+    taken: set[str] = set()
+    for field in can_map.read_fields:
+        if str(field) in taken:
+            raise NamedError(str(field), "is read twice; give every reading its own signal")
+        taken.add(str(field))
     for field in can_map.write_fields:
         if field.frame in read:
-            raise ConfigError(f"{field}: {field.frame} is read; a frame has one sender")
+            text = (
+                f"is written, but {field.frame} is read as well, and a frame has one sender. "
+                "Take one of the two from another frame"
+            )
+            raise NamedError(str(field), text)
         if str(field) in seen:
-            raise ConfigError(f"{field} is written twice; give every value its own signal")
+            raise NamedError(str(field), "is written twice; give every value its own signal")
         seen.add(str(field))
+    owner: dict[tuple[int, bool], str] = {}
+    for frame in can_map.frames:
+        other = owner.setdefault((frame.can_id, frame.extended), frame.name)
+        if other != frame.name:
+            raise ConfigError(
+                f"{other} and {frame.name} both have the identifier 0x{frame.can_id:X}; "
+                "nobody can tell them apart. Give each its own"
+            )
     names = {frame.name for frame in can_map.frames}
     for field in (*can_map.read_fields, *can_map.write_fields):
         if field.frame not in names:

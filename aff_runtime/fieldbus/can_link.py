@@ -31,6 +31,7 @@ class PythonCanLink:
     Attributes
     ----------
     bus_offs, error_frames, opens, refused : counts since construction.
+    why_closed : the driver's own words when the bus last could not be opened; empty before.
     """
 
     def __init__(
@@ -55,6 +56,7 @@ class PythonCanLink:
         self.error_frames = 0
         self.opens = 0
         self.refused = 0
+        self.why_closed = ""
 
     @property
     def carries(self) -> bool:
@@ -79,7 +81,8 @@ class PythonCanLink:
             try:
                 self._bus = self._open()
                 self.opens += 1
-            except _FAULTS:
+            except _FAULTS as error:
+                self.why_closed = str(error)
                 self._drop()
         return False
 

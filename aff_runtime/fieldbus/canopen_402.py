@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import configparser
 import io
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -16,7 +17,10 @@ from canopen.objectdictionary import ObjectDictionary, ODVariable
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.fieldbus.can_layout import CanChannel, CanCorrection, CanMap, Field, FrameLayout
 from aff_runtime.fieldbus.canopen_node import NodePlan, SdoWrite
-from aff_runtime.fieldbus.signal_names import SignalNames
+from aff_runtime.fieldbus.signal_names import NamedError, SignalNames
+
+# What canopen would print on the terminal is said here, with the file and what to do.
+logging.getLogger("canopen").addHandler(logging.NullHandler())
 
 _SIGNED = {0x02, 0x03, 0x04, 0x15}
 _FLOAT = {0x08, 0x11}
@@ -169,20 +173,29 @@ class _Builder:
             steps.append(_write(od, com_index, 1, pdo.can_id))
         for place, value in site.writes.items():
             index, subindex = object_of(place)
-            steps.append(_write(od, index, subindex, value))
+            try:
+                steps.append(_write(od, index, subindex, value))
+            except ConfigError as error:
+                text = f"{error} {site.eds}. Compare with the manual of node {name}"
+                raise NamedError(place, text) from None
         return tuple(steps)
 
     def _find(self, signal: str, *, transmit: bool) -> Field:
         name, _, place = signal.partition(".")
         if name not in self._ods:
-            raise ConfigError(f"{signal}: no node {name}; the nodes are {', '.join(self._ods)}")
+            raise NamedError(signal, f"no node {name}; the nodes are {', '.join(self._ods)}")
         index, subindex = object_of(place)
         for pdo in self._pdos[(name, transmit)]:
             shift = 0
             for entry in pdo.entries:
                 if entry >> 8 == index << 8 | subindex:
                     self._used[(name, pdo.com_index)] = pdo
-                    kind = _variable(self._ods[name], index, subindex).data_type
+                    try:
+                        kind = _variable(self._ods[name], index, subindex).data_type
+                    except ConfigError:
+                        eds = self._nodes[name].eds
+                        text = f"a PDO of {eds} maps this object, but the EDS does not describe it"
+                        raise NamedError(signal, text) from None
                     return Field(
                         name=place,
                         frame=_frame_name(name, pdo),
@@ -193,7 +206,15 @@ class _Builder:
                     )
                 shift += entry & 0xFF
         word = "TPDO" if transmit else "RPDO"
-        raise ConfigError(f"{signal}: no {word} of {self._nodes[name].eds} maps this object")
+        mapped = ", ".join(
+            f"0x{entry >> 16:04X}" + (f":{entry >> 8 & 0xFF:02X}" if entry >> 8 & 0xFF else "")
+            for pdo in self._pdos[(name, transmit)]
+            for entry in pdo.entries
+        )
+        text = (
+            f"no {word} of {self._nodes[name].eds} maps this object; mapped are {mapped or 'none'}"
+        )
+        raise NamedError(signal, text)
 
 
 def load_eds(text: str, where: str, node_id: int) -> ObjectDictionary:
@@ -209,7 +230,7 @@ def load_eds(text: str, where: str, node_id: int) -> ObjectDictionary:
     try:
         return canopen.import_od(stream, node_id)
     except (configparser.Error, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise ConfigError(f"{where}: cannot be read as EDS ({error})") from error
+        raise NamedError(where, f"cannot be read as EDS ({error})") from error
 
 
 def object_of(place: str) -> tuple[int, int]:

@@ -11,6 +11,14 @@ from aff_runtime.fieldbus.can_layout import CanMap
 from aff_runtime.fieldbus.can_link import PythonCanLink
 from aff_runtime.fieldbus.can_reader import CanReader, Taken
 
+_HINTS = {
+    "socketcan": "Does `ip -d link show` list it as UP? Set it up: "
+    "ip link set CHANNEL up type can bitrate BITRATE restart-ms 100",
+    "slcan_tty": "Is the adapter plugged in, channel its tty, this user in its group (dialout)?",
+    "frame_socket": "Start the plant first: sim-plant serve LINE --can dbc --channel PATH",
+    "udp_multicast": "Write a multicast address as channel and check the network interface",
+}
+
 
 def listen(
     can_map: CanMap, interface: str, channel: str, bitrate: int, clock: Clock, span_s: float = 2.0
@@ -26,7 +34,10 @@ def listen(
     link = PythonCanLink(lambda: open_bus(interface, channel, bitrate, reader.ids), clock)
     link.ready()
     if not link.ready():
-        raise WireError(f"{interface} {channel}: cannot be opened; is the interface up?")
+        raise WireError(
+            f"gateway: {interface} {channel} cannot be opened ({link.why_closed}). "
+            f"{_HINTS[interface]}"
+        )
     heard: dict[tuple[int, bool], tuple[int, bytes]] = {}
     sets = moves = 0
     last = -1
@@ -42,7 +53,13 @@ def listen(
             moves += reader.heartbeat != last
             last = reader.heartbeat
     link.close()
-    verdict = "moves" if moves > 1 else "STANDS STILL: wrong signal or a stopped PLC"
+    still = "STANDS STILL: wrong signal or a stopped PLC"
+    if not heard:
+        still = (
+            "not heard: no frame of the map came. CANopen nodes send after `aff-runtime run` has "
+            "started them; CAN by DBC: check bit rate, wiring and identifiers"
+        )
+    verdict = "moves" if moves > 1 else still
     yield f"{sets} sets, {reader.torn} torn, {reader.bad_lengths} of wrong length"
     yield f"plc_heartbeat {verdict}; status 0x{reader.status:04X}; roll_id {reader.roll_id}"
     for layout in can_map.frames_of(can_map.read_fields):

@@ -5,6 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from aff_runtime.base.errors import ConfigError
+
+
+class NamedError(ConfigError):
+    """A signal, object or file cannot be used; ``named`` is its text in the site file."""
+
+    def __init__(self, named: str, text: str) -> None:
+        super().__init__(f"{named}: {text}")
+        self.named = named
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SignalNames:

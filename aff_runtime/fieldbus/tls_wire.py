@@ -28,7 +28,16 @@ def client_context(ca: Path, certificate: Path | None, key: Path | None) -> ssl.
         if certificate is not None:
             context.load_cert_chain(certificate, key)
     except (OSError, ssl.SSLError) as error:
-        raise ConfigError(f"TLS: {ca}, {certificate}, {key}: {error}") from error
+        given = ", ".join(str(name) for name in (ca, certificate, key) if name)
+        missing = [str(name) for name in (ca, certificate, key) if name and not name.is_file()]
+        what = (
+            f"{missing[0]} is not there"
+            if missing
+            else f"{given}: no PEM files that fit ({error})"
+        )
+        raise ConfigError(
+            f"gateway.modbus_tcp.tls: {what}. Put PEM files where tls: names them"
+        ) from error
     return context
 
 

@@ -34,9 +34,13 @@ class FrameHub:
         Raises
         ------
         WireError
-            The path cannot be used.
+            The path cannot be used, or another plant listens there.
         """
         self._take = take
+        if _listens(self._path):
+            raise WireError(
+                f"{self._path}: another plant listens there. Stop it, or name another --channel"
+            )
         listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         listener.setblocking(False)
         try:
@@ -117,3 +121,16 @@ class FrameHub:
         if party is not None:
             asyncio.get_running_loop().remove_reader(descriptor)
             party.close()
+
+
+def _listens(path: Path) -> bool:
+    """Return whether somebody answers at ``path``; a file that was left behind does not."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as caller:
+        caller.setblocking(False)
+        try:
+            caller.connect(str(path))
+        except BlockingIOError:  # its queue is full
+            return True
+        except OSError:
+            return False
+    return True

@@ -9,6 +9,7 @@ import pytest
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.can_wire import can_map_of, load_share, wire_files
+from aff_runtime.config.check import check_site
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.wire_table import wire_lines
 from tests.aff_runtime.config.shipped import EUCLID
@@ -73,7 +74,11 @@ def test_two_wires_are_one_too_many(folder: Path) -> None:
         ("signal: PLC_STATUS.Status", "register: 3", "signal is missing; can_dbc needs it"),
         ("dbc: euclid.dbc", "dbc: gone.dbc", "cannot be read"),
         ("scale: 0.00001,", "scale: 0.00002,", "AFF_UNWIND.Unwind has 0.00001 per count"),
-        ("AFF_INFO.Echo", "PLC_STATUS.Status", "is read; a frame has one sender"),
+        (
+            "AFF_INFO.Echo",
+            "PLC_STATUS.Status",
+            "PLC_STATUS is read as well, and a frame has one sender",
+        ),
     ],
 )
 def test_a_site_that_the_dbc_contradicts_is_refused(
@@ -95,6 +100,94 @@ def test_a_site_that_the_eds_contradicts_is_refused(
     folder: Path, old: str, new: str, text: str
 ) -> None:
     assert text in refused(folder / "euclid_canopen.yaml", old, new)
+
+
+def lines_of(path: Path, *texts: str) -> list[int]:
+    lines = path.read_text().splitlines()
+    return [next(i for i, line in enumerate(lines, 1) if text in line) for text in texts]
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("euclid_can.yaml", "PLC_MOTION.LineSpeed", "PLC_MOTION.LineSped"),
+        ("euclid_can.yaml", "PLC_SLOW.UnwindRadius", "PLC_SLO.UnwindRadius"),
+        ("euclid_can.yaml", "dbc: euclid.dbc", "dbc: gone.dbc"),
+        ("euclid_canopen.yaml", "unwind_drive.0x606C", "unwind_drive.0x606D"),
+        ("euclid_canopen.yaml", "unwind_drive.0x2011", "unwnd_drive.0x2011"),
+        ("euclid_canopen.yaml", "eds: euclid_line.eds", "eds: gone.eds"),
+        ("euclid_canopen.yaml", 'object: "0x6007"', 'object: "0x7007"'),
+    ],
+)
+def test_what_the_files_of_the_wire_do_not_hold_is_found_where_the_site_says_it(
+    folder: Path, name: str, old: str, new: str
+) -> None:
+    path = folder / name
+    said = refused(path, old, new)
+    (line,) = lines_of(path, new)
+    assert f"{name}:{line}:" in said
+
+
+def test_a_reading_mapped_twice_is_refused_as_two_registers_in_one_place_are(folder: Path) -> None:
+    path = folder / "euclid_can.yaml"
+    said = refused(path, "PLC_TENSION.PullrollTension", "PLC_TENSION.UnwindTension")
+    assert "PLC_TENSION.UnwindTension: is read twice" in said
+    assert f":{lines_of(path, 'pullroll_tension_N: {')[0]}:" in said
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        ("BO_ 385 PLC_MOTION", "BO_ 384 PLC_MOTION", "both have the identifier 0x180"),
+        ("BO_ 385 PLC_MOTION", "BO_ 385 PLC_TENSION", "two messages are called PLC_TENSION"),
+    ],
+)
+def test_two_messages_that_cannot_be_told_apart_are_refused(
+    folder: Path, old: str, new: str, text: str
+) -> None:
+    dbc = folder / "euclid.dbc"
+    dbc.write_text(dbc.read_text().replace(old, new, 1))
+    with pytest.raises(ConfigError, match=text):
+        load_site(folder / "euclid_can.yaml")
+
+
+def test_two_nodes_whose_eds_give_one_identifier_are_refused(folder: Path) -> None:
+    eds = folder / "euclid_drive.eds"
+    assert "$NODEID+0x180" in eds.read_text()
+    eds.write_text(eds.read_text().replace("$NODEID+0x180", "0x183"))
+    with pytest.raises(ConfigError, match="both have the identifier 0x183"):
+        load_site(folder / "euclid_canopen.yaml")
+
+
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        ("euclid.yaml", "1 transaction(s) per tick of 5 ms"),
+        ("euclid_can.yaml", "bus load 37.2% of 500000 bit/s each 5 ms"),
+    ],
+)
+def test_the_check_says_what_a_cycle_costs_on_the_bus(name: str, line: str) -> None:
+    lines = check_site(CONFIG / name).lines()
+    assert line in lines
+    assert not any("0..-1" in text for text in lines)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252"])
+def test_a_dbc_with_a_degree_sign_is_read_in_the_encodings_of_its_editors(
+    folder: Path, encoding: str
+) -> None:
+    dbc = folder / "euclid.dbc"
+    old = '[0|65535] "" AFF'
+    assert old in dbc.read_text()
+    dbc.write_bytes(dbc.read_text().replace(old, '[0|65535] "\u00b0C" AFF', 1).encode(encoding))
+    assert load_site(folder / "euclid_can.yaml").gateway.can_dbc is not None
+
+
+def test_an_object_that_a_pdo_maps_and_the_eds_forgets_is_refused(folder: Path) -> None:
+    eds = folder / "euclid_drive.eds"
+    eds.write_text(eds.read_text().replace("[60B1]", "[60B2]"))
+    with pytest.raises(ConfigError, match=r"a PDO of euclid_drive\.eds maps this object, but"):
+        load_site(folder / "euclid_canopen.yaml")
 
 
 def test_rubbish_in_the_place_of_the_dbc_is_refused(folder: Path) -> None:

@@ -1,12 +1,19 @@
 from __future__ import annotations
 
+import socket
+from pathlib import Path
+
 import pytest
 
-from aff_runtime.base.clock import VirtualClock
+from aff_runtime.base.clock import MonotonicClock, VirtualClock
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.signals import Outcome
+from aff_runtime.config.can_wire import can_map_of, wire_files
+from aff_runtime.config.loader import load_site
+from aff_runtime.fieldbus.probe_frames import listen
 from aff_runtime.fieldbus.probe_map import Decoding, decodings, probe_map
 from aff_runtime.fieldbus.replay import ReplayTransport
+from tests.aff_runtime.config.shipped import EUCLID
 
 
 def test_one_value_is_laid_out_in_all_four_orders() -> None:
@@ -51,3 +58,31 @@ def test_words_show_address_and_both_signs() -> None:
 def test_too_few_answers_are_an_error_that_names_the_last_failure() -> None:
     with pytest.raises(WireError, match="1 of 3 reads answered, last failure EXCEPTION"):
         probe([[1, 2], Outcome.TIMEOUT, Outcome.EXCEPTION])
+
+
+@pytest.mark.parametrize(
+    ("interface", "advice"),
+    [("slcan_tty", "Is the adapter plugged in"), ("frame_socket", "Start the plant first")],
+)
+def test_a_bus_that_cannot_be_opened_is_named_with_the_driver_s_reason(
+    tmp_path: Path, interface: str, advice: str
+) -> None:
+    site = load_site(EUCLID.parent / "euclid_can.yaml")
+    frames = can_map_of(site, wire_files(site, EUCLID.parent))
+    channel = str(tmp_path / "gone")
+    with pytest.raises(WireError, match=f"gone cannot be opened .*No such file.*{advice}"):
+        list(listen(frames, interface, channel, 500_000, VirtualClock()))
+
+
+def test_a_silent_bus_is_not_called_a_stopped_plc(tmp_path: Path) -> None:
+    site = load_site(EUCLID.parent / "euclid_canopen.yaml")
+    frames = can_map_of(site, wire_files(site, EUCLID.parent))
+    path = tmp_path / "can"
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as nobody:
+        nobody.bind(str(path))
+        nobody.listen(8)
+        clock = MonotonicClock()
+        said = list(listen(frames, "frame_socket", str(path), 500_000, clock, span_s=0.3))
+    assert "no frame of the map came" in said[1]
+    assert "0x183 unwind_drive.TPDO1" in said[2]
+    assert "silent" in said[2]

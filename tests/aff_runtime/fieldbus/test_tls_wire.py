@@ -127,5 +127,12 @@ def test_without_our_certificate_the_plc_takes_nothing(folder: Path, server: Tls
 
 
 def test_a_missing_file_is_named(folder: Path) -> None:
-    with pytest.raises(ConfigError, match=r"nothing\.pem"):
+    with pytest.raises(ConfigError, match=r"/nothing\.pem is not there"):
         client_context(folder / "nothing.pem", None, None)
+
+
+def test_a_file_that_is_no_certificate_is_named_with_the_reason(folder: Path) -> None:
+    rubbish = folder / "rubbish.pem"
+    rubbish.write_text("no certificate")
+    with pytest.raises(ConfigError, match=r"rubbish\.pem: no PEM files that fit \(.*certificate"):
+        client_context(rubbish, None, None)
