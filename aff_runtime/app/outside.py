@@ -20,6 +20,7 @@ from aff_runtime.app.recorded_law import RecordedLaw
 from aff_runtime.app.shape_keeper import ShapeKeeper
 from aff_runtime.app.site_to_guard import guard_params
 from aff_runtime.app.status import explain
+from aff_runtime.app.trouble_log import TroubleLog
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.events import BY_NAME
@@ -54,6 +55,7 @@ class ControlOutside:
     def __init__(self, assembly: Assembly, link: Link, ring: Path, meta: dict[str, Any]) -> None:
         self._site = assembly.site
         self._guard = assembly.guard
+        self._troubles = TroubleLog(assembly.gateway, self._say)
         self._law = assembly.law
         self._link = link
         self._commands = Commands(link)
@@ -99,6 +101,7 @@ class ControlOutside:
         if self._next_law is not None and self._next_law.is_stepping:
             self._exchange_law(self._next_law)
         self._ring.write((*record, *self._law.law_telemetry()))
+        self._troubles.look(self._tick)
         first = len(HEAD)
         self._shapes.listen(
             self._law.controller,

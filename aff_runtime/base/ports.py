@@ -45,6 +45,11 @@ class Gateway(Protocol):
         """Wanted shift of the next tick, ns."""
         ...
 
+    @property
+    def troubles(self) -> tuple[str, ...]:
+        """What keeps the wire from working, one sentence each, where the wire knows."""
+        ...
+
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
         """Send ``command``, return what the PLC says; never blocks past the deadline."""
         ...

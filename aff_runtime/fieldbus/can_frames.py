@@ -42,6 +42,11 @@ class FrameLink(Protocol):
         """Monotonic time at which the last frame received was here; -1 when it is not known."""
         ...
 
+    @property
+    def troubles(self) -> tuple[str, ...]:
+        """What keeps the bus from working, one sentence each."""
+        ...
+
     def ready(self) -> bool:
         """Move a pending (re)connection one step; True when frames can be exchanged."""
         ...

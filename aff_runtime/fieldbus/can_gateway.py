@@ -64,6 +64,11 @@ class CanGateway:
         self.shift_ns = 0
         self.foreign = 0
 
+    @property
+    def troubles(self) -> tuple[str, ...]:
+        """What the bus and its nodes say of themselves."""
+        return self._link.troubles
+
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
         """Send ``command``, return what the PLC says; never blocks past the deadline."""
         began_ns = self._clock.now_ns()

@@ -64,6 +64,13 @@ class PythonCanLink:
         return self._bus is not None
 
     @property
+    def troubles(self) -> tuple[str, ...]:
+        """What the driver says about a bus that does not open."""
+        if self._bus is not None or not self.why_closed:
+            return ()
+        return (f"the CAN bus does not open: {self.why_closed}",)
+
+    @property
     def arrived_ns(self) -> int:
         """When the last frame was here by its driver's stamp, monotonic; -1 without a stamp.
 

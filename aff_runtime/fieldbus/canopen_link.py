@@ -57,8 +57,8 @@ class CanopenLink:
 
     @property
     def troubles(self) -> tuple[str, ...]:
-        """Return what is wrong with the nodes, one sentence each."""
-        return tuple(
+        """Return what is wrong with the bus, or else with its nodes, one sentence each."""
+        return self._inner.troubles or tuple(
             f"{keeper.plan.name} (node {keeper.plan.node_id}): {keeper.trouble}"
             for keeper in self.keepers
             if not keeper.good

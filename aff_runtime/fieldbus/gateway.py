@@ -45,6 +45,11 @@ class WordGateway:
         self._status = 0
         self._roll_id = 0
 
+    @property
+    def troubles(self) -> tuple[str, ...]:
+        """Nothing: what a register wire knows is in the outcome of every tick."""
+        return ()
+
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
         """Send ``command``, return what the PLC says; never blocks past the deadline."""
         outcome, words = self._transport.transact(self._codec.encode(command), deadline_ns)

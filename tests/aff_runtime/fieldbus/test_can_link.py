@@ -56,6 +56,24 @@ def test_a_frame_counts_whether_another_machine_or_a_program_on_this_one_sent_it
     assert link.receive(0) == Frame(0x180, False, b"\x01\x02")
 
 
+def test_a_bus_that_does_not_open_says_why_until_it_does() -> None:
+    clock, answers = VirtualClock(), [OSError("No such device: can0"), ScriptedBus()]
+
+    def open_bus() -> can.BusABC:
+        answer = answers.pop(0)
+        if isinstance(answer, OSError):
+            raise answer
+        return answer
+
+    link = PythonCanLink(open_bus, clock)
+    assert not link.ready()
+    assert link.troubles == ("the CAN bus does not open: No such device: can0",)
+    clock.advance_ns(200_000_000)
+    link.ready()
+    assert link.ready()
+    assert link.troubles == ()
+
+
 @pytest.mark.parametrize("kind", [{"is_remote_frame": True}, {"is_fd": True}])
 def test_a_remote_or_fd_frame_is_nobody_s_data(kind: dict[str, bool]) -> None:
     link, bus, _ = opened()

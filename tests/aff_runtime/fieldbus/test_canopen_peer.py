@@ -134,8 +134,7 @@ class Bench:
 
     @property
     def troubles(self) -> tuple[str, ...]:
-        troubles: tuple[str, ...] = self.gateway._link.troubles  # type: ignore[attr-defined]
-        return troubles
+        return self.gateway.troubles
 
     def close(self) -> None:
         self.gateway.close()

@@ -1,0 +1,37 @@
+"""Tells the log what the wire knows about its own troubles, once for each change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from aff_runtime.base.ports import Gateway
+
+EVERY_TICKS: Final = 100
+
+
+class TroubleLog:
+    """Looks at the gateway now and then; a node that is coming up need not be in the log.
+
+    Parameters
+    ----------
+    gateway : the wire.
+    say : takes one sentence for the service's log.
+    """
+
+    def __init__(self, gateway: Gateway, say: Callable[[str], None]) -> None:
+        self._gateway = gateway
+        self._say = say
+        self._seen: tuple[str, ...] = ()
+        self._said: tuple[str, ...] = ()
+
+    def look(self, tick: int) -> None:
+        """Say what is wrong when it stood for two looks and has not been said yet."""
+        if tick % EVERY_TICKS:
+            return
+        before, self._seen = self._seen, self._gateway.troubles
+        if self._seen != before or self._seen == self._said:
+            return
+        self._said = self._seen
+        for trouble in self._seen or ("no trouble any more",):
+            self._say(f"wire: {trouble}")
