@@ -18,7 +18,7 @@ from tests.matrix.deeds import HARMLESS, KILLS, Deed, recorder_pid
 from tests.matrix.disk import small_disk
 from tests.matrix.live_judge import Seen, stays_at_zero, strike
 
-SPEED_M_S = 0.6  # one roll lasts for half an hour
+SPEED_M_S = 0.4  # one roll, 8 in down to 4 in, lasts for half an hour
 KILL_SPACING_S = 32.0  # three deaths within a minute end the service, by design
 
 
