@@ -35,6 +35,7 @@ class Soak:
         self.safe_for_s = self.struck_for_s = self.active_s = 0.0
         self.takes_away = False
         self.faults = 0
+        self.deeds: list[str] = []
         self.latest_ms = 0.0
 
     def watch(self, seconds: float) -> None:
@@ -51,7 +52,10 @@ class Soak:
                 self.struck_for_s += sample_s
             if applied:
                 late_s = max(self.safe_for_s, self.struck_for_s)
-                assert late_s <= ZERO_S + sample_s, f"{applied} in {state} after {late_s:.3f} s"
+                assert late_s <= ZERO_S + sample_s, (
+                    f"{applied} in {state.name} after {late_s:.3f} s (safe {self.safe_for_s:.3f}, "
+                    f"struck {self.struck_for_s:.3f} s); the last deeds: {self.deeds[-6:]}"
+                )
                 if self.takes_away:
                     self.latest_ms = max(self.latest_ms, 1e3 * self.struck_for_s)
 
@@ -61,6 +65,7 @@ class Soak:
         self.watch(dice.uniform(0.1, 4.0))
         if dice.random() < 0.1:
             bench.bypass()
+            self.deeds.append("bypass")
         for _ in range(2):
             bench.arm()
             self.watch(0.4)
@@ -68,6 +73,8 @@ class Soak:
         name, _, length = spec.partition(":")
         length_s = dice.choice((0.01, 0.05, 0.1, 0.3, float(length or 0.5)))
         self.takes_away, self.struck_for_s = reaction != "ride" and name != "reset", 0.0
+        del self.deeds[:-6]
+        self.deeds.append(f"{spec} for {length_s:.2f} s in {bench.guard.state.name}")
         bench.begin(spec if name.startswith("!") else f"{name}:{length_s:.2f}")
         self.watch(length_s)
         bench.end(spec)
