@@ -33,6 +33,7 @@ class LockstepBus:
         self.bus_offs = 0
         self.closed = False
         self.arrived_ns = -1
+        self.troubles: tuple[str, ...] = ()
         self.sent: deque[CanFrame] = deque(maxlen=64)
         self._plant.observers.append(self._on_sample)
         self._plant.edge_observers.append(

@@ -19,6 +19,7 @@ class FakeLink:
         self.takes = True
         self.bus_offs = 0
         self.arrived_ns = -1
+        self.troubles: tuple[str, ...] = ()
 
     @property
     def carries(self) -> bool:
