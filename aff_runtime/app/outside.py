@@ -70,7 +70,6 @@ class ControlOutside:
         self._tick = 0
         self._record: Sequence[float] = ()
         self._ring_columns: tuple[str, ...] = ()
-        self._blocked = ""
         self._arm_question: int | None = None
         self._arm_tick = 0
         self._probe: ProbeRun | None = None
@@ -120,7 +119,6 @@ class ControlOutside:
 
     def blocked(self, reason: str) -> None:
         """Tell the supervisor what stands against an armed output, for ``status``."""
-        self._blocked = reason
         self._link.send({"did": "BLOCKED", "text": reason})
 
     def adopt(self, settings: object) -> None:

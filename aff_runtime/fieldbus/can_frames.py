@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
-from typing import Final, NamedTuple, Protocol
-
-STANDARD_ID_LAST: Final = 0x7FF
-EXTENDED_ID_LAST: Final = 0x1FFF_FFFF
+from typing import NamedTuple, Protocol
 
 
 class Frame(NamedTuple):
@@ -15,13 +11,6 @@ class Frame(NamedTuple):
     can_id: int
     extended: bool
     data: bytes
-
-
-class LinkState(IntEnum):
-    """Whether frames can be exchanged."""
-
-    DOWN = 0
-    UP = 1
 
 
 class FrameLink(Protocol):

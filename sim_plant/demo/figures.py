@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping
 
 import numpy as np
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from sim_plant.base.arrays import Array
 from sim_plant.base.order_tracking import order_spectrum
+from sim_plant.base.svg import svg
 from sim_plant.demo.judge import window
 from sim_plant.demo.session import Session
 
 BEFORE, AFTER = "#9aa0a6", "#1a7f37"
-
-
-def svg(figure: Figure) -> str:
-    """Return a figure as an SVG element without its XML header."""
-    text = io.StringIO()
-    FigureCanvasSVG(figure)
-    figure.savefig(text, format="svg", bbox_inches="tight")
-    drawn = text.getvalue()
-    return drawn[drawn.index("<svg") :]
 
 
 def tension_figure(session: Session) -> str:

@@ -12,7 +12,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from sim_plant.base.arrays import Array
-from sim_plant.demo.figures import AFTER, BEFORE, svg
+from sim_plant.base.svg import svg
+from sim_plant.demo.figures import AFTER, BEFORE
 
 COLUMN = re.compile(r"(\w+)\.(\w+)_(\d+)x\.shape_mm")
 POINTS = 720

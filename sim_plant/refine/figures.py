@@ -2,27 +2,17 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
+from sim_plant.base.svg import svg
 from sim_plant.refine.generic import LineSpectrum
 from sim_plant.refine.holdout import Judgement
 
 BEFORE, AFTER, MEASURED = "#b3261e", "#1a7f37", "#9aa0a6"
 POINTS = 3000
-
-
-def svg(figure: Figure) -> str:
-    """Return a figure as an SVG element without its XML header."""
-    text = io.StringIO()
-    FigureCanvasSVG(figure)
-    figure.savefig(text, format="svg", bbox_inches="tight")
-    drawn = text.getvalue()
-    return drawn[drawn.index("<svg") :]
 
 
 def overlay(judged: Judgement, sample_time_s: float, seconds: float = 8.0) -> str:
