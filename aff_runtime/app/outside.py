@@ -55,7 +55,7 @@ class ControlOutside:
     def __init__(self, assembly: Assembly, link: Link, ring: Path, meta: dict[str, Any]) -> None:
         self._site = assembly.site
         self._guard = assembly.guard
-        self._troubles = TroubleLog(assembly.gateway, self._say)
+        self._troubles = TroubleLog(assembly.gateway, self._say, self._show_wire)
         self._law = assembly.law
         self._link = link
         self._commands = Commands(link)
@@ -319,6 +319,10 @@ class ControlOutside:
     def _say(self, text: str) -> None:
         """Pass a sentence to the supervisor's log."""
         self._link.send({"did": "LOG", "text": text})
+
+    def _show_wire(self, troubles: tuple[str, ...]) -> None:
+        """Tell the supervisor what ails the wire, for ``status``."""
+        self._link.send({"did": "WIRE", "troubles": troubles})
 
     def _tell_shape(self, actuator: str, text: str) -> None:
         """Tell the supervisor what became of a shape."""

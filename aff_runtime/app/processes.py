@@ -32,6 +32,7 @@ class Processes:
     control : None while there is no control process.
     ring : None until the control process has made one.
     blocked : the control process's word on what stands against an armed output.
+    troubles : its words on what ails the wire.
     gave_up : the control process died too often.
     shapes : learned shapes, kept across starts.
     """
@@ -58,6 +59,7 @@ class Processes:
         self.control: ControlChild | None = None
         self.ring: RingReader | None = None
         self.blocked = ""
+        self.troubles: list[str] = []
         self.gave_up = False
         self.shapes = ShapeShelf(self.note)
 
@@ -66,6 +68,7 @@ class Processes:
         self._restart_at_ns = None
         self._started_at_ns = self._clock.now_ns()
         self.blocked = ""
+        self.troubles = []
         try:
             record = {**self.record, "shapes": self.shapes.load(self.record)}
             self.control = ControlChild(

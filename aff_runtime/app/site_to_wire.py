@@ -7,13 +7,14 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.base.ports import Clock, Gateway, WordTransport
+from aff_runtime.base.ports import Clock, Gateway
 from aff_runtime.config.can_wire import can_map_of, network_of
-from aff_runtime.config.models import CanDbc, Channel, ModbusTcp, Site, Tls
-from aff_runtime.fieldbus.catalogue import modbus_rtu, modbus_tcp
+from aff_runtime.config.models import CanDbc, Channel, Site, Tls
+from aff_runtime.fieldbus.catalogue import modbus_rtu, modbus_tcp, rtu_wire
 from aff_runtime.fieldbus.codec import WordCodec
 from aff_runtime.fieldbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus_frames import WireFunction
+from aff_runtime.fieldbus.modbus_tcp import ModbusTcpTransport
 from aff_runtime.fieldbus.registers import (
     Correction,
     Register,
@@ -21,6 +22,7 @@ from aff_runtime.fieldbus.registers import (
     WordOrder,
     WordType,
 )
+from aff_runtime.fieldbus.tcp_wire import TcpWire, Wire
 from aff_runtime.fieldbus.tls_wire import TlsWire, client_context
 
 
@@ -53,7 +55,8 @@ def gateway_of(
             heartbeat_ms=can.heartbeat_ms,
         )
     words = register_map(site)
-    return WordGateway(transport(site, words, clock, folder), WordCodec(words), clock)
+    connection = transport(site, words, clock, folder)
+    return WordGateway(connection, WordCodec(words), clock, lambda: connection.trouble)
 
 
 def register_map(site: Site) -> RegisterMap:
@@ -75,7 +78,7 @@ def register_map(site: Site) -> RegisterMap:
     )
 
 
-def transport(site: Site, words: RegisterMap, clock: Clock, folder: Path) -> WordTransport:
+def transport(site: Site, words: RegisterMap, clock: Clock, folder: Path) -> ModbusTcpTransport:
     """Return the connection to the PLC; it connects by and by, within the ticks."""
     rtu, tcp = site.gateway.modbus_rtu, site.gateway.modbus_tcp
     if rtu is not None:
@@ -103,10 +106,22 @@ def transport(site: Site, words: RegisterMap, clock: Clock, folder: Path) -> Wor
     )
 
 
-def tls_wire(tcp: ModbusTcp, folder: Path) -> TlsWire | None:
-    """Return the connection of a site with Modbus/TCP Security, None for plain TCP."""
+def wire_of(site: Site, folder: Path) -> Wire:
+    """Return the bare byte stream of a site on Modbus: serial, TLS or TCP; not connected yet.
+
+    Raises
+    ------
+    AffError
+        A name cannot be resolved, or a file of the wire cannot be used.
+    """
+    rtu, tcp = site.gateway.modbus_rtu, site.gateway.modbus_tcp
+    if rtu is not None:
+        parity = rtu.parity[0].upper()
+        return rtu_wire(rtu.device, baud=rtu.baud, parity=parity, stop_bits=rtu.stop_bits)
+    if tcp is None:
+        raise ConfigError("gateway: no modbus_tcp")
     if tcp.tls is None:
-        return None
+        return TcpWire(tcp.host, tcp.port)
     context = _tls_context(tcp.tls, folder)
     return TlsWire(tcp.host, tcp.port, context, tcp.tls.server_name or tcp.host)
 

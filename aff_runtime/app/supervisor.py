@@ -126,6 +126,8 @@ class Supervisor:
                 self._greet(message)
             elif did == "BLOCKED":
                 self._processes.blocked = str(message["text"])
+            elif did == "WIRE":
+                self._processes.troubles = [str(text) for text in message["troubles"]]
             elif did == "PROBED" and self._probe is not None:
                 self._probe.finish(message)
             elif did == "LOG":
@@ -265,6 +267,7 @@ class Supervisor:
             answer.update(
                 describe(latest, processes.record["permissives"], processes.record["site"])
             )
+            answer["wire"] = processes.troubles
             answer["blocked_by"] = processes.blocked.removeprefix("blocked by ")
             answer["meta"] = processes.ring.header["meta"]
         return answer

@@ -17,11 +17,18 @@ class TroubleLog:
     ----------
     gateway : the wire.
     say : takes one sentence for the service's log.
+    show : takes what stands now, for ``status``.
     """
 
-    def __init__(self, gateway: Gateway, say: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        gateway: Gateway,
+        say: Callable[[str], None],
+        show: Callable[[tuple[str, ...]], None] = lambda troubles: None,
+    ) -> None:
         self._gateway = gateway
         self._say = say
+        self._show = show
         self._seen: tuple[str, ...] = ()
         self._said: tuple[str, ...] = ()
 
@@ -33,5 +40,6 @@ class TroubleLog:
         if self._seen != before or self._seen == self._said:
             return
         self._said = self._seen
+        self._show(self._seen)
         for trouble in self._seen or ("no trouble any more",):
             self._say(f"wire: {trouble}")

@@ -7,15 +7,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.site_to_wire import register_map, tls_wire
+from aff_runtime.app.site_to_wire import register_map, wire_of
 from aff_runtime.base.clock import MonotonicClock
-from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.errors import WireError
 from aff_runtime.config.can_wire import can_map_of, wire_files
 from aff_runtime.config.loader import load_site
-from aff_runtime.config.models import Site
+from aff_runtime.config.models import ModbusRtu, Site
 from aff_runtime.fieldbus.codec import WordCodec
 from aff_runtime.fieldbus.probe_map import MapProbe, open_read_only
 from aff_runtime.fieldbus.probe_map import probe_map as look
+from aff_runtime.fieldbus.serial_time import transaction_ms
+
+PERIOD_S = 0.02
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
@@ -31,36 +34,38 @@ def probe_map(options: argparse.Namespace) -> int:
     """Read the block a few times and print every reading of every word."""
     site = load_site(options.site)
     clock = MonotonicClock()
-    if site.gateway.modbus_rtu is not None:
-        raise ConfigError(
-            f"{options.site}: probe-map looks at Modbus TCP and CAN; "
-            "on a serial line use `run --shadow` and `status`"
-        )
-    wire = site.gateway.modbus_tcp
-    if wire is None:
+    modbus = site.gateway.modbus
+    if modbus is None:
         return probe_frames(site, options.site, clock)
     words = register_map(site)
     transport = open_read_only(
-        host=wire.host,
-        port=wire.port,
-        device_id=wire.device_id,
+        device_id=modbus.device_id,
         read_start=words.read_start,
         read_count=words.read_count,
         clock=clock,
-        wire=tls_wire(wire, options.site.absolute().parent),
+        wire=wire_of(site, options.site.absolute().parent),
     )
+    rtu = site.gateway.modbus_rtu
     try:
         seen = look(
             transport,
             clock,
             read_start=words.read_start,
             heartbeat_address=words.plc_heartbeat,
+            period_s=PERIOD_S if rtu is None else serial_period_s(rtu, words.read_count),
         )
+    except WireError as error:
+        raise WireError(f"gateway: {transport.trouble or error}") from error
     finally:
         transport.close()
     for line in table(site, seen):
         print(line)
     return 0
+
+
+def serial_period_s(rtu: ModbusRtu, words: int) -> float:
+    """Return a period in which the line carries a reading twice, s."""
+    return max(PERIOD_S, 2e-3 * transaction_ms(words, 0, rtu.baud, fc23=False))
 
 
 def probe_frames(site: Site, path: Path, clock: MonotonicClock) -> int:

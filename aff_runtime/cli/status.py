@@ -57,6 +57,8 @@ def lines(answer: Mapping[str, Any]) -> Iterator[str]:
             f"tick {_short(signals['tick_us'], 1e-3)} ms, "
             f"missed {_number(signals['missed_count'])} ticks"
         )
+    for text in answer.get("wire", []):
+        yield f"wire     {text}"
     for name, value in signals.items():
         if "correction_" in name or name.endswith(("_tension_N", "line_speed_m_s", "_radius_m")):
             yield f"{name:32} {_number(value)}"

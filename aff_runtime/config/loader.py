@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from aff_runtime.config import can_wire
+from aff_runtime.config import can_wire, tls_files
 from aff_runtime.config.findings import Finding, SiteFileError, in_file_order
 from aff_runtime.config.messages import empty_keys, findings_of
 from aff_runtime.config.models import Site
@@ -83,3 +83,4 @@ def _issues(site: Site, folder: Path) -> Iterator[Issue]:
             yield issue
     if complete:
         yield from can_wire.issues(site, folder)
+        yield from tls_files.issues(site, folder)

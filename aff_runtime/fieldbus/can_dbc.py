@@ -71,6 +71,13 @@ def can_map(database: Database, names: SignalNames) -> CanMap:
 
     def field(name: str) -> Field:
         message, signal = _find(database, name)
+        if signal.is_multiplexer:
+            others = [s.name for s in message.signals if s.multiplexer_ids]
+            text = (
+                f"says which signals {message.name} carries in this frame and is no value itself; "
+                f"name one of {', '.join(others) or 'the others'}"
+            )
+            raise NamedError(name, text)
         used[message.name] = message
         return field_of(message, signal)
 

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.fieldbus.signal_names import NamedError
 
+PLC_HEARTBEAT_BITS = 8  # 256 scans: even at 1 ms three times the shipped fault_after_ms
+AFF_HEARTBEAT_BITS = 16
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Field:
@@ -214,8 +217,7 @@ def _check_owners(can_map: CanMap) -> None:
 def _check_words(can_map: CanMap) -> None:
     if can_map.plc_heartbeat.selector is not None:
         raise ConfigError(f"{can_map.plc_heartbeat}: a heartbeat cannot be multiplexed")
-    if can_map.plc_heartbeat.length < 2 or can_map.aff_heartbeat.length < 2:
-        raise ConfigError("a heartbeat needs at least 2 bits to show that it moves")
+    _check_heartbeats(can_map)
     for word in (can_map.plc_heartbeat, can_map.status, can_map.roll_id, can_map.aff_heartbeat):
         if word.is_float:
             raise ConfigError(f"{word}: a counter or bit word cannot be a float")
@@ -236,3 +238,31 @@ def _check_words(can_map: CanMap) -> None:
             raise ConfigError(f"{copy}: the complement has {copy.length} bits, not {field.length}")
         if not math.isfinite(correction.scale) or correction.scale == 0.0:
             raise ConfigError(f"{correction.name}: scale must be finite and not 0")
+
+
+def _check_heartbeats(can_map: CanMap) -> None:
+    """Refuse counters that start over while somebody still waits for them to move."""
+    beat, ours = can_map.plc_heartbeat, can_map.aff_heartbeat
+    if beat.length < PLC_HEARTBEAT_BITS:
+        text = (
+            f"has {beat.length} bits and starts over after {1 << beat.length} scans. Within the "
+            "time in which the PLC must be seen to live (fault_after_ms) an old scan could pass "
+            f"for a new one, and a running PLC for a stopped one. Use {PLC_HEARTBEAT_BITS} bits "
+            "or more"
+        )
+        raise NamedError(str(beat), text)
+    if ours.length < AFF_HEARTBEAT_BITS:
+        text = (
+            f"has {ours.length} bits. The PLC's half (AFF_GATEWAY) tells a second master by a "
+            f"jump of this counter, and each start over would be one. Use {AFF_HEARTBEAT_BITS} "
+            "bits or more"
+        )
+        raise NamedError(str(ours), text)
+    for frame in can_map.frames:
+        sender = beat if frame in can_map.frames_of(can_map.read_fields) else ours
+        if frame.counter is not None and frame.counter.length > sender.length:
+            text = (
+                f"has {frame.counter.length} bits, but repeats the low bits of {sender}, which "
+                f"has {sender.length}. Make it as short, or give it another name"
+            )
+            raise NamedError(str(frame.counter), text)

@@ -19,8 +19,10 @@ class PythonCanLink:
     """``FrameLink`` over any python-can bus that opens at once (SocketCAN, ``slcan_tty``).
 
     A bus-off error frame, or any error of the driver, closes the bus; it is opened again after a
-    pause that doubles from ``backoff_min_s`` to ``backoff_max_s`` until a frame arrives. While a
-    controller is bus-off nothing is sent: the pause is also the quiet time that it needs.
+    pause that doubles from ``backoff_min_s`` to ``backoff_max_s`` until a frame arrives. A bus
+    that has brought frames for ``backoff_max_s`` or longer is opened again at once, as a Modbus
+    connection is, but for bus-off: while a controller is bus-off nothing is sent, and the pause
+    is the quiet time that it needs.
 
     Parameters
     ----------
@@ -50,7 +52,8 @@ class PythonCanLink:
         self._backoff_min_ns = round(backoff_min_s * 1e9)
         self._backoff_max_ns = round(backoff_max_s * 1e9)
         self._backoff_ns = self._backoff_min_ns
-        self._act_at_ns = clock.now_ns()
+        self._act_at_ns = self._up_at_ns = clock.now_ns()
+        self._served = False  # a frame on this bus
         self._bus: can.BusABC | None = None
         self.bus_offs = 0
         self.error_frames = 0
@@ -88,6 +91,7 @@ class PythonCanLink:
             try:
                 self._bus = self._open()
                 self.opens += 1
+                self._up_at_ns, self._served = self._clock.now_ns(), False
             except _FAULTS as error:
                 self.why_closed = str(error)
                 self._drop()
@@ -135,6 +139,7 @@ class PythonCanLink:
         if message.is_remote_frame or message.is_fd:
             return Frame(-1, False, b"")
         self._backoff_ns = self._backoff_min_ns
+        self._served = True
         self._stamp_s = message.timestamp
         return Frame(message.arbitration_id, message.is_extended_id, bytes(message.data))
 
@@ -147,13 +152,19 @@ class PythonCanLink:
         self.error_frames += 1
         if error & _ERROR_BUS_OFF:
             self.bus_offs += 1
+            self._served = False
             self._drop()
             return None
         return Frame(-1, False, b"")
 
     def _drop(self) -> None:
         self._shut()
-        self._act_at_ns = self._clock.now_ns() + self._backoff_ns
+        now_ns = self._clock.now_ns()
+        proven = self._served and now_ns - self._up_at_ns >= self._backoff_max_ns
+        self._served = False
+        self._act_at_ns = now_ns if proven else now_ns + self._backoff_ns
+        if proven:
+            return
         self._backoff_ns = min(2 * self._backoff_ns, self._backoff_max_ns)
 
     def _shut(self) -> None:

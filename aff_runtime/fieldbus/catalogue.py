@@ -28,7 +28,7 @@ def modbus_tcp(
     function: WireFunction = WireFunction.FC23,
     tls: ssl.SSLContext | None = None,
     server_name: str = "",
-) -> WordTransport:
+) -> ModbusTcpTransport:
     """Return a Modbus TCP client, in TLS when ``tls`` is given.
 
     The name is resolved here, the connection is made by ticks.
@@ -57,7 +57,7 @@ def modbus_rtu(
     register_map: RegisterMap,
     clock: Clock,
     function: WireFunction = WireFunction.FC23,
-) -> WordTransport:
+) -> ModbusTcpTransport:
     """Return a Modbus RTU master on a serial line; the line is opened by ticks.
 
     Raises
@@ -65,15 +65,26 @@ def modbus_rtu(
     ConfigError
         When a number does not fit the protocol, or pyserial is not installed.
     """
+    wire = rtu_wire(device, baud=baud, parity=parity, stop_bits=stop_bits)
+    frames = _frames(device_id, register_map)
+    return ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=function)
+
+
+def rtu_wire(device: str, *, baud: int, parity: str, stop_bits: int) -> Wire:
+    """Return a serial line, not opened yet.
+
+    Raises
+    ------
+    ConfigError
+        When pyserial is not installed.
+    """
     try:
         from aff_runtime.fieldbus.rtu_wire import RtuWire  # noqa: PLC0415 (needs the can extra)
     except ImportError as error:
         raise ConfigError(
             f"RTU needs pyserial: pip install 'aff-runtime[can]' ({error})"
         ) from None
-    wire = RtuWire(device, baud=baud, parity=parity, stop_bits=stop_bits)
-    frames = _frames(device_id, register_map)
-    return ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=function)
+    return RtuWire(device, baud=baud, parity=parity, stop_bits=stop_bits)
 
 
 def _frames(device_id: int, register_map: RegisterMap) -> ModbusFrames:

@@ -7,6 +7,7 @@ itself instead of a word transport.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from aff_runtime.base.ports import Clock, WordTransport
 from aff_runtime.base.signals import Command, Outcome, Snapshot
@@ -28,6 +29,7 @@ class WordGateway:
     transport : moves the words.
     codec : gives them meaning.
     clock : monotonic time.
+    trouble : says why there is no connection; empty while there is one.
 
     Attributes
     ----------
@@ -36,7 +38,14 @@ class WordGateway:
 
     shift_ns = 0
 
-    def __init__(self, transport: WordTransport, codec: WordCodec, clock: Clock) -> None:
+    def __init__(
+        self,
+        transport: WordTransport,
+        codec: WordCodec,
+        clock: Clock,
+        trouble: Callable[[], str] = str,
+    ) -> None:
+        self._trouble = trouble
         self._transport = transport
         self._codec = codec
         self._clock = clock
@@ -47,8 +56,9 @@ class WordGateway:
 
     @property
     def troubles(self) -> tuple[str, ...]:
-        """Nothing: what a register wire knows is in the outcome of every tick."""
-        return ()
+        """Why there is no connection."""
+        trouble = self._trouble()
+        return (trouble,) if trouble else ()
 
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
         """Send ``command``, return what the PLC says; never blocks past the deadline."""

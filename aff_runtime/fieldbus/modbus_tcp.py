@@ -107,12 +107,18 @@ class ModbusTcpTransport:
         self._view = memoryview(self._buffer)
         self._filled = 0
         self._reply = _NO_WORDS
+        self._why = ""
         self.connects = 0
 
     @property
     def last_exception_code(self) -> int:
         """Code of the last exception reply, 0 for none yet."""
         return self._frames.last_exception_code
+
+    @property
+    def trouble(self) -> str:
+        """Why there is no connection, in words; empty while there is one, or before an attempt."""
+        return "" if self._link is _Link.UP else self._why
 
     def transact(self, write_words: list[int], deadline_ns: int) -> tuple[Outcome, list[int]]:
         """Exchange the blocks before ``deadline_ns``; never blocks longer, never raises."""
@@ -145,16 +151,22 @@ class ModbusTcpTransport:
                     self._link = _Link.CONNECTING
                     self._act_at_ns = now_ns + self._connect_timeout_ns
                 else:
+                    self._why = self._wire.why_closed
                     self._drop()
             return False
         state = self._wire.connecting()
         if state is Connecting.UP:
             self._link = _Link.UP
+            self._why = ""
             self._up_at_ns = now_ns
             self._may_write = self.connects == 0
             self.connects += 1
             return True
-        if state is Connecting.FAILED or now_ns >= self._act_at_ns:
+        if state is Connecting.FAILED:
+            self._why = self._wire.why_closed
+            self._drop()
+        elif now_ns >= self._act_at_ns:
+            self._why = f"no connection within {self._connect_timeout_ns * 1e-9:g} s"
             self._drop()
         return False
 

@@ -11,7 +11,7 @@ from aff_runtime.base.ports import Clock, WordTransport
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.modbus_frames import ModbusFrames, WireFunction
 from aff_runtime.fieldbus.modbus_tcp import ModbusTcpTransport
-from aff_runtime.fieldbus.tcp_wire import TcpWire, Wire
+from aff_runtime.fieldbus.tcp_wire import Wire
 
 BYTE_ORDERS: tuple[tuple[str, tuple[int, int, int, int]], ...] = (
     ("high_first", (0, 1, 2, 3)),
@@ -61,23 +61,19 @@ def open_read_only(
     read_start: int,
     read_count: int,
     clock: Clock,
-    host: str = "",
-    port: int = 0,
-    wire: Wire | None = None,
+    wire: Wire,
 ) -> ModbusTcpTransport:
-    """Return a transport that can only ask FC3, on ``wire`` or on plain TCP to ``host``.
+    """Return a transport on ``wire`` that can only ask FC3.
 
     Raises
     ------
-    WireError
-        When the host name cannot be resolved.
     ConfigError
         When a number does not fit the protocol.
     """
     frames = ModbusFrames(device_id=device_id, read_start=read_start, read_count=read_count)
     return ModbusTcpTransport(
         frames=frames,
-        wire=TcpWire(host, port) if wire is None else wire,
+        wire=wire,
         clock=clock,
         function=WireFunction.FC3,
     )
@@ -122,7 +118,8 @@ def probe_map(
     if len(blocks) < 2:
         raise WireError(
             f"{len(blocks)} of {attempts} reads answered, last failure {last_failure.name}; "
-            "check host, port, device id and the first register"
+            "check the address (host and port, or the settings of the serial line), the device id "
+            "and the first register"
         )
     words_seen = _lay_out(blocks, read_start)
     moving = {word.address for word in words_seen if word.changes}

@@ -60,6 +60,7 @@ class RtuWire:
         self._line: serial.Serial | None = None
         self._head = b""
         self._buffer = b""
+        self.why_closed = ""
 
     def start_connect(self) -> bool:
         """Open the line; False when it cannot be opened."""
@@ -68,7 +69,8 @@ class RtuWire:
             self._line = serial.Serial(
                 self._device, timeout=0, write_timeout=0, exclusive=True, **self._settings
             )
-        except _FAULTS:
+        except _FAULTS as error:
+            self.why_closed = f"the serial line {self._device} does not open: {error}"
             return False
         return True
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import os
 import select
 import socket
 import struct
@@ -27,7 +28,17 @@ class Connecting(IntEnum):
 
 
 class Wire(Protocol):
-    """A byte stream that never blocks longer than it is told and never raises."""
+    """A byte stream that never blocks longer than it is told and never raises.
+
+    Attributes
+    ----------
+    why_closed : why the last attempt to connect failed, with what was tried; empty before.
+    """
+
+    @property
+    def why_closed(self) -> str:
+        """The system's own words."""
+        ...
 
     def start_connect(self) -> bool:
         """Begin a connection attempt; False when it failed at once."""
@@ -78,6 +89,8 @@ class TcpWire:
         self._kind = kind
         self._protocol = protocol
         self._address: tuple[str | int, ...] | tuple[int, bytes] = address
+        self._where = f"{host}:{port}"
+        self.why_closed = ""
         self._socket: socket.socket | None = None
         self._poll = select.poll()
 
@@ -86,16 +99,20 @@ class TcpWire:
         self.close(abort=True)
         try:
             fresh = socket.socket(self._family, self._kind, self._protocol)
-        except OSError:
+        except OSError as error:
+            self._failed(error.errno or 0)
             return False
         self._socket = fresh
+        number = 0
         try:
             fresh.setblocking(False)
             fresh.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            started = fresh.connect_ex(self._address) in (0, errno.EINPROGRESS)
-        except OSError:
-            started = False
+            number = fresh.connect_ex(self._address)
+            started = number in (0, errno.EINPROGRESS)
+        except OSError as error:
+            started, number = False, error.errno or 0
         if not started or fresh.fileno() >= _SELECT_LIMIT:
+            self._failed(number)
             self.close(abort=True)
             return False
         self._poll = select.poll()
@@ -111,15 +128,20 @@ class TcpWire:
             _, writable, _ = select.select((), (current,), (), 0.0)
             if not writable:
                 return Connecting.PENDING
-            if current.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR) != 0:
-                return Connecting.FAILED
+            number = current.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+            if number != 0:
+                return self._failed(number)
             # a loopback port nobody listens on can be joined to itself
             if current.getsockname() == current.getpeername():
-                return Connecting.FAILED
+                return self._failed(errno.ECONNREFUSED)
             current.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
-        except OSError:
-            return Connecting.FAILED
+        except OSError as error:
+            return self._failed(error.errno or 0)
         return Connecting.UP
+
+    def _failed(self, number: int) -> Connecting:
+        self.why_closed = f"{self._where}: {os.strerror(number)}"
+        return Connecting.FAILED
 
     def detach(self) -> socket.socket | None:
         """Give the connected socket away; None when there is none."""

@@ -56,10 +56,17 @@ class TlsWire:
         self._context = context
         self._server_name = server_name
         self._tls: ssl.SSLSocket | None = None
+        self._refused = ""
+
+    @property
+    def why_closed(self) -> str:
+        """Why the last attempt failed: of the handshake, or else of TCP."""
+        return self._refused or self._tcp.why_closed
 
     def start_connect(self) -> bool:
         """Begin a connection attempt."""
         self.close(abort=True)
+        self._refused = ""
         return self._tcp.start_connect()
 
     def connecting(self) -> Connecting:
@@ -75,15 +82,19 @@ class TlsWire:
                 self._tls = self._context.wrap_socket(
                     raw, server_hostname=self._server_name, do_handshake_on_connect=False
                 )
-            except (OSError, ValueError):
-                return Connecting.FAILED
+            except (OSError, ValueError) as error:
+                return self._failed(error)
         try:
             self._tls.do_handshake()
         except (ssl.SSLWantReadError, ssl.SSLWantWriteError):
             return Connecting.PENDING
-        except (OSError, ValueError):
-            return Connecting.FAILED
+        except (OSError, ValueError) as error:
+            return self._failed(error)
         return Connecting.UP
+
+    def _failed(self, error: Exception) -> Connecting:
+        self._refused = f"TLS with {self._server_name}: {error}"
+        return Connecting.FAILED
 
     def send(self, frame: bytes) -> bool:
         """Hand over the whole frame."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 
 class SteppedLine(Protocol):
@@ -23,4 +23,13 @@ class SteppedLine(Protocol):
         (``unwind_tension_N``, ``unwind_angle_rad`` unwrapped, ...), sensor noise and
         quantisation included, and ``true_<name>`` twins without them for judges.
         """
+        ...
+
+
+@runtime_checkable
+class RollChanger(Protocol):
+    """A line that takes new rolls while it runs."""
+
+    def change_rolls(self) -> None:
+        """Put full rolls on at both ends, their rims at the web's speed."""
         ...

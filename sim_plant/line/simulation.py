@@ -14,6 +14,7 @@ from sim_plant.line.channels import channel_value, channels_of, column_values
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.kernel import Work, advance_frame, log_frame, measure, run_frames
 from sim_plant.line.layout import Layout
+from sim_plant.line.roll_change import change_rolls
 from sim_plant.line.start import start_at_rest
 
 
@@ -178,6 +179,10 @@ class LineSimulation:
                 self._aff[self.drive_index(name[4:-4])] = value
             else:
                 raise PlantError(f"input {name!r} is unknown to this line")
+
+    def change_rolls(self) -> None:
+        """Put full rolls on at both ends while the line runs; see ``RollChanger``."""
+        change_rolls(self.arrays, self.layout, self.state)
 
     def drive_index(self, roller: str) -> int:
         """Return the drive number of ``roller``; PlantError when it is not driven."""

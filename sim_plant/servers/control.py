@@ -6,6 +6,7 @@ set REFERENCE VALUE         line_speed_ref_m_s or tension_ref_N
 set STATUS_BIT 0|1          any bit of the status word
 fault SPEC                  as ``--fault``; a start counts from now; answers it in plant time
 clear [NAME]                end one fault, or all
+roll                        full rolls at both ends, on the run; announced as a splice for 2 s
 reset                       forget the largest correction seen
 
 Every command is answered by one line of JSON; an ``error`` key says what was wrong.
@@ -81,6 +82,7 @@ class ControlSocket:
             "set": self._set,
             "fault": self._fault,
             "clear": self._clear,
+            "roll": lambda _: {"ok": True, "change_s": self._plant.change_rolls()},
             "reset": self._reset,
         }
         if not words or words[0] not in commands:

@@ -66,7 +66,8 @@ class _WriteRows(_Strict):
 
 class _SafetyRows(_Strict):
     watchdog_ms: Annotated[float, Field(gt=0.0)] = 80.0
-    fade_ms: Annotated[float, Field(gt=0.0)] = 200.0
+    regain_ms: Annotated[float, Field(gt=0.0)] = 20.0
+    fade_ms: Annotated[float, Field(gt=0.0)] = 100.0
     permissives: tuple[str, ...] = ("LINE_RUN", "WEB_INTACT", "TENSION_VALID", "ESTOP_OK")
 
     @field_validator("permissives", mode="before")
@@ -151,6 +152,7 @@ def _build(rows: _MapFile) -> PlcMap:
         write_start=write_start,
         write_count=write_count,
         watchdog_s=rows.safety.watchdog_ms * 1e-3,
+        regain_s=rows.safety.regain_ms * 1e-3,
         fade_s=rows.safety.fade_ms * 1e-3,
         permissives=permissives,
     )

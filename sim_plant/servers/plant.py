@@ -9,8 +9,8 @@ from itertools import islice
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Status
-from sim_plant.base.ports import SteppedLine
-from sim_plant.servers.faults import Fault, FaultBoard, FaultEdge
+from sim_plant.base.ports import RollChanger, SteppedLine
+from sim_plant.servers.faults import Fault, FaultBoard, FaultEdge, parse_fault
 from sim_plant.servers.plc import Plc
 from sim_plant.servers.registers import Registers
 
@@ -55,6 +55,7 @@ class Plant:
         self._inputs: dict[str, float] = {}
         self._stuck: dict[str, float] = {}
         self._dropped = Status(0)
+        self._rolls_due_s = math.inf
         names = [row.item.name for row in plc.map.corrections]
         self.applied_m_s: Mapping[str, float] = dict.fromkeys(names, 0.0)
         self._history: deque[tuple[float, tuple[float, ...]]] = deque(maxlen=_HISTORY_SCANS)
@@ -79,6 +80,20 @@ class Plant:
             raise PlantError(f"cannot set {name} = {value}; references are {REFERENCES}")
         self._inputs[name] = value
 
+    def change_rolls(self) -> float:
+        """Announce a splice for 2 s and put full rolls on in its middle; return when, s.
+
+        Raises
+        ------
+        PlantError
+            The line has no rolls that can be exchanged.
+        """
+        if not isinstance(self._line, RollChanger):
+            raise PlantError("this line has no rolls that can be exchanged")
+        placed = self.faults.inject(parse_fault("splice"))
+        self._rolls_due_s = placed.start_s + 0.5 * placed.duration_s
+        return self._rolls_due_s
+
     def reset_extremes(self) -> None:
         """Start the search for the largest correction again."""
         self.max_abs_applied_m_s = dict.fromkeys(self.applied_m_s, 0.0)
@@ -90,6 +105,9 @@ class Plant:
 
     def step(self) -> None:
         """Advance line and PLC by one sample."""
+        if self.time_s >= self._rolls_due_s and isinstance(self._line, RollChanger):
+            self._rolls_due_s = math.inf
+            self._line.change_rolls()
         measured = dict(self._line.step(self._inputs))
         for name in REFERENCES:
             if name in self._inputs:

@@ -3,9 +3,12 @@
 A correction that fails any rule of ``_judge`` or ``_decode`` stops counting, for every actuator:
 the value held then ramps linearly to zero within ``fade_s`` of the last scan that accepted one.
 A live runtime whose corrections are intact and zero ends the ramp at once.
-Nothing latches, except that after a watchdog trip, a start, or a heartbeat that jumps (another
-master writes as well, or the runtime is a new one) a scan with a moving heartbeat and neither
-ACTIVE nor FADING must come before the next correction counts.
+The watchdog counts time without a new heartbeat; a new one takes ``regain_s`` off it and not all,
+so that a wire that lets one command in many through runs out all the same.
+Two things latch. After a watchdog trip, a start, or a heartbeat that jumps (another master writes
+as well, or the runtime is a new one) a scan with a moving heartbeat and neither ACTIVE nor FADING
+must come before the next correction counts. And a runtime that says ACTIVE or FADING and is
+refused loses AFF_ENABLE_REQUEST, its only sign of the refusal, until it is neither and not armed.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ from aff_runtime.base.signals import StateBits, Status
 from sim_plant.servers.plc_map import PlcMap
 
 _COUNTS = StateBits.ACTIVE | StateBits.FADING
+_WANTS = _COUNTS | StateBits.ARMED
 _TIME_TOLERANCE_S = 1e-9
 _LONGEST_STEP = 64  # of a heartbeat between two scans of a runtime that is alone
 _LIMIT_TOLERANCE = 1.0 + 1e-9
@@ -53,6 +57,7 @@ class Plc:
     status : status bits shown to the runtime; a scenario sets and clears them.
     roll_id : counts splices; retentive over a restart.
     trips : number of watchdog trips since construction.
+    withdrawn : AFF_ENABLE_REQUEST is shown as 0 because a runtime that counted was refused.
     """
 
     def __init__(self, plc_map: PlcMap, *, status: Status = ALL_WELL) -> None:
@@ -67,8 +72,10 @@ class Plc:
         """Start the program again: heartbeat from zero, output zero, nothing accepted yet."""
         self._heartbeat = 0
         self._aff_heartbeat: int | None = None
-        self._heard_at_s: float | None = None
+        self._heard = self._jumped = False
+        self._silence_s = self._scanned_at_s = 0.0
         self._needs_rearm = True
+        self.withdrawn = False
         self._held = dict.fromkeys(self._actuators, 0.0)
         self._held_at_s = 0.0
 
@@ -95,7 +102,7 @@ class Plc:
         share = 0.0 if faded else 1.0 - since_s / self.map.fade_s
         words = {
             "plc_heartbeat": self._heartbeat,
-            "status": int(self.status),
+            "status": int(self.status & ~self._hidden()),
             "roll_id": self.roll_id,
         }
         return Scan(
@@ -106,9 +113,23 @@ class Plc:
 
     def _judge(self, now_s: float, block: Sequence[int]) -> tuple[str, dict[str, float]]:
         alive = self._heartbeat_moves(now_s, block)
-        counts = bool(StateBits(self.map.write_word(block, "state") & 0xFF) & _COUNTS)
+        state = StateBits(self.map.write_word(block, "state") & 0xFF)
+        counts = bool(state & _COUNTS)
         if alive and not counts:
             self._needs_rearm = False
+        if alive and not self._jumped and not state & _WANTS:
+            self.withdrawn = False
+        refusal, wanted = self._refusal(block, alive=alive, counts=counts)
+        if counts and refusal and not refusal.startswith("permissive"):
+            self.withdrawn = True
+        return refusal, wanted
+
+    def _hidden(self) -> Status:
+        return Status.AFF_ENABLE_REQUEST if self.withdrawn else Status(0)
+
+    def _refusal(
+        self, block: Sequence[int], *, alive: bool, counts: bool
+    ) -> tuple[str, dict[str, float]]:
         missing = (self.map.permissives | Status.AFF_ENABLE_REQUEST) & ~self.status
         refusal = ""
         if not alive:
@@ -143,16 +164,22 @@ class Plc:
 
     def _heartbeat_moves(self, now_s: float, block: Sequence[int]) -> bool:
         heartbeat = self.map.write_word(block, "aff_heartbeat")
+        since_s, self._scanned_at_s = now_s - self._scanned_at_s, now_s
+        self._jumped = False
         if self._aff_heartbeat is not None and heartbeat != self._aff_heartbeat:
-            self._heard_at_s = now_s
-            if (heartbeat - self._aff_heartbeat) & 0xFFFF > _LONGEST_STEP:
-                self._needs_rearm = True
+            left_s = self._silence_s - self.map.regain_s
+            self._silence_s = max(0.0, left_s) if self._heard else 0.0
+            self._heard = True
+            self._jumped = (heartbeat - self._aff_heartbeat) & 0xFFFF > _LONGEST_STEP
+            self._needs_rearm = self._needs_rearm or self._jumped
+        elif self._heard:
+            self._silence_s += since_s
         self._aff_heartbeat = heartbeat
-        if self._heard_at_s is None:
+        if not self._heard:
             return False
-        if now_s - self._heard_at_s <= self.map.watchdog_s + _TIME_TOLERANCE_S:
+        if self._silence_s <= self.map.watchdog_s + _TIME_TOLERANCE_S:
             return True
-        self._heard_at_s = None
+        self._heard = False
         self._needs_rearm = True
         self.trips += 1
         return False

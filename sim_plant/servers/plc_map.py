@@ -28,7 +28,9 @@ class PlcMap:
     channels : measured channels in the read block.
     corrections : one per actuator, in the write block.
     read_start, read_count, write_start, write_count : the two contiguous blocks.
-    watchdog_s, fade_s : age of the runtime's heartbeat that trips; time of the ramp to zero.
+    watchdog_s, regain_s : time without a new heartbeat that trips, and what each new one takes
+        off it; the correction is zero ``fade_s`` after the trip.
+    fade_s : time of the ramp to zero.
     permissives : status bits that must all be set for a correction to count.
     """
 
@@ -42,6 +44,7 @@ class PlcMap:
     write_start: int
     write_count: int
     watchdog_s: float
+    regain_s: float
     fade_s: float
     permissives: Status
 

@@ -23,7 +23,7 @@ MEASURED = {item.name: 0.0 for item in MAP.channels}
 REFUSALS = {"": 0, "watchdog": 1, "state": 2, "rearm": 3, "permissive": 4, "complement": 5,
             "limit": 6}  # fmt: skip
 LIMIT_2 = round(MAP.corrections[1].limit_m_s / COUNT_M_S)
-ACTIVE, FADING = int(StateBits.ACTIVE), int(StateBits.FADING)
+ACTIVE, FADING, ARMED = (int(StateBits[name]) for name in ("ACTIVE", "FADING", "ARMED"))
 
 
 class Both:
@@ -47,11 +47,13 @@ class Both:
         seen = self.plc.scan(self.scans * SCAN_S, MEASURED, words)
         out = self.block.call(
             AffHeartbeat=heartbeat, AffState=state, Word1=one, Copy1=copies[0], Word2=two,
-            Copy2=copies[1], Permissives=well, ScanTime=SCAN_S,
+            Copy2=copies[1], Permissives=well, ScanTime=SCAN_S, Wanted=True,
         )  # fmt: skip
         assert out["Refusal"] == REFUSALS[seen.refusal.partition(":")[0]], self.scans
         assert out["Accepted"] is (not seen.refusal)
         assert out["Trips"] == self.plc.trips
+        status = Status(seen.read_words[MAP.read["status"] - MAP.read_start])
+        assert out["EnableRequest"] is (Status.AFF_ENABLE_REQUEST in status), self.scans
         assert out["PlcHeartbeat"] == seen.read_words[MAP.read["plc_heartbeat"] - MAP.read_start]
         for name, key in (("unwind", "Correction1"), ("swrap_follower", "Correction2")):
             counts = seen.corrections_m_s[name] / COUNT_M_S
@@ -78,8 +80,64 @@ def test_a_dead_heartbeat_trips_after_the_watchdog_and_is_zero_after_the_fade() 
     outs = [dict(both.scan(3, 1234, -567)) for _ in range(60)]
     tripped = next(i for i, out in enumerate(outs) if out["Refusal"] == 1)
     assert tripped == 16  # 80 ms are 16 scans; the 17th is late
-    assert all(out["Correction1"] == 0.0 for out in outs[tripped + 40 :])
+    assert outs[tripped + 18]["Correction1"] > 0.0
+    assert all(out["Correction1"] == 0.0 for out in outs[tripped + 19 :])  # 180 ms in all
     assert both.scan(4, 1234)["Refusal"] == 3
+
+
+def test_a_heartbeat_now_and_then_does_not_hold_a_correction() -> None:
+    """One command in ten scans: 45 ms of silence each time, of which 20 ms are regained."""
+    both = Both().accepted()
+    outs = [dict(both.scan(4 + k // 10 * 10, 1234, -567)) for k in range(70)]
+    tripped = next(i for i, out in enumerate(outs) if out["Refusal"] == 1)
+    # silence after scan k of the first three: 45, 25 + 45, 50 + 35 ms > 80 ms
+    assert tripped == 27
+    assert all(out["Correction1"] == 0.0 for out in outs[tripped + 19 :])
+
+
+def test_a_pause_of_50_ms_is_forgotten_after_three_commands() -> None:
+    both = Both().accepted()
+    heartbeat = 3
+    for _ in range(20):
+        for moves in (*(False,) * 10, True, True, True):
+            heartbeat += moves
+            assert both.scan(heartbeat, 1234, -567)["Accepted"]
+
+
+def test_a_refusal_takes_the_enable_request_away_until_the_runtime_is_disarmed() -> None:
+    both = Both().accepted()
+    assert both.scan(4, 1234, spoil=1)["EnableRequest"] is False
+    for heartbeat, state in enumerate((ACTIVE, FADING, ARMED, 0x80 | ARMED), start=5):
+        assert both.scan(heartbeat, 0, 0, state=state)["EnableRequest"] is False
+    assert both.scan(9, state=0x80)["EnableRequest"] is True
+    assert both.scan(10, 1234, state=ACTIVE | ARMED)["EnableRequest"] is True
+
+
+def test_a_missing_permissive_leaves_the_enable_request_alone() -> None:
+    both = Both().accepted()
+    assert both.scan(4, 1234, well=False)["EnableRequest"] is True
+
+
+def test_another_master_that_is_idle_does_not_bring_the_enable_request_back() -> None:
+    both = Both().accepted()
+    assert both.scan(40_000, 1234)["EnableRequest"] is False
+    assert both.scan(4, state=0)["EnableRequest"] is False
+    assert both.scan(5, state=0)["EnableRequest"] is True
+
+
+def test_the_plc_can_acknowledge_a_refusal_by_an_edge_of_reset() -> None:
+    block = StMachine(BLOCK)
+    idle = {"Copy1": 0xFFFF, "Copy2": 0xFFFF, "Permissives": True, "ScanTime": SCAN_S}
+    block.call(AffHeartbeat=1, Wanted=True, **idle)
+    assert block.call(AffHeartbeat=2, AffState=ACTIVE | ARMED)["EnableRequest"] is False  # rearm
+    assert block.call(AffHeartbeat=3, AffState=ARMED)["EnableRequest"] is False
+    assert block.call(AffHeartbeat=4, Reset=True)["EnableRequest"] is True
+    block.call(AffHeartbeat=400, AffState=ACTIVE | ARMED)
+    held = block.call(AffHeartbeat=401, AffState=ARMED)  # no edge
+    assert held["EnableRequest"] is False
+    block.call(AffHeartbeat=402, Reset=False)
+    assert block.call(AffHeartbeat=403, Reset=True)["EnableRequest"] is True
+    assert block.call(AffHeartbeat=404, Wanted=False)["EnableRequest"] is False
 
 
 @pytest.mark.parametrize(
@@ -173,6 +231,13 @@ MUTANTS = (
     ("Known AND AffHeartbeat", "AffHeartbeat"),
     ("LastHeartbeat > 64", "LastHeartbeat > 65"),
     ("65535 - 63", "65535 - 64"),
+    ("Silence := Silence - Regain", "Silence := 0.0"),
+    ("NOT Heard OR (Silence", "(Silence"),
+    ("Alive AND NOT Jumped AND", "Alive AND"),
+    ("16#000E", "16#000C"),
+    (" AND (Refusal <> 4)", ""),
+    ("    Withdrawn := TRUE;\n", ""),
+    ("Reset AND NOT LastReset", "Reset"),
 )
 
 
@@ -190,6 +255,11 @@ def test_every_rule_of_the_block_is_missed_when_it_is_gone(
         test_nothing_counts_before_a_heartbeat_moved_and_a_state_without_active_was_seen,
         test_a_dead_heartbeat_trips_after_the_watchdog_and_is_zero_after_the_fade,
         test_an_intact_zero_of_a_live_runtime_ends_the_fade,
+        test_a_heartbeat_now_and_then_does_not_hold_a_correction,
+        test_a_refusal_takes_the_enable_request_away_until_the_runtime_is_disarmed,
+        test_a_missing_permissive_leaves_the_enable_request_alone,
+        test_another_master_that_is_idle_does_not_bring_the_enable_request_back,
+        test_the_plc_can_acknowledge_a_refusal_by_an_edge_of_reset,
         lambda: test_a_second_master_takes_the_correction_to_zero(0),
         *(lambda b=b: test_a_heartbeat_may_step_by_64_and_wrap(b) for b in (3, 65_500)),
         *(lambda s=s: test_block_and_simulated_plc_agree_on_random_runs(s) for s in range(3)),

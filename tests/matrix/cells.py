@@ -82,6 +82,8 @@ def _reacts(  # noqa: PLR0911 (one return per verdict)
     if cell.reaction == "stay":
         if any(whole[zero_from:]):
             return f"not zero {ZERO_S * 1e3:.0f} ms after the fault began"
+        if "AFF_ENABLE_REQUEST=0" not in bench.guard.first_blocking():
+            return f"the runtime does not know: {bench.guard.state.name}"
         bench.bypass()
         bench.run(0.02)
         bench.arm()  # at once, as operators do: the PLC must have seen the runtime idle before

@@ -19,7 +19,8 @@ from tests.matrix.disk import small_disk
 from tests.matrix.live_judge import Seen, stays_at_zero, strike
 from tests.processes import CLOCK, until
 
-SPEED_M_S = 0.4  # one roll, 8 in down to 4 in, lasts for half an hour
+SPEED_M_S = 0.6  # a roll lasts 13 min down to
+SMALLEST_M = 0.115  # a new roll then; the site file knows 4 in to 12 in
 KILL_SPACING_S = 32.0  # three deaths within a minute end the service, by design
 
 
@@ -41,6 +42,7 @@ class LiveSoak:
         self.faults = [(r["spec"], r[wire]) for r in rows if not r["spec"].startswith("!")]
         self.seen: list[Seen] = []
         self.rings: set[str] = set()
+        self.rolls = 1
         self._next_kill_ns = 0
 
     def sizes(self) -> dict[str, tuple[int, int, int]]:
@@ -59,6 +61,7 @@ class LiveSoak:
     def turn(self, *, may_kill: bool) -> None:
         """Arm, do one random thing, judge it, and say so when it went wrong."""
         line, dice = self.line, self.dice
+        self._keep_a_roll()
         line.ensure_active()
         now_ns = CLOCK.now_ns()
         if may_kill and now_ns > self._next_kill_ns and dice.random() < 0.5:
@@ -71,6 +74,13 @@ class LiveSoak:
         self.seen.append(seen)
         if seen.wrong:
             print(f"  WRONG {seen}", flush=True)
+
+    def _keep_a_roll(self) -> None:
+        """Change rolls at speed, as the turret does, before the old one is used up."""
+        if self.line.at_plant("status")["measured"]["unwind_radius_m"] < SMALLEST_M:
+            change_s = self.line.at_plant("roll")["change_s"]
+            self.line.wait_plant(change_s + 1.5)  # the splice is over
+            self.rolls += 1
 
     def _deed(self, deed: Deed) -> Seen:
         seen = strike(self.line, deed.name, deed.reaction, deed.do)
@@ -146,7 +156,8 @@ def _report(
               f"largest {largest:.3f} of the limit, wrong {wrong}")  # fmt: skip
     wrong = [seen for seen in soak.seen if seen.wrong]
     calm = [seen for seen in wrong if not seen.held_up]
-    print(f"{len(soak.seen)} blows, {len(wrong)} wrong, {len(calm)} of them on a calm machine")
+    print(f"{len(soak.seen)} blows, {len(wrong)} wrong, {len(calm)} of them on a calm machine, "
+          f"{soak.rolls} rolls")  # fmt: skip
     grown = 0
     for part, (memory, handles, threads) in late.items():
         was = early.get(part, (0, 0, 0))

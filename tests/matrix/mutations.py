@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
-from aff_runtime.base.signals import Outcome, State
+from aff_runtime.base.signals import Outcome, State, Status
 from aff_runtime.fieldbus import can_gateway, can_reader, canopen_link, canopen_node, gateway
 from aff_runtime.fieldbus.liveness import Liveness
 from aff_runtime.loop import cycle
@@ -154,6 +154,26 @@ def _own_frames_ignored(original: Any) -> Any:
     return receive
 
 
+def _heard_anew(original: Any) -> Any:
+    def moves(self: Any, now_s: float, block: Any) -> bool:
+        if self.map.write_word(block, "aff_heartbeat") != self._aff_heartbeat:
+            self._silence_s = 0.0
+        return bool(original(self, now_s, block))
+
+    return moves
+
+
+def _jump_unseen(original: Any) -> Any:
+    def moves(self: Any, now_s: float, block: Any) -> bool:
+        needed = self._needs_rearm
+        alive = bool(original(self, now_s, block))
+        if self._jumped and alive:
+            self._needs_rearm = needed
+        return alive
+
+    return moves
+
+
 def _believes(_: Any) -> Any:
     return property(lambda self: True)
 
@@ -248,6 +268,14 @@ MUTANTS: tuple[Mutant, ...] = (
            likely=("reset",), wire="canopen", tests="tests/aff_runtime/fieldbus/test_canopen.py"),
     Mutant(name="PLC: no watchdog", owner=plc.Plc, attribute="_heartbeat_moves",
            change=always(True), likely=("!kill",)),
+    Mutant(name="PLC: one heartbeat makes up for all silence", owner=plc.Plc,
+           attribute="_heartbeat_moves", change=_heard_anew, likely=("lose",), wire="can",
+           tests="tests/matrix/test_matrix.py::"
+        "test_commands_that_pass_a_bus_that_loses_the_rest_do_not_make_zero_late"),
+    Mutant(name="PLC: a heartbeat may jump", owner=plc.Plc, attribute="_heartbeat_moves",
+           change=_jump_unseen, likely=("second",), wire="modbus", tests="tests/deploy"),
+    Mutant(name="PLC: a refusal is kept from the runtime", owner=plc.Plc, attribute="_hidden",
+           change=always(Status(0)), likely=("second",), wire="modbus"),
     Mutant(name="PLC: an intact zero does not end the ramp", owner=plc.Plc,
            attribute="_says_zero", change=always(False), likely=("!supervisor",),
            tests="tests/deploy"),

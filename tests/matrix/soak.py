@@ -63,7 +63,8 @@ class Soak:
         """Do one random thing."""
         dice, bench = self.dice, self.bench
         self.watch(dice.uniform(0.1, 4.0))
-        if dice.random() < 0.1:
+        # an operator who reads "blocked by AFF_ENABLE_REQUEST=0" bypasses before arming again
+        if dice.random() < (0.6 if bench.plant.plc.withdrawn else 0.1):
             bench.bypass()
             self.deeds.append("bypass")
         for _ in range(2):
@@ -86,6 +87,9 @@ class Soak:
         self.bench.lockstep.plant.faults.clear()
         for _ in range(8):
             self.watch(1.0)
+            if self.bench.plant.plc.withdrawn:
+                self.bench.bypass()
+                self.watch(0.1)
             self.bench.arm()
             if self.bench.until(State.ACTIVE, within_s=1.0):
                 return True

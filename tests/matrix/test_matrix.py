@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from aff_runtime.base.signals import State
 from tests.matrix.bench import SAMPLE_S, MatrixBench
 from tests.matrix.cells import ZERO_S, Cell, cells, judge
+from tests.sim_plant.servers.fake_line import default_map
 
 
 # the other states: make matrix
@@ -57,3 +60,57 @@ def test_a_drive_notices_by_itself_that_the_runtime_is_gone() -> None:
     bench.begin("!kill")
     bench.run(ZERO_S)
     assert {drive.emcy for drive in drives} & {0x8130, 0x8250}  # heartbeat, RPDO timeout
+
+
+@pytest.mark.parametrize("wire", ["can", "canopen"])
+@pytest.mark.parametrize(
+    ("sample_s", "through_ms"),
+    [
+        (0.020, (40,)),  # what a soak of 24 hours met: zero 340 ms after the loss began
+        (0.020, (60, 140)),
+        (0.010, (40, 80, 120)),
+        (0.005, (40, 80, 120, 160)),
+    ],
+)
+def test_commands_that_pass_a_bus_that_loses_the_rest_do_not_make_zero_late(
+    wire: str, sample_s: float, through_ms: tuple[int, ...]
+) -> None:
+    bench = MatrixBench(wire, sample_s=sample_s)
+    bench.run(4.0)  # nodes are configured by one request a tick
+    bench.arm()
+    assert bench.until(State.ACTIVE)
+    bench.run(0.5)
+    assert bench.bus is not None
+    passes = False
+    bench.bus._faults._lost = lambda: not passes  # type: ignore[method-assign]
+    bench.begin("lose=100")
+    writes = bench.plant.registers.writes
+    seen = []
+    for sample in range(round(0.6 / sample_s)):
+        passes = round(1e3 * sample_s * sample) in through_ms
+        seen += bench.run(sample_s)
+    obeyed = bench.plant.registers.writes - writes
+    assert obeyed == len(through_ms) if wire == "can" else obeyed > 0  # nodes stop by themselves
+    assert any(seen[: round(0.1 / sample_s)])
+    assert not any(seen[round(ZERO_S / sample_s) :])
+
+
+def test_a_refusal_that_only_the_plc_sees_reaches_the_runtime() -> None:
+    bench = MatrixBench("modbus")
+    bench.run(0.5)
+    bench.arm()
+    assert bench.until(State.ACTIVE)
+    bench.run(0.5)
+    bench.plant.plc.map = replace(bench.plant.plc.map, corrections=tuple(
+        replace(row, limit_m_s=0.01) for row in bench.plant.plc.map.corrections
+    ))  # fmt: skip
+    bench.run(ZERO_S)
+    assert "AFF_ENABLE_REQUEST=0" in bench.guard.first_blocking()
+    assert not any(bench.run(1.0))
+    bench.plant.plc.map = default_map()
+    assert not any(bench.run(1.0))  # an operator's edge is needed
+    bench.bypass()
+    bench.run(0.1)
+    bench.arm()
+    bench.run(1.0)
+    assert any(bench.applied[-20:])

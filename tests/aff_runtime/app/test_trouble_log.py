@@ -18,16 +18,17 @@ def looks(log: TroubleLog, count: int) -> None:
 
 
 def test_a_trouble_that_stands_is_said_once_and_its_end_too() -> None:
-    wire, said = Wire(), []
-    log = TroubleLog(wire, said.append)  # type: ignore[arg-type]
+    wire, said, shown = Wire(), [], []
+    log = TroubleLog(wire, said.append, shown.append)  # type: ignore[arg-type]
     looks(log, 3)
-    assert said == []
+    assert said == shown == []
     wire.troubles = ("unwind_drive (node 3): EMCY 0x3210",)
     looks(log, 5)
     assert said == ["wire: unwind_drive (node 3): EMCY 0x3210"]
     wire.troubles = ()
     looks(log, 5)
     assert said[1:] == ["wire: no trouble any more"]
+    assert shown == [("unwind_drive (node 3): EMCY 0x3210",), ()]
 
 
 def test_a_trouble_of_a_moment_is_not_said() -> None:

@@ -10,6 +10,7 @@ from aff_runtime.cli.main import main
 from aff_runtime.cli.probe_map import table
 from aff_runtime.config.loader import load_site
 from aff_runtime.fieldbus.probe_map import MapProbe, ProbedWord
+from tests.aff_runtime.fieldbus.rtu_slave import Slave
 
 ROOT = Path(__file__).parents[3]
 SITE = ROOT / "config" / "euclid_blocks.yaml"
@@ -70,7 +71,7 @@ def test_probe_map_without_a_plc_is_a_matter_of_communication(
     site = tmp_path / "site.yaml"
     site.write_text(SITE.read_text().replace("port: 5020", "port: 1"))
     assert main(["probe-map", str(site)]) == 3
-    assert "check host, port" in capsys.readouterr().err
+    assert "gateway: 127.0.0.1:1: Connection refused" in capsys.readouterr().err
 
 
 def test_probe_map_shows_each_channel_as_the_site_file_reads_it() -> None:
@@ -85,18 +86,46 @@ def test_probe_map_shows_each_channel_as_the_site_file_reads_it() -> None:
         assert said in text
 
 
-def test_probe_map_says_that_it_does_not_look_at_a_serial_line(
+def serial_site(folder: Path, device: str) -> Path:
+    text = SITE.read_text().replace("cycle_ms: 5", "cycle_ms: 20")
+    begin, end = text.index("  modbus_tcp:"), text.index("  # 0: the numbers below")
+    wire = f"  modbus_rtu: {{ device: {device}, parity: none, deadline_ms: 15 }}\n"
+    site = folder / "site.yaml"
+    site.write_text((text[:begin] + wire + text[end:]).replace("_after_ms: 15", "_after_ms: 40"))
+    return site
+
+
+@pytest.mark.wire
+def test_probe_map_reads_a_serial_line_and_writes_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = SITE.read_text().replace("cycle_ms: 5", "cycle_ms: 20")
-    wire = "  modbus_rtu: { device: /dev/ttyS0, deadline_ms: 15 }\n"
-    text = text.replace("  modbus_tcp:\n", wire)
-    for line in ("host: 127.0.0.1", "port: 5020", "device_id: 1"):
-        text = text.replace(f"    {line}\n", "")
-    site = tmp_path / "site.yaml"
-    site.write_text(text)
-    assert main(["probe-map", str(site)]) == 2
-    assert "serial line" in capsys.readouterr().err
+    slave = Slave()
+    words = [1, 107, 1, 23564, 8896, 1019, 9905, *[0] * 8]
+
+    def scan(frame: bytes) -> bytes:
+        words[0] += 1
+        slave.registers.publish(list(words))
+        return frame
+
+    slave.registers.publish(list(words))
+    slave.spoil = scan
+    try:
+        assert main(["probe-map", str(serial_site(tmp_path, slave.path))]) == 0
+    finally:
+        slave.close()
+    said = capsys.readouterr().out
+    assert "plc_heartbeat moves" in said
+    assert "unwind_tension_N = 89.1" in said  # 1 x 65536 + 23564 counts of 0.001 N
+    assert slave.registers.writes == 0
+
+
+@pytest.mark.wire
+def test_probe_map_names_a_serial_line_that_is_not_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["probe-map", str(serial_site(tmp_path, "/dev/ttyNONE"))]) == 3
+    said = capsys.readouterr().err
+    assert "gateway: the serial line /dev/ttyNONE does not open: " in said
 
 
 def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -151,6 +151,61 @@ def test_two_messages_that_cannot_be_told_apart_are_refused(
         load_site(folder / "euclid_can.yaml")
 
 
+HEARTBEAT = "SG_ PlcHeartbeat : 0|16@1+"
+
+
+@pytest.mark.parametrize(
+    ("edits", "at", "text"),
+    [
+        (
+            [(HEARTBEAT, "SG_ PlcHeartbeat : 0|4@1+")],
+            "PLC_STATUS.PlcHeartbeat",
+            "has 4 bits and starts over after 16 scans. Within the time in which the PLC must",
+        ),
+        (
+            [("SG_ AffHeartbeat : 0|16@1+", "SG_ AffHeartbeat : 0|8@1+")],
+            "AFF_UNWIND.AffHeartbeat",
+            "has 8 bits. The PLC's half (AFF_GATEWAY) tells a second master by a jump",
+        ),
+        (
+            [
+                (HEARTBEAT, "SG_ PlcHeartbeat : 0|8@1+"),
+                ("BO_ 385 PLC_MOTION: 5", "BO_ 385 PLC_MOTION: 6"),
+                ("SG_ Counter : 32|8@1+ (1,0) [0|255]", "SG_ Counter : 32|16@1+ (1,0) [0|65535]"),
+            ],
+            "",
+            "PLC_MOTION.Counter: has 16 bits, but repeats the low bits of PLC_STATUS.PlcHeartbeat",
+        ),
+    ],
+)
+def test_a_heartbeat_that_starts_over_too_soon_is_refused(
+    folder: Path, edits: list[tuple[str, str]], at: str, text: str
+) -> None:
+    dbc, site = folder / "euclid.dbc", folder / "euclid_can.yaml"
+    for old, new in edits:
+        assert old in dbc.read_text()
+        dbc.write_text(dbc.read_text().replace(old, new, 1))
+    with pytest.raises(ConfigError) as caught:
+        load_site(site)
+    assert text in str(caught.value)
+    if at:
+        assert f":{lines_of(site, at)[0]}:" in str(caught.value)
+
+
+def test_a_heartbeat_of_eight_bits_will_do(folder: Path) -> None:
+    dbc = folder / "euclid.dbc"
+    dbc.write_text(dbc.read_text().replace(HEARTBEAT, "SG_ PlcHeartbeat : 0|8@1+", 1))
+    assert load_site(folder / "euclid_can.yaml").gateway.can_dbc is not None
+
+
+def test_the_selector_of_a_multiplexed_message_is_no_value(folder: Path) -> None:
+    path = folder / "euclid_can.yaml"
+    said = refused(path, "PLC_SLOW.TensionRef", "PLC_SLOW.Page")
+    assert "PLC_SLOW.Page: says which signals PLC_SLOW carries in this frame" in said
+    assert "name one of TensionRef, UnwindRadius" in said
+    assert f":{lines_of(path, 'PLC_SLOW.Page')[0]}:" in said
+
+
 def test_two_nodes_whose_eds_give_one_identifier_are_refused(folder: Path) -> None:
     eds = folder / "euclid_drive.eds"
     assert "$NODEID+0x180" in eds.read_text()

@@ -21,6 +21,7 @@ class FakeWire:
         self.refuses = False
         self.state = Connecting.UP
         self.takes_bytes = True
+        self.why_closed = ""
         self._arrivals: list[tuple[int, bytes | None]] = []
 
     def start_connect(self) -> bool:

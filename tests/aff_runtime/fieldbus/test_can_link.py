@@ -105,6 +105,53 @@ def test_a_driver_that_fails_closes_the_bus() -> None:
     assert not link.carries
 
 
+def reopens_after_ms(link: PythonCanLink, clock: VirtualClock) -> int:
+    for ms in range(5000):
+        link.ready()
+        if link.carries:
+            return ms
+        clock.advance_ns(1_000_000)
+    return -1
+
+
+def fail_after(bus: ScriptedBus, link: PythonCanLink, clock: VirtualClock, seconds: float) -> None:
+    bus.said.append(message())
+    link.receive(0)
+    clock.advance_ns(round(seconds * 1e9))
+    bus.said.append(OSError("the bus went away"))
+    link.receive(0)
+    assert not link.carries
+
+
+def test_a_bus_that_served_is_opened_again_at_once_and_the_next_time_after_a_pause() -> None:
+    link, bus, clock = opened()
+    fail_after(bus, link, clock, 2.0)
+    assert reopens_after_ms(link, clock) == 0
+    fail_after(bus, link, clock, 1.999)
+    assert reopens_after_ms(link, clock) == 100
+
+
+def test_a_bus_that_brought_nothing_waits_longer_each_time() -> None:
+    link, bus, clock = opened()
+    waits = []
+    for _ in range(6):
+        clock.advance_ns(3_000_000_000)
+        bus.said.append(OSError("the bus went away"))
+        link.receive(0)
+        waits.append(reopens_after_ms(link, clock))
+    assert waits == [100, 200, 400, 800, 1600, 2000]
+
+
+def test_bus_off_has_its_quiet_time_however_long_the_bus_served() -> None:
+    link, bus, clock = opened()
+    bus.said.append(message())
+    link.receive(0)
+    clock.advance_ns(5_000_000_000)
+    bus.said.append(can.Message(arbitration_id=0x40, is_error_frame=True, is_extended_id=False))
+    link.receive(0)
+    assert reopens_after_ms(link, clock) == 100
+
+
 def test_the_driver_s_stamp_becomes_monotonic_time() -> None:
     bus, clock = ScriptedBus(), VirtualClock(7_000_000_000)
     link = PythonCanLink(lambda: bus, clock, wall_s=lambda: 1_800_000_000.004)

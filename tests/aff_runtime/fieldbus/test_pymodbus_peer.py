@@ -17,6 +17,7 @@ from aff_runtime.fieldbus.codec import WordCodec
 from aff_runtime.fieldbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus_frames import WireFunction
 from aff_runtime.fieldbus.probe_map import open_read_only, probe_map
+from aff_runtime.fieldbus.tcp_wire import TcpWire
 from tests.aff_runtime.fieldbus.euclid_map import command, euclid_map
 
 pytestmark = pytest.mark.wire
@@ -119,7 +120,11 @@ def test_the_probe_reads_and_writes_nothing() -> None:
     with Peer() as peer:
         peer.registers[2:4] = [0x3F80, 0x0000]
         transport = open_read_only(
-            host="127.0.0.1", port=peer.port, device_id=1, read_start=0, read_count=8, clock=clock
+            wire=TcpWire("127.0.0.1", peer.port),
+            device_id=1,
+            read_start=0,
+            read_count=8,
+            clock=clock,
         )
         seen = probe_map(
             transport, clock, read_start=0, heartbeat_address=0, attempts=12, period_s=0.05

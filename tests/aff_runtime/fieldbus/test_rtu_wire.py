@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import os
-import select
-import threading
-import tty
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
-from pymodbus.framer import FramerRTU
-from pymodbus.pdu import DecodePDU
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.catalogue import modbus_rtu
+from aff_runtime.fieldbus.codec import WordCodec
+from aff_runtime.fieldbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus_frames import WireFunction
 from aff_runtime.fieldbus.rtu_wire import crc16, reply_length, rtu_of
 from aff_runtime.fieldbus.serial_time import transaction_ms
-from sim_plant.servers.modbus_device import ModbusDevice
-from sim_plant.servers.registers import Registers
 from tests.aff_runtime.fieldbus.euclid_map import euclid_map
-from tests.sim_plant.servers.fake_line import default_map
+from tests.aff_runtime.fieldbus.rtu_slave import Slave
 
 PATIENCE_NS = 2_000_000_000
 
@@ -85,40 +80,6 @@ def test_a_cycle_takes_as_long_as_its_characters() -> None:
     assert transaction_ms(15, 10, 115_200, fc23=True) == pytest.approx(68 * 11 / 115.2 + 3.5)
 
 
-class Slave:
-    """A device on the other end of the line; ``spoil`` changes what it answers."""
-
-    def __init__(self) -> None:
-        self.master, self.slave = os.openpty()
-        tty.setraw(self.slave)
-        self.path = os.ttyname(self.slave)
-        self.registers = Registers(default_map())
-        self.device = ModbusDevice(self.registers)
-        self.framer = FramerRTU(DecodePDU(is_server=True))
-        self.spoil = lambda frame: frame
-        self._on = True
-        self._thread = threading.Thread(target=self._serve)
-        self._thread.start()
-
-    def _serve(self) -> None:
-        buffer = b""
-        while self._on:
-            if not select.select([self.master], [], [], 0.02)[0]:
-                continue
-            buffer += os.read(self.master, 512)
-            used, device_id, _, pdu = self.framer.decode(buffer)
-            buffer = buffer[used:]
-            if pdu:
-                answer = self.framer.encode(self.device.answer(pdu), device_id, 0)
-                os.write(self.master, self.spoil(answer))
-
-    def close(self) -> None:
-        self._on = False
-        self._thread.join(5)
-        os.close(self.master)
-        os.close(self.slave)
-
-
 @pytest.fixture
 def slave() -> Iterator[Slave]:
     device = Slave()
@@ -165,3 +126,25 @@ def test_an_answer_of_another_device_is_a_bad_reply(slave: Slave) -> None:
     outcomes = {outcome for outcome, _ in exchange(slave, WireFunction.FC23)}
     assert Outcome.BAD_REPLY in outcomes
     assert Outcome.OK not in outcomes
+
+
+@pytest.mark.wire
+def test_a_line_that_does_not_open_is_named_until_it_does(slave: Slave, tmp_path: Path) -> None:
+    device = tmp_path / "tty"
+    clock = MonotonicClock()
+    transport = modbus_rtu(
+        device=str(device), baud=115_200, parity="N", stop_bits=1, device_id=1,
+        register_map=euclid_map(), clock=clock,
+    )  # fmt: skip
+    gateway = WordGateway(transport, WordCodec(euclid_map()), clock, lambda: transport.trouble)
+    assert gateway.troubles == ()
+    transport.transact([0] * 10, clock.now_ns() + PATIENCE_NS // 10)
+    (said,) = gateway.troubles
+    assert f"the serial line {device} does not open: " in said
+    assert "No such file" in said
+    device.symlink_to(slave.path)  # plugged in
+    end_ns = clock.now_ns() + PATIENCE_NS
+    while gateway.troubles and clock.now_ns() < end_ns:
+        transport.transact([0] * 10, clock.now_ns() + PATIENCE_NS // 10)
+    assert gateway.troubles == ()
+    gateway.close()

@@ -27,7 +27,10 @@ def test_an_unconnected_wire_is_closed_and_refuses() -> None:
 
 def test_an_address_without_a_route_fails_at_once() -> None:
     # TCP to the broadcast address is refused by the kernel itself
-    assert TcpWire("255.255.255.255", 9).start_connect() is False
+    wire = TcpWire("255.255.255.255", 9)
+    assert wire.why_closed == ""
+    assert wire.start_connect() is False
+    assert wire.why_closed.startswith("255.255.255.255:9: ")
 
 
 def test_no_free_descriptor_is_a_failed_attempt(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -37,6 +40,7 @@ def test_no_free_descriptor_is_a_failed_attempt(monkeypatch: pytest.MonkeyPatch)
     wire = TcpWire("127.0.0.1", 9)
     monkeypatch.setattr(socket, "socket", exhausted)
     assert wire.start_connect() is False
+    assert wire.why_closed == "127.0.0.1:9: Too many open files"
 
 
 @pytest.mark.wire

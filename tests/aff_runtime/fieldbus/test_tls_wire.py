@@ -87,7 +87,9 @@ def server(folder: Path) -> Iterator[TlsServer]:
     running.close()
 
 
-def outcomes(server: TlsServer, context: ssl.SSLContext, name: str = "plc") -> list[Outcome]:
+def outcomes(
+    server: TlsServer, context: ssl.SSLContext, name: str = "plc", said: list[str] | None = None
+) -> list[Outcome]:
     clock = MonotonicClock()
     transport = modbus_tcp(
         host="127.0.0.1", port=server.port, device_id=1, register_map=euclid_map(), clock=clock,
@@ -97,6 +99,8 @@ def outcomes(server: TlsServer, context: ssl.SSLContext, name: str = "plc") -> l
     for _ in range(60):
         seen.append(transport.transact([9] * 10, clock.now_ns() + 300_000_000)[0])
         clock.sleep_until_ns(clock.now_ns() + 5_000_000)
+        if said is not None:
+            said.append(transport.trouble)
         if seen[-1] is Outcome.OK:
             break
     transport.close()
@@ -114,7 +118,10 @@ def test_a_server_with_another_name_or_certificate_gets_nothing(
 ) -> None:
     ours = (folder / "aff.pem", folder / "aff.key")
     wrong_name = client_context(folder / "plc.pem", *ours)
-    assert set(outcomes(server, wrong_name, "other")) == {Outcome.NOT_CONNECTED}
+    said: list[str] = []
+    assert set(outcomes(server, wrong_name, "other", said)) == {Outcome.NOT_CONNECTED}
+    assert "TLS with other: " in said[-1]
+    assert "Hostname mismatch" in said[-1]
     wrong_ca = client_context(folder / "stranger.pem", *ours)
     assert set(outcomes(server, wrong_ca)) == {Outcome.NOT_CONNECTED}
     assert server.registers.writes == 0

@@ -113,3 +113,29 @@ def test_a_socket_left_behind_is_replaced_and_a_file_is_not(tmp_path, control):
     with pytest.raises(PlantError, match="cannot open control socket"):
         asyncio.run(open_and_close())
     assert path.read_text(encoding="ascii") == "precious"
+
+
+def test_a_roll_is_changed_in_the_middle_of_an_announced_splice():
+    class Changing(FakeLine):
+        changes = 0
+
+        def change_rolls(self):
+            assert plant.plc.status & Status.SPLICE_ACTIVE
+            self.changes += 1
+
+    line = Changing()
+    plant = Plant(line, Plc(default_map()))
+    answer = ControlSocket(None, plant, dict).answer("roll")
+    assert answer == {"ok": True, "change_s": pytest.approx(plant.time_s + 1.0)}
+    while plant.time_s < answer["change_s"] - 1e-9:
+        assert line.changes == 0
+        plant.step()
+    for _ in range(300):
+        plant.step()
+    assert line.changes == 1
+    assert plant.plc.roll_id == 2
+    assert not plant.plc.status & Status.SPLICE_ACTIVE
+
+
+def test_a_line_without_rolls_says_so(control):
+    assert "no rolls" in control[0].answer("roll")["error"]

@@ -37,7 +37,7 @@ def test_the_default_map_is_the_documented_block():
     assert (plc_map.read_start, plc_map.read_count) == (0, 15)
     assert (plc_map.write_start, plc_map.write_count) == (100, 10)
     assert plc_map.encode_read(WORDS, VALUES) == GOLDEN
-    assert (plc_map.watchdog_s, plc_map.fade_s) == (0.08, 0.2)
+    assert (plc_map.watchdog_s, plc_map.regain_s, plc_map.fade_s) == (0.08, 0.02, 0.1)
 
 
 def test_low_first_exchanges_the_words_of_32_bit_values_only(tmp_path):

@@ -38,7 +38,7 @@ def test_the_plc_trips_on_the_wire_and_history_shows_the_ramp():
         status = plant.command("status")
     applied = [row[0] for row in history["applied_m_s"]]
     last_full = max(k for k, value in enumerate(applied) if value == 0.02)
-    ramp_scans = round(0.2 / SAMPLE_TIME_s)
+    ramp_scans = round(0.1 / SAMPLE_TIME_s)
     expected = [0.02 * (1 - k / ramp_scans) for k in range(ramp_scans + 1)]
     assert applied[last_full : last_full + ramp_scans + 1] == pytest.approx(expected, abs=1e-9)
     assert status["counts"]["watchdog_trips"] >= 1

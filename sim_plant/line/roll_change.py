@@ -1,0 +1,26 @@
+"""Full rolls in place of used ones while the line runs, as a turret does it."""
+
+from __future__ import annotations
+
+from sim_plant.base.arrays import UNWIND, LineArrays, LineState
+from sim_plant.line.derivative import roll_inertia
+from sim_plant.line.layout import Layout
+
+
+def change_rolls(p: LineArrays, lay: Layout, s: LineState) -> None:
+    """Put the radii of the start back at both ends.
+
+    The new rims run at the web's speed, the new drives hold the old web force: speeds go with
+    1/R, torques with R. What is in the spans stays.
+    """
+    for body_index, at in ((0, lay.radius), (lay.n - 1, lay.radius + 1)):
+        body = p.bodies[body_index]
+        old_m, new_m = float(s.y[at]), float(body["radius_m"])
+        s.y[at] = new_m
+        s.y[lay.omega + body_index] *= old_m / new_m
+        for d, drive in enumerate(p.drives):
+            if drive["body"] == body_index and body["kind"] >= UNWIND:
+                fixed = float(body["inertia_kg_m2"])
+                s.y[lay.motor + d] *= old_m / new_m
+                inertias = roll_inertia(p, fixed, old_m) / roll_inertia(p, fixed, new_m)
+                s.drive_integral[d] *= new_m / old_m * inertias
