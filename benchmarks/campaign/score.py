@@ -18,6 +18,8 @@ STRENGTH = {  # parameter of a verdict that says the size of a fault, and what s
     "mains_hum": ("amplitude_N", 0.0), "loop_delay": ("delay_s", 0.0),
     "encoder_eccentricity": ("eccentricity", 0.0), "slip": ("slope_s_m", 0.0),
 }  # fmt: skip
+NEEDED = 100.0
+"""Chi-square of an effect above which a claim can pay the price of its numbers and be sure."""
 OUTCOMES = ("exact", "wrong", "unknown", "not identifiable", "missed", "part", "failed")
 
 
@@ -72,6 +74,17 @@ def outcome(row: dict[str, Any]) -> str:
     if said:
         return "part"
     return "missed" if verdict["verdict"] == "nothing" else "unknown"
+
+
+def told_apart(row: dict[str, Any]) -> bool:
+    """Return whether the record tells every fault from its like and from declared tolerances."""
+    shown = all(e >= NEEDED for e in row.get("evidence", ()))
+    return shown and not any(row.get("alike", ()))
+
+
+def alike_said(row: dict[str, Any]) -> bool:
+    """Return whether a case that no tool can decide was called so, the true effect among them."""
+    return outcome(row) == "not identifiable"
 
 
 def coordinate_error(row: dict[str, Any]) -> float | None:

@@ -21,13 +21,17 @@ from sim_plant.refine.pulled import pulled_starts
 from sim_plant.refine.screen import Scored, neighbours, price, screen, thinned, worth_trying
 from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
 from sim_plant.refine.shapes import profile_starts
-from sim_plant.refine.unknown import LINE_THRESHOLD, Unknown, strongest, unknowns
+from sim_plant.refine.unknown import Unknown, unknowns
 
 MOST_EFFECTS = 4
 MOST_BOXES = 2
 SCORE_THRESHOLD = 75.0
 BEYOND_DOUBT = 3000.0
 """A score above this needs no second look at the declared drive tick."""
+WEAK = 2.0 * SCORE_THRESHOLD
+"""A score below this is only claimed when no other effect explains nearly as much."""
+MARGIN = 10.0
+"""Effects whose scores are closer than this cannot be told apart."""
 RUNNERS = 4
 DISCREPANCY = 0.006
 """A further effect must explain more than this share of what was explained: no model is exact."""
@@ -230,11 +234,13 @@ def _best_of(
 
 
 def _at_floor(problem: Problem, found: Trace) -> bool:
+    """Return whether what is left is within the share that no model explains.
+
+    The level of the noise alone does not say so: it is known to a percent, and an effect can be
+    less.
+    """
     excess = found.fit.cost - problem.expected_cost
-    if excess < DISCREPANCY * (found.nominal.cost - found.fit.cost):
-        return True
-    quiet = excess < 0.003 * problem.expected_cost
-    return quiet and strongest(found.after)[2] < LINE_THRESHOLD
+    return excess < DISCREPANCY * (found.nominal.cost - found.fit.cost)
 
 
 def _shortlist(ranked: Sequence[Scored]) -> list[Scored]:
@@ -284,12 +290,16 @@ def _next(
                if s.hypothesis.key not in {k.key for _, _, k in fits}]  # fmt: skip
     others.sort(key=lambda row: -row[0])
     runner, second = (others[0][1], others[0][0]) if others else (None, 0.0)
+    if runner is not None and score < WEAK and score - second < MARGIN:
+        say(f"  {h.effect.name} at {h.location}: weak, and not to be told from "
+            f"{runner.effect.name} at {runner.location}")  # fmt: skip
+        return None
     say(f"  best: {h.effect.name} at {h.location}, score {score:.0f}")
     step = Step(
         hypothesis=h, score=score, runner_up=" at ".join(runner.key) if runner else "",
         margin=score - max(second, 0.0),
         rejected=tuple((k.effect.name, k.location, s) for s, k in others[:12]),
-        ambiguous=tuple(k.key for s, k in others if score - s < 10.0),
+        ambiguous=tuple(k.key for s, k in others if score - s < MARGIN),
     )  # fmt: skip
     return step, fit
 
