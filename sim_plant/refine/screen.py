@@ -18,6 +18,8 @@ from sim_plant.refine.problem import Problem
 
 LINE_WORTH_A_TRY = 170.0
 """Free-line drop below which no order-locked effect is simulated."""
+MANY = 2
+"""An effect of more pairs of numbers than this is a profile: it has the orders that pay."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,6 +36,23 @@ class Scored:
     gain: Gain
     score: float
     start: tuple[float, ...]
+
+    def trimmed(self) -> tuple[Hypothesis, tuple[float, ...]]:
+        """Return the hypothesis without the orders that did not pay their price, and its start."""
+        h = self.hypothesis
+        kept = [k for k, (s, a) in enumerate(zip(self.start, h.absent, strict=True)) if s != a]
+        if not kept or len(kept) == len(h.names):
+            return h, self.start
+
+        def pick(row: tuple[float, ...]) -> tuple[float, ...]:
+            return tuple(row[k] for k in kept)
+
+        fewer = replace(
+            h, names=tuple(h.names[k] for k in kept), strengths=len(kept), start=pick(h.start),
+            absent=pick(h.absent), low=pick(h.low), high=pick(h.high),
+            linear=tuple(h.linear[k] for k in kept),
+        )  # fmt: skip
+        return fewer, pick(self.start)
 
 
 def price(problem: Problem, numbers: int) -> float:
@@ -103,13 +122,40 @@ def neighbours(
     return [h for h in hypotheses if h.key in near and h.key not in done]
 
 
+def paying_orders(problem: Problem, h: Hypothesis, residual: Array, columns: Array) -> list[int]:
+    """Return the columns of a profile whose orders pay for themselves, one order at the least.
+
+    The order that is missed least is left out until each would be missed by more than its price:
+    twelve numbers for a roll with one bump would lose to any effect of two.
+    """
+    cut = problem.projector.project(columns)
+    inner, against = columns.T @ cut, cut.T @ residual
+    at = {name: k for k, name in enumerate(h.names)}
+    pairs = [(at[p.cos], at[p.sin]) for p in h.effect.quadratures if p.cos in at and p.sin in at]
+
+    def drop(some: list[tuple[int, int]]) -> float:
+        use = [k for pair in some for k in pair]
+        part = np.ix_(use, use)
+        return float(against[use] @ np.linalg.lstsq(inner[part], against[use], rcond=1e-9)[0])
+
+    while len(pairs) > 1:
+        left = [drop([p for p in pairs if p is not out]) for out in pairs]
+        best = int(np.argmax(left))
+        if drop(pairs) - left[best] > price(problem, 2):
+            break
+        del pairs[best]
+    return [k for pair in pairs for k in pair]
+
+
 def score_one(problem: Problem, h: Hypothesis, residual: Array, columns: Array) -> Scored:
     """Return the gain of one hypothesis; columns are whole probes, so 1 is the typical size."""
     if not np.isfinite(columns).all():
         nothing = Gain(drop=0.0, values=np.zeros(1), covariance=np.zeros((1, 1)), seen=0.0)
         return Scored(hypothesis=h, gain=nothing, score=-np.inf, start=h.start)
     use = list(range(columns.shape[1]))
-    gain = problem.projector.gain(residual, columns)
+    if len(h.effect.quadratures) > MANY:
+        use = paying_orders(problem, h, residual, columns)
+    gain = problem.projector.gain(residual, columns[:, use])
     # a strength that cannot go backwards is left out where it would
     while use:
         wrong = [k for k, at in enumerate(use) if not h.linear[at] and gain.values[k] <= 0.0]

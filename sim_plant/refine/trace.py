@@ -158,11 +158,10 @@ def _search(
     half: tuple[Step, Fit] | None = None
     floor = min(problem.expected_cost, found.fit.cost - 3.0 * SCORE_THRESHOLD)
     names = frozenset(h.effect.name for h in library)
-    full = _beyond_tolerance(problem, found, names, say)
-    if full is not None and not complete(problem, found.fit, found.after, found.travels, full[1]):
-        full = None  # a large line is there: tolerances were pulled by it
+    pulled = _beyond_tolerance(problem, found, names, say)
+    full: tuple[Step, Fit] | None = None
     for group in (plain, bounce, others):
-        accepted = _best_of(problem, found, group, say)
+        accepted = _best_of(problem, found, group, say, pulled if group is others else ())
         if accepted is None:
             continue
         if complete(problem, found.fit, found.after, found.travels, accepted[1]):
@@ -188,11 +187,14 @@ def _search(
     return None
 
 
+_Rival = tuple[float, Fit, Hypothesis]
+
+
 def _beyond_tolerance(
     problem: Problem, found: Trace, names: frozenset[str], say: Say
-) -> tuple[Step, Fit] | None:
-    """Fit effects that say the same as a declared number pulled beyond its tolerance."""
-    best: tuple[Step, Fit] | None = None
+) -> list[_Rival]:
+    """Return fits (score, fit, effect) that say the same as a declared number beyond tolerance."""
+    fits: list[_Rival] = []
     for h, start, shifts in pulled_starts(problem, found.fit, frozenset(BY_NAME) - names):
         if h.key in {k.key for k in found.fit.hypotheses}:
             continue
@@ -201,25 +203,19 @@ def _beyond_tolerance(
             continue
         score = found.fit.cost - fit.cost - price(problem, len(h.names))
         say(f"  {h.effect.name} at {h.location}, beyond tolerance: score {score:.0f}")
-        if score > SCORE_THRESHOLD and (best is None or fit.cost < best[1].cost):
-            second = best[0] if best else None
-            step = Step(
-                hypothesis=h, score=score, rejected=(),
-                runner_up=" at ".join(second.hypothesis.key) if second else "",
-                margin=score - (second.score if second else 0.0),
-            )  # fmt: skip
-            best = step, fit
-    return best
+        fits.append((score, fit, h))
+    return fits
 
 
 def _best_of(
-    problem: Problem, found: Trace, candidates: Sequence[Hypothesis], say: Say
-) -> tuple[Step, Fit] | None:
-    """Screen a group of hypotheses and fit the best."""
+    problem: Problem, found: Trace, candidates: Sequence[Hypothesis], say: Say,
+    pulled: Sequence[_Rival] = (),
+) -> tuple[Step, Fit] | None:  # fmt: skip
+    """Screen a group of hypotheses and fit the best; ``pulled`` are fits to compete with them."""
     taken = {h.key for h in found.fit.hypotheses}
     group = [h for h in candidates if h.key not in taken]
     if not group:
-        return None
+        return _next(problem, found, [], say, pulled)
     line = problem.bench.twins[0].declaration
     idlers = [r.name if r.kind == "idler" else "" for r in line.rollers]
     residual = problem.residual(problem.bench.one(found.fit.case), found.fit.shifts)
@@ -230,7 +226,7 @@ def _best_of(
         ranked += screen(problem, found.fit, more, residual, found.fit)
         ranked.sort(key=lambda s: -s.score)
     found.first_look.extend(ranked if not found.steps else [])
-    return _next(problem, found, ranked, say)
+    return _next(problem, found, ranked, say, pulled)
 
 
 def _at_floor(problem: Problem, found: Trace) -> bool:
@@ -245,7 +241,7 @@ def _at_floor(problem: Problem, found: Trace) -> bool:
 
 def _shortlist(ranked: Sequence[Scored]) -> list[Scored]:
     """Return the best few of distinct effect and place; curved ones get a second chance."""
-    best = ranked[0].score
+    best = ranked[0].score if ranked else 0.0
     kept: list[Scored] = []
     for s in ranked:
         curved = not all(s.hypothesis.linear)
@@ -261,12 +257,10 @@ def _shortlist(ranked: Sequence[Scored]) -> list[Scored]:
 
 
 def _next(
-    problem: Problem, found: Trace, ranked: list[Scored], say: Say
+    problem: Problem, found: Trace, ranked: list[Scored], say: Say, pulled: Sequence[_Rival] = ()
 ) -> tuple[Step, Fit] | None:
     """Return the effect that explains most, fitted, or None when none may be claimed."""
-    if not ranked or ranked[0].score < 0.5 * SCORE_THRESHOLD:
-        return None
-    fits: list[tuple[float, Fit, Hypothesis]] = []
+    fits = list(pulled)
     for s in _shortlist(ranked):
         fit = _fit_one(problem, found.fit, s)
         if fit is None:
@@ -276,6 +270,7 @@ def _next(
         say(f"  {h.effect.name} at {h.location}: score {score:.0f}")
         fits.append((score, fit, h))
     fits = sorted((row for row in fits if np.isfinite(row[0])), key=lambda row: -row[0])
+    fits = [row for k, row in enumerate(fits) if row[2].key not in {f[2].key for f in fits[:k]}]
     explained = found.nominal.cost - found.fit.cost
     if not fits or fits[0][0] < max(SCORE_THRESHOLD, DISCREPANCY * explained):
         return None
@@ -331,7 +326,7 @@ def _fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
             best = new
     excess = fit.cost - problem.expected_cost
     if best is None or fit.cost - best.cost < 0.9 * excess:
-        free = _fitted(problem, fit, h, scored.start, fit.shifts, rounds=2)
+        free = _fitted(problem, fit, *scored.trimmed(), fit.shifts, rounds=2)
         if free is not None and (best is None or _worth(problem, free) < _worth(problem, best)):
             best = free
     return best
