@@ -224,7 +224,7 @@ def page(rows: Sequence[Row], note: str = "") -> str:
         HEAD, *([note, ""] if note else []),
         f"{len(rows)} cases of seed {', '.join(map(str, seeds))}; refine took "
         f"{quantile(spent, 0.5):.1f} s in the median, {quantile(spent, 0.95):.1f} s at the 95th "
-        f"percentile (one worker each, two at a time, other loads on the machine), "
+        f"percentile (one worker each, other loads on the machine), "
         f"{burnt / 60.0:.0f} minutes of one core in all. "
         f"Runs that ended with an error: {len(failed)}{' ' + str(failed) if failed else ''}.\n",
         "## Targets\n", *targets(rows), "", "## Outcomes\n",

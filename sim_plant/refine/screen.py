@@ -18,6 +18,7 @@ from sim_plant.refine.problem import Problem
 
 LINE_WORTH_A_TRY = 170.0
 """Free-line drop below which no order-locked effect is simulated."""
+FEW_IDLERS = 8
 MANY = 2
 """An effect of more pairs of numbers than this is a profile: it has the orders that pay."""
 
@@ -96,10 +97,15 @@ def screen(problem: Problem, fit: Fit, hypotheses: Sequence[Hypothesis], residua
 
 
 def thinned(hypotheses: Sequence[Hypothesis], rollers: Sequence[str]) -> list[Hypothesis]:
-    """Return the hypotheses with every third idler only: response changes slowly along the web."""
+    """Return the hypotheses with every third idler only: response changes slowly along the web.
+
+    Not so on a short line, and not for what sits in a load cell: each reading is its own.
+    """
     idlers = [name for name in rollers if name]
+    if len(idlers) <= FEW_IDLERS:
+        return list(hypotheses)
     left_out = {name for k, name in enumerate(idlers) if k % 3 != 1}
-    return [h for h in hypotheses if h.location not in left_out]
+    return [h for h in hypotheses if h.effect.place == "cell" or h.location not in left_out]
 
 
 def neighbours(

@@ -8,7 +8,7 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.hypotheses import hypothesis
 from sim_plant.refine.linear import Projector
-from sim_plant.refine.screen import price, score_one
+from sim_plant.refine.screen import price, score_one, thinned
 
 ROWS = 4000
 PROFILE = hypothesis(BY_NAME["out_of_round_roll"], "unwind")
@@ -47,3 +47,12 @@ def test_one_order_is_kept_even_of_noise():
     problem, residual, columns = record(np.zeros(12), seed=2)
     fewer, _ = score_one(problem, PROFILE, residual, columns).trimmed()
     assert len(fewer.names) == 2
+
+
+def test_no_load_cell_and_no_idler_of_a_short_line_is_left_out():
+    names = [f"R{k}" for k in range(12)]
+    hums = [hypothesis(BY_NAME["mains_hum"], name) for name in names]
+    drags = [hypothesis(BY_NAME["bearing_drag"], name) for name in names]
+    assert thinned(hums, names) == hums
+    assert thinned(drags[:5], [*names[:5], ""]) == drags[:5]
+    assert [h.location for h in thinned(drags, names)] == ["R1", "R4", "R7", "R10"]
