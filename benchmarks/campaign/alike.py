@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.signal import lfilter
 
 from benchmarks.campaign import line as short
 from benchmarks.campaign.cases import IDLERS, LIBRARY, SMALLEST, Case
 from benchmarks.campaign.contact import Array
 from benchmarks.campaign.effects import CELLS, DRIVES, Fault
-from benchmarks.campaign.make import JUDGED_FROM_S, SIZED_BY, Stage, floors, stage
+from benchmarks.campaign.make import JUDGED_FROM_S, SIZED_BY, Stage, stage
 from benchmarks.campaign.record import simulate
 
 SAME_LINE = 0.003
 """Wavenumbers closer than this (relative) are one line in a record of 60 s."""
 MARGIN = 10.0
 """Chi-square by which the true effect must fit better than another to be told from it."""
-SHARES = (0.0, 1.0)
+FIRST = round(JUDGED_FROM_S / short.SAMPLE_S)
+ORDER = 30
 OWN_SD = {k: v / 4.0 for k, v in SMALLEST.items() if k != "loop_delay"}
 """Standard deviation of the declared number that says the same as the effect."""
 
@@ -57,11 +59,37 @@ def rivals(fault: Fault) -> list[Fault]:
     return list(dict.fromkeys(found))
 
 
-def response(at: Stage, fault: Fault, healthy: dict[str, Array], floor: dict[str, float]) -> Array:
-    """Return the answer of all tensions and speeds to a fault, in units of their noise."""
-    quiet = at.quiet((fault,))
-    first = round(JUDGED_FROM_S / short.SAMPLE_S)
-    return np.concatenate([(quiet[c] - healthy[c])[first:] / floor[c] for c in SIZED_BY])
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Quiet:
+    """A healthy record without noise, and what makes its noise white, per channel."""
+
+    stage: Stage
+    healthy: dict[str, Array]
+    taps: dict[str, Array]
+
+    @classmethod
+    def of(cls, at: Stage) -> Quiet:
+        """Return it for one stage, its noise taken from one more run."""
+        healthy = at.quiet()
+        noisy = simulate(at.machine, at.told, at.angles, at.seed, colour=at.colour).even()
+        noise = {c: (noisy[c] - healthy[c])[FIRST:] for c in SIZED_BY}
+        return cls(stage=at, healthy=healthy, taps={c: whitener(x) for c, x in noise.items()})
+
+    def response(self, fault: Fault) -> Array:
+        """Return the answer of all tensions and speeds to a fault, in units of white noise."""
+        quiet = self.stage.quiet((fault,))
+        return np.concatenate(
+            [lfilter(self.taps[c], [1.0], quiet[c] - self.healthy[c])[FIRST:] for c in SIZED_BY]
+        )
+
+
+def whitener(noise: Array) -> Array:
+    """Return taps that make this noise white with unit variance  [least squares, 30 lags]."""
+    lags = np.stack([noise[ORDER - k : noise.size - k] for k in range(ORDER + 1)], axis=1)
+    weights = np.linalg.lstsq(lags[:, 1:], lags[:, 0], rcond=None)[0]
+    left = lags[:, 0] - lags[:, 1:] @ weights
+    found: Array = np.concatenate(([1.0], -weights)) / float(np.std(left))
+    return found
 
 
 def apart(true: Array, columns: Array) -> float:
@@ -71,32 +99,28 @@ def apart(true: Array, columns: Array) -> float:
     return float(left @ left)
 
 
-def alike(
-    at: Stage, fault: Fault, healthy: dict[str, Array], floor: dict[str, float]
-) -> list[tuple[str, str]]:
+def alike(record: Quiet, fault: Fault) -> list[tuple[str, str]]:
     """Return (effect, location) of what cannot be told from ``fault`` in this record."""
     others = rivals(fault)
     if not others:
         return []
-    true = response(at, fault, healthy, floor)
+    true = record.response(fault)
     found = []
     for other in others:
         turns = (other.angle,) if fault.effect == "bearing_drag" else (0.0, 0.5 * math.pi)
-        columns = [response(at, replace(other, angle=a), healthy, floor) for a in turns]
+        columns = [record.response(replace(other, angle=a)) for a in turns]
         if apart(true, np.stack(columns, axis=1)) < MARGIN:
             found.append((other.effect, other.location))
     return found
 
 
-def evidence(
-    at: Stage, fault: Fault, healthy: dict[str, Array], floor: dict[str, float]
-) -> float:  # fmt: skip
+def evidence(record: Quiet, fault: Fault) -> float:
     """Return the chi-square by which a fault shows, beside the tolerance that may hide it.
 
     Equation: 1/D = 1/sum (answer / noise)^2 + (sd / size)^2, as the declared number moves at the
     price of its prior  [two independent errors in a row].
     """
-    true = response(at, fault, healthy, floor)
+    true = record.response(fault)
     direct = float(true @ true)
     sd = OWN_SD.get(fault.effect, 0.0)
     if direct == 0.0:
@@ -106,11 +130,6 @@ def evidence(
 
 def told(case: Case, faults: tuple[Fault, ...]) -> dict[str, list[object]]:
     """Return per fault what cannot be told from it, and how much it shows."""
-    at = stage(case, "a")
-    healthy = at.quiet()
-    noisy = simulate(at.machine, at.told, at.angles, at.seed, colour=case.colour)
-    floor = floors(noisy.even(), healthy)
-    return {
-        "alike": [alike(at, f, healthy, floor) for f in faults],
-        "evidence": [evidence(at, f, healthy, floor) for f in faults],
-    }
+    record = Quiet.of(stage(case, "a"))
+    return {"alike": [alike(record, f) for f in faults],
+            "evidence": [evidence(record, f) for f in faults]}  # fmt: skip

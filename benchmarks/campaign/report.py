@@ -44,8 +44,9 @@ single effects 0.4 and 0.2, all others 0.6. An effect that a tolerance of its ow
 made as large as four standard deviations of it. "Where the record tells" leaves out cases that
 this generator itself shows to be undecided, whatever the tool: another effect or place answers
 to within a chi-square of 10 (eccentric idlers of one radius in one zone; at a drive, an unbalance
-and a torque ripple of order 1), or the effect has a chi-square below 100 beside its tolerance
-(four standard deviations have 16). Held-out error: against this generator's own
+and a torque ripple of order 1), or the effect's chi-square in whitened tensions and
+speeds, beside its own tolerance, is below 100 (150 for effects that are no lines; four standard
+deviations of a tolerance have 16). Held-out error: against this generator's own
 noise, not the tool's. Bounds are Wilson's, 95 %; where one holds both sides of a target, this many
 cases do not decide it. Not drawn: viscoelastic web, cell calibration and resonance, rate limit,
 splice, roll bounce, shaft compliance, radius error.

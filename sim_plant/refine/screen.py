@@ -16,8 +16,8 @@ from sim_plant.refine.hypotheses import Hypothesis
 from sim_plant.refine.linear import Gain
 from sim_plant.refine.problem import Problem
 
-LINE_WORTH_A_TRY = 170.0
-"""Free-line drop below which no order-locked effect is simulated."""
+LINE_WORTH_A_TRY = 80.0
+"""Free-line drop over its degrees of freedom below which no order-locked effect is simulated."""
 FEW_IDLERS = 8
 MANY = 2
 """An effect of more pairs of numbers than this is a profile: it has the orders that pay."""
@@ -68,7 +68,8 @@ def worth_trying(
     """Return hypotheses whose line is in some record, and those that are no lines."""
     lines, others = [], []
     strongest = max(s.peak[1] for record in spectra for s in record)
-    least = max(LINE_WORTH_A_TRY, 0.01 * strongest)
+    degrees = min(s.degrees for record in spectra for s in record)
+    least = max(LINE_WORTH_A_TRY + degrees, 0.01 * strongest)
     for h in hypotheses:
         support = [line_support(h, t, s) for t, s in zip(travels, spectra, strict=True)]
         seen = [value for value in support if value is not None]

@@ -25,10 +25,13 @@ from sim_plant.refine.unknown import Unknown, unknowns
 
 MOST_EFFECTS = 4
 MOST_BOXES = 2
-SCORE_THRESHOLD = 75.0
+SCORE_THRESHOLD = 120.0
+"""Effects that are no lines: healthy records of other code, and line01, reach 85 to 115."""
+LINE_SCORE = 50.0
+"""An effect with a coordinate of its own needs less: what a model lacks seldom has the same."""
 BEYOND_DOUBT = 3000.0
 """A score above this needs no second look at the declared drive tick."""
-WEAK = 2.0 * SCORE_THRESHOLD
+WEAK = 150.0
 """A score below this is only claimed when no other effect explains nearly as much."""
 MARGIN = 10.0
 """Effects whose scores are closer than this cannot be told apart."""
@@ -156,7 +159,7 @@ def _search(
     plain = [h for h in lines if h.effect.name != "roll_bounce"]
     say(f"cost {found.fit.cost:.0f}, noise alone {problem.expected_cost:.0f}")
     half: tuple[Step, Fit] | None = None
-    floor = min(problem.expected_cost, found.fit.cost - 3.0 * SCORE_THRESHOLD)
+    floor = min(problem.expected_cost, found.fit.cost - 225.0)
     names = frozenset(h.effect.name for h in library)
     pulled = _beyond_tolerance(problem, found, names, say)
     full: tuple[Step, Fit] | None = None
@@ -246,7 +249,7 @@ def _shortlist(ranked: Sequence[Scored]) -> list[Scored]:
     for s in ranked:
         curved = not all(s.hypothesis.linear)
         share = 0.25 if curved else 0.85
-        if s.score < max(0.5 * SCORE_THRESHOLD, share * best):
+        if s.score < max(0.5 * LINE_SCORE, share * best):
             continue
         same = [k for k in kept if k.hypothesis.key == s.hypothesis.key]
         effect = [k for k in kept if k.hypothesis.effect.name == s.hypothesis.effect.name]
@@ -272,12 +275,15 @@ def _next(
     fits = sorted((row for row in fits if np.isfinite(row[0])), key=lambda row: -row[0])
     fits = [row for k, row in enumerate(fits) if row[2].key not in {f[2].key for f in fits[:k]}]
     explained = found.nominal.cost - found.fit.cost
-    if not fits or fits[0][0] < max(SCORE_THRESHOLD, DISCREPANCY * explained):
+    if not fits:
         return None
     score, fit, h = fits[0]
+    least = max(LINE_SCORE if is_line(h, found) else SCORE_THRESHOLD, DISCREPANCY * explained)
+    if score < least:
+        return None
     if score < BEYOND_DOUBT:
         score = min(score, _missed(problem, fit) - price(problem, len(h.names)))
-    if score < max(SCORE_THRESHOLD, DISCREPANCY * explained):
+    if score < least:
         say(f"  {h.effect.name} at {h.location}: not missed when all else is fitted again")
         return None
     others = [(s, k) for s, _, k in fits[1:] if k.key != h.key]
