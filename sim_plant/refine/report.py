@@ -25,6 +25,7 @@ def headline(result: dict) -> str:  # type: ignore[type-arg]
         text += f" Unknown, class {item['class']}: {where}; no effect of the library explains it."
     for item in result["ambiguous"]:
         text += f" {item['effect']} cannot be told from {', '.join(item['with'])}."
+        text += "".join(f" To tell: {what}." for what in item["experiments"])
     return text.strip()
 
 

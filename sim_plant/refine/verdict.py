@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.experiments import experiments
 from sim_plant.refine.fit import Fit
 from sim_plant.refine.holdout import Judgement
 from sim_plant.refine.trace import Trace
@@ -71,6 +72,7 @@ def verdict(trace: Trace, judgement: Judgement | None, holdout: str) -> dict[str
             {
                 "effect": " at ".join(s.hypothesis.key),
                 "with": [" at ".join(k) for k in s.ambiguous],
+                "experiments": experiments(s.hypothesis.key, s.ambiguous),
             }
             for s in trace.steps if s.ambiguous
         ],
