@@ -46,7 +46,7 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         headline=headline(outcome.verdict), verdict=outcome.verdict, rows=rows, command=command,
         limits=outcome.limits, records=outcome.records, held=outcome.plan.holdout,
         steps=trace.steps, angles=judged.angles_rad,
-        shifts=sorted(trace.fit.shifts.items()),
+        shifts=sorted(trace.corrections.items(), key=lambda row: row[0]),
         block=block.read_text(encoding="utf-8") if block else "",
         amended=amended.name if amended else "",
         overlay=overlay(judged, step_s), order_map=order_map(judged, step_s),

@@ -17,7 +17,7 @@ from sim_plant.refine.fit import Fit, empty_fit, felt_radii, refine_fit
 from sim_plant.refine.generic import LineSpectrum
 from sim_plant.refine.hypotheses import Hypothesis
 from sim_plant.refine.problem import Problem
-from sim_plant.refine.pulled import pulled_starts
+from sim_plant.refine.pulled import pulled_starts, shifts_in_force
 from sim_plant.refine.screen import Scored, neighbours, price, screen, thinned, worth_trying
 from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
 from sim_plant.refine.shapes import profile_starts
@@ -54,7 +54,11 @@ class Step:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Trace:
-    """Everything the search found."""
+    """Everything the search found.
+
+    ``corrections`` are the declared numbers as re-estimated with the effects, by path: none where
+    structure is left that is no line, for they may then have imitated it.
+    """
 
     nominal: Fit
     fit: Fit
@@ -63,6 +67,7 @@ class Trace:
     after: list[list[LineSpectrum]]
     steps: list[Step] = field(default_factory=list)
     unknown: list[Unknown] = field(default_factory=list)
+    corrections: dict[str, float] = field(default_factory=dict)
     first_look: list[Scored] = field(default_factory=list)
 
 
@@ -118,6 +123,8 @@ def _pursue(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
     found.unknown = unknowns(problem, found.nominal, found.fit, found.after)
     if any(u.kind not in LINE_KINDS for u in found.unknown):
         _keep_lines_only(problem, found, say)
+    elif found.steps:
+        found.corrections = shifts_in_force(problem, found.fit)
     return found
 
 
