@@ -32,7 +32,7 @@ LINE_SCORE = 50.0
 BEYOND_DOUBT = 3000.0
 """A score above this needs no second look at the declared drive tick."""
 WEAK = 150.0
-"""A score below this is only claimed when no other effect explains nearly as much."""
+"""An effect without a line is not claimed below this when another explains nearly as much."""
 MARGIN = 10.0
 """Effects whose scores are closer than this cannot be told apart."""
 MOST_LOOKS = 5
@@ -286,7 +286,7 @@ def _next(
                if s.hypothesis.key not in {k.key for _, _, k in fits}]  # fmt: skip
     others.sort(key=lambda row: -row[0])
     runner, second = (others[0][1], others[0][0]) if others else (None, 0.0)
-    if runner is not None and score < WEAK and score - second < MARGIN:
+    if runner and score < WEAK and score - second < MARGIN and not is_line(h, found):
         say(f"  {h.effect.name} at {h.location}: weak, and not to be told from "
             f"{runner.effect.name} at {runner.location}")  # fmt: skip
         return None
