@@ -69,8 +69,10 @@ def worth_trying(
     lines, others = [], []
     strongest = max(s.peak[1] for record in spectra for s in record)
     degrees = min(s.degrees for record in spectra for s in record)
-    least = max(LINE_WORTH_A_TRY + degrees, 0.01 * strongest)
     for h in hypotheses:
+        # a profile spreads what it does over many orders: each of them is small
+        alone = LINE_WORTH_A_TRY * (0.5 if len(h.effect.quadratures) > MANY else 1.0)
+        least = max(alone + degrees, 0.01 * strongest)
         support = [line_support(h, t, s) for t, s in zip(travels, spectra, strict=True)]
         seen = [value for value in support if value is not None]
         if not seen:

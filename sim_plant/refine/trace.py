@@ -32,9 +32,10 @@ LINE_SCORE = 50.0
 BEYOND_DOUBT = 3000.0
 """A score above this needs no second look at the declared drive tick."""
 WEAK = 150.0
-"""A score below this is only claimed when no other effect explains nearly as much."""
+"""An effect without a line is not claimed below this when another explains nearly as much."""
 MARGIN = 10.0
 """Effects whose scores are closer than this cannot be told apart."""
+MOST_LOOKS = 5
 RUNNERS = 4
 DISCREPANCY = 0.006
 """A further effect must explain more than this share of what was explained: no model is exact."""
@@ -281,24 +282,18 @@ def _next(
         fits.append((score, fit, h))
     fits = sorted((row for row in fits if np.isfinite(row[0])), key=lambda row: -row[0])
     fits = [row for k, row in enumerate(fits) if row[2].key not in {f[2].key for f in fits[:k]}]
-    explained = found.nominal.cost - found.fit.cost
+    fits = _looked_at_again(problem, found, fits, say)
     if not fits:
         return None
     score, fit, h = fits[0]
-    least = max(LINE_SCORE if is_line(h, found) else SCORE_THRESHOLD, DISCREPANCY * explained)
-    if score < least:
-        return None
-    if score < BEYOND_DOUBT:
-        score = min(score, _missed(problem, fit) - price(problem, len(h.names)))
-    if score < least:
-        say(f"  {h.effect.name} at {h.location}: not missed when all else is fitted again")
+    if score < _least(found, h):
         return None
     others = [(s, k) for s, _, k in fits[1:] if k.key != h.key]
     others += [(s.score, s.hypothesis) for s in ranked
                if s.hypothesis.key not in {k.key for _, _, k in fits}]  # fmt: skip
     others.sort(key=lambda row: -row[0])
     runner, second = (others[0][1], others[0][0]) if others else (None, 0.0)
-    if runner is not None and score < WEAK and score - second < MARGIN:
+    if runner and score < WEAK and score - second < MARGIN and not is_line(h, found):
         say(f"  {h.effect.name} at {h.location}: weak, and not to be told from "
             f"{runner.effect.name} at {runner.location}")  # fmt: skip
         return None
@@ -310,6 +305,36 @@ def _next(
         ambiguous=tuple(k.key for s, k in others if score - s < MARGIN),
     )  # fmt: skip
     return step, fit
+
+
+def _least(found: Trace, h: Hypothesis) -> float:
+    explained = found.nominal.cost - found.fit.cost
+    return max(LINE_SCORE if is_line(h, found) else SCORE_THRESHOLD, DISCREPANCY * explained)
+
+
+def _looked_at_again(
+    problem: Problem, found: Trace, fits: Sequence[_Rival], say: Say
+) -> list[_Rival]:
+    """Return the fits with small scores put right by what is lost without the effect, best first.
+
+    One that is not missed makes room for the next; those that come near the best are looked at
+    as well, so that a margin is between like and like.
+    """
+    again: list[_Rival] = []
+    best = 0.0
+    for raw, fit, h in fits:
+        least = _least(found, h)
+        if raw < max(least, best - MARGIN) or len(again) == MOST_LOOKS:
+            break
+        score = raw
+        if raw < BEYOND_DOUBT:
+            score = min(raw, _missed(problem, fit) - price(problem, len(h.names)))
+            if score < least:
+                say(f"  {h.effect.name} at {h.location}: not missed when all else is fitted again")
+        again.append((score, fit, h))
+        best = max(best, score)
+    rest = [(min(raw, best) if again else raw, fit, h) for raw, fit, h in fits[len(again) :]]
+    return sorted([*again, *rest], key=lambda row: -row[0])
 
 
 def _missed(problem: Problem, fit: Fit) -> float:
