@@ -13,6 +13,7 @@ from typing import Any
 from aff_runtime.app.request_client import ServiceClient
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
+from aff_runtime.config.loader import load_site
 from sim_plant.demo.processes import PLANT, RUNTIME, Bench, Child, ask_plant
 from sim_plant.demo.wires import SITES, wire_up
 from tests.lockstep.fault_table import WORKING_M_S, peak
@@ -88,6 +89,8 @@ class LiveLine:
         text = wired.site.read_text()
         self.site_text = re.sub(r"soft_start_s: [\d.]+", "soft_start_s: 0.3", text)
         self.bench.site.write_text(self.site_text)
+        actuators = load_site(self.bench.site).actuators.values()
+        self.limits_m_s = tuple(actuator.limit for actuator in actuators)
         self.plant = self._start_plant()
         self.service = self._serve()
 
