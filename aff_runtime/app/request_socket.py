@@ -12,7 +12,7 @@ import json
 import os
 import socket
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +22,6 @@ from aff_runtime.base.errors import RefusedError
 MAX_REQUEST_BYTES = 4096
 MAX_CALLERS = 16
 _CREDENTIALS = struct.Struct("3i")
-
-Reply = Callable[[Mapping[str, Any]], None]
 
 
 class Caller:

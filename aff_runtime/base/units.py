@@ -134,16 +134,6 @@ def accepted_units(unit: str) -> tuple[str, ...]:
     return (unit, *(name for name in _TABLE[info.dimension][1] if name != unit))
 
 
-def dimension_of(unit: str) -> str:
-    """Return the dimension of a unit of the table: length, speed, force, ..."""
-    return _BY_SYMBOL[unit].dimension
-
-
-def si_factor(unit: str) -> float:
-    """Return how many SI units one ``unit`` holds; ``ms`` gives 0.001."""
-    return _BY_SYMBOL[unit].si_per_unit
-
-
 def read_number(value: object, unit: str) -> float:
     """Return ``value`` as a number of ``unit``s.
 

@@ -19,8 +19,3 @@ def revision_hash(site: Site) -> str:
     content = [[dotted(leaf.path), leaf.value] for leaf in leaves(site)]
     text = json.dumps(content, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     return hashlib.sha256(text.encode("ascii")).hexdigest()
-
-
-def revision_word(site: Site) -> int:
-    """Return the low 16 bits of `revision_hash`, the PLC's ``config_revision``."""
-    return int(revision_hash(site)[-4:], 16)

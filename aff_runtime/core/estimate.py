@@ -107,14 +107,14 @@ def fit_delay(points: Sequence[ResponsePoint]) -> float:
     return float(delays[int(np.argmin(cost))])
 
 
-def measured_sign(points: Sequence[ResponsePoint], delay_s: float) -> tuple[int, float]:
-    """Return the sign of P (+1, -1, 0 for undecided) and the mean cosine it rests on.
+def measured_sign(points: Sequence[ResponsePoint], delay_s: float) -> int:
+    """Return the sign of P: +1, -1, 0 for undecided.
 
     Low frequencies decide (up to three times the lowest): delay removed, the mean of
     cos(arg P), weighted by quality, must exceed 0.2.
     """
     if not points:
-        return 0, 0.0
+        return 0
     lowest = min(p.frequency_Hz for p in points)
     total = weight = 0.0
     for p in points:
@@ -122,4 +122,4 @@ def measured_sign(points: Sequence[ResponsePoint], delay_s: float) -> tuple[int,
             total += p.coherence * math.cos(p.phase_rad + math.tau * p.frequency_Hz * delay_s)
             weight += p.coherence
     mean = total / weight if weight > 0.0 else 0.0
-    return (0 if abs(mean) < CLEAR_SIGN else int(math.copysign(1.0, mean))), mean
+    return 0 if abs(mean) < CLEAR_SIGN else int(math.copysign(1.0, mean))

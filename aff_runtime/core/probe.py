@@ -43,14 +43,13 @@ class Stage(IntEnum):
 class ProbeResult:
     """What the probe found for one actuator.
 
-    ``sign`` of P at low frequency (0: undecided) with the mean cosine behind it; ``remarks`` are
-    reasons to distrust the response, empty when there is none.
+    ``sign`` of P at low frequency (0: undecided); ``remarks`` are reasons to distrust the
+    response, empty when there is none.
     """
 
     actuator: str
     response: Response
     sign: int
-    sign_cosine: float
     remarks: tuple[str, ...]
 
 
@@ -217,14 +216,12 @@ class Probe:
             foreign=foreign,
         )
         delay_s = fit_delay(points)
-        sign, cosine = measured_sign(points, delay_s)
         ratio = np.asarray(self._ratio[j])[keep]
         limited = float(np.ptp(ratio)) > RATIO_SPREAD
         return ProbeResult(
             actuator=name,
             response=Response(points=points, delay_s=delay_s, provenance=provenance),
-            sign=sign,
-            sign_cosine=cosine,
+            sign=measured_sign(points, delay_s),
             remarks=("a limit changed the excitation while it was measured",) if limited else (),
         )
 

@@ -109,7 +109,6 @@ class ModbusTcpTransport:
         self._reply = _NO_WORDS
         self._why = ""
         self.connects = 0
-        self.discarded_replies = 0
 
     @property
     def last_exception_code(self) -> int:
@@ -268,7 +267,6 @@ class ModbusTcpTransport:
                 if function:
                     outcome, self._reply = self._frames.parse_reply(frame, function)
                     return outcome
-            self.discarded_replies += 1
 
     def _age_of(self, tid: int) -> int:
         """How many requests ago ``tid`` was sent here; -1 when it never was."""

@@ -23,11 +23,6 @@ class ReplayTransport:
         self._rows = tuple(row if isinstance(row, Outcome) else tuple(row) for row in rows)
         self._next = 0
 
-    @property
-    def remaining(self) -> int:
-        """Rows not replayed yet."""
-        return len(self._rows) - self._next
-
     def transact(self, write_words: list[int], deadline_ns: int) -> tuple[Outcome, list[int]]:
         """Return the next row; what is written and the deadline play no part."""
         if self._next >= len(self._rows):

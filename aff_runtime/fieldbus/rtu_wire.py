@@ -60,7 +60,6 @@ class RtuWire:
         self._line: serial.Serial | None = None
         self._head = b""
         self._buffer = b""
-        self.crc_errors = 0
         self.why_closed = ""
 
     def start_connect(self) -> bool:
@@ -130,7 +129,6 @@ class RtuWire:
         self._buffer = b""
         body = reply[:-2]
         if crc16(body) != int.from_bytes(reply[-2:], "little"):
-            self.crc_errors += 1
             return 0
         frame = self._head + len(body).to_bytes(2, "big") + body
         self._head = b""

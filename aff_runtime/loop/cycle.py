@@ -20,7 +20,6 @@ from aff_runtime.base.signals import (
 from aff_runtime.loop.orders import Orders
 from aff_runtime.loop.record import TickTiming, build_record
 from aff_runtime.loop.seams import GuardPort, Outside
-from aff_runtime.loop.stats import CycleStats
 from aff_runtime.loop.ticker import Ticker
 
 _INTERNAL_FAULT = BY_NAME["INTERNAL_FAULT"].code
@@ -84,7 +83,6 @@ class Cycle:
         )
         self._outside = outside
         self._ticker = Ticker(clock, settings.period_ns)
-        self.stats = CycleStats()
         zeros = (0.0,) * settings.output_count
         self._blank = _blank_snapshot(settings.channel_count)
         self._snapshot = self._blank
@@ -174,7 +172,6 @@ class Cycle:
     def _tell(self) -> None:
         """Keep the record and the events, and tell the service manager."""
         tick_ns = self._clock.now_ns() - self._started_ns
-        self.stats.add(wake_ns=self._wake_ns, io_ns=self._io_ns, tick_ns=tick_ns)
         self._outside.publish(self._record(tick_ns))
         for tick, code in self._guard.drain_events():
             self._outside.event(tick, self._started_ns, code)

@@ -61,8 +61,7 @@ class SlotReader:
 
     Attributes
     ----------
-    overrun_count : records overwritten before they were read.
-    torn_count : copies thrown away because the writer changed the slot meanwhile.
+    overrun_count : records overwritten before they were read, or while.
     """
 
     def __init__(
@@ -76,7 +75,6 @@ class SlotReader:
         self._unpacker = struct.Struct(f"={n_values}d")
         self._next = 0
         self.overrun_count = 0
-        self.torn_count = 0
 
     def written_count(self) -> int:
         """Return how many records the writer has completed."""
@@ -107,7 +105,6 @@ class SlotReader:
                 continue
             record = self._copy(self._next)
             if record is None:
-                self.torn_count += 1
                 self.overrun_count += 1
             else:
                 records.append(record)

@@ -109,8 +109,3 @@ class LineState(NamedTuple):
 def copy_state(state: LineState) -> LineState:
     """Return an independent copy."""
     return LineState(**{name: part.copy() for name, part in state._asdict().items()})
-
-
-def copy_arrays(arrays: LineArrays) -> LineArrays:
-    """Return an independent copy, to try an effect on."""
-    return LineArrays(**{name: part.copy() for name, part in arrays._asdict().items()})

@@ -4,14 +4,25 @@ from __future__ import annotations
 
 import io
 
+import matplotlib as mpl
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
+_SALT = "reproduce"  # any fixed text: identities in the figure come from what is drawn
 
-def svg(figure: Figure) -> str:
-    """Return a figure as an SVG element without its XML header."""
+
+def svg(figure: Figure, *, tight: bool = True, letters: bool = False) -> str:
+    """Return a figure as an SVG element without its XML header, the same for the same data.
+
+    Parameters
+    ----------
+    tight : cut the figure down to what is drawn, else it keeps its size.
+    letters : text stays text, in the reader's own font, else it is drawn as outlines.
+    """
     text = io.StringIO()
     FigureCanvasSVG(figure)
-    figure.savefig(text, format="svg", bbox_inches="tight")
+    kind, box = "none" if letters else "path", "tight" if tight else None
+    with mpl.rc_context({"svg.hashsalt": _SALT, "svg.fonttype": kind}):
+        figure.savefig(text, format="svg", metadata={"Date": None}, bbox_inches=box)
     drawn = text.getvalue()
     return drawn[drawn.index("<svg") :]

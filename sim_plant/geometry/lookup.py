@@ -1,7 +1,7 @@
-"""Compiled lookups in shape tables, for the line's kernel.
+"""Compiled lookup in shape tables, for the line's kernel.
 
-All take deviations from the mean radius, so one table serves a roll at every radius:
-p = R + h, radius of curvature = R + rho, arc length S = R psi + s.
+It takes deviations from the mean radius, so one table serves a roll at every radius:
+p = R + h, radius of curvature = R + rho.
 """
 
 from __future__ import annotations
@@ -42,23 +42,3 @@ def support_at(h: Floats, dh: Floats, rho: Floats, psi_rad: float) -> tuple[floa
     slope = d0 + t * (s0 + t * (3.0 * a + t * (4.0 * b + t * 5.0 * c)))
     bend = s0 + t * (6.0 * a + t * (12.0 * b + t * 20.0 * c))
     return value, slope / step, value + bend / (step * step)
-
-
-@compiled
-def arc_at(arc: Floats, rho: Floats, psi_rad: float) -> float:
-    """Return the deviation s of arc length S(psi) = R psi + s(psi), m; s is periodic.
-
-    Cubic Hermite with ds/dpsi = rho at the nodes.
-    """
-    cells = arc.shape[0] - 1
-    step = _TWO_PI / cells
-    turn = psi_rad / _TWO_PI
-    position = (turn - floor(turn)) * cells
-    i = min(int(position), cells - 1)
-    t = position - i
-    rise = arc[i + 1] - arc[i]
-    d0, d1 = rho[i] * step, rho[i + 1] * step
-    value: float = arc[i] + t * (
-        d0 + t * (3.0 * rise - 2.0 * d0 - d1 + t * (d0 + d1 - 2.0 * rise))
-    )
-    return value

@@ -20,17 +20,15 @@ class ShapeTable:
     Attributes
     ----------
     mean_radius_m : mean radius of the shape it was made from, m; the kernel may use another.
-    support_m : h - R, m, n + 1 points; the last repeats the first in all four columns.
+    support_m : h - R, m, n + 1 points; the last repeats the first in all three columns.
     slope_m : h', m.
     curvature_m : h + h'' - R, m.
-    arc_m : S(psi) - R psi, m, zero at psi = 0.
     """
 
     mean_radius_m: float
     support_m: Floats
     slope_m: Floats
     curvature_m: Floats
-    arc_m: Floats
 
 
 def tabulate(shape: Shape, points: int = DEFAULT_POINTS) -> ShapeTable:
@@ -45,14 +43,11 @@ def tabulate(shape: Shape, points: int = DEFAULT_POINTS) -> ShapeTable:
         raise PlantError(f"{points} points cannot hold {shape.deviation_m.size} orders")
     order = np.arange(1, shape.deviation_m.size + 1)
     h_n = shape.deviation_m
-    arc_n = (1.0 - order * order) * h_n / (1j * order)
-    arc = _samples(arc_n, points)
     return ShapeTable(
         mean_radius_m=shape.mean_radius_m,
         support_m=_samples(h_n, points),
         slope_m=_samples(1j * order * h_n, points),
         curvature_m=_samples((1.0 - order * order) * h_n, points),
-        arc_m=arc - arc[0],
     )
 
 

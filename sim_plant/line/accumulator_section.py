@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.base.runge_kutta import fourth_order
 from sim_plant.elements.accumulator import carriage_acceleration, strain_rate
 from sim_plant.elements.span import tension
 
@@ -47,19 +48,9 @@ def simulate(
     step_s: float,
 ) -> Array:
     """Return states (steps + 1, 3) by the classical fourth-order rule."""
-    steps = round(duration_s / step_s)
-    states = np.empty((steps + 1, 3))
-    states[0] = start
-    for k in range(steps):
-        time = k * step_s
-        ends = speeds(time), speeds(time + 0.5 * step_s), speeds(time + step_s)
-        s = states[k]
-        one = rates(a, s, ends[0], lift_N)
-        two = rates(a, s + 0.5 * step_s * one, ends[1], lift_N)
-        three = rates(a, s + 0.5 * step_s * two, ends[1], lift_N)
-        four = rates(a, s + step_s * three, ends[2], lift_N)
-        states[k + 1] = s + step_s / 6.0 * (one + 2.0 * (two + three) + four)
-    return states
+    return fourth_order(
+        lambda time, state: rates(a, state, speeds(time), lift_N), start, duration_s, step_s
+    )
 
 
 def rest_lift_N(a: Accumulator, strain: float) -> float:

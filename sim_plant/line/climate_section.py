@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.base.runge_kutta import fourth_order
 from sim_plant.elements.span import strain_rate, tension
 from sim_plant.elements.web_climate import exchange_rate, free_strain
 
@@ -48,15 +49,6 @@ def simulate(
     step_s: float,
 ) -> Array:
     """Return states (steps + 1, 2) by the classical fourth-order rule."""
-    steps = round(duration_s / step_s)
-    states = np.empty((steps + 1, 2))
-    states[0] = start
-    for k in range(steps):
-        time, half = k * step_s, 0.5 * step_s
-        s = states[k]
-        one = rates(w, s, speeds(time), oven_K(time))
-        two = rates(w, s + half * one, speeds(time + half), oven_K(time + half))
-        three = rates(w, s + half * two, speeds(time + half), oven_K(time + half))
-        four = rates(w, s + step_s * three, speeds(time + step_s), oven_K(time + step_s))
-        states[k + 1] = s + step_s / 6.0 * (one + 2.0 * (two + three) + four)
-    return states
+    return fourth_order(
+        lambda time, state: rates(w, state, speeds(time), oven_K(time)), start, duration_s, step_s
+    )

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.base.runge_kutta import fourth_order
 from sim_plant.elements import linear_dancer, pendulum_dancer
 from sim_plant.elements.span import strain_rate, tension
 
@@ -120,19 +121,9 @@ def simulate(
     web: DancerWeb, dancer: Dancer, start: Array, speeds: Speeds, duration_s: float, step_s: float
 ) -> Array:
     """Return states (steps + 1, 5) by the classical fourth-order rule."""
-    steps = round(duration_s / step_s)
-    states = np.empty((steps + 1, start.size))
-    states[0] = start
-    for k in range(steps):
-        time = k * step_s
-        ends = speeds(time), speeds(time + 0.5 * step_s), speeds(time + step_s)
-        s = states[k]
-        a = rates(web, dancer, s, ends[0])
-        b = rates(web, dancer, s + 0.5 * step_s * a, ends[1])
-        c = rates(web, dancer, s + 0.5 * step_s * b, ends[1])
-        d = rates(web, dancer, s + step_s * c, ends[2])
-        states[k + 1] = s + step_s / 6.0 * (a + 2.0 * (b + c) + d)
-    return states
+    return fourth_order(
+        lambda time, state: rates(web, dancer, state, speeds(time)), start, duration_s, step_s
+    )
 
 
 def rest_strain(web: DancerWeb, speed_in_m_s: float, speed_out_m_s: float) -> float:

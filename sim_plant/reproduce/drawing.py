@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+
+from sim_plant.base.svg import svg
 
 COLOURS = ("#5f6368", "#b3261e", "#b06000", "#1a7f37", "#0b57d0", "#7b1fa2")
 _MOST_POINTS = 1500
@@ -69,7 +68,7 @@ def draw(panels: Sequence[Panel], columns: int = 2) -> str:
             axis.legend(fontsize=7)
     for axis in axes[len(panels) :]:
         axis.remove()
-    return svg(figure)
+    return svg(figure, tight=False, letters=True)
 
 
 def bars(
@@ -89,14 +88,4 @@ def bars(
     axis.axhline(0.0, color="#202124", lw=0.6)
     axis.grid(alpha=0.3, axis="y")
     axis.legend(fontsize=7)
-    return svg(figure)
-
-
-def svg(figure: Figure) -> str:
-    """Return a figure as an SVG element without its XML header, the same for the same data."""
-    text = io.StringIO()
-    FigureCanvasSVG(figure)
-    with mpl.rc_context({"svg.hashsalt": "reproduce", "svg.fonttype": "none"}):
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    drawn = text.getvalue()
-    return drawn[drawn.index("<svg") :]
+    return svg(figure, tight=False, letters=True)

@@ -45,6 +45,11 @@ class Loop:
     torque: bool = False
 
 
+def unwind_tension_error(readings: Readings) -> float:
+    """Return reference minus measured tension of the unwind span, N."""
+    return TENSION_N - readings["unwind_tension_N"]
+
+
 def run(
     line: LineSimulation,
     loop: Loop | None,

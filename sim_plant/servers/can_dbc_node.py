@@ -135,8 +135,6 @@ class DbcNode:
     torn : sets of the runtime that never became whole.
     """
 
-    needs_sync = False
-
     def __init__(self, rows: DbcMap, database: Database, registers: Registers) -> None:
         self._rows = rows
         self._registers = registers

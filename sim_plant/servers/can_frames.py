@@ -29,11 +29,6 @@ _ON_THE_WAY = _CUTTING | {
 class CanNode(Protocol):
     """What stands behind the bus on the plant's side: PLC, drives, or both."""
 
-    @property
-    def needs_sync(self) -> bool:
-        """Whether frames leave on SYNC instead of on the scan."""
-        ...
-
     def take(self, frame: CanFrame) -> list[CanFrame]:
         """Take a frame of the runtime; return what is answered at once."""
         ...

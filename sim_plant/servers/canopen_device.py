@@ -68,7 +68,6 @@ class Device:
         self.node.data_store.clear()
         self.operational = False
         self.received_s = -math.inf
-        self.heard_master_s = -math.inf
         self.emcy = 0
         self.beat_s = -math.inf
         self.arrived: set[int] = set()

@@ -60,8 +60,6 @@ class CanopenNetwork:
     every RPDO has come since the last SYNC, all nodes work and none has lost its master.
     """
 
-    needs_sync = True
-
     def __init__(self, path: Path, registers: Registers) -> None:
         try:
             self._rows = NodeMap.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")))

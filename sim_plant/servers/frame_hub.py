@@ -26,7 +26,6 @@ class FrameHub:
         self._listener: socket.socket | None = None
         self._parties: dict[int, socket.socket] = {}
         self._take: Take = lambda _: None
-        self.dropped = 0
 
     def open(self, take: Take) -> None:
         """Listen; a socket left behind is replaced.
@@ -111,8 +110,8 @@ class FrameHub:
                 continue
             try:
                 party.send(packet)
-            except BlockingIOError:
-                self.dropped += 1
+            except BlockingIOError:  # its queue is full: a frame lost to this party
+                continue
             except OSError:
                 self._forget(party.fileno())
 

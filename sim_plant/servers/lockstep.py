@@ -47,11 +47,6 @@ class LockstepPlant:
         for _ in range(samples):
             self.plant.step()
 
-    def transact_words(self, write_words: list[int]) -> list[int] | Outcome:
-        """Write the write block and return the read block, or the outcome that prevents it."""
-        outcome, words = self.transact(write_words, 0)
-        return words if outcome is Outcome.OK else outcome
-
     def transact(self, write_words: list[int], deadline_ns: int) -> tuple[Outcome, list[int]]:
         """Exchange the blocks as a word transport does; the deadline always suffices."""
         del deadline_ns

@@ -3,48 +3,23 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.request_client import ServiceClient
-from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
 from aff_runtime.config.loader import load_site
 from sim_plant.demo.processes import PLANT, RUNTIME, Bench, Child, ask_plant
 from sim_plant.demo.wires import SITES, wire_up
 from tests.lockstep.fault_table import WORKING_M_S, peak
 from tests.lockstep.known_response import LINE, ROOT, SPEED_M_S, known_responses
+from tests.processes import Operator, until
 
-CLOCK = MonotonicClock()
-PATIENCE_S = 30.0
 ATTEMPTS = 6
 SEED = 7
 Rows = list[tuple[float, tuple[float, ...]]]
-
-
-def pause(seconds: float) -> None:
-    """Wait in real time."""
-    CLOCK.sleep_until_ns(CLOCK.now_ns() + int(seconds * 1e9))
-
-
-def until(what: str, condition: Callable[[], bool], patience_s: float = PATIENCE_S) -> None:
-    """Wait for ``condition``."""
-    end_ns = CLOCK.now_ns() + int(patience_s * 1e9)
-    while not condition():
-        assert CLOCK.now_ns() < end_ns, f"not within {patience_s} s: {what}"
-        pause(0.03)
-
-
-def is_running(pid: int) -> bool:
-    """Return whether a process exists and is no zombie."""
-    try:
-        return "\nState:\tZ" not in Path(f"/proc/{pid}/status").read_text()
-    except OSError:
-        return False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +31,7 @@ class Pauses:
     runtime_ticks: int
 
 
-class LiveLine:
+class LiveLine(Operator):
     """One plant, one service, and what an operator and a judge at the plant can do.
 
     Parameters
@@ -67,6 +42,8 @@ class LiveLine:
     site_file : of config; the wire's own, or the plain law's on Modbus, where not given.
     speed_m_s : line speed; a roll at 200 FPM is used up after 19 minutes.
     """
+
+    ANSWER_WITHIN_S = 20.0
 
     def __init__(
         self,
@@ -80,6 +57,7 @@ class LiveLine:
         shipped = site_file or {"modbus": "euclid_blocks.yaml"}.get(wire, SITES[wire])
         wired = wire_up(wire, ROOT / "config" / shipped, folder)
         self.bench = Bench(folder=folder, site=wired.site, plant_arguments=wired.plant_arguments)
+        super().__init__(self.bench.runtime_dir)
         self._environment = environment
         (folder / "learned").mkdir()
         stem = wired.site.stem.removesuffix("_blocks")
@@ -105,7 +83,7 @@ class LiveLine:
     def _serve(self) -> Child:
         command = [
             *RUNTIME, "run", str(self.bench.site),
-            "--runtime-dir", str(self.bench.runtime_dir),
+            "--runtime-dir", str(self.runtime_dir),
             "--record-dir", str(self.bench.folder / "runs"),
         ]  # fmt: skip
         log = self.bench.folder / "runtime.log"
@@ -117,20 +95,6 @@ class LiveLine:
         self.plant.stop()
 
     # --- the operator -----------------------------------------------------------------------
-
-    def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
-        """Send one request to the service."""
-        client = ServiceClient(self.bench.runtime_dir / "control.sock", timeout_s=20.0)
-        try:
-            return client.ask(do, **arguments)
-        finally:
-            client.close()
-
-    def status(self) -> dict[str, Any]:
-        """Return the service's status, empty while there is none."""
-        with contextlib.suppress(AffError):
-            return self.ask("status")
-        return {}
 
     @property
     def state(self) -> str:
@@ -216,8 +180,3 @@ class LiveLine:
             plant_samples=counts["late_samples"] + counts["skipped_samples"],
             runtime_ticks=int(signals.get("missed_count") or 0),
         )
-
-
-def kill(pid: int) -> None:
-    """Kill one process of ours the hard way."""
-    os.kill(pid, 9)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.hil.live_line import LiveLine, Pauses, until
+from tests.hil.live_line import LiveLine, Pauses
 from tests.lockstep.fault_table import (
     LASTS_S,
     TROUBLES,
@@ -14,6 +14,7 @@ from tests.lockstep.fault_table import (
     assert_never_above_limit,
     peak,
 )
+from tests.processes import until
 
 pytestmark = [pytest.mark.hil, pytest.mark.wire, pytest.mark.timeout(90)]
 

@@ -7,8 +7,9 @@ from itertools import pairwise
 
 import pytest
 
-from tests.hil.live_line import LiveLine, Rows, until
+from tests.hil.live_line import LiveLine, Rows
 from tests.lockstep.fault_table import ZERO_WITHIN_S, assert_never_above_limit, peak
+from tests.processes import until
 
 pytestmark = [pytest.mark.hil, pytest.mark.wire, pytest.mark.timeout(90)]
 

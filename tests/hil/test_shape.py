@@ -7,7 +7,8 @@ import json
 import pytest
 
 from sim_plant.demo.processes import runtime_command
-from tests.hil.live_line import LiveLine, until
+from tests.hil.live_line import LiveLine
+from tests.processes import until
 
 pytestmark = [pytest.mark.hil, pytest.mark.wire, pytest.mark.timeout(240)]
 LEARN_S = 14.0

@@ -9,7 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.hil.live_line import LiveLine, kill, pause, until
+from tests.hil.live_line import LiveLine
+from tests.processes import kill, pause, until
 
 RUBBISH = "version: 1\nline: [this, is: not\n\ta site file"
 HELD_S = 1.0  # how long a stopped process stays stopped

@@ -16,12 +16,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from aff_runtime.base.errors import AffError
-from tests.hil.live_line import LiveLine, pause, until
+from tests.hil.live_line import LiveLine
 from tests.matrix.bench import WIRES
 from tests.matrix.cells import TABLE
 from tests.matrix.deeds import DEEDS, Deed
 from tests.matrix.disk import small_disk
 from tests.matrix.live_judge import Seen, stays_at_zero, strike
+from tests.processes import pause, until
 
 SHIM = Path(__file__).with_name("stepped_clock.c")
 STEPS = (("clock stepped an hour ahead", 3600), ("clock stepped an hour back", -3600))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from tests.hil.live_line import LiveLine, Rows, until
+from tests.hil.live_line import LiveLine, Rows
 from tests.lockstep.fault_table import zero_after_s
+from tests.processes import until
 
 ZERO_S = 0.300
 LOOK_S = 0.7  # from the blow on, at least

@@ -12,11 +12,12 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-from tests.hil.live_line import CLOCK, LiveLine, until
+from tests.hil.live_line import LiveLine
 from tests.matrix.cells import TABLE
 from tests.matrix.deeds import HARMLESS, KILLS, Deed, recorder_pid
 from tests.matrix.disk import small_disk
 from tests.matrix.live_judge import Seen, stays_at_zero, strike
+from tests.processes import CLOCK, until
 
 SPEED_M_S = 0.6  # a roll lasts 13 min down to
 SMALLEST_M = 0.115  # a new roll then; the site file knows 4 in to 12 in

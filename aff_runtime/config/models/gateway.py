@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from aff_runtime.config.models.wires import CanDbc, Canopen402, ModbusRtu, ModbusTcp
 from aff_runtime.config.quantity import (
@@ -26,15 +26,16 @@ SIGNAL = (
 )
 
 
+def _register(text: str) -> Any:
+    """Declare the number of a register; absent on CAN."""
+    return key(text, default=None, alias="register", ge=0, le=465536)
+
+
 class ReadWord(Section):
     """A status word that the PLC writes and AFF reads."""
 
-    register_number: Register | None = key(
-        "Number of the register, counted as address_base says; on Modbus.",
-        default=None,
-        alias="register",
-        ge=0,
-        le=465536,
+    register_number: Register | None = _register(
+        "Number of the register, counted as address_base says; on Modbus."
     )
     signal: Text | None = key(SIGNAL, default=None)
     type: Literal["u16"] = key("Word type; these words are always u16.", default="u16")
@@ -43,12 +44,8 @@ class ReadWord(Section):
 class Channel(Section):
     """A measured value; the name of the key ends with its SI unit."""
 
-    register_number: Register | None = key(
-        "Number of its (first) register, counted as address_base says; on Modbus.",
-        default=None,
-        alias="register",
-        ge=0,
-        le=465536,
+    register_number: Register | None = _register(
+        "Number of its (first) register, counted as address_base says; on Modbus."
     )
     signal: Text | None = key(SIGNAL, default=None)
     type: WordType | None = key(
@@ -84,12 +81,8 @@ class ReadBlock(Section):
 class WriteWord(Section):
     """A u16 word that AFF alone writes."""
 
-    register_number: Register | None = key(
-        "Number of the register, counted as address_base says; on Modbus.",
-        default=None,
-        alias="register",
-        ge=0,
-        le=465536,
+    register_number: Register | None = _register(
+        "Number of the register, counted as address_base says; on Modbus."
     )
     signal: Text | None = key(SIGNAL, default=None)
 
@@ -97,9 +90,7 @@ class WriteWord(Section):
 class Correction(Section):
     """The correction of one actuator, with its ones complement as proof of integrity."""
 
-    register_number: Register | None = key(
-        "Register of the correction; on Modbus.", default=None, alias="register", ge=0, le=465536
-    )
+    register_number: Register | None = _register("Register of the correction; on Modbus.")
     complement: Register | None = key(
         "Register of its ones complement; the PLC drops the correction when the two differ.",
         default=None,

@@ -9,7 +9,13 @@ import numpy as np
 from sim_plant.reproduce.drawing import Panel, draw
 from sim_plant.reproduce.entry import Experiment, Result, Row, beyond
 from sim_plant.reproduce.euclid import INCH_M, TENSION_N, effect, open_euclid
-from sim_plant.reproduce.feed_forward import Loop, Readings, decibels, orders_after, run
+from sim_plant.reproduce.feed_forward import (
+    Loop,
+    decibels,
+    orders_after,
+    run,
+    unwind_tension_error,
+)
 from sim_plant.reproduce.plant_response import measure_response
 from sim_plant.reproduce.source_laws import PhasedAff, PrintedAff
 
@@ -45,7 +51,9 @@ def run_all() -> Result:
                                settle_s=20.0)  # fmt: skip
             loop = None
             if law is not None:
-                loop = Loop(roller="unwind", law=law, error=_error, angle="unwind_angle_rad")
+                loop = Loop(
+                    roller="unwind", law=law, error=unwind_tension_error, angle="unwind_angle_rad"
+                )
             record = run(line, loop, RECORD_S, speed, (TENSION, ANGLE))
             sizes[name] = orders_after(record, TENSION, ANGLE, ORDERS, LATE_S)
         phases = [float(np.degrees(np.angle(-plant.at(n * turn_Hz)))) for n in ORDERS]
@@ -65,10 +73,6 @@ def run_all() -> Result:
                   x="line speed [m/s]", y="attenuation [dB]", log="x",
                   title="16 in roll, 0.2 mm in orders 1 and 2, 5 ms")  # fmt: skip
     return Result(rows=tuple(rows), figures=(draw([panel]),))
-
-
-def _error(readings: Readings) -> float:
-    return TENSION_N - readings["unwind_tension_N"]
 
 
 EXPERIMENTS = (

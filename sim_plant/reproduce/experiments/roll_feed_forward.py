@@ -21,7 +21,15 @@ from sim_plant.reproduce.euclid import (
     open_euclid,
     spectrum,
 )
-from sim_plant.reproduce.feed_forward import Law, Loop, Readings, decibels, orders_after, run
+from sim_plant.reproduce.feed_forward import (
+    Law,
+    Loop,
+    Readings,
+    decibels,
+    orders_after,
+    run,
+    unwind_tension_error,
+)
 from sim_plant.reproduce.plant_response import PlantResponse, measure_response
 from sim_plant.reproduce.source_laws import PhasedAff, PrintedAff
 
@@ -73,7 +81,7 @@ def loops(web: str) -> dict[str, Loop | None]:
 
     def loop(law: Law, believed: float | None = None) -> Loop:
         rate = None if believed is None else partial(_turning, believed)
-        return Loop(roller="unwind", law=law, error=_error, angle="unwind_angle_rad",
+        return Loop(roller="unwind", law=law, error=unwind_tension_error, angle="unwind_angle_rad",
                     psi_rate_rad_s=rate)  # fmt: skip
 
     def printed() -> PrintedAff:
@@ -87,10 +95,6 @@ def loops(web: str) -> dict[str, Loop | None]:
         "on roll angle": loop(printed()),
         "ours": loop(ours),
     }
-
-
-def _error(readings: Readings) -> float:
-    return TENSION_N - readings["unwind_tension_N"]
 
 
 def _turning(believed: float, readings: Readings) -> float:

@@ -7,7 +7,13 @@ import numpy as np
 from sim_plant.reproduce.drawing import Panel, draw
 from sim_plant.reproduce.entry import Experiment, Result, Row, beyond
 from sim_plant.reproduce.euclid import FPM_M_S, INCH_M, TENSION_N, effect, open_euclid
-from sim_plant.reproduce.feed_forward import Loop, Readings, decibels, orders_after, run
+from sim_plant.reproduce.feed_forward import (
+    Loop,
+    decibels,
+    orders_after,
+    run,
+    unwind_tension_error,
+)
 from sim_plant.reproduce.plant_response import measure_response
 from sim_plant.reproduce.source_laws import PhasedAff, PrintedAff
 
@@ -62,11 +68,7 @@ def run_all() -> Result:
 
 
 def _loop(law: PrintedAff | PhasedAff) -> Loop:
-    return Loop(roller="unwind", law=law, error=_error, angle="unwind_angle_rad")
-
-
-def _error(readings: Readings) -> float:
-    return TENSION_N - readings["unwind_tension_N"]
+    return Loop(roller="unwind", law=law, error=unwind_tension_error, angle="unwind_angle_rad")
 
 
 EXPERIMENTS = (

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.geometry.convex_hull import shape_of_points
+from sim_plant.geometry.convex_hull import Points, shape_of_points
 from sim_plant.geometry.extrema import radius_cubic
 from sim_plant.geometry.roll_profiles import insert_outline
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Experiment, Result, beyond, judge
+from sim_plant.reproduce.entry import Experiment, Result, Row, beyond, judge
 from sim_plant.reproduce.euclid import INCH_M
 
 R_IN, FLAT_IN, THICK_IN = 5.5, 3.0, 0.5
@@ -30,11 +32,16 @@ def polar_radius_in(points: Array, angle: Array) -> Array:
     return np.asarray(np.interp(angle, points[0], points[1], period=2.0 * np.pi))
 
 
-def run() -> Result:
-    """Draw both, find the extrema, and measure how close the cubic comes."""
+def corrected_outline_in() -> Points:
+    """Return the corrected outline of (4.40) with its flat top, by angle from 0 on."""
     top = np.linspace(-0.5, 0.5, 400) * FLAT_IN + 1j * (R_IN + THICK_IN)
     outline = np.concatenate((insert_outline(R_IN, FLAT_IN, THICK_IN), top))
-    outline = outline[np.argsort(np.mod(np.angle(outline), 2.0 * np.pi))]
+    return outline[np.argsort(np.mod(np.angle(outline), 2.0 * np.pi))]
+
+
+def run() -> Result:
+    """Draw both, find the extrema, and measure how close the cubic comes."""
+    outline = corrected_outline_in()
     angles, radii = np.angle(outline), np.abs(outline)
     order = np.argsort(angles)
     polar = np.vstack((angles[order], radii[order]))
@@ -45,52 +52,63 @@ def run() -> Result:
     by_corner, _ = cubic_through(grid, corner, float(np.hypot(6.0, 1.5)))
     cubic, extrema = cubic_through(grid, *read)
     flat = np.abs(grid - 0.5 * np.pi) < 0.5 * np.pi - corner
-    feature = read[1] - R_IN
     misses = {
         (name, part): float(np.max(np.abs(curve - radius)[where]))
         for name, curve in (("profile", cubic), ("corner", by_corner))
         for part, where in (("flat", flat), ("sides", ~flat))
     }
-    edge = float(printed_y_in(np.array([1.5 + 1e-9]))[0])
+    by_angle = Panel(
+        curves={"insert": (np.degrees(grid), radius),
+                "cubic (4.20), maxima of the profile": (np.degrees(grid), cubic),
+                "cubic, maxima at the corners": (np.degrees(grid), by_corner)},
+        x="angle [deg]", y="radius [in]", title="Fig. 4.10",
+    )  # fmt: skip
+    return Result(
+        rows=_rows(misses, read, least_curvature(extrema)),
+        figures=(draw([_outlines(outline), by_angle]),),
+    )
+
+
+def _outlines(outline: Points) -> Panel:
+    """Return Fig. 4.9: the outline as printed, corrected, and what a web on it touches."""
     x = np.linspace(-R_IN, R_IN, 1201)
     hull = shape_of_points(np.asarray(outline * INCH_M, dtype=np.complex128))
-    psi = np.linspace(0.0, 2.0 * np.pi, 1000)
-    touched = hull.boundary(psi) / INCH_M
-    panels = [
-        Panel(curves={"(4.40) as printed": (x, printed_y_in(x)),
-                      "corrected": (outline.real, outline.imag),
-                      "web on it": (touched.real, touched.imag)},
-              x="x [in]", y="y [in]", title="Fig. 4.9", equal=True),
-        Panel(curves={"insert": (np.degrees(grid), radius),
-                      "cubic (4.20), maxima of the profile": (np.degrees(grid), cubic),
-                      "cubic, maxima at the corners": (np.degrees(grid), by_corner)},
-              x="angle [deg]", y="radius [in]", title="Fig. 4.10"),
-    ]  # fmt: skip
-    bend = least_curvature(extrema)
-    return Result(
-        rows=(
-            judge("y at the edge of the flat by (4.40) as printed", "6.0 in", edge, "in",
-                  abs(edge - 6.0) < 1e-3, "the centres of the two side arcs are interchanged; "
-                  "at x = -r the printed root has no real value"),
-            *(
-                judge(f"cubic against profile, largest error on the {part}",
-                      "closely approximates",
-                      misses["profile", part], "in", misses["profile", part] < 0.05 * feature,
-                      f"{100.0 * misses['profile', part] / feature:.0f} % of a feature of "
-                      f"{feature:.2f} in; maxima read from the profile at "
-                      f"{np.degrees(read[0]):.1f} deg")
-                for part in ("flat", "sides")
-            ),
-            *(
-                beyond(f"the same with the maxima at the corners, {part}", misses["corner", part],
-                       "in", "the corner of the flat is no maximum of the radius: the side arc "
-                       "rises on beyond it")
-                for part in ("flat", "sides")
-            ),
-            judge("least curvature of the cubic profile times R", "convex shaped roll", bend, "-",
-                  bend > 0.0, "negative curvature: no web can follow it; the hull is touched"),
+    touched = hull.boundary(np.linspace(0.0, 2.0 * np.pi, 1000)) / INCH_M
+    return Panel(
+        curves={"(4.40) as printed": (x, printed_y_in(x)),
+                "corrected": (outline.real, outline.imag),
+                "web on it": (touched.real, touched.imag)},
+        x="x [in]", y="y [in]", title="Fig. 4.9", equal=True,
+    )  # fmt: skip
+
+
+def _rows(
+    misses: Mapping[tuple[str, str], float], read: tuple[float, float], bend: float
+) -> tuple[Row, ...]:
+    """Return what the source says beside what is found; ``read`` is the maximum of the radius."""
+    edge = float(printed_y_in(np.array([1.5 + 1e-9]))[0])
+    feature = read[1] - R_IN
+    return (
+        judge("y at the edge of the flat by (4.40) as printed", "6.0 in", edge, "in",
+              abs(edge - 6.0) < 1e-3, "the centres of the two side arcs are interchanged; "
+              "at x = -r the printed root has no real value"),
+        *(
+            judge(f"cubic against profile, largest error on the {part}",
+                  "closely approximates",
+                  misses["profile", part], "in", misses["profile", part] < 0.05 * feature,
+                  f"{100.0 * misses['profile', part] / feature:.0f} % of a feature of "
+                  f"{feature:.2f} in; maxima read from the profile at "
+                  f"{np.degrees(read[0]):.1f} deg")
+            for part in ("flat", "sides")
         ),
-        figures=(draw(panels),),
+        *(
+            beyond(f"the same with the maxima at the corners, {part}", misses["corner", part],
+                   "in", "the corner of the flat is no maximum of the radius: the side arc "
+                   "rises on beyond it")
+            for part in ("flat", "sides")
+        ),
+        judge("least curvature of the cubic profile times R", "convex shaped roll", bend, "-",
+              bend > 0.0, "negative curvature: no web can follow it; the hull is touched"),
     )  # fmt: skip
 
 

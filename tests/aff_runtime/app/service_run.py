@@ -9,38 +9,18 @@ import re
 import socket
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-from aff_runtime.app.request_client import ServiceClient
-from aff_runtime.base.clock import MonotonicClock
-from aff_runtime.base.errors import AffError
+from tests.processes import Operator, until
 
 ROOT = Path(__file__).parents[3]
-CLOCK = MonotonicClock()
 
 
-def until(condition: Callable[[], bool], patience_s: float = 12.0) -> None:
-    """Wait for ``condition``, fail after ``patience_s``."""
-    end_ns = CLOCK.now_ns() + int(patience_s * 1e9)
-    while not condition():
-        assert CLOCK.now_ns() < end_ns, "it did not happen in time"
-        CLOCK.sleep_until_ns(CLOCK.now_ns() + 50_000_000)
-
-
-def is_running(pid: int) -> bool:
-    """Return whether a process exists and is no zombie."""
-    try:
-        return "\nState:\tZ" not in Path(f"/proc/{pid}/status").read_text()
-    except OSError:
-        return False
-
-
-class ServiceRun:
+class ServiceRun(Operator):
     """PLC and service in processes of their own below ``folder``."""
 
     def __init__(self, folder: Path, *arguments: str) -> None:
+        super().__init__(folder / "rt")
         self.folder = folder
         self.plc = subprocess.Popen(
             [sys.executable, str(Path(__file__).with_name("fake_plc.py"))],
@@ -61,7 +41,6 @@ class ServiceRun:
         text = re.sub(r"duration_s: \d+", "duration_s: 9", text)
         self.site = folder / "site.yaml"
         self.site.write_text(text)
-        self.runtime = folder / "rt"
         self.log = folder / "log"
         self.notified = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self.notified.bind(str(folder / "notify"))
@@ -70,28 +49,14 @@ class ServiceRun:
             self.process = subprocess.Popen(
                 [
                     *(sys.executable, "-m", "aff_runtime.cli.main", "run", str(self.site)),
-                    *("--runtime-dir", str(self.runtime), *arguments),
+                    *("--runtime-dir", str(self.runtime_dir), *arguments),
                 ],
                 stderr=log,
                 cwd=ROOT,
                 env={**os.environ, "NOTIFY_SOCKET": str(folder / "notify")},
             )
-        until(lambda: self.status().get("signals") is not None)
-        until(lambda: self.status()["comm"] == "OK")
-
-    def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
-        """Return the answer to one request."""
-        client = ServiceClient(self.runtime / "control.sock", timeout_s=40.0)
-        try:
-            return client.ask(do, **arguments)
-        finally:
-            client.close()
-
-    def status(self) -> dict[str, Any]:
-        """Return the status, empty while there is no service."""
-        with contextlib.suppress(AffError):
-            return self.ask("status")
-        return {}
+        until("the service has signals", lambda: self.status().get("signals") is not None)
+        until("the service sees the PLC", lambda: self.status()["comm"] == "OK")
 
     def tell_plc(self, command: str) -> list[int]:
         """Give the PLC a command; return the words last written to it."""
@@ -133,8 +98,3 @@ class ServiceRun:
         self.plc.kill()
         self.plc.communicate()
         self.notified.close()
-
-
-def kill(pid: int) -> None:
-    """Kill one process the hard way."""
-    os.kill(pid, 9)

@@ -13,8 +13,9 @@ import pytest
 from aff_runtime.app.request_client import ServiceClient
 from aff_runtime.base.errors import AffError
 from aff_runtime.cli.status import lines
-from tests.aff_runtime.app.service_run import ROOT, until
+from tests.aff_runtime.app.service_run import ROOT
 from tests.aff_runtime.cli.test_main import serial_site
+from tests.processes import until
 
 
 @pytest.mark.wire
@@ -41,7 +42,7 @@ def test_a_serial_line_that_is_not_there_is_in_log_and_status(tmp_path: Path) ->
 
     said = "the serial line /dev/ttyNONE does not open: "
     try:
-        until(lambda: bool(status().get("wire")), patience_s=30.0)
+        until("the wire", lambda: bool(status().get("wire")))
         answer = status()
         assert said in answer["wire"][0]
         shown = list(lines(answer))

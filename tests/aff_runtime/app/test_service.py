@@ -16,7 +16,8 @@ from aff_runtime.base.errors import RefusedError
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.telemetry.run_files import read_run
 from tests.aff_runtime.app.fake_plc import GAIN_N_PER_M_S, READY_STATUS
-from tests.aff_runtime.app.service_run import CLOCK, ServiceRun, is_running, kill, until
+from tests.aff_runtime.app.service_run import ServiceRun
+from tests.processes import is_running, kill, pause, until
 
 pytestmark = pytest.mark.wire
 WEB_INTACT = 8
@@ -49,7 +50,10 @@ def test_the_service_manager_hears_of_readiness_and_of_completed_ticks(
     service: ServiceRun,
 ) -> None:
     heard: list[bytes] = []
-    until(lambda: bool(heard.extend(service.notifications()) or heard.count(b"WATCHDOG=1") > 2))
+    until(
+        "three watchdog notes",
+        lambda: bool(heard.extend(service.notifications()) or heard.count(b"WATCHDOG=1") > 2),
+    )
     assert b"READY=1" in heard
 
 
@@ -58,7 +62,7 @@ def test_the_watchdog_goes_hungry_when_the_control_process_hangs(service: Servic
     os.kill(control, signal.SIGSTOP)
     try:
         service.notifications()
-        CLOCK.sleep_until_ns(CLOCK.now_ns() + 600_000_000)
+        pause(0.6)
         assert service.notifications() == []
     finally:
         os.kill(control, signal.SIGCONT)
@@ -71,17 +75,17 @@ def test_arming_without_a_measured_response_is_refused_by_name(service: ServiceR
 
 def test_a_missing_permissive_is_named(service: ServiceRun) -> None:
     service.tell_plc(f"status {READY_STATUS & ~WEB_INTACT}")
-    until(lambda: service.status()["blocked_by"] == "WEB_INTACT=0")
+    until("the missing permissive", lambda: service.status()["blocked_by"] == "WEB_INTACT=0")
     with pytest.raises(RefusedError, match="READY: blocked by WEB_INTACT=0"):
         service.ask("arm")
     service.tell_plc(f"status {READY_STATUS}")
-    until(lambda: service.status()["blocked_by"] != "WEB_INTACT=0")
+    until("the permissive is back", lambda: service.status()["blocked_by"] != "WEB_INTACT=0")
 
 
 def test_a_good_edit_is_applied_and_logged_with_both_values(service: ServiceRun) -> None:
     before = service.status()["config_hash"]
     service.edit("settle_s: 6,", "settle_s: 9,")
-    until(lambda: service.status()["config_hash"] != before)
+    until("the edit is applied", lambda: service.status()["config_hash"] != before)
     assert service.said("actuators.unwind.blocks[0].settle_s: 6 s -> 9 s")
     assert not service.said("CONTROL_DIED")
 
@@ -89,7 +93,7 @@ def test_a_good_edit_is_applied_and_logged_with_both_values(service: ServiceRun)
 def test_a_bad_edit_changes_nothing_and_is_shown_with_its_place(service: ServiceRun) -> None:
     before = service.status()
     service.edit("settle_s: 9,", "settle_s: 9 apples,")
-    until(lambda: bool(service.status()["config_differs"]))
+    until("the edit is refused", lambda: bool(service.status()["config_differs"]))
     after = service.status()
     assert after["config_hash"] == before["config_hash"]
     assert after["control_pid"] == before["control_pid"]
@@ -99,13 +103,13 @@ def test_a_bad_edit_changes_nothing_and_is_shown_with_its_place(service: Service
     )
     assert text.startswith(f"{service.site}:{number}:")
     service.edit("settle_s: 9 apples,", "settle_s: 9,")
-    until(lambda: not service.status()["config_differs"])
+    until("no difference", lambda: not service.status()["config_differs"])
 
 
 def test_an_added_order_gets_its_columns_recorded(service: ServiceRun) -> None:
     service.edit("orders: [1, 2, 3, 4]", "orders: [1, 2, 3, 4, 5]")
     column = "unwind.unwind_5x.amplitude_m_s"
-    until(lambda: column in service.status().get("signals", {}))
+    until("the new order has columns", lambda: column in service.status().get("signals", {}))
     (block,) = [b for b in service.status()["blocks"] if b["name"] == "unwind_5x"]
     assert (block["actuator"], block["unit"], block["ripple_unit"]) == ("unwind", "m/s", "N")
     assert (block["limit"], block["settle_s"]) == (0.02, 9.0)
@@ -118,16 +122,22 @@ def test_a_fixed_key_restarts_the_control_process_when_nothing_goes_out(
     service.edit("deadline_ms: 3.0", "deadline_ms: 3.5") if "\n    deadline_ms" in (
         service.site.read_text()
     ) else service.edit("    #deadline_ms: 3.0", "    deadline_ms: 3.5")
-    until(lambda: service.status().get("control_pid", 0) not in (0, before))
-    until(lambda: service.status().get("comm") == "OK")
+    until(
+        "another control process",
+        lambda: service.status().get("control_pid", 0) not in (0, before),
+    )
+    until("the service sees the PLC", lambda: service.status().get("comm") == "OK")
     assert service.status()["state"] == "FAULT"
 
 
 def test_a_killed_control_process_comes_back_idle(service: ServiceRun) -> None:
     before = service.status()["control_pid"]
     kill(before)
-    until(lambda: service.status().get("control_pid", 0) not in (0, before))
-    until(lambda: service.status().get("comm") == "OK")
+    until(
+        "another control process",
+        lambda: service.status().get("control_pid", 0) not in (0, before),
+    )
+    until("the service sees the PLC", lambda: service.status().get("comm") == "OK")
     assert service.status()["state"] == "FAULT"
     assert service.said("killed by SIGKILL")
 
@@ -135,7 +145,7 @@ def test_a_killed_control_process_comes_back_idle(service: ServiceRun) -> None:
 def test_a_killed_supervisor_takes_the_control_process_along_with_zero(own: ServiceRun) -> None:
     control = own.status()["control_pid"]
     kill(own.process.pid)
-    until(lambda: not is_running(control))
+    until("the control process ends by itself", lambda: not is_running(control))
     words = own.tell_plc("words")
     assert words[3] == words[8] == 0
 
@@ -143,7 +153,7 @@ def test_a_killed_supervisor_takes_the_control_process_along_with_zero(own: Serv
 def test_a_shadow_run_leaves_fault_by_itself_and_transmits_zero(tmp_path: Path) -> None:
     run = ServiceRun(tmp_path, "--shadow")
     try:
-        until(lambda: run.status().get("state") == "SHADOW")
+        until("SHADOW", lambda: run.status().get("state") == "SHADOW")
         words = run.tell_plc("words")
         assert (words[1] & 0b1110, words[3], words[8]) == (0, 0, 0)
     finally:
@@ -155,7 +165,7 @@ def test_stop_ends_everything_and_leaves_a_readable_run(own: ServiceRun) -> None
     assert own.ask("stop")["ok"]
     assert own.process.wait(10) == 0
     assert not is_running(control)
-    assert not (own.runtime / "control.sock").exists()
+    assert not (own.runtime_dir / "control.sock").exists()
     (folder,) = (own.folder / "runs").iterdir()
     run = read_run(folder)
     assert run.summary["rows"] == len(run.columns["time_s"]) > 10
@@ -191,7 +201,7 @@ def test_probe_arm_and_bypass_from_end_to_end(own: ServiceRun) -> None:
     (own.folder / "learned").mkdir()
     other = own.folder / "learned" / "euclid_swrap_follower.json"
     other.write_text(known_response("swrap_follower"))
-    until(lambda: own.said("CONFIG_APPLIED"))
+    until("the file is applied", lambda: own.said("CONFIG_APPLIED"))
     (result,) = probed(own, "unwind")
     response = Response.from_json((own.folder / "learned" / "euclid_unwind.json").read_text())
     for point in response.points:
@@ -202,30 +212,33 @@ def test_probe_arm_and_bypass_from_end_to_end(own: ServiceRun) -> None:
     assert response.provenance.radius_m == 0.16
     assert own.status()["state"] == "BYPASS"
     assert own.ask("arm")["state"] in ("ARMED", "ACTIVE")
-    until(lambda: own.tell_plc("words")[3] != 0)
+    until("a correction on the wire", lambda: own.tell_plc("words")[3] != 0)
     armed = own.status()
     own.edit("radius_m: 0.15367", "radius_m: 0.154")
-    until(lambda: "waits for bypass" in "".join(own.status()["config_differs"]))
+    until("the edit waits", lambda: "waits for bypass" in "".join(own.status()["config_differs"]))
     assert own.status()["config_hash"] == armed["config_hash"]
     os.kill(own.process.pid, signal.SIGUSR1)
-    until(lambda: own.tell_plc("words")[3] == 0)
-    until(lambda: own.status().get("config_hash") not in (None, armed["config_hash"]))
-    until(lambda: own.status().get("state") == "FAULT")
+    until("zero on the wire", lambda: own.tell_plc("words")[3] == 0)
+    until(
+        "the edit is applied",
+        lambda: own.status().get("config_hash") not in (None, armed["config_hash"]),
+    )
+    until("FAULT", lambda: own.status().get("state") == "FAULT")
 
 
 def test_a_bypass_while_the_control_process_starts_does_not_kill_it(own: ServiceRun) -> None:
     before = own.status()["control_pid"]
     kill(before)
-    until(lambda: own.status().get("control_pid") not in (0, before))
+    until("another control process", lambda: own.status().get("control_pid") not in (0, before))
     started = own.status()["control_pid"]
     for _ in range(5):
         own.ask("bypass")
-    until(lambda: own.status().get("state") == "BYPASS")
+    until("BYPASS", lambda: own.status().get("state") == "BYPASS")
     assert own.status()["control_pid"] == started
 
 
 def test_a_killed_recorder_is_replaced(own: ServiceRun) -> None:
-    until(lambda: own.status()["recorder"].get("rows", 0) > 0)
+    until("the recorder writes", lambda: own.status()["recorder"].get("rows", 0) > 0)
     first = own.status()["recorder"]["folder"]
     children = Path(f"/proc/{own.process.pid}/task/{own.process.pid}/children").read_text()
     (recorder,) = (
@@ -234,7 +247,7 @@ def test_a_killed_recorder_is_replaced(own: ServiceRun) -> None:
         if b"telemetry.recorder" in Path(f"/proc/{pid}/cmdline").read_bytes()
     )
     kill(recorder)
-    until(lambda: own.status()["recorder"].get("folder", first) != first)
+    until("another recorder", lambda: own.status()["recorder"].get("folder", first) != first)
     assert own.status()["recorder"]["alive"]
     assert own.said("the recorder died; another one takes over")
 

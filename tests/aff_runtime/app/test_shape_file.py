@@ -69,6 +69,7 @@ def test_a_technician_reads_mm_and_degrees() -> None:
 @pytest.mark.parametrize(
     "text",
     ["", "[]", "{}", '{"format": "aff-learned-shape-9"}', "null",
+     '{"format": "aff-learned-shape-1", "orders": [{}]}',
      file().to_json().replace('"roll_id": 3', '"roll_id": "x"'),
      file().to_json().replace('"deviation_mm": 0.1', '"deviation_mm": 1e999')],
 )  # fmt: skip

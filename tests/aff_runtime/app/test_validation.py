@@ -15,7 +15,7 @@ from aff_runtime.app.link import MAX_PACKET_BYTES
 from aff_runtime.app.validation import load_record
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
-from aff_runtime.config.revision import revision_word
+from aff_runtime.config.revision import revision_hash
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 
 SITE = Path(__file__).parents[3] / "config" / "euclid_blocks.yaml"
@@ -27,7 +27,9 @@ def test_the_record_of_a_good_file_carries_the_whole_site() -> None:
     assert record is not None
     assert site_of(record) == load_site(SITE)
     assert record["site_text"] == SITE.read_text()
-    assert revision_of(record) == revision_word(load_site(SITE))
+    digest = revision_hash(load_site(SITE))
+    assert len(digest) == 64
+    assert revision_of(record) == int(digest, 16) % 65536
     assert controller_of(site_of(record), record).arming_objections()
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aff_runtime.base.units import UnitError, accepted_units, plain, read_number, si_factor
+from aff_runtime.base.units import UnitError, accepted_units, plain, read_number, unit_info
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,10 @@ def test_mega_and_milli_newton_metre_are_not_confused_by_case():
 def test_every_accepted_unit_goes_there_and_back(number, unit):
     for other in accepted_units(unit):
         converted = read_number(f"{number!r} {other}", unit)
-        back = converted * si_factor(unit) / si_factor(other)
+        here, there = unit_info(unit), unit_info(other)
+        assert here is not None
+        assert there is not None
+        back = converted * here.si_per_unit / there.si_per_unit
         assert back == pytest.approx(number, rel=1e-12, abs=1e-300)
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from aff_runtime.config.leaves import leaves
 from aff_runtime.config.loader import load_site
-from aff_runtime.config.revision import revision_hash, revision_word
+from aff_runtime.config.revision import revision_hash
 from tests.aff_runtime.config.shipped import EUCLID, edited
 
 
@@ -36,13 +36,6 @@ def test_order_of_channels_matters(tmp_path):
     two = "      line_speed_m_s: { register: 5, type: i16, scale: 0.001 }\n"
     path = edited(tmp_path, (one + two, two + one))
     assert revision_hash(load_site(path)) != revision_hash(load_site(EUCLID))
-
-
-def test_word_is_the_low_16_bits_of_a_sha256():
-    site = load_site(EUCLID)
-    digest = revision_hash(site)
-    assert len(digest) == 64
-    assert revision_word(site) == int(digest, 16) % 65536
 
 
 def test_every_value_of_the_file_is_hashed():

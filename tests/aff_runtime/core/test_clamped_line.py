@@ -19,7 +19,6 @@ from aff_runtime.core.probe import Probe
 from aff_runtime.core.response import Provenance
 from aff_runtime.fieldbus.codec import WordCodec
 from aff_runtime.fieldbus.gateway import WordGateway
-from aff_runtime.fieldbus.loopback import LoopbackTransport
 from sim_plant.line import open_line
 from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.map_file import load_plc_map
@@ -42,8 +41,7 @@ class Rig:
         line = open_line(CONFIG / "lines" / "euclid_ripple.yaml", seed=7)
         self.plant = LockstepPlant(line, Plc(load_plc_map(CONFIG / "plc" / "gateway_block.yaml")))
         self.clock = VirtualClock()
-        wire = LoopbackTransport(self.plant.transact_words)
-        self.gateway = WordGateway(wire, WordCodec(register_map(site)), self.clock)
+        self.gateway = WordGateway(self.plant, WordCodec(register_map(site)), self.clock)
         self.tick = 0
         self.echo = 0
         self.state = StateBits.READY

@@ -15,7 +15,6 @@ from aff_runtime.core.shape_bounds import PeakBound
 from aff_runtime.core.shape_filter import LoopFilter
 from aff_runtime.core.shape_kalman import ShapeFilter
 from aff_runtime.core.shape_monitor import ShapeMonitor
-from aff_runtime.core.shape_profile import ShapeProfile
 from aff_runtime.core.shape_room import Room
 from tests.aff_runtime.core.plants import CYCLE_S, LagDelay, measured
 from tests.aff_runtime.core.shape_site import DRIVE, Phase
@@ -187,9 +186,3 @@ def test_only_orders_of_different_rolls_can_meet():
     assert not monitor.meets.any()
     monitor.compare(np.array([1.0, 2.0, 2.1]), np.ones(3), 6.0)
     assert list(monitor.meets) == [False, True, True]
-
-
-@pytest.mark.parametrize("text", ["", "{}", '{"format": "aff-shape-1", "columns": [{}]}'])
-def test_a_profile_that_is_none_is_refused(text):
-    with pytest.raises(ConfigError):
-        ShapeProfile.from_json(text)

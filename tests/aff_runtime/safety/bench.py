@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import ActuatorStep, Outcome, Permission, Snapshot, State, Status
 from aff_runtime.safety.guard import Guard
@@ -139,9 +137,3 @@ class Bench:
     def codes(self) -> list[str]:
         by_code = {event.code: name for name, event in BY_NAME.items()}
         return [by_code[code] for _, code in self.guard.drain_events()]
-
-
-def with_actuator(**changes: float) -> GuardParams:
-    """Return PARAMS with one actuator, changed."""
-    first = replace(PARAMS.actuators[0], **changes)  # type: ignore[arg-type]
-    return replace(PARAMS, actuators=(first,))

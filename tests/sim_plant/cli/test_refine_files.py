@@ -17,7 +17,6 @@ from sim_plant.line.declaration import Declaration
 from sim_plant.line.open import make_line
 
 ROWS = 2000
-LBF_N = 4.4482216152605
 pytestmark = pytest.mark.timeout(300)
 
 

@@ -50,6 +50,7 @@ def test_a_roll_with_several_orders_is_drawn_and_a_single_order_is_not() -> None
     drawn = roll_figure(learned)
     assert drawn.startswith("<svg")
     assert "moment arm over the roll" in drawn or "<path" in drawn
+    assert roll_figure(learned) == drawn  # the same data, the same bytes
     assert roll_figure(learned[:1]) == ""
 
 

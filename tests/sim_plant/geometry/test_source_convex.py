@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from sim_plant.geometry.brute_force import polygon_tangent
 from sim_plant.geometry.extrema import radius_cubic
 from sim_plant.geometry.shapes import Floats, circle, ellipse
 from sim_plant.geometry.source_convex import ConvexLine, convex_span, tangent_slope
 from sim_plant.geometry.tangent import Body, common_tangent
+from tests.sim_plant.geometry.brute_force import polygon_tangent
 
 A, B = 0.206, 0.2
 

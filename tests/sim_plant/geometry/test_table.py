@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.geometry.lookup import arc_at, support_at
+from sim_plant.geometry.lookup import support_at
 from sim_plant.geometry.roll_profiles import flat_spot
 from sim_plant.geometry.shapes import Shape, circle, ellipse
 from sim_plant.geometry.table import tabulate
@@ -32,17 +32,6 @@ def test_lookup_agrees_with_the_fourier_sum(
     assert np.max(np.abs(found[:, 2] + radius_m - rho)) < rho_m
 
 
-def test_arc_lookup_integrates_the_curvature_measure() -> None:
-    shape = flat_spot(0.012, 0.2032)
-    table = tabulate(shape)
-    psi = np.linspace(0.0, 2.0 * np.pi, 200001)
-    outline = shape.boundary(psi)
-    chords = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(outline)))])
-    picks = np.arange(0, psi.size, 2503)
-    found = np.array([arc_at(table.arc_m, table.curvature_m, psi[k]) for k in picks])
-    assert found + shape.mean_radius_m * psi[picks] == pytest.approx(chords[picks], abs=1e-8)
-
-
 def test_lookup_is_periodic_and_safe_at_the_seam() -> None:
     table = tabulate(ellipse(0.205, 0.199), points=1024)
     seam = [
@@ -54,7 +43,7 @@ def test_lookup_is_periodic_and_safe_at_the_seam() -> None:
 
 def test_columns_are_contiguous_and_close_on_themselves() -> None:
     table = tabulate(flat_spot(0.012, 0.2032))
-    for column in (table.support_m, table.slope_m, table.curvature_m, table.arc_m):
+    for column in (table.support_m, table.slope_m, table.curvature_m):
         assert column.shape == (4097,)
         assert column.flags.c_contiguous
         assert column[0] == column[-1]
@@ -62,7 +51,7 @@ def test_columns_are_contiguous_and_close_on_themselves() -> None:
 
 def test_circle_has_no_deviation() -> None:
     table = tabulate(circle(0.1), points=64)
-    assert not np.any([table.support_m, table.slope_m, table.curvature_m, table.arc_m])
+    assert not np.any([table.support_m, table.slope_m, table.curvature_m])
 
 
 def test_table_too_coarse_for_the_orders_is_refused() -> None:

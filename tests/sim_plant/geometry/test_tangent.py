@@ -5,10 +5,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.geometry.brute_force import line_distance_m, placed, taut_string
 from sim_plant.geometry.shapes import Shape, circle, eccentric, ellipse, orders
-from sim_plant.geometry.table import tabulate
 from sim_plant.geometry.tangent import Body, common_tangent
+from tests.sim_plant.geometry.brute_force import line_distance_m, placed, taut_string
 from tests.sim_plant.geometry.pairs import PAIRS, POINTS, TAU, Pair, derivative, integral
 
 DENSE = np.linspace(0.0, 2.0 * np.pi, 1 << 18, endpoint=False)
@@ -216,12 +215,3 @@ def test_overlapping_bodies_are_refused(sigma: tuple[int, int], distance_m: floa
 def test_rotation_other_than_one_is_refused() -> None:
     with pytest.raises(PlantError, match="rotation"):
         Body(center_x_m=0.0, center_y_m=0.0, rotation=0, shape=circle(0.1))
-
-
-def test_arc_column_of_the_table_agrees_with_the_quadrature() -> None:
-    shape = ellipse(0.205, 0.199)
-    table = tabulate(shape)
-    grid = np.linspace(0.0, 2.0 * np.pi, 4097)
-    found = table.arc_m[1000] - table.arc_m[990]
-    wanted = _arc(shape, grid[[1000, 990]])[0] - shape.mean_radius_m * (grid[1000] - grid[990])
-    assert found == pytest.approx(wanted, abs=1e-14)

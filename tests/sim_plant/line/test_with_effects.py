@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.base.arrays import copy_arrays
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import EffectEntry
@@ -91,9 +90,8 @@ def test_given_values_go_on_top_of_defaults():
 
 
 def test_no_entries_change_nothing():
-    before = arrays()
-    after = apply_effects(LINE, copy_arrays(before), [])
-    assert all(np.array_equal(a, b) for a, b in zip(before, after, strict=True))
+    after = apply_effects(LINE, arrays(), [])
+    assert all(np.array_equal(a, b) for a, b in zip(arrays(), after, strict=True))
 
 
 def test_two_effects_on_one_body_add():

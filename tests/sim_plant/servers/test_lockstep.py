@@ -44,10 +44,10 @@ def test_the_correction_reaches_the_line():
 
 def test_the_words_read_are_those_of_the_last_scan():
     runtime = Runtime()
-    words = runtime.wire.transact_words(write_block(1))
+    _, words = runtime.wire.transact(write_block(1), 0)
     assert (words[0], words[8], words[4]) == (1, 1, 9000)
     runtime.wire.advance(3 * TICK_s)
-    assert runtime.wire.transact_words(write_block(2))[0] == 4
+    assert runtime.wire.transact(write_block(2), 0)[1][0] == 4
 
 
 def test_fractions_of_a_sample_add_up():
@@ -72,7 +72,7 @@ def test_a_lost_wire_is_zero_at_the_plant_within_300_ms(fault, outcome):
     assert runtime.applied_m_s() == pytest.approx(0.02)
     assert runtime.run(61, unwind=2000)[0] is outcome  # from 0.5 s to 0.8 s
     assert runtime.applied_m_s() == 0.0
-    assert runtime.wire.transact_words(write_block(0)) is outcome
+    assert runtime.wire.transact(write_block(0), 0)[0] is outcome
 
 
 @pytest.mark.parametrize(
