@@ -115,6 +115,9 @@ class LiveLine(Operator):
         """Arm until a correction is at work; a busy machine may trip the guard in between."""
         until("the service sees the PLC", lambda: self.status().get("comm") == "OK")
         for _ in range(ATTEMPTS):
+            if str(self.status().get("blocked_by", "")).startswith("AFF_ENABLE_REQUEST"):
+                self.ask("bypass")  # the PLC has refused: only who disarms is asked back
+                pause(0.4)
             if self.state != "ACTIVE":
                 self.arm()
             with contextlib.suppress(AssertionError):
