@@ -13,7 +13,9 @@ from aff_runtime.base.signals import Outcome, State, Status
 POWER_UP, BYPASSED = "POWER_UP", "BYPASSED"
 PERMISSIVES = {
     "LINE_RUN": "the line does not run",
-    "AFF_ENABLE_REQUEST": "the PLC does not ask for the correction",
+    "AFF_ENABLE_REQUEST": (
+        "the PLC does not ask for the correction, or refused one: then bypass and arm"
+    ),
     "REMOTE": "the line is in local",
     "WEB_INTACT": "the PLC sees no web",
     "TENSION_VALID": "the PLC calls the tension invalid",

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.base.errors import AffError
+from aff_runtime.config.loader import load_site
 from sim_plant.demo.processes import PLANT, RUNTIME, Bench, Child, ask_plant
 from sim_plant.demo.wires import SITES, wire_up
 from tests.lockstep.fault_table import WORKING_M_S, peak
@@ -66,6 +67,8 @@ class LiveLine(Operator):
         text = wired.site.read_text()
         self.site_text = re.sub(r"soft_start_s: [\d.]+", "soft_start_s: 0.3", text)
         self.bench.site.write_text(self.site_text)
+        actuators = load_site(self.bench.site).actuators.values()
+        self.limits_m_s = tuple(actuator.limit for actuator in actuators)
         self.plant = self._start_plant()
         self.service = self._serve()
 
@@ -112,6 +115,9 @@ class LiveLine(Operator):
         """Arm until a correction is at work; a busy machine may trip the guard in between."""
         until("the service sees the PLC", lambda: self.status().get("comm") == "OK")
         for _ in range(ATTEMPTS):
+            if str(self.status().get("blocked_by", "")).startswith("AFF_ENABLE_REQUEST"):
+                self.ask("bypass")  # the PLC has refused: only who disarms is asked back
+                pause(0.4)
             if self.state != "ACTIVE":
                 self.arm()
             with contextlib.suppress(AssertionError):

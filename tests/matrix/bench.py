@@ -36,7 +36,8 @@ WIRES = {"modbus": "euclid.yaml", "can": "euclid_can.yaml", "canopen": "euclid_c
 SITES = {wire: load_site(CONFIG / name) for wire, name in WIRES.items()}
 FILES = {wire: wire_files(site, CONFIG) for wire, site in SITES.items()}
 SAMPLE_S = 0.005
-LIMIT_M_S = 0.15  # of config/euclid.yaml
+LIMITS_M_S = {"unwind": 0.15, "swrap_follower": 0.04}  # of config/euclid.yaml
+GREED = 8.0 / 3.0  # times the unwind's limit; the follower's wish is five times its own
 
 
 class QuietLine(FakeLine):
@@ -78,11 +79,12 @@ class Greedy:
         if self.ails == "lazy":
             return None
         self._k += 1
-        value = 0.08 * math.cos(0.02 * self._k)
+        most = GREED * LIMITS_M_S["unwind"]
+        value = most * math.cos(0.02 * self._k)
         if self.ails == "nan":
             value = math.nan
-        step = ActuatorStep(value=value, peak_bound=0.08, slew_bound=0.4)
-        return (step, replace(step, value=0.5 * value, peak_bound=0.04))
+        step = ActuatorStep(value=value, peak_bound=most, slew_bound=4.0 * most)
+        return (step, replace(step, value=0.5 * value, peak_bound=0.5 * most))
 
     def telemetry(self) -> tuple[float, ...]:
         return ()
@@ -126,7 +128,12 @@ class Around:
 
 
 class MatrixBench:
-    """One plant, one wire, one runtime that can be killed and started again."""
+    """One plant, one wire, one runtime that can be killed and started again.
+
+    Attributes
+    ----------
+    largest_share : largest |correction| at the plant so far, of its own limit.
+    """
 
     def __init__(self, wire: str, seed: int = 0, sample_s: float = SAMPLE_S) -> None:
         self.wire = wire
@@ -143,6 +150,7 @@ class MatrixBench:
             self.bus = LockstepBus(self.lockstep, node, self.clock, seed=seed)
         self.law = Greedy(self.lockstep.plant.plc)
         self.applied: list[float] = []
+        self.largest_share = 0.0
         self.running = True
         self.start()
 
@@ -197,7 +205,10 @@ class MatrixBench:
             self.running = self.cycle.tick()
         else:
             self.clock.advance_ns(self._period_ns)
-        return max(map(abs, self.plant.applied_m_s.values()))
+        applied = self.plant.applied_m_s
+        share = max(abs(applied[name]) / limit for name, limit in LIMITS_M_S.items())
+        self.largest_share = max(self.largest_share, share)
+        return max(map(abs, applied.values()))
 
     def arm(self) -> None:
         self.around.inbox.append(Arm())

@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 
 from aff_runtime.base.signals import State
-from tests.matrix.bench import LIMIT_M_S, SAMPLE_S, WIRES, Greedy, MatrixBench
+from tests.matrix.bench import SAMPLE_S, WIRES, Greedy, MatrixBench
 
 TABLE: dict[str, Any] = yaml.safe_load((Path(__file__).parent / "table.yaml").read_text())
 STATES = ("OFF", "SOFT_START", "ACTIVE", "FADING", "BYPASS")
@@ -60,8 +60,8 @@ def judge(cell: Cell) -> str:
     wrong = _used_as_live(bench.law) if _is_told_apart(cell) else ""
     if wrong:
         return wrong
-    if max(bench.applied) > LIMIT_M_S * _ROUNDING:
-        return f"{max(bench.applied):.4f} m/s is above the limit"
+    if bench.largest_share > _ROUNDING:
+        return f"{bench.largest_share:.4f} of the limit"
     if cell.state in {"OFF", "BYPASS"}:
         return "a correction without an operator" if any(whole) else _recovers(bench)
     return _reacts(cell, bench, during, after)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from tests.hil.live_line import LiveLine, Rows
-from tests.lockstep.fault_table import LIMITS_M_S, zero_after_s
+from tests.lockstep.fault_table import zero_after_s
 from tests.processes import until
 
 ZERO_S = 0.300
@@ -35,10 +35,17 @@ class Seen:
     wrong: str = ""
 
 
-def judged(name: str, reaction: str, rows: Rows, struck_s: float, until_s: float) -> Seen:
-    """Judge the plant's samples from the blow to ``until_s``."""
+def judged(
+    name: str,
+    reaction: str,
+    rows: Rows,
+    span_s: tuple[float, float],
+    limits_m_s: tuple[float, ...],
+) -> Seen:
+    """Judge the plant's samples within a span of plant time, against the limits of the site."""
+    struck_s, until_s = span_s
     rows = [row for row in rows if struck_s <= row[0] <= until_s]
-    shares = [abs(v) / m for _, row in rows for v, m in zip(row, LIMITS_M_S, strict=True)]
+    shares = [abs(v) / m for _, row in rows for v, m in zip(row, limits_m_s, strict=True)]
     seen = Seen(name=name, zero_s=zero_after_s(rows, struck_s), largest=max(shares))
     if seen.largest > 1.0 + 1e-9:
         return replace(seen, wrong=f"{seen.largest:.4f} of the limit")
@@ -67,7 +74,8 @@ def strike(
     before = line.pauses()
     struck_s = blow(line)
     line.wait_plant(struck_s + lasts_s)
-    seen = judged(name, reaction, line.since(struck_s), struck_s, struck_s + lasts_s)
+    span_s = (struck_s, struck_s + lasts_s)
+    seen = judged(name, reaction, line.since(struck_s), span_s, line.limits_m_s)
     after = line.pauses()
     held_up = after.plant_samples - before.plant_samples
     return replace(seen, held_up=max(0, held_up))
