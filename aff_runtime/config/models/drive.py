@@ -10,6 +10,7 @@ from aff_runtime.config.quantity import (
     Milliseconds,
     Name,
     Newtons,
+    Radians,
     RadiansPerSecond,
     Ratio,
     Seconds,
@@ -70,6 +71,14 @@ class Drive(Section):
     )
     imbalance: Flag = key(
         "true: learn the weight that is out of centre beside the shape.", default=True
+    )
+    web_leaves_rad: Radians | None = key(
+        "Where the web leaves the roll: angle past its highest point, counted the way it turns "
+        "(90 deg: at the side that goes down, 180 deg: at the bottom). What sticks out of a roll "
+        "is heavy, and this says when it pulls; the first change of speed then costs less.",
+        default=None,
+        ge=0,
+        le=6.2832,
     )
     transport_ms: Milliseconds | None = key(
         "Time from a snapshot to its correction at the drive. Absent: three cycles. Matters for "
