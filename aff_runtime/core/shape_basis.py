@@ -64,9 +64,10 @@ class ShapeBasis:
     """
 
     __slots__ = (
-        "_arm", "_before", "_core", "_drive", "_heaves", "_imbalance", "_index", "_known", "_lead_s", "_low",
-        "_now", "_own", "_owns", "_phases", "_pull", "_rolls", "_span", "_track", "_turns",
-        "_work", "b", "fade", "frequency_Hz", "names", "omega_rad_s", "order", "rolls", "turn_s",
+        "_arm", "_before", "_core", "_drive", "_heaves", "_imbalance", "_index", "_known",
+        "_lead_s", "_low", "_now", "_own", "_owns", "_phases", "_pull", "_rolls", "_span",
+        "_track", "_turns", "_work", "b", "fade", "frequency_Hz", "names", "omega_rad_s", "order",
+        "rolls", "turn_s",
     )  # fmt: skip
 
     def __init__(
