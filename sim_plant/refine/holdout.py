@@ -32,6 +32,7 @@ class Judgement:
     effects : with the start angles of this record.
     angles_rad : start angles estimated on this record, per location; all else is as fitted.
     first : first judged sample.
+    travel_m : length of web that has passed, from the speed reference (samples,).
     """
 
     channels: tuple[str, ...]
@@ -44,6 +45,7 @@ class Judgement:
     effects: tuple[Added, ...]
     angles_rad: dict[str, float]
     first: int
+    travel_m: Array
 
 
 def rms(channels: Sequence[str], residual: Array, first: int) -> Array:
@@ -84,6 +86,7 @@ def judge(
         after=rms(twin.channels, measured - amended, first), floor=model.floor,
         measured=measured, declared=declared, amended=amended, effects=final,
         angles_rad=angles, first=first,
+        travel_m=np.cumsum(np.abs(twin.speed_m_s)) * twin.declaration.sample_time_s,
     )  # fmt: skip
 
 
