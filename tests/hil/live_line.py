@@ -15,7 +15,7 @@ from sim_plant.demo.processes import PLANT, RUNTIME, Bench, Child, ask_plant
 from sim_plant.demo.wires import SITES, wire_up
 from tests.lockstep.fault_table import WORKING_M_S, peak
 from tests.lockstep.known_response import LINE, ROOT, SPEED_M_S, known_responses
-from tests.processes import Operator, until
+from tests.processes import Operator, pause, until
 
 ATTEMPTS = 6
 SEED = 7
