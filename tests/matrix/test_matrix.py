@@ -114,3 +114,26 @@ def test_a_refusal_that_only_the_plc_sees_reaches_the_runtime() -> None:
     bench.arm()
     bench.run(1.0)
     assert any(bench.applied[-20:])
+
+
+@pytest.mark.parametrize("spec", ["mute:0.05", "!stall:0.05", "lose=10:1"])
+@pytest.mark.parametrize("sample_s", [0.005, 0.010])
+@pytest.mark.parametrize("wire", ["modbus", "can", "canopen"])
+def test_a_pause_of_50_ms_and_a_tenth_of_the_frames_trip_nobody(
+    wire: str, sample_s: float, spec: str
+) -> None:
+    if wire == "modbus" and spec.startswith("lose"):
+        pytest.skip("TCP sends again what was lost")
+    bench = MatrixBench(wire, sample_s=sample_s)
+    bench.run(4.0)
+    bench.arm()
+    assert bench.until(State.ACTIVE)
+    bench.run(0.5)
+    trips = bench.plant.plc.trips
+    bench.begin(spec)
+    bench.run(float(spec.partition(":")[2]))
+    bench.running = True
+    bench.run(0.5)
+    assert bench.plant.plc.trips == trips
+    assert bench.guard.state is State.ACTIVE
+    assert bench.plant.refusal == ""
