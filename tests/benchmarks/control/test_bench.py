@@ -20,16 +20,18 @@ from benchmarks.control.laws import (
     RIVALS,
     TUNED,
     drive_of,
+    plain_blocks,
     shape_law,
     web_leaves_rad,
 )
 from benchmarks.control.lines import ALL_FIVE, INCH_M, Hidden, nominal, spoilt, with_hidden
 from benchmarks.control.lockstep import Record, run
-from benchmarks.control.memory import footprint
-from benchmarks.control.timing import Steady
+from benchmarks.control.memory import ROUND_TICKS, Eventful, footprint
 from benchmarks.control.verdicts import beaten, targets
 from sim_plant.geometry.wound_mass import WoundMass, gravity_torque_N_m
 from sim_plant.line.load import consistency
+
+CYCLE_S = 0.005
 
 
 @pytest.mark.parametrize("radius_in", [8.0, 6.375, 4.75, 2.5])
@@ -184,19 +186,27 @@ def test_back_after_a_transient_is_counted_in_turns():
     assert found["back_turns"] == pytest.approx(4.0)  # the window from 6 to 10 s, at its middle
 
 
-def test_no_container_of_the_law_grows():
-    """The objects that hang on the law, and their bytes, after 1e4 and after 4e4 ticks."""
-    line = Steady(shape_law("tyvek", orders=4))
+@pytest.mark.parametrize("law", ["shape", "blocks"])
+def test_no_container_of_a_law_grows_whatever_happens(law):
+    """What hangs on the law, and its bytes, after N and after 10 N ticks of events."""
+    blocks = plain_blocks("tyvek", CYCLE_S, 4, 6.0)
+    line = Eventful(shape_law("tyvek", orders=4) if law == "shape" else blocks)
+    wish = np.zeros(ROUND_TICKS)
 
-    def after(ticks):
-        for _ in range(ticks):
-            line.prepare()
-            line.step()
+    def after(rounds):
+        for _ in range(rounds):
+            for k in range(ROUND_TICKS):
+                line.prepare()
+                wish[k] = line.step().value
         return footprint(line)
 
-    after(1000)
-    first = after(9000)
-    assert after(30000) == first
+    first = after(1)
+    splices = line.splices
+    assert after(9) == first
+    assert (splices, line.splices) == (0, 9)
+    # it crawled (gate shut) and it corrected
+    assert (wish[1280:1300] == 0.0).all()
+    assert np.abs(wish[:1000]).max() > 0.0
 
 
 @pytest.mark.parametrize("rotation", ["ccw", "cw"])
