@@ -78,7 +78,7 @@ class Guard:
     def _take_arm_edge(self) -> None:
         self._arm_edge = True
         self.ripple_rose = False
-        if self.standing.state is State.FAULT:
+        if self.standing.state in _AT_REST:
             self._line.confirm_rolls()
             self._causes &= ~bit("RADIUS_JUMP")
 

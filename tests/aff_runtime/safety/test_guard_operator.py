@@ -228,3 +228,25 @@ def test_shadow_asked_for_at_power_up_needs_one_edge_once_data_flow() -> None:
     bench.tension_N = 90.0
     bench.run(50)
     assert bench.state is State.FAULT
+
+
+def test_another_radius_seen_in_bypass_is_confirmed_by_the_arm_that_follows() -> None:
+    bench = Bench().active()
+    bench.guard.bypass()
+    bench.run(FADE_TICKS + ZEROS_TOLD + IDLE_SCANS)
+    bench.radius_m = 0.3  # another roll, and the PLC did not tell
+    bench.run(100)
+    assert bench.state is State.BYPASS
+    assert bench.guard.first_blocking() == "blocked by RADIUS_JUMP (unwind_radius_m)"
+    bench.guard.arm()
+    bench.run_s(0.5)
+    assert bench.state is State.ACTIVE
+    assert bench.out == (STEP.value, STEP.value)
+
+
+def test_another_radius_while_active_is_not_confirmed_by_an_arm_of_before() -> None:
+    bench = Bench().active()
+    bench.guard.arm()
+    bench.radius_m = 0.3
+    bench.run(2)
+    assert bench.state is State.FAULT
