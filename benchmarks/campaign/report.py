@@ -15,6 +15,7 @@ from benchmarks.campaign.score import (
     covered,
     held_out,
     keys,
+    left_open,
     outcome,
     quantile,
     told_apart,
@@ -49,7 +50,8 @@ speeds, beside its own tolerance, is below 100 (150 for effects that are no line
 deviations of a tolerance have 16). Held-out error: against this generator's own
 noise, not the tool's. Bounds are Wilson's, 95 %; where one holds both sides of a target, this many
 cases do not decide it. Not drawn: viscoelastic web, cell calibration and resonance, rate limit,
-splice, roll bounce, shaft compliance, radius error.
+splice, roll bounce, shaft compliance, radius error. Rules and thresholds of the search were set
+on cases of seeds 1 to 9 and on `shared/data/lines`; report on seeds from 100.
 """
 
 
@@ -168,6 +170,7 @@ def confusion(rows: Sequence[Row]) -> list[str]:
             continue
         truth, said = keys(r["faults"]), keys(verdict["effects"])
         library = not r["classes"]
+        said -= left_open(verdict, truth)
         if said - truth or (not library and said):
             true = ", ".join(sorted(f"{a} at {b}" for a, b in truth)) or "nothing"
             true += "" if library else " (not in the library)"

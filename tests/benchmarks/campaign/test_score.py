@@ -107,3 +107,12 @@ def test_a_case_is_fair_when_nothing_answers_alike_and_the_effect_shows():
     assert told_apart(row(said()) | {"alike": [[]], "evidence": [400.0]})
     assert not told_apart(row(said()) | {"alike": [[["eccentric_roller", "R1"]]]})
     assert not told_apart(row(said()) | {"alike": [[]], "evidence": [16.0]})
+
+
+def test_what_is_said_with_its_equal_is_no_wrong_attribution_on_the_page():
+    case = row(said(location="R3"), verdict="not_identifiable")
+    assert "| eccentric_roller at R2 | eccentric_roller at R3 | 1 |" in page([case])
+    case["refine"]["verdict"]["ambiguous"] = [
+        {"effect": "eccentric_roller at R3", "with": ["eccentric_roller at R2"]}
+    ]
+    assert "| eccentric_roller at R2 | eccentric_roller at R3" not in page([case])
