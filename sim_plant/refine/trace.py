@@ -241,11 +241,7 @@ def _best_of(
 
 
 def _at_floor(problem: Problem, found: Trace) -> bool:
-    """Return whether what is left is within the share that no model explains.
-
-    The level of the noise alone does not say so: it is known to a percent, and an effect can be
-    less.
-    """
+    """Return whether what is left is a share no model explains: noise is known to a percent."""
     excess = found.fit.cost - problem.expected_cost
     return excess < DISCREPANCY * (found.nominal.cost - found.fit.cost)
 
