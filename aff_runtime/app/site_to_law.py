@@ -145,6 +145,7 @@ def _drive(drive: Drive) -> DriveParams:
         tension_N=drive.tension_N or 0.0,
         torque_term=drive.tension_pulls,
         imbalance=drive.imbalance,
+        web_leaves_rad=math.nan if drive.web_leaves_rad is None else drive.web_leaves_rad,
     )
 
 

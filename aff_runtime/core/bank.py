@@ -28,13 +28,16 @@ class _Slot:
     """One block with its roll, its monitor and what is known about its present frequency."""
 
     __slots__ = (
-        "block", "bound_rad", "fade", "heard", "monitor", "phase", "rate_1_s", "response", "roll",
-        "scale", "share",
+        "at", "block", "bound_rad", "fade", "heard", "monitor", "phase", "rate_1_s", "response",
+        "roll", "scale", "share",
     )  # fmt: skip
 
-    def __init__(self, roll: str, phase: RollPhase, block: HarmonicBlock) -> None:
+    def __init__(
+        self, roll: str, at: int, phases: Mapping[str, RollPhase], block: HarmonicBlock
+    ) -> None:
         self.roll = roll
-        self.phase = phase
+        self.at = at
+        self.phase = phases[roll]
         self.block = block
         self.monitor = OrderMonitor()
         self.response = 0j
@@ -76,8 +79,10 @@ class Bank:
         self._omega_max = math.tau / (SAMPLES_PER_TURN * cycle_s)
         self._residual = Residual(params.mean_tau_s)
         self._gate = SpeedGate(params.active_above_m_s)
+        rolls = list(dict.fromkeys(b.roll for b in params.blocks))
+        self._rolls = [phases[roll] for roll in rolls]
         self._slots = [
-            _Slot(b.roll, phases[b.roll], HarmonicBlock(n, b.settle_s, b.amp_limit))
+            _Slot(b.roll, rolls.index(b.roll), phases, HarmonicBlock(n, b.settle_s, b.amp_limit))
             for b in params.blocks
             for n in b.orders
         ]
@@ -115,18 +120,24 @@ class Bank:
         return fastest
 
     def _turn(self) -> None:
-        scaled = self._p.scales_with_speed
+        scaled, limit = self._p.scales_with_speed, self._omega_max
+        fades_from = FADE_FROM * limit
+        rolls = [(phase.lead(self._lead_s), phase.omega_rad_s) for phase in self._rolls]
         slowest = math.inf
         for i, slot in enumerate(self._slots):
-            slot.block.turn(slot.phase.lead(self._lead_s))
-            slot.scale = slot.phase.omega_rad_s if scaled else 1.0
-            omega = slot.omega_rad_s
-            self._omegas[i] = omega
-            room = (self._omega_max - abs(omega)) / ((1.0 - FADE_FROM) * self._omega_max)
-            slot.fade = min(1.0, max(0.0, room))
-            if abs(omega) >= MIN_OMEGA_RAD_S:
-                slowest = min(slowest, abs(omega))
-        self._residual.follow(slowest if math.isfinite(slowest) else 0.0)
+            theta, turning = rolls[slot.at]
+            block = slot.block
+            block.turn(theta)
+            slot.scale = turning if scaled else 1.0
+            omega = self._omegas[i] = block.order * turning
+            size = abs(omega)
+            if size <= fades_from:
+                slot.fade = 1.0
+            else:
+                slot.fade = min(1.0, max(0.0, (limit - size) / ((1.0 - FADE_FROM) * limit)))
+            if MIN_OMEGA_RAD_S <= size < slowest:
+                slowest = size
+        self._residual.follow(slowest if slowest < math.inf else 0.0)
 
     def _refresh(self) -> None:
         """Renew what depends on frequency, a few blocks per tick."""
@@ -150,18 +161,24 @@ class Bank:
             slot.share = gain_share(i, self._omegas, self._rates)
 
     def _learn(self, error: float, correcting: bool) -> None:
-        dt_s = min(self._residual.elapsed_s, MAX_ELAPSED_S)
+        elapsed_s, adapting = self._residual.elapsed_s, self._adapting
+        dt_s = min(elapsed_s, MAX_ELAPSED_S)
+        sure = [
+            phase.quality is not Quality.LOST and abs(phase.omega_rad_s) >= MIN_OMEGA_RAD_S
+            for phase in self._rolls
+        ]
         for slot in self._slots:
-            omega = slot.phase.omega_rad_s
+            block = slot.block
             slot.monitor.step(
                 error=error / slot.heard,
-                carrier=slot.block.carrier,
-                omega_rad_s=omega,
-                dt_s=self._residual.elapsed_s,
+                carrier=block.carrier,
+                omega_rad_s=slot.phase.omega_rad_s,
+                dt_s=elapsed_s,
                 correcting=correcting,
             )
-            if self._adapting and self._may_adapt(slot):
-                slot.block.adapt(
+            known = slot.bound_rad <= MAX_PHASE_ERROR_RAD and slot.fade == 1.0
+            if adapting and known and sure[slot.at]:
+                block.adapt(
                     error=error,
                     response=slot.response,
                     scale=slot.scale,
@@ -169,24 +186,16 @@ class Bank:
                     dt_s=dt_s,
                 )
             else:
-                slot.block.hold()
-
-    def _may_adapt(self, slot: _Slot) -> bool:
-        return (
-            slot.bound_rad <= MAX_PHASE_ERROR_RAD
-            and slot.fade == 1.0
-            and slot.phase.quality is not Quality.LOST
-            and abs(slot.phase.omega_rad_s) >= MIN_OMEGA_RAD_S
-        )
+                block.hold()
 
     def _sum(self, gate: float) -> ActuatorStep:
         value = peak = slew = 0.0
-        for i, slot in enumerate(self._slots):
-            slot.block.limit(slot.scale)
-            amplitude = slot.fade * slot.block.amplitude(slot.scale)
-            value += slot.fade * slot.block.output(slot.scale)
+        for slot, omega in zip(self._slots, self._omegas, strict=True):
+            block, scale = slot.block, slot.scale
+            amplitude = slot.fade * block.limit(scale)
+            value += slot.fade * block.output(scale)
             peak += amplitude
-            slew += abs(self._omegas[i]) * amplitude + slot.block.rate_1_s * abs(slot.scale)
+            slew += abs(omega) * amplitude + block.rate_1_s * abs(scale)
         if self._gate.moving:
             slew = gate * slew + peak / RAMP_S
         if not math.isfinite(value + slew):

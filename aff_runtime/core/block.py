@@ -96,9 +96,14 @@ class HarmonicBlock:
         self.rate_1_s = 0.0
         self.clamped = False
 
-    def limit(self, scale: float) -> None:
-        """Project the weight onto its amplitude limit at ``scale``; call once per tick."""
-        amplitude = self.amplitude(scale)
+    def limit(self, scale: float) -> float:
+        """Project the weight onto its amplitude limit at ``scale`` and return the amplitude.
+
+        Call once per tick.
+        """
+        amplitude = abs(scale) * abs(self.weight)
         self.clamped = amplitude > self.amp_limit
         if self.clamped:
             self.weight *= self.amp_limit / amplitude
+            amplitude = abs(scale) * abs(self.weight)
+        return amplitude

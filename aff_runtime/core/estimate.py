@@ -40,8 +40,10 @@ def fit_tones(
     """Return P at every tone of ``own``.
 
     Columns of the regression: every tone (of other actuators too), orders 1..``nuisance_orders``
-    on each roll's angle, and a parabola for drift. The standard error of a tone comes from the
-    residual beside it, so coloured noise and unmodelled ripple count where they are.
+    on each roll's angle with amplitudes that drift (a roll that shrinks by 2 % in the record
+    otherwise leaves its ripple beside the tones), and a parabola for drift. The standard error
+    of a tone comes from the residual beside it, so coloured noise and unmodelled ripple count
+    where they are.
 
     Parameters
     ----------
@@ -57,7 +59,8 @@ def fit_tones(
         columns += [np.cos(argument), -np.sin(argument)]
     for angle in angles_rad:
         for n in range(1, nuisance_orders + 1):
-            columns += [np.cos(n * angle), np.sin(n * angle)]
+            turn = np.cos(n * angle), np.sin(n * angle)
+            columns += [*turn, drift * turn[0], drift * turn[1]]
     design = np.column_stack(columns)
     solution = np.linalg.lstsq(design, signal, rcond=1e-9)[0]
     residual = signal - design @ solution

@@ -7,6 +7,7 @@ from array import array
 from collections.abc import Iterable, Sequence
 
 MAX_SHIFTS = 400
+LOUDER_FROM_HZ, LOUDEST = 3.0, 3.0
 
 
 def spread(
@@ -38,8 +39,16 @@ def log_grid(low_Hz: float, high_Hz: float, count: int) -> list[float]:
     return [low_Hz * ratio**k for k in range(count)]
 
 
+def loudness(frequency_Hz: float) -> float:
+    """Return a tone's amplitude beside the others: 1 to 3 Hz, rising to 3 at 9 Hz.
+
+    The faster a correction, the less a line answers; equal tones leave the fast ones in noise.
+    """
+    return min(max(frequency_Hz / LOUDER_FROM_HZ, 1.0), LOUDEST)
+
+
 class Waveform:
-    """A sum of equal tones with Schroeder phases, faded in and out, scaled to a peak.
+    """A sum of tones with Schroeder phases, faded in and out, scaled to a peak.
 
     The table is filled piece by piece (``fill``), so that no tick is long; the greatest sample
     then sets the amplitude, so that no sample exceeds ``peak`` and most of it is used.
@@ -51,14 +60,15 @@ class Waveform:
         self._filled = 0
         self._largest = 0.0
         self._fade_s = 1.0
-        self._tones: tuple[tuple[float, float], ...] = ()
+        self._tones: tuple[tuple[float, float, float], ...] = ()
 
     def plan(self, tones_Hz: Sequence[float], fade_s: float) -> None:
         """Choose the tones; what was filled before is void."""
         count = max(1, len(tones_Hz))
         ordered = sorted(tones_Hz)
         self._tones = tuple(
-            (math.tau * f, -math.pi * k * (k + 1) / count) for k, f in enumerate(ordered)
+            (math.tau * f, -math.pi * k * (k + 1) / count, loudness(f))
+            for k, f in enumerate(ordered)
         )
         self._fade_s = fade_s
         self._filled = 0
@@ -71,8 +81,8 @@ class Waveform:
         for k in range(self._filled, min(total, self._filled + samples)):
             t_s = k * self._cycle_s
             value = 0.0
-            for omega, phase in self._tones:
-                value += math.cos(omega * t_s + phase)
+            for omega, phase, size in self._tones:
+                value += size * math.cos(omega * t_s + phase)
             edge = min(t_s, end_s - t_s) / self._fade_s
             value *= 0.5 - 0.5 * math.cos(math.pi * min(1.0, edge))
             self._table[k] = value
@@ -81,7 +91,7 @@ class Waveform:
         return self._filled >= total
 
     def amplitude(self, peak: float) -> float:
-        """Return the amplitude of every tone when no sample may exceed ``peak``."""
+        """Return the amplitude of a tone of loudness 1 when no sample may exceed ``peak``."""
         return peak / self._largest if self._largest > 0.0 else 0.0
 
     def sample(self, k: int, peak: float) -> float:
@@ -90,10 +100,10 @@ class Waveform:
 
     def slew(self, peak: float) -> float:
         """Return a bound of the waveform's rate of change."""
-        tones = self.amplitude(peak) * sum(omega for omega, _ in self._tones)
+        tones = self.amplitude(peak) * sum(size * omega for omega, _, size in self._tones)
         return tones + peak * 0.5 * math.pi / self._fade_s
 
     @property
-    def tones(self) -> tuple[tuple[float, float], ...]:
-        """Angular frequency (rad/s) and phase (rad) of every tone, amplitude one."""
+    def tones(self) -> tuple[tuple[float, float, float], ...]:
+        """Angular frequency (rad/s), phase (rad) and loudness of every tone."""
         return self._tones

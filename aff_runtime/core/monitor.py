@@ -55,15 +55,15 @@ class OrderMonitor:
         omega = abs(omega_rad_s)
         if not omega > SLOWEST_RAD_S:
             return
-        tau_s = max(MIN_TAU_S, TURNS * math.tau / omega)
-        self._age = min(self._age + dt_s / tau_s, SLOW)
-        share = dt_s / tau_s
-        self._phasor += min(1.0, share / min(self._age, 1.0)) * (
-            2.0 * error * carrier.conjugate() - self._phasor
-        )
+        tau_s = TURNS * math.tau / omega
+        share = dt_s / (tau_s if tau_s > MIN_TAU_S else MIN_TAU_S)
+        age = self._age + share
+        self._age = age = age if age < SLOW else SLOW
+        pull = share if age >= 1.0 else min(1.0, share / age)
+        self._phasor += pull * (2.0 * error * carrier.conjugate() - self._phasor)
         amplitude = abs(self._phasor)
-        self._slow += min(1.0, share / self._age) * (amplitude - self._slow)
-        if self._age < 1.0:
+        self._slow += min(1.0, share / age) * (amplitude - self._slow)
+        if age < 1.0:
             return
         self.now = amplitude
         if not correcting or not math.isfinite(self.before):

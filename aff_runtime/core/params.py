@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass, field
 from enum import StrEnum
+
+GRAVITY_M_S2 = 9.80665
 
 
 class OutputKind(StrEnum):
@@ -82,6 +85,8 @@ class DriveParams:
     tension_N : used where the actuator has no reference channel.
     torque_term : the tension pulls through the varying arm (a roll whose own shape is learned).
     imbalance : learn a gravity torque of the roll beside its shape.
+    web_leaves_rad : where the web leaves the roll, counted from its highest point in the sense of
+        rotation; NaN when not known.
     """
 
     roll: str
@@ -94,6 +99,7 @@ class DriveParams:
     tension_N: float = 0.0
     torque_term: bool = True
     imbalance: bool = True
+    web_leaves_rad: float = math.nan
 
     @property
     def corner_rad_s(self) -> float:
@@ -105,6 +111,19 @@ class DriveParams:
         wound = radius_m**4 - self.core_radius_m**4
         share = 0.5 * math.pi * self.web_density_kg_m3 * self.web_width_m
         return self.inertia_kg_m2 + share * max(0.0, wound)
+
+    def weight_of_shape_N(self, radius_m: float) -> complex:
+        """Return the gravity torque per metre of order 1 of the wound web's shape, N, as a phasor.
+
+        What sticks out is heavy: a centre of gravity e from the axis pulls with -j m g e e^{j l}
+        on the angle at which its side passes where the web leaves, l that place counted from the
+        roll's highest point in the sense of rotation. 0 where that place is not declared.
+        """
+        if math.isnan(self.web_leaves_rad):
+            return 0j
+        area_m2 = math.pi * max(0.0, radius_m**2 - self.core_radius_m**2)
+        mass_kg = self.web_density_kg_m3 * self.web_width_m * area_m2
+        return -1j * mass_kg * GRAVITY_M_S2 * cmath.rect(1.0, self.web_leaves_rad)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

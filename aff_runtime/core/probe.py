@@ -204,7 +204,7 @@ class Probe:
         tones = [self._sent(i, keep) for i in range(len(self._probed))]
         foreign = [tone for i, group in enumerate(tones) if i != j for tone in group]
         columns = 2 * (len(tones[j]) + len(foreign))
-        columns += 2 * self._p.nuisance_orders * len(angles) + 3
+        columns += 4 * self._p.nuisance_orders * len(angles) + 3
         if keep.sum() < 2 * columns or not tones[j]:
             raise RefusedError(f"{name}: no tones, or too many for this duration")
         points = fit_tones(
@@ -232,8 +232,8 @@ class Probe:
             raise RefusedError(f"{self._probed[j].name}: the excitation did not go out")
         amplitude = self._waves[j].amplitude(self._p.amplitude) * share
         return [
-            Tone(omega_rad_s=omega, phase_rad=phase, amplitude=amplitude)
-            for omega, phase in self._waves[j].tones
+            Tone(omega_rad_s=omega, phase_rad=phase, amplitude=amplitude * size)
+            for omega, phase, size in self._waves[j].tones
         ]
 
     def telemetry(self) -> tuple[float, ...]:

@@ -63,7 +63,9 @@ class Response:
     phase error grows by 90 degrees per octave.
     """
 
-    __slots__ = ("_f", "_log_gain", "_phase", "delay_s", "points", "provenance")
+    __slots__ = (
+        "_f", "_log_gain", "_memory_s", "_noise_rad", "_phase", "delay_s", "points", "provenance",
+    )  # fmt: skip
 
     def __init__(
         self, *, points: Iterable[ResponsePoint], delay_s: float, provenance: Provenance
@@ -86,6 +88,22 @@ class Response:
             phase = p.phase_rad + math.tau * p.frequency_Hz * delay_s
             before = self._phase[-1] if self._phase else 0.0
             self._phase.append(before + math.remainder(phase - before, math.tau))
+        segments = range(max(1, len(self.points) - 1))
+        self._memory_s = [self._memory_of(i) for i in segments]
+        noise = [max(p.relative_error for p in self.points[i : i + 2]) for i in segments]
+        self._noise_rad = [BASE_ERROR_RAD + SIGMAS * worst for worst in noise]
+
+    def _memory_of(self, segment: int) -> float:
+        """Return |dlnP/dw| between two points."""
+        pair = slice(segment, segment + 2)
+        if len(self._f[pair]) == 1:
+            return abs(self.delay_s)
+        (f, f_next), (phase, later) = self._f[pair], self._phase[pair]
+        gain, next_gain = self._log_gain[pair]
+        width = math.tau * (f_next - f)
+        if width <= 0.0:
+            return abs(self.delay_s)
+        return math.hypot((later - phase) / width - self.delay_s, (next_gain - gain) / width)
 
     @property
     def band_Hz(self) -> tuple[float, float]:
@@ -115,14 +133,7 @@ class Response:
 
     def memory_s(self, frequency_Hz: float) -> float:
         """Return |dlnP/dw|, s: how long P remembers near a frequency, group delay included."""
-        if len(self._f) == 1:
-            return abs(self.delay_s)
-        i, _ = self._between(abs(frequency_Hz))
-        width = math.tau * (self._f[i + 1] - self._f[i])
-        if width <= 0.0:
-            return abs(self.delay_s)
-        slope = (self._phase[i + 1] - self._phase[i]) / width - self.delay_s
-        return math.hypot(slope, (self._log_gain[i + 1] - self._log_gain[i]) / width)
+        return self._memory_s[self._between(abs(frequency_Hz))[0]]
 
     def phase_error_bound_rad(self, frequency_Hz: float) -> float:
         """Return a bound of the error of arg P: noise, interpolation, distance from the band."""
@@ -130,11 +141,11 @@ class Response:
         if not f > 0.0:
             return math.pi
         i, share = self._between(f)
-        nearby = self.points[i : i + 2]
-        noise = max(point.relative_error for point in nearby)
-        bound = BASE_ERROR_RAD + SIGMAS * noise
-        if len(nearby) > 1:
+        bound = self._noise_rad[i]
+        if 0.0 < share < 1.0:
             bound += share * (1.0 - share) * abs(self._phase[i + 1] - self._phase[i])
+        if self._f[0] <= f <= self._f[-1]:
+            return min(bound, math.pi)
         outside = max(self._f[0] / f, f / self._f[-1], 1.0)
         bound += OUTSIDE_RAD_PER_OCTAVE * math.log2(outside)
         return min(bound, math.pi)

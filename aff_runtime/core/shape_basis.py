@@ -57,15 +57,17 @@ class ShapeBasis:
     the middle term is (z' - c z + c l)/K with the low-pass l = c/(s + c) z, and s/(s + c) q is
     q - c/(s + c) q: two low-passes per column are the only memory.
 
-    Columns: every order of the drive's own roll with both terms; one for an imbalance of it,
+    Columns: every order of the drive's own roll with both terms, T plus the weight of what sticks
+    out (``DriveParams.weight_of_shape_N``) for order 1; one for an imbalance beyond that,
     -(R/(J K)) s/(s + c) q_1, 0.1 N m per millimetre; orders of other rolls with the first term.
     Orders fade out between 17 and 19 Hz, where the loop gives no authority.
     """
 
     __slots__ = (
-        "_arm", "_before", "_core", "_drive", "_imbalance", "_index", "_known", "_lead_s", "_low",
-        "_now", "_own", "_owns", "_phases", "_pull", "_rolls", "_span", "_track", "_turns",
-        "_work", "b", "fade", "frequency_Hz", "names", "omega_rad_s", "order", "rolls", "turn_s",
+        "_arm", "_before", "_core", "_drive", "_heaves", "_imbalance", "_index", "_known",
+        "_lead_s", "_low", "_now", "_own", "_owns", "_phases", "_pull", "_rolls", "_span",
+        "_track", "_turns", "_work", "b", "fade", "frequency_Hz", "names", "omega_rad_s", "order",
+        "rolls", "turn_s",
     )  # fmt: skip
 
     def __init__(
@@ -92,6 +94,7 @@ class ShapeBasis:
         if heavy:
             self._owns[-1] = self._pull[-1] = 0.0
             self._imbalance[-1] = IMBALANCE_N_M_PER_M
+        self._heaves = self._pull * (self.order == 1.0)
         self._drive = drive
         self._lead_s = lead_s
         self._track = SpeedTrack()
@@ -103,7 +106,7 @@ class ShapeBasis:
         self._now = np.zeros((2, count), dtype=np.complex128)
         self._work = np.zeros((2, count), dtype=np.complex128)
         self._core = np.zeros(count, dtype=np.complex128)
-        self._arm = np.zeros(count)
+        self._arm = np.zeros(count, dtype=np.complex128)
         self._known = (math.nan, math.nan)
         self._span = 1.0 / (FADE_TO_HZ - FADE_FROM_HZ)
         self.b = np.zeros(count, dtype=np.complex128)
@@ -139,9 +142,9 @@ class ShapeBasis:
         gain = self._torque(tension_N, K)
         core = self._core
         np.multiply(self._owns, turns[2], out=core.real)
-        core.real += gain
         np.multiply(order, turns[3], out=core.imag)
         core.imag *= self._owns
+        core += gain
         np.multiply(core, now[1], out=self.b)
         np.multiply(self._owns, low[0], out=core)
         core *= c / K
@@ -170,13 +173,18 @@ class ShapeBasis:
                 math.tau / max(size, 1e-6), size / math.tau,
             )  # fmt: skip
 
-    def _torque(self, tension_N: float, K: float) -> Floats:
-        """Return R T/(J K) per column, 0.1 N m per millimetre in T's place for an imbalance."""
+    def _torque(self, tension_N: float, K: float) -> Complexes:
+        """Return R/(J K) times a metre's torque per column, s.
+
+        T, with the weight of what sticks out for order 1; 0.1 N m per millimetre of an imbalance.
+        """
         radius = self._phases[self._own].radius_m
         if (radius, tension_N) != self._known:
             self._known = (radius, tension_N)
             arm = radius / (self._drive.inertia_at(radius) * K) if radius > 0.0 else 0.0
-            self._arm[:] = arm * (tension_N * self._pull + self._imbalance)
+            weight_N = self._drive.weight_of_shape_N(radius) if radius > 0.0 else 0j
+            self._arm[:] = tension_N * self._pull + self._imbalance + weight_N * self._heaves
+            self._arm *= arm
         return self._arm
 
     @property

@@ -17,10 +17,10 @@ def gain_share(index: int, omegas_rad_s: Sequence[float], rates_1_s: Sequence[fl
     own_omega = omegas_rad_s[index]
     own_rate = rates_1_s[index]
     crowd = 1.0
-    for j, omega in enumerate(omegas_rad_s):
-        band = BAND_PER_RATE * (own_rate + rates_1_s[j])
-        distance = abs(omega - own_omega)
-        if j != index and distance < band:
-            x = distance / band
+    for j, (omega, rate) in enumerate(zip(omegas_rad_s, rates_1_s, strict=True)):
+        band = BAND_PER_RATE * (own_rate + rate)
+        distance = omega - own_omega
+        if -band < distance < band and j != index:
+            x = abs(distance) / band
             crowd += (1.0 - x) ** 2 * (1.0 + 2.0 * x)
     return 1.0 / crowd

@@ -18,6 +18,10 @@ STRENGTH = {  # parameter of a verdict that says the size of a fault, and what s
     "mains_hum": ("amplitude_N", 0.0), "loop_delay": ("delay_s", 0.0),
     "encoder_eccentricity": ("eccentricity", 0.0), "slip": ("slope_s_m", 0.0),
 }  # fmt: skip
+NEEDED, NEEDED_STATIC = 100.0, 150.0
+"""Chi-square above which an effect (with a line, without) pays its price and beats all chance."""
+STATIC = ("bearing_drag", "web_modulus", "wound_in_strain", "thermal_strain", "slip",
+          "load_cell_filter", "loop_delay")  # fmt: skip
 OUTCOMES = ("exact", "wrong", "unknown", "not identifiable", "missed", "part", "failed")
 
 
@@ -72,6 +76,18 @@ def outcome(row: dict[str, Any]) -> str:
     if said:
         return "part"
     return "missed" if verdict["verdict"] == "nothing" else "unknown"
+
+
+def told_apart(row: dict[str, Any]) -> bool:
+    """Return whether the record tells every fault from its like and from declared tolerances."""
+    pairs = zip(row["faults"], row.get("evidence", ()), strict=False)
+    shown = all(e >= (NEEDED_STATIC if f["effect"] in STATIC else NEEDED) for f, e in pairs)
+    return shown and not any(row.get("alike", ()))
+
+
+def alike_said(row: dict[str, Any]) -> bool:
+    """Return whether a case that no tool can decide was called so, the true effect among them."""
+    return outcome(row) == "not identifiable"
 
 
 def coordinate_error(row: dict[str, Any]) -> float | None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.campaign import line as short
+from benchmarks.campaign.alike import told
 from benchmarks.campaign.cases import case_number
 from benchmarks.campaign.make import write_case
 from benchmarks.campaign.refine_runs import refine_files
@@ -42,14 +43,16 @@ def do(seed: int, number: int, folder: Path) -> dict[str, Any]:
     between = time.monotonic()  # noqa: TID251
     burnt = time.process_time()
     found = refine_files(folder, case.without)
+    spent, after = time.process_time() - burnt, time.monotonic()  # noqa: TID251
     faults = [asdict(f) for f in made.faults]
+    known = {} if case.classes else told(case, made.faults)
     row = {
         "number": number, "group": case.group, "seed": seed, "faults": faults,
         "snr": list(made.snr), "snr_wanted": case.snr, "floor": made.floor,
         "classes": list(case.classes), "without": list(case.without),
         "coordinate": coordinate_of(faults[0]) if case.classes else {},
-        "made_s": between - begun, "refine_s": time.monotonic() - between,  # noqa: TID251
-        "refine_cpu_s": time.process_time() - burnt, "refine": found,
+        "made_s": between - begun, "refine_s": after - between,
+        "refine_cpu_s": spent, "refine": found, **known,
     }  # fmt: skip
     shutil.rmtree(folder, ignore_errors=True)
     return row

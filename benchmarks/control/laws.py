@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -31,6 +32,7 @@ from benchmarks.control.nominal_loop import nominal_loop
 from benchmarks.control.rivals_blocks import AngleBlocks
 from benchmarks.control.rivals_filtered import FxLms
 from benchmarks.control.rivals_repetitive import Repetitive
+from sim_plant.line.declaration import Declaration
 
 ORDERS = 24
 SHAPE = ShapeParams()
@@ -63,7 +65,14 @@ def drive_of(material: str) -> DriveParams:
         web_width_m=line.web.width_m,
         core_radius_m=line.initial_radii_m.core,
         tension_N=line.operating_point.tension_N,
+        web_leaves_rad=web_leaves_rad(line) % math.tau,
     )
+
+
+def web_leaves_rad(line: Declaration) -> float:
+    """Return where the web leaves the unwind, from its highest point in the sense of rotation."""
+    direction = math.radians(line.spans[0].direction_deg)
+    return direction - math.pi if line.rollers[0].rotation == "ccw" else -direction
 
 
 def unwind_params(

@@ -52,7 +52,7 @@ ROLLS = (
     ),
 )
 SIGNAL_OF = {"unwind": 0, "swrap_follower": 4, "swrap_follower speed": 7}
-SOFT_START_S = 1.5
+SOFT_START_S = 0.3
 LIMIT_M_S = 0.3
 WORD_SPAN_N = 400.0
 CHUNK = 4096

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from aff_runtime.base.signals import Outcome, Snapshot
+from aff_runtime.base.signals import ActuatorStep, Outcome, Snapshot
 from aff_runtime.core.controller import RollPhases
 from aff_runtime.core.law import Inputs
 from aff_runtime.core.params import SiteParams
@@ -52,9 +52,9 @@ class Steady:
         given = self._given
         given.signal, given.reference, given.line_speed_m_s = values[0], values[1], values[2]
 
-    def step(self) -> None:
+    def step(self) -> ActuatorStep:
         """Advance the law."""
-        self.law.step(self._given)
+        return self.law.step(self._given)
 
 
 def tick_times_us(build: LawBuilder, ticks: int, *, paced: bool = True) -> npt.NDArray[np.float64]:

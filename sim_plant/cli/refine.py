@@ -106,6 +106,9 @@ def summary(outcome: Outcome) -> str:
         lines.append(f"  {e['effect']} at {e['location']}: {numbers}")
         lines.append(f"    score {e['score']:.0f}, runner-up {e['runner_up']}, "
                      f"margin {e['margin']:.0f}")  # fmt: skip
+    for a in result["ambiguous"]:
+        lines.append(f"  not identifiable: {a['effect']} or {', '.join(a['with'])}")
+        lines += [f"    to tell: {what}" for what in a["experiments"]]
     for u in result["unknown"]:
         lines.append(f"  unknown, class {u['class']}: {u['coordinate']}")
     lines.append(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from sim_plant.line.build import build_arrays, timing_of
+from sim_plant.line.corrections import apply_corrections
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.load import load_declaration
 from sim_plant.line.simulation import LineSimulation
@@ -21,9 +22,10 @@ def make_line(
     substeps: int = 1,
     effects: bool = True,
 ) -> LineSimulation:
-    """Return a line with its declared effects, not settled yet."""
+    """Return a line with its declared corrections and effects, not settled yet."""
     timing = timing_of(declaration, sample_time_s or declaration.sample_time_s)
     arrays = build_arrays(declaration, timing, substeps)
+    arrays = apply_corrections(declaration, arrays, declaration.corrections)
     if effects:
         arrays = apply_effects(declaration, arrays, declaration.effects)
     return LineSimulation(

@@ -53,6 +53,10 @@ def write_amended(
     if path.resolve() == source.resolve():
         raise PlantError(f"{path}: is the line file itself; choose another --out")
     data = yaml.safe_load(source.read_text(encoding="utf-8"))
+    fitted = dict(data.get("corrections", {}))
+    for name, amount in trace.corrections.items():
+        fitted[name] = fitted.get(name, 0.0) + amount
+    data["corrections"] = plain(fitted)
     data["effects"] = [*data.get("effects", []), *plain(declared_entries(trace.fit))]
     data["provenance"] = plain({
         "made_by": command, "amends": source.name,
@@ -60,7 +64,8 @@ def write_amended(
         "holdout": verdict["holdout"], "error_rms": verdict["residual_rms"],
         "note": "angles are those of the first record at its first row",
     })  # fmt: skip
-    text = "# amended by sim-plant refine: effects and provenance are new, all else as declared\n"
+    text = "# amended by sim-plant refine: effects, provenance and corrections are new (what is\n"
+    text += "# added to a declared number, relative; offsets in N), all else as declared\n"
     text += yaml.safe_dump(data, sort_keys=False, width=110)
     path.write_text(text, encoding="utf-8")
     load_declaration(path)

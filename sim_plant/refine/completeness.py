@@ -22,10 +22,15 @@ SURE = 3.0
 def lines_left(
     problem: Problem, fit: Fit, travels: Sequence[Travel]
 ) -> list[list[LineSpectrum]]:  # fmt: skip
-    """Return the free-line spectra of a fit's residual, per record."""
+    """Return the free-line spectra of a fit's residual, per record.
+
+    Coarse words are left out: their steps pass at a rate of their own, a line that nothing causes.
+    """
     return [
-        spectra(travel, part)
-        for travel, part in zip(travels, problem.split(fit.residual), strict=True)
+        spectra(travel, part[noise.analogue])
+        for travel, part, noise in zip(
+            travels, problem.split(fit.residual), problem.noise, strict=True
+        )
     ]
 
 

@@ -69,7 +69,7 @@ def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
         found.append(
             line_spectrum(
                 whitened, travel.travel_m, weights, kind="travel",
-                highest=0.5 * nyquist / fastest, lowest=3.0 / length,
+                highest=0.98 * nyquist / fastest, lowest=3.0 / length,
             )
         )  # fmt: skip
     for body in (0, len(travel.declaration.rollers) - 1):

@@ -13,13 +13,12 @@ from sim_plant.refine.holdout import Judgement
 
 BEFORE, AFTER, MEASURED = "#b3261e", "#1a7f37", "#9aa0a6"
 POINTS = 3000
+HIGHEST_HZ = 15.0
 
 
 def overlay(judged: Judgement, sample_time_s: float, seconds: float = 8.0) -> str:
     """Return measured against declared and amended, on the channels that gained most."""
-    ratio = judged.before / np.maximum(judged.floor, 1e-12)
-    gained = [k for k in np.argsort(-ratio) if not judged.channels[k].endswith(("rad", "_m"))]
-    show = gained[:3] or [0]
+    show = told_by(judged)[:3]
     figure = Figure(figsize=(11, 2.4 * len(show)))
     axes = np.atleast_1d(figure.subplots(len(show), 1, sharex=True))
     part = slice(judged.first, judged.first + round(seconds / sample_time_s))
@@ -58,30 +57,41 @@ def spectrum(
     return svg(figure)
 
 
-def order_map(judged: Judgement, sample_time_s: float) -> str:
-    """Return the residual's short-time spectrum before and after, on the channel hit hardest."""
-    at = int(np.argmax(judged.before / np.maximum(judged.floor, 1e-12)))
+def told_by(judged: Judgement) -> list[int]:
+    """Return channels by what they gained, most first; sums (angles, radius) are left out."""
+    ratio = judged.before / np.maximum(judged.floor, 1e-12)
+    kept = [int(k) for k in np.argsort(-ratio) if not judged.channels[k].endswith(("rad", "_m"))]
+    return kept or [0]
+
+
+def wavenumber_map(judged: Judgement, sample_time_s: float) -> str:
+    """Return the residual's short spectra over web travel, before and after, on one channel.
+
+    A roller stands still in it at 1 / (2 pi R), at every speed; a roll drifts as it grows.
+    """
+    at, travel_m = told_by(judged)[0], judged.travel_m
+    step_m = float(np.max(np.gradient(travel_m)))
+    grid = np.arange(travel_m[0], travel_m[-1], max(step_m, 1e-9))
+    size = max(16, min(512, grid.size // 4))
+    starts = np.arange(0, grid.size - size, max(1, size // 4))
+    centre = np.interp(grid[starts] + 0.5 * size * step_m, travel_m, np.arange(travel_m.size))
+    wavenumber = np.fft.rfftfreq(size, step_m)
+    keep = wavenumber <= HIGHEST_HZ * sample_time_s / step_m
     figure = Figure(figsize=(11, 3.2))
     axes = figure.subplots(1, 2, sharey=True)
-    size = min(512, judged.measured.shape[1] // 4)
-    window = np.hanning(size)
     for axis, model, title in (
         (axes[0], judged.declared, "before"), (axes[1], judged.amended, "after")
     ):  # fmt: skip
-        residual = judged.measured[at] - model[at]
-        starts = range(0, residual.size - size, size // 2)
-        power = [np.abs(np.fft.rfft((residual[s : s + size] - residual[s : s + size].mean())
-                                    * window)) for s in starts]  # fmt: skip
-        level = 20.0 * np.log10(np.array(power).T + 1e-9)
-        top = np.fft.rfftfreq(size, sample_time_s)
-        keep = top <= 15.0
-        scale = 20.0 * np.log10(judged.floor[at] * np.sqrt(size) + 1e-12)
-        axis.imshow(
-            level[keep], origin="lower", aspect="auto", vmin=scale - 6.0, vmax=scale + 30.0,
-            extent=(0.0, residual.size * sample_time_s, 0.0, float(top[keep][-1])),
-            cmap="magma", interpolation="nearest",
+        residual = np.interp(grid, travel_m, judged.measured[at] - model[at])
+        parts = np.stack([residual[s : s + size] for s in starts])
+        parts = (parts - parts.mean(axis=1, keepdims=True)) * np.hanning(size)
+        level = 20.0 * np.log10(np.abs(np.fft.rfft(parts, axis=1)).T + 1e-12)
+        floor = 20.0 * np.log10(judged.floor[at] * np.sqrt(size) + 1e-12)
+        axis.pcolormesh(
+            centre * sample_time_s, wavenumber[keep], level[keep], vmin=floor - 6.0,
+            vmax=floor + 30.0, cmap="magma", shading="nearest", rasterized=True,
         )  # fmt: skip
         axis.set_title(f"{judged.channels[at]}, {title}", fontsize=9)
         axis.set_xlabel("time [s]")
-    axes[0].set_ylabel("Hz")
+    axes[0].set_ylabel("1/m of web")
     return svg(figure)

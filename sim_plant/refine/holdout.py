@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from sim_plant.refine.hypotheses import turned
 from sim_plant.refine.noise import NoiseModel, first_judged, noise_model
 from sim_plant.refine.twin import Added, Case
 
+Shifts = tuple[tuple[str, float], ...]
 COARSE_ANGLES = 24
 ZOOMS = 3
 
@@ -31,6 +32,7 @@ class Judgement:
     effects : with the start angles of this record.
     angles_rad : start angles estimated on this record, per location; all else is as fitted.
     first : first judged sample.
+    travel_m : length of web that has passed, from the speed reference (samples,).
     """
 
     channels: tuple[str, ...]
@@ -43,6 +45,7 @@ class Judgement:
     effects: tuple[Added, ...]
     angles_rad: dict[str, float]
     first: int
+    travel_m: Array
 
 
 def rms(channels: Sequence[str], residual: Array, first: int) -> Array:
@@ -56,11 +59,13 @@ def rms(channels: Sequence[str], residual: Array, first: int) -> Array:
 
 
 def judge(
-    bench: Bench, measured: Array, effects: Sequence[Added], *, find_angles: bool
-) -> Judgement:
+    bench: Bench, measured: Array, effects: Sequence[Added], shifts: Shifts = (), *,
+    find_angles: bool,
+) -> Judgement:  # fmt: skip
     """Return before and after on the bench's only record.
 
-    A roll's start angle differs from record to record and is found anew (``find_angles``).
+    ``shifts`` are the declared numbers of the line as re-estimated with the effects. A roll's
+    start angle differs from record to record and is found anew (``find_angles``).
     """
     twin = bench.twins[0]
     runs = bench.run([Case(coarse=False), Case(coarse=False, seed=0)])
@@ -73,13 +78,15 @@ def judge(
     angles: dict[str, float] = {}
     final = tuple(effects)
     if find_angles:
-        final, angles = _start_angles(bench, measured, final, model)
-    amended = bench.one(Case(effects=final, coarse=False))[0] if final else declared
+        final, angles = _start_angles(bench, measured, Case(effects=final, shifts=shifts), model)
+    changed = Case(effects=final, shifts=shifts, coarse=False)
+    amended = bench.one(changed)[0] if final or shifts else declared
     return Judgement(
         channels=twin.channels, before=rms(twin.channels, measured - declared, first),
         after=rms(twin.channels, measured - amended, first), floor=model.floor,
         measured=measured, declared=declared, amended=amended, effects=final,
         angles_rad=angles, first=first,
+        travel_m=np.cumsum(np.abs(twin.speed_m_s)) * twin.declaration.sample_time_s,
     )  # fmt: skip
 
 
@@ -102,12 +109,11 @@ def _with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) ->
 
 
 def _costs(
-    bench: Bench, measured: Array, model: NoiseModel, effects: tuple[Added, ...], location: str,
-    tries: Array,
+    bench: Bench, measured: Array, model: NoiseModel, case: Case, location: str, tries: Array,
 ) -> Array:  # fmt: skip
     """Return the weighted squared error with the effects at ``location`` turned by each try."""
     zero = np.array([name.endswith("_angle_rad") for name in bench.twins[0].channels])
-    cases = [Case(effects=_with_turned(effects, location, float(a))) for a in tries]
+    cases = [replace(case, effects=_with_turned(case.effects, location, float(a))) for a in tries]
     found = []
     for run in bench.run(cases, keep=False):
         residual = measured - run[0]
@@ -119,22 +125,22 @@ def _costs(
 
 
 def _start_angles(
-    bench: Bench, measured: Array, effects: tuple[Added, ...], model: NoiseModel
+    bench: Bench, measured: Array, case: Case, model: NoiseModel
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
     """Return the effects at this record's start angles, found by search, and the angles."""
     angles: dict[str, float] = {}
-    for location in dict.fromkeys(e.location for e in effects if _phased(e)):
+    for location in dict.fromkeys(e.location for e in case.effects if _phased(e)):
         width = 2.0 * math.pi / COARSE_ANGLES
         grid: Array = np.arange(COARSE_ANGLES, dtype=np.float64) * width
-        costs = _costs(bench, measured, model, effects, location, grid)
+        costs = _costs(bench, measured, model, case, location, grid)
         best = float(grid[int(np.argmin(costs))])
         for _ in range(ZOOMS):
             grid = best + width * np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
-            best = _lowest(grid, _costs(bench, measured, model, effects, location, grid))
+            best = _lowest(grid, _costs(bench, measured, model, case, location, grid))
             width *= 0.3
         angles[location] = math.remainder(best, 2.0 * math.pi)
-        effects = _with_turned(effects, location, best)
-    return effects, angles
+        case = replace(case, effects=_with_turned(case.effects, location, best))
+    return case.effects, angles
 
 
 def _lowest(grid: Array, values: Array) -> float:

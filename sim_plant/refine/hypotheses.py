@@ -121,9 +121,8 @@ def variants(effect: Effect) -> list[tuple[tuple[str, Value], ...]]:
     tried = [
         [(name, value) for value in _tries(effect, name)]
         for name, p in effect.accepts.items()
-        if p.tries and (name in effect.traced or p.role == "option") and effect.name
-        != "out_of_round_roll"
-    ]  # fmt: skip
+        if p.tries and effect.name != "out_of_round_roll"
+    ]
     return [tuple(choice) for choice in itertools.product(*tried)]
 
 

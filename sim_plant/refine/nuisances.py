@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Callable
 from dataclasses import dataclass
 
-from sim_plant.base.arrays import DRIVEN, IDLER, LineArrays
-from sim_plant.effects.shape_rows import add_mean
-from sim_plant.line.build import cell_sensors
+from sim_plant.line.corrections import declared_numbers
 from sim_plant.line.declaration import Declaration
 
 DEFAULT_TOLERANCE = {
@@ -32,121 +29,24 @@ DEFAULT_TOLERANCE = {
 """Assumed where a declaration gives none: two standard deviations, relative (offset in N)."""
 
 
-Shift = Callable[[LineArrays, float], LineArrays]
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Nuisance:
-    """One declared parameter with its tolerance.
+    """One declared number with its tolerance.
 
     Attributes
     ----------
     name : dotted path in the declaration.
-    tolerance : two standard deviations, in units of ``shift``'s argument (mostly relative).
-    shift : returns arrays changed by this much; those given may be changed in place.
+    tolerance : two standard deviations, in units of its correction (mostly relative).
     """
 
     name: str
     tolerance: float
-    shift: Shift
-
-
-def _scale(record: str, field: str, index: int | slice) -> Shift:
-    def shift(arrays: LineArrays, amount: float) -> LineArrays:
-        getattr(arrays, record)[field][index] *= 1.0 + amount
-        return arrays
-
-    return shift
-
-
-def _add(record: str, field: str, index: int | slice) -> Shift:
-    def shift(arrays: LineArrays, amount: float) -> LineArrays:
-        getattr(arrays, record)[field][index] += amount
-        return arrays
-
-    return shift
-
-
-def _idler_inertia(arrays: LineArrays, amount: float) -> LineArrays:
-    idlers = arrays.bodies["kind"] == IDLER
-    arrays.bodies["inertia_kg_m2"][idlers] *= 1.0 + amount
-    return arrays
-
-
-def _modulus(arrays: LineArrays, amount: float) -> LineArrays:
-    arrays.spans["EA_N"] *= 1.0 + amount
-    arrays.web["wound_in_strain"] /= 1.0 + amount  # wound at a declared tension
-    return arrays
-
-
-def _corner(arrays: LineArrays, amount: float) -> LineArrays:
-    arrays.cells["corner_Hz"] *= 1.0 + amount
-    return arrays
-
-
-def _felt(body: int) -> Shift:
-    def shift(arrays: LineArrays, amount: float) -> LineArrays:
-        return add_mean(arrays, body, amount * float(arrays.bodies["radius_m"][body]))
-
-    return shift
-
-
-def _radius(body: int) -> Shift:
-    """Return a shift of the true radius: the drive goes on dividing by the declared one."""
-
-    def shift(arrays: LineArrays, amount: float) -> LineArrays:
-        arrays.bodies["radius_m"][body] *= 1.0 + amount
-        if int(arrays.bodies["kind"][body]) == DRIVEN:
-            arrays.drives["radius_ratio"][arrays.drives["body"] == body] /= 1.0 + amount
-        return arrays
-
-    return shift
 
 
 def declared_nuisances(line: Declaration) -> list[Nuisance]:
-    """Return one nuisance per declared parameter that the record could feel."""
-    rows: list[tuple[str, str, Shift]] = [
-        ("web.EA_N", "web.EA_N", _modulus),
-        ("web.kelvin_voigt_eta_s", "web.kelvin_voigt_eta_s", _scale("web", "viscosity_s", 0)),
-        ("web.density_kg_m3", "web.density_kg_m3", _scale("web", "density_kg_m3", 0)),
-        ("web.thickness_m", "web.thickness_m", _scale("web", "thickness_m", 0)),
-        ("web.wound_in_tension_N", "web.wound_in_tension_N", _scale("web", "wound_in_strain", 0)),
-        ("idlers.inertia_kg_m2", "idlers.inertia_kg_m2", _idler_inertia),
-        ("sensors.low_pass_Hz", "corner", _corner),
-    ]
-    for k, roller in enumerate(line.rollers):
-        path = f"rollers.{roller.name}."
-        rows.append((path + "friction_constant_N_m", "friction",
-                     _scale("bodies", "friction_constant_N_m", k)))  # fmt: skip
-        if roller.kind != "idler":
-            rows.append((path + "inertia_kg_m2", "inertia", _scale("bodies", "inertia_kg_m2", k)))
-            if roller.kind == "roll":
-                rows.append((path + "effective_radius", "effective_radius", _felt(k)))
-            rows.append((path + "radius_m", "radius", _radius(k)))
-    rows += _control_rows(line)
-    for c, sensor in enumerate(cell_sensors(line)):
-        rows.append((f"sensors.{sensor.channel}.gain", "gain", _scale("cells", "gain", c)))
-        rows.append((f"sensors.{sensor.channel}.offset", "offset", _add("cells", "offset_N", c)))
-    return [
-        Nuisance(name=name, tolerance=tolerance_of(line, name, kind), shift=shift)
-        for name, kind, shift in rows
-        if tolerance_of(line, name, kind) > 0.0
-    ]
-
-
-def _control_rows(line: Declaration) -> list[tuple[str, str, Shift]]:
-    rows: list[tuple[str, str, Shift]] = []
-    for d, drive in enumerate(line.control.drives):
-        path = f"control.drives.{drive.roller}."
-        rows.append((path + "K_ref_rad_s", "drive", _scale("drives", "gain_rad_s", d)))
-        rows.append((path + "zeta", "drive", _scale("drives", "damping", d)))
-        if "draw" in drive.speed_reference:
-            rows.append(("control.pull_roll_draw", "draw", _add("drives", "draw", d)))
-    for number, loop in enumerate(line.control.tension_pi):
-        path = f"control.tension_pi.{loop.loop}."
-        rows.append((path + "gain_m_s_per_N", "loop", _scale("loops", "gain_m_s_N", number)))
-        rows.append((path + "corner_rad_s", "loop", _scale("loops", "corner_rad_s", number)))
-    return rows
+    """Return one nuisance per declared number that the record could feel."""
+    rows = [(n.name, tolerance_of(line, n.name, n.kind)) for n in declared_numbers(line)]
+    return [Nuisance(name=name, tolerance=known) for name, known in rows if known > 0.0]
 
 
 def tolerance_of(line: Declaration, name: str, kind: str) -> float:

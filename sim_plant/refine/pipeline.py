@@ -72,12 +72,15 @@ def refine(plan: Plan, say: Say) -> Outcome:
         for text in record.findings:
             say(f"{record.path.name}: {text}")
     found = find(twins, records, plan.without, plan.workers, say)
-    if found.fit.shifts:
-        say("declared numbers moved within tolerance: " + ", ".join(sorted(found.fit.shifts)))
+    if found.corrections:
+        say(f"{len(found.corrections)} declared numbers estimated anew with the effects")
     shown, twin = (held[0], held_twins[0]) if held else (records[0], twins[0])
     say(f"judging on {shown.path.name}")
     with Bench([twin], plan.workers) as bench:
-        judged = judge(bench, measured_of(twin, shown), found.fit.effects, find_angles=bool(held))
+        shifts = tuple(sorted(found.corrections.items()))
+        judged = judge(
+            bench, measured_of(twin, shown), found.fit.effects, shifts, find_angles=bool(held)
+        )
     result = verdict(found, judged, str(shown.path))
     outcome = Outcome(
         plan=plan, records=(*records, *held), limits=tuple(said), trace=found, judgement=judged,

@@ -11,7 +11,7 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.refine.bench import Bench
 from sim_plant.refine.linear import Projector
-from sim_plant.refine.noise import NoiseModel, first_judged, measured_scale, noise_model
+from sim_plant.refine.noise import NoiseModel, first_judged, noise_model
 from sim_plant.refine.nuisances import Nuisance, declared_nuisances
 from sim_plant.refine.twin import Case, Twin
 
@@ -54,12 +54,16 @@ class Problem:
         line = twin.declaration
         steps = {s.channel: s.lsb_m or 0.0 for s in line.sensors}
         first = first_judged(runs.shape[2], line.sample_time_s)
-        return noise_model(runs, first, np.array([steps[c] for c in twin.channels]))
+        words = {s.channel for s in line.sensors if s.lsb_rad is not None}
+        return noise_model(
+            runs, first, np.array([steps[c] for c in twin.channels]),
+            [c in words for c in twin.channels],
+        )  # fmt: skip
 
     def weigh(self) -> None:
-        """Take the declared noise, louder where data are clearly louder than at the anchor."""
+        """Take the declared noise, its level and colour put right by the data at the anchor."""
         rows = zip(self.quiet, self.measured, self.fine, strict=True)
-        self.noise = [n.scaled(measured_scale(n.whiten(m - y))) for n, m, y in rows]
+        self.noise = [n.tuned(m - y) for n, m, y in rows]
         self.project()
 
     def project(self) -> None:

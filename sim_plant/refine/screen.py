@@ -16,8 +16,11 @@ from sim_plant.refine.hypotheses import Hypothesis
 from sim_plant.refine.linear import Gain
 from sim_plant.refine.problem import Problem
 
-LINE_WORTH_A_TRY = 170.0
-"""Free-line drop below which no order-locked effect is simulated."""
+LINE_WORTH_A_TRY = 80.0
+"""Free-line drop over its degrees of freedom below which no order-locked effect is simulated."""
+FEW_IDLERS = 8
+MANY = 2
+"""An effect of more pairs of numbers than this is a profile: it has the orders that pay."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -35,6 +38,23 @@ class Scored:
     score: float
     start: tuple[float, ...]
 
+    def trimmed(self) -> tuple[Hypothesis, tuple[float, ...]]:
+        """Return the hypothesis without the orders that did not pay their price, and its start."""
+        h = self.hypothesis
+        kept = [k for k, (s, a) in enumerate(zip(self.start, h.absent, strict=True)) if s != a]
+        if not kept or len(kept) == len(h.names):
+            return h, self.start
+
+        def pick(row: tuple[float, ...]) -> tuple[float, ...]:
+            return tuple(row[k] for k in kept)
+
+        fewer = replace(
+            h, names=tuple(h.names[k] for k in kept), strengths=len(kept), start=pick(h.start),
+            absent=pick(h.absent), low=pick(h.low), high=pick(h.high),
+            linear=tuple(h.linear[k] for k in kept),
+        )  # fmt: skip
+        return fewer, pick(self.start)
+
 
 def price(problem: Problem, numbers: int) -> float:
     """Return the cost drop that this many free numbers must pay [BIC]."""
@@ -48,8 +68,11 @@ def worth_trying(
     """Return hypotheses whose line is in some record, and those that are no lines."""
     lines, others = [], []
     strongest = max(s.peak[1] for record in spectra for s in record)
-    least = max(LINE_WORTH_A_TRY, 0.01 * strongest)
+    degrees = min(s.degrees for record in spectra for s in record)
     for h in hypotheses:
+        # a profile spreads what it does over many orders: each of them is small
+        alone = LINE_WORTH_A_TRY * (0.5 if len(h.effect.quadratures) > MANY else 1.0)
+        least = max(alone + degrees, 0.01 * strongest)
         support = [line_support(h, t, s) for t, s in zip(travels, spectra, strict=True)]
         seen = [value for value in support if value is not None]
         if not seen:
@@ -77,10 +100,15 @@ def screen(problem: Problem, fit: Fit, hypotheses: Sequence[Hypothesis], residua
 
 
 def thinned(hypotheses: Sequence[Hypothesis], rollers: Sequence[str]) -> list[Hypothesis]:
-    """Return the hypotheses with every third idler only: response changes slowly along the web."""
+    """Return the hypotheses with every third idler only: response changes slowly along the web.
+
+    Not so on a short line, and not for what sits in a load cell: each reading is its own.
+    """
     idlers = [name for name in rollers if name]
+    if len(idlers) <= FEW_IDLERS:
+        return list(hypotheses)
     left_out = {name for k, name in enumerate(idlers) if k % 3 != 1}
-    return [h for h in hypotheses if h.location not in left_out]
+    return [h for h in hypotheses if h.effect.place == "cell" or h.location not in left_out]
 
 
 def neighbours(
@@ -103,13 +131,40 @@ def neighbours(
     return [h for h in hypotheses if h.key in near and h.key not in done]
 
 
+def paying_orders(problem: Problem, h: Hypothesis, residual: Array, columns: Array) -> list[int]:
+    """Return the columns of a profile whose orders pay for themselves, one order at the least.
+
+    The order that is missed least is left out until each would be missed by more than its price:
+    twelve numbers for a roll with one bump would lose to any effect of two.
+    """
+    cut = problem.projector.project(columns)
+    inner, against = columns.T @ cut, cut.T @ residual
+    at = {name: k for k, name in enumerate(h.names)}
+    pairs = [(at[p.cos], at[p.sin]) for p in h.effect.quadratures if p.cos in at and p.sin in at]
+
+    def drop(some: list[tuple[int, int]]) -> float:
+        use = [k for pair in some for k in pair]
+        part = np.ix_(use, use)
+        return float(against[use] @ np.linalg.lstsq(inner[part], against[use], rcond=1e-9)[0])
+
+    while len(pairs) > 1:
+        left = [drop([p for p in pairs if p is not out]) for out in pairs]
+        best = int(np.argmax(left))
+        if drop(pairs) - left[best] > price(problem, 2):
+            break
+        del pairs[best]
+    return [k for pair in pairs for k in pair]
+
+
 def score_one(problem: Problem, h: Hypothesis, residual: Array, columns: Array) -> Scored:
     """Return the gain of one hypothesis; columns are whole probes, so 1 is the typical size."""
     if not np.isfinite(columns).all():
         nothing = Gain(drop=0.0, values=np.zeros(1), covariance=np.zeros((1, 1)), seen=0.0)
         return Scored(hypothesis=h, gain=nothing, score=-np.inf, start=h.start)
     use = list(range(columns.shape[1]))
-    gain = problem.projector.gain(residual, columns)
+    if len(h.effect.quadratures) > MANY:
+        use = paying_orders(problem, h, residual, columns)
+    gain = problem.projector.gain(residual, columns[:, use])
     # a strength that cannot go backwards is left out where it would
     while use:
         wrong = [k for k, at in enumerate(use) if not h.linear[at] and gain.values[k] <= 0.0]

@@ -17,17 +17,25 @@ from sim_plant.refine.fit import Fit, empty_fit, felt_radii, refine_fit
 from sim_plant.refine.generic import LineSpectrum
 from sim_plant.refine.hypotheses import Hypothesis
 from sim_plant.refine.problem import Problem
-from sim_plant.refine.pulled import pulled_starts
+from sim_plant.refine.pulled import pulled_starts, shifts_in_force
 from sim_plant.refine.screen import Scored, neighbours, price, screen, thinned, worth_trying
 from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
 from sim_plant.refine.shapes import profile_starts
-from sim_plant.refine.unknown import LINE_THRESHOLD, Unknown, strongest, unknowns
+from sim_plant.refine.unknown import Unknown, unknowns
 
 MOST_EFFECTS = 4
 MOST_BOXES = 2
-SCORE_THRESHOLD = 75.0
+SCORE_THRESHOLD = 120.0
+"""Effects that are no lines: healthy records of other code, and line01, reach 85 to 115."""
+LINE_SCORE = 50.0
+"""An effect with a coordinate of its own needs less: what a model lacks seldom has the same."""
 BEYOND_DOUBT = 3000.0
 """A score above this needs no second look at the declared drive tick."""
+WEAK = 150.0
+"""An effect without a line is not claimed below this when another explains nearly as much."""
+MARGIN = 10.0
+"""Effects whose scores are closer than this cannot be told apart."""
+MOST_LOOKS = 5
 RUNNERS = 4
 DISCREPANCY = 0.006
 """A further effect must explain more than this share of what was explained: no model is exact."""
@@ -47,7 +55,11 @@ class Step:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Trace:
-    """Everything the search found."""
+    """Everything the search found.
+
+    ``corrections`` are the declared numbers as re-estimated with the effects, by path: none where
+    structure is left that is no line, for they may then have imitated it.
+    """
 
     nominal: Fit
     fit: Fit
@@ -56,6 +68,7 @@ class Trace:
     after: list[list[LineSpectrum]]
     steps: list[Step] = field(default_factory=list)
     unknown: list[Unknown] = field(default_factory=list)
+    corrections: dict[str, float] = field(default_factory=dict)
     first_look: list[Scored] = field(default_factory=list)
 
 
@@ -111,6 +124,8 @@ def _pursue(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
     found.unknown = unknowns(problem, found.nominal, found.fit, found.after)
     if any(u.kind not in LINE_KINDS for u in found.unknown):
         _keep_lines_only(problem, found, say)
+    elif found.steps:
+        found.corrections = shifts_in_force(problem, found.fit)
     return found
 
 
@@ -152,13 +167,12 @@ def _search(
     plain = [h for h in lines if h.effect.name != "roll_bounce"]
     say(f"cost {found.fit.cost:.0f}, noise alone {problem.expected_cost:.0f}")
     half: tuple[Step, Fit] | None = None
-    floor = min(problem.expected_cost, found.fit.cost - 3.0 * SCORE_THRESHOLD)
+    floor = min(problem.expected_cost, found.fit.cost - 225.0)
     names = frozenset(h.effect.name for h in library)
-    full = _beyond_tolerance(problem, found, names, say)
-    if full is not None and not complete(problem, found.fit, found.after, found.travels, full[1]):
-        full = None  # a large line is there: tolerances were pulled by it
+    pulled = _beyond_tolerance(problem, found, names, say)
+    full: tuple[Step, Fit] | None = None
     for group in (plain, bounce, others):
-        accepted = _best_of(problem, found, group, say)
+        accepted = _best_of(problem, found, group, say, pulled if group is others else ())
         if accepted is None:
             continue
         if complete(problem, found.fit, found.after, found.travels, accepted[1]):
@@ -184,11 +198,14 @@ def _search(
     return None
 
 
+_Rival = tuple[float, Fit, Hypothesis]
+
+
 def _beyond_tolerance(
     problem: Problem, found: Trace, names: frozenset[str], say: Say
-) -> tuple[Step, Fit] | None:
-    """Fit effects that say the same as a declared number pulled beyond its tolerance."""
-    best: tuple[Step, Fit] | None = None
+) -> list[_Rival]:
+    """Return fits (score, fit, effect) that say the same as a declared number beyond tolerance."""
+    fits: list[_Rival] = []
     for h, start, shifts in pulled_starts(problem, found.fit, frozenset(BY_NAME) - names):
         if h.key in {k.key for k in found.fit.hypotheses}:
             continue
@@ -197,25 +214,19 @@ def _beyond_tolerance(
             continue
         score = found.fit.cost - fit.cost - price(problem, len(h.names))
         say(f"  {h.effect.name} at {h.location}, beyond tolerance: score {score:.0f}")
-        if score > SCORE_THRESHOLD and (best is None or fit.cost < best[1].cost):
-            second = best[0] if best else None
-            step = Step(
-                hypothesis=h, score=score, rejected=(),
-                runner_up=" at ".join(second.hypothesis.key) if second else "",
-                margin=score - (second.score if second else 0.0),
-            )  # fmt: skip
-            best = step, fit
-    return best
+        fits.append((score, fit, h))
+    return fits
 
 
 def _best_of(
-    problem: Problem, found: Trace, candidates: Sequence[Hypothesis], say: Say
-) -> tuple[Step, Fit] | None:
-    """Screen a group of hypotheses and fit the best."""
+    problem: Problem, found: Trace, candidates: Sequence[Hypothesis], say: Say,
+    pulled: Sequence[_Rival] = (),
+) -> tuple[Step, Fit] | None:  # fmt: skip
+    """Screen a group of hypotheses and fit the best; ``pulled`` are fits to compete with them."""
     taken = {h.key for h in found.fit.hypotheses}
     group = [h for h in candidates if h.key not in taken]
     if not group:
-        return None
+        return _next(problem, found, [], say, pulled)
     line = problem.bench.twins[0].declaration
     idlers = [r.name if r.kind == "idler" else "" for r in line.rollers]
     residual = problem.residual(problem.bench.one(found.fit.case), found.fit.shifts)
@@ -226,25 +237,27 @@ def _best_of(
         ranked += screen(problem, found.fit, more, residual, found.fit)
         ranked.sort(key=lambda s: -s.score)
     found.first_look.extend(ranked if not found.steps else [])
-    return _next(problem, found, ranked, say)
+    return _next(problem, found, ranked, say, pulled)
 
 
 def _at_floor(problem: Problem, found: Trace) -> bool:
+    """Return whether what is left is within the share that no model explains.
+
+    The level of the noise alone does not say so: it is known to a percent, and an effect can be
+    less.
+    """
     excess = found.fit.cost - problem.expected_cost
-    if excess < DISCREPANCY * (found.nominal.cost - found.fit.cost):
-        return True
-    quiet = excess < 0.003 * problem.expected_cost
-    return quiet and strongest(found.after)[2] < LINE_THRESHOLD
+    return excess < DISCREPANCY * (found.nominal.cost - found.fit.cost)
 
 
 def _shortlist(ranked: Sequence[Scored]) -> list[Scored]:
     """Return the best few of distinct effect and place; curved ones get a second chance."""
-    best = ranked[0].score
+    best = ranked[0].score if ranked else 0.0
     kept: list[Scored] = []
     for s in ranked:
         curved = not all(s.hypothesis.linear)
         share = 0.25 if curved else 0.85
-        if s.score < max(0.5 * SCORE_THRESHOLD, share * best):
+        if s.score < max(0.5 * LINE_SCORE, share * best):
             continue
         same = [k for k in kept if k.hypothesis.key == s.hypothesis.key]
         effect = [k for k in kept if k.hypothesis.effect.name == s.hypothesis.effect.name]
@@ -255,12 +268,10 @@ def _shortlist(ranked: Sequence[Scored]) -> list[Scored]:
 
 
 def _next(
-    problem: Problem, found: Trace, ranked: list[Scored], say: Say
+    problem: Problem, found: Trace, ranked: list[Scored], say: Say, pulled: Sequence[_Rival] = ()
 ) -> tuple[Step, Fit] | None:
     """Return the effect that explains most, fitted, or None when none may be claimed."""
-    if not ranked or ranked[0].score < 0.5 * SCORE_THRESHOLD:
-        return None
-    fits: list[tuple[float, Fit, Hypothesis]] = []
+    fits = list(pulled)
     for s in _shortlist(ranked):
         fit = _fit_one(problem, found.fit, s)
         if fit is None:
@@ -270,28 +281,60 @@ def _next(
         say(f"  {h.effect.name} at {h.location}: score {score:.0f}")
         fits.append((score, fit, h))
     fits = sorted((row for row in fits if np.isfinite(row[0])), key=lambda row: -row[0])
-    explained = found.nominal.cost - found.fit.cost
-    if not fits or fits[0][0] < max(SCORE_THRESHOLD, DISCREPANCY * explained):
+    fits = [row for k, row in enumerate(fits) if row[2].key not in {f[2].key for f in fits[:k]}]
+    fits = _looked_at_again(problem, found, fits, say)
+    if not fits:
         return None
     score, fit, h = fits[0]
-    if score < BEYOND_DOUBT:
-        score = min(score, _missed(problem, fit) - price(problem, len(h.names)))
-    if score < max(SCORE_THRESHOLD, DISCREPANCY * explained):
-        say(f"  {h.effect.name} at {h.location}: not missed when all else is fitted again")
+    if score < _least(found, h):
         return None
     others = [(s, k) for s, _, k in fits[1:] if k.key != h.key]
     others += [(s.score, s.hypothesis) for s in ranked
                if s.hypothesis.key not in {k.key for _, _, k in fits}]  # fmt: skip
     others.sort(key=lambda row: -row[0])
     runner, second = (others[0][1], others[0][0]) if others else (None, 0.0)
+    if runner and score < WEAK and score - second < MARGIN and not is_line(h, found):
+        say(f"  {h.effect.name} at {h.location}: weak, and not to be told from "
+            f"{runner.effect.name} at {runner.location}")  # fmt: skip
+        return None
     say(f"  best: {h.effect.name} at {h.location}, score {score:.0f}")
     step = Step(
         hypothesis=h, score=score, runner_up=" at ".join(runner.key) if runner else "",
         margin=score - max(second, 0.0),
         rejected=tuple((k.effect.name, k.location, s) for s, k in others[:12]),
-        ambiguous=tuple(k.key for s, k in others if score - s < 10.0),
+        ambiguous=tuple(k.key for s, k in others if score - s < MARGIN),
     )  # fmt: skip
     return step, fit
+
+
+def _least(found: Trace, h: Hypothesis) -> float:
+    explained = found.nominal.cost - found.fit.cost
+    return max(LINE_SCORE if is_line(h, found) else SCORE_THRESHOLD, DISCREPANCY * explained)
+
+
+def _looked_at_again(
+    problem: Problem, found: Trace, fits: Sequence[_Rival], say: Say
+) -> list[_Rival]:
+    """Return the fits with small scores put right by what is lost without the effect, best first.
+
+    One that is not missed makes room for the next; those that come near the best are looked at
+    as well, so that a margin is between like and like.
+    """
+    again: list[_Rival] = []
+    best = 0.0
+    for raw, fit, h in fits:
+        least = _least(found, h)
+        if raw < max(least, best - MARGIN) or len(again) == MOST_LOOKS:
+            break
+        score = raw
+        if raw < BEYOND_DOUBT:
+            score = min(raw, _missed(problem, fit) - price(problem, len(h.names)))
+            if score < least:
+                say(f"  {h.effect.name} at {h.location}: not missed when all else is fitted again")
+        again.append((score, fit, h))
+        best = max(best, score)
+    rest = [(min(raw, best) if again else raw, fit, h) for raw, fit, h in fits[len(again) :]]
+    return sorted([*again, *rest], key=lambda row: -row[0])
 
 
 def _missed(problem: Problem, fit: Fit) -> float:
@@ -321,7 +364,7 @@ def _fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
             best = new
     excess = fit.cost - problem.expected_cost
     if best is None or fit.cost - best.cost < 0.9 * excess:
-        free = _fitted(problem, fit, h, scored.start, fit.shifts, rounds=2)
+        free = _fitted(problem, fit, *scored.trimmed(), fit.shifts, rounds=2)
         if free is not None and (best is None or _worth(problem, free) < _worth(problem, best)):
             best = free
     return best

@@ -13,10 +13,10 @@ from sim_plant.base.effects import Value
 from sim_plant.effects.shape_rows import add_mean, add_shape
 from sim_plant.geometry.shapes import orders
 from sim_plant.line.build import build_arrays, timing_of
+from sim_plant.line.corrections import apply_corrections
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.line.with_effects import apply_effects
-from sim_plant.refine.nuisances import declared_nuisances
 
 COARSE_TICK_S = 0.005
 COARSE_SETTLE_S = 10.0
@@ -95,9 +95,8 @@ class Twin:
             control = line.control.model_copy(update={"drive_sample_time_s": tick})
             line = line.model_copy(update={"control": control})
         arrays = build_arrays(line, timing_of(line, line.sample_time_s))
-        table = {n.name: n for n in declared_nuisances(self.declaration)} if case.shifts else {}
-        for name, amount in case.shifts:
-            arrays = table[name].shift(arrays, amount)
+        arrays = apply_corrections(line, arrays, line.corrections)
+        arrays = apply_corrections(line, arrays, dict(case.shifts))
         entries = (*line.effects, *(added.entry() for added in case.effects))
         arrays = apply_effects(line, arrays, entries)
         for body, order, cos_m, sin_m in case.ripples:

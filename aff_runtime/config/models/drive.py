@@ -10,6 +10,7 @@ from aff_runtime.config.quantity import (
     Milliseconds,
     Name,
     Newtons,
+    Radians,
     RadiansPerSecond,
     Ratio,
     Seconds,
@@ -27,7 +28,10 @@ class Drive(Section):
 
     roll: Name = key("Roll that this drive turns; one of the actuator's blocks is on it.")
     speed_gain_rad_s: RadiansPerSecond = key(
-        "Proportional gain of the speed loop over the inertia: its bandwidth.", gt=0, le=1000
+        "Proportional gain of the speed loop over the inertia: its bandwidth. Half or twice the "
+        "true one costs nothing to speak of; a thousandth makes ripple instead of taking it away.",
+        ge=0.5,
+        le=1000,
     )
     zeta: Ratio | None = key(
         "Damping of the speed loop; its integral time is 4 zeta^2 / speed_gain_rad_s. Give this "
@@ -70,6 +74,14 @@ class Drive(Section):
     )
     imbalance: Flag = key(
         "true: learn the weight that is out of centre beside the shape.", default=True
+    )
+    web_leaves_rad: Radians | None = key(
+        "Where the web leaves the roll: angle past its highest point, counted the way it turns "
+        "(90 deg: at the side that goes down, 180 deg: at the bottom). What sticks out of a roll "
+        "is heavy, and this says when it pulls; the first change of speed then costs less.",
+        default=None,
+        ge=0,
+        le=6.2832,
     )
     transport_ms: Milliseconds | None = key(
         "Time from a snapshot to its correction at the drive. Absent: three cycles. Matters for "

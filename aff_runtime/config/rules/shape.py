@@ -11,6 +11,8 @@ from aff_runtime.config.models import Actuator, Block, Drive, Site
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.config.suggest import meant
 
+FASTEST_RAD_S2 = 1e5  # of a roll that its tension alone turns; rolls reach hundreds
+
 
 def issues(site: Site) -> Iterator[Issue]:
     """Yield what is wrong with laws, drives and start values."""
@@ -65,6 +67,7 @@ def _drive(path: KeyPath, drive: Drive, actuator: Actuator, site: Site) -> Itera
         text = f"no enabled block is on {drive.roll}. Add one, or name the roll that it turns."
         yield Issue(path=(*path, "roll"), text=text)
     yield from _web(path, drive, site)
+    yield from _weight(path, drive, actuator, site)
     if actuator.error.reference is not None:
         return
     if unit_of_channel(actuator.error.signal) != "N":
@@ -91,6 +94,25 @@ def _web(path: KeyPath, drive: Drive, site: Site) -> Iterator[Issue]:
             f"{plain(roll.smallest_radius_m)} m of {drive.roll}. Write the radius of the core."
         )
         yield Issue(path=(*path, "core_radius_m"), text=text)
+
+
+def _weight(path: KeyPath, drive: Drive, actuator: Actuator, site: Site) -> Iterator[Issue]:
+    """Refuse an inertia that the tension would whirl round: a slip of the unit, and it harms."""
+    tension_N, limits = drive.tension_N, site.plausibility.get(actuator.error.signal)
+    if tension_N is None and limits is not None and limits.max_N is not None:
+        tension_N = limits.max_N
+    if tension_N is None or not drive.tension_pulls:
+        return
+    # wound web only adds to this
+    torque_N_m = tension_N * site.rolls[drive.roll].smallest_radius_m
+    least_kg_m2 = torque_N_m / FASTEST_RAD_S2
+    if drive.total_inertia_kg_m2 < least_kg_m2:
+        text = (
+            f"{plain(drive.total_inertia_kg_m2)} kg m2 with its motor: the tension would turn "
+            f"such a roll faster than any roll turns. At least {least_kg_m2:.1g} kg m2; count "
+            "core, chuck and coupling."
+        )
+        yield Issue(path=(*path, "inertia_kg_m2"), text=text)
 
 
 def _start(path: KeyPath, block: Block, actuator: Actuator, site: Site) -> Iterator[Issue]:

@@ -56,6 +56,18 @@ CASES = {
         'actuators.unwind.drive.inertia_kg_m2: "0.25 N" is a force, expected a moment of inertia: '
         "a number in kg m2, or with its unit (kg m^2, kgm2, kg cm2).",
     ),
+    "inertia of another power of ten": (
+        ("inertia_kg_m2: 0.25", "inertia_kg_m2: 0.25 kg cm2"),
+        "0.25 kg cm2",
+        # 400 N at 0.1016 m on 1e5 rad/s2: 4.06e-4 kg m2
+        "actuators.unwind.drive.inertia_kg_m2: 0.000025 kg m2 with its motor: the tension would "
+        "turn such a roll faster than any roll turns. At least 0.0004 kg m2;",
+    ),
+    "speed loop that hardly acts": (
+        ("speed_gain_rad_s: 15", "speed_gain_rad_s: 0.001"),
+        "0.001",
+        "actuators.unwind.drive.speed_gain_rad_s: 0.001",
+    ),
     "start of an order that no block has": (
         (START, "        start: [{ order: 40, deviation_m: 0.001, angle_rad: 0 }]"),
         "40,",

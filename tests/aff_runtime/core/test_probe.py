@@ -6,10 +6,12 @@ import random
 from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import Permission
+from aff_runtime.core.estimate import Tone, fit_tones
 from aff_runtime.core.excitation import Waveform, log_grid, spread
 from aff_runtime.core.params import BlockParams, ProbeParams
 from aff_runtime.core.probe import Probe, Stage
@@ -163,3 +165,33 @@ def test_waveform_uses_its_peak_better_than_equal_phases_would():
     while not wave.fill(100):
         pass
     assert wave.amplitude(1.0) > 2 / 16
+
+
+def test_fast_tones_are_louder_and_the_sum_keeps_the_peak():
+    wave = Waveform(4000, CYCLE_S)
+    wave.plan([2.0, 6.0, 12.0], 1.0)
+    while not wave.fill(100):
+        pass
+    sent = np.array([wave.sample(k, 0.01) for k in range(4000)])
+    assert np.abs(sent).max() == pytest.approx(0.01)
+    # 2, 6 and 12 Hz are whole bins of the 18 s between the fades
+    spectrum = np.abs(np.fft.rfft(sent[200:3800]))
+    assert spectrum[[108, 216]] / spectrum[36] == pytest.approx([2.0, 3.0], rel=1e-3)
+
+
+def test_a_ripple_that_grows_does_not_spoil_the_tone_beside_it():
+    """An order at 1.0 Hz grows by a fifth in the record; tones 0.15 Hz from it and its double."""
+    time_s = np.arange(4000) * CYCLE_S
+    theta = math.tau * time_s
+    tones = [Tone(omega_rad_s=math.tau * f, phase_rad=0.3, amplitude=0.01) for f in (1.15, 2.15)]
+    P = 40.0 * np.exp(0.7j)
+    signal = sum(
+        (P * t.amplitude * np.exp(1j * (t.omega_rad_s * time_s + t.phase_rad))).real for t in tones
+    )
+    signal = signal + (1.0 + 0.01 * time_s) * (3.0 * np.cos(theta) + np.sin(2.0 * theta))
+    points = fit_tones(
+        time_s=time_s, signal=signal, angles_rad=[theta], nuisance_orders=2, own=tones, foreign=[]
+    )
+    for point in points:
+        assert cmath.rect(point.gain, point.phase_rad) == pytest.approx(P, rel=1e-6)
+        assert point.relative_error < 1e-6

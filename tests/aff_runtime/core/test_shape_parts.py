@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -41,9 +42,33 @@ def test_the_basis_is_the_drive_inverse_in_steady_state():
     assert basis.b[2] == pytest.approx(heavy, rel=0.01)
 
 
-def test_inertia_grows_with_the_fourth_power_of_the_radius():
-    from dataclasses import replace
+def test_what_sticks_out_is_heavy_where_the_web_is_known_to_leave():
+    """Wound mass times g on a lever: at the side that goes down it pulls with the web."""
+    side = math.radians(90.0)
+    drive = replace(
+        DRIVE, web_density_kg_m3=400.0, web_width_m=0.15, core_radius_m=0.05, web_leaves_rad=side
+    )
+    weight_N = 400.0 * 0.15 * math.pi * (0.2**2 - 0.05**2) * 9.80665
+    assert drive.weight_of_shape_N(0.2) == pytest.approx(weight_N)
+    bottom = replace(drive, web_leaves_rad=math.pi)
+    assert bottom.weight_of_shape_N(0.2) == pytest.approx(1j * weight_N)
+    assert replace(drive, web_leaves_rad=math.nan).weight_of_shape_N(0.2) == 0.0
+    b = {}
+    for name, used in (("known", drive), ("unknown", replace(drive, web_leaves_rad=math.nan))):
+        phase = Phase(5.0, 0.2)
+        basis = ShapeBasis([("unwind", 1), ("unwind", 2)], {"unwind": phase}, used, 0.0)
+        for _ in range(2000):
+            basis.step(1.0, 90.0, CYCLE_S)
+            at = phase.theta_rad
+            phase.turn()
+        b[name] = basis.b.copy()
+    K, c, J = drive.K_ref_rad_s, drive.corner_rad_s, drive.inertia_at(0.2)
+    more = -weight_N * 0.2 / (J * K) * 5j / (5j + c) * cmath.exp(1j * at)
+    assert b["known"][0] - b["unknown"][0] == pytest.approx(more, rel=0.01)
+    assert b["known"][1:] == pytest.approx(b["unknown"][1:])
 
+
+def test_inertia_grows_with_the_fourth_power_of_the_radius():
     drive = replace(DRIVE, web_density_kg_m3=400.0, web_width_m=0.15, core_radius_m=0.05)
     wound = 0.5 * math.pi * 400.0 * 0.15 * (0.2**4 - 0.05**4)
     assert drive.inertia_at(0.2) == pytest.approx(DRIVE.inertia_kg_m2 + wound)

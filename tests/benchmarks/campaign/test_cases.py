@@ -27,12 +27,18 @@ def test_a_case_is_the_same_whenever_it_is_drawn():
     assert case_number(5, 1) != case_number(6, 1)
 
 
-def test_any_twenty_cases_are_a_small_campaign():
+def test_any_stretch_of_the_campaign_is_a_small_campaign():
     for begin in (0, 13, 111):
         drawn = Counter(
-            case_number(1, n).group.partition(":")[0] for n in range(begin, begin + 20)
+            case_number(1, n).group.partition(":")[0] for n in range(begin, begin + len(GROUPS))
         )
         assert drawn == Counter(GROUPS)
+
+
+def test_every_ablation_has_its_turn():
+    rows = 5 * len(GROUPS)
+    drawn = Counter(c.group for n in range(rows) if "abl" in (c := case_number(1, n)).group)
+    assert sorted(drawn.values()) == [1] * 5
 
 
 def test_every_effect_drawn_can_be_put_on_the_machine():

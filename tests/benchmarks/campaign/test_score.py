@@ -9,6 +9,7 @@ from benchmarks.campaign.score import (
     covered,
     outcome,
     quantile,
+    told_apart,
     wilson,
 )
 
@@ -100,3 +101,18 @@ def test_the_page_calls_a_miss_a_miss():
 def test_a_bound_on_both_sides_of_a_target_decides_nothing():
     text = page([row(said()) for _ in range(3)])
     assert "| 100.0 % (3 of 3) | 43.9 to 100.0 % | yes, not decided |" in text
+
+
+def test_a_case_is_fair_when_nothing_answers_alike_and_the_effect_shows():
+    assert told_apart(row(said()) | {"alike": [[]], "evidence": [400.0]})
+    assert not told_apart(row(said()) | {"alike": [[["eccentric_roller", "R1"]]]})
+    assert not told_apart(row(said()) | {"alike": [[]], "evidence": [16.0]})
+
+
+def test_what_is_said_with_its_equal_is_no_wrong_attribution_on_the_page():
+    case = row(said(location="R3"), verdict="not_identifiable")
+    assert "| eccentric_roller at R2 | eccentric_roller at R3 | 1 |" in page([case])
+    case["refine"]["verdict"]["ambiguous"] = [
+        {"effect": "eccentric_roller at R3", "with": ["eccentric_roller at R2"]}
+    ]
+    assert "| eccentric_roller at R2 | eccentric_roller at R3" not in page([case])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,13 +15,23 @@ from benchmarks.control.__main__ import SECTIONS, chosen_jobs
 from benchmarks.control.cases import ON_S, constant_cases, mismatch_cases, roll_duration_s
 from benchmarks.control.jobs import Job
 from benchmarks.control.judge import judge_transient, order_amplitudes, ratio_dB
-from benchmarks.control.laws import OWN, RIVALS, TUNED, shape_law
+from benchmarks.control.laws import (
+    OWN,
+    RIVALS,
+    TUNED,
+    drive_of,
+    plain_blocks,
+    shape_law,
+    web_leaves_rad,
+)
 from benchmarks.control.lines import ALL_FIVE, INCH_M, Hidden, nominal, spoilt, with_hidden
 from benchmarks.control.lockstep import Record, run
-from benchmarks.control.memory import footprint
-from benchmarks.control.timing import Steady
+from benchmarks.control.memory import ROUND_TICKS, Eventful, footprint
 from benchmarks.control.verdicts import beaten, targets
+from sim_plant.geometry.wound_mass import WoundMass, gravity_torque_N_m
 from sim_plant.line.load import consistency
+
+CYCLE_S = 0.005
 
 
 @pytest.mark.parametrize("radius_in", [8.0, 6.375, 4.75, 2.5])
@@ -175,16 +186,50 @@ def test_back_after_a_transient_is_counted_in_turns():
     assert found["back_turns"] == pytest.approx(4.0)  # the window from 6 to 10 s, at its middle
 
 
-def test_no_container_of_the_law_grows():
-    """The objects that hang on the law, and their bytes, after 1e4 and after 4e4 ticks."""
-    line = Steady(shape_law("tyvek", orders=4))
+@pytest.mark.parametrize("law", ["shape", "blocks"])
+def test_no_container_of_a_law_grows_whatever_happens(law):
+    """What hangs on the law, and its bytes, after N and after 10 N ticks of events."""
+    blocks = plain_blocks("tyvek", CYCLE_S, 4, 6.0)
+    line = Eventful(shape_law("tyvek", orders=4) if law == "shape" else blocks)
+    wish = np.zeros(ROUND_TICKS)
 
-    def after(ticks):
-        for _ in range(ticks):
-            line.prepare()
-            line.step()
+    def after(rounds):
+        for _ in range(rounds):
+            for k in range(ROUND_TICKS):
+                line.prepare()
+                wish[k] = line.step().value
         return footprint(line)
 
-    after(1000)
-    first = after(9000)
-    assert after(30000) == first
+    first = after(1)
+    splices = line.splices
+    assert after(9) == first
+    assert (splices, line.splices) == (0, 9)
+    # it crawled (gate shut) and it corrected
+    assert (wish[1280:1300] == 0.0).all()
+    assert np.abs(wish[:1000]).max() > 0.0
+
+
+@pytest.mark.parametrize("rotation", ["ccw", "cw"])
+def test_the_laws_gravity_of_a_shape_is_the_lines(rotation):
+    """An eccentric roll: arm by drawing its circle, torque by the line model, ratio by the law."""
+    line = nominal("tyvek", 0.2)
+    roll = line.rollers[0].model_copy(update={"rotation": rotation})
+    line = line.model_copy(update={"rollers": (roll, *line.rollers[1:])})
+    sense = 1 if rotation == "ccw" else -1
+    offset_m, at_rad = 1e-3, 0.4
+    density, width, core = line.web.density_kg_m3, line.web.width_m, line.initial_radii_m.core
+    mass_kg = density * width * math.pi * (0.2**2 - core**2)
+    mass = WoundMass(
+        mass_kg=mass_kg, offset_m=offset_m, offset_angle_rad=at_rad, inertia_kg_m2=1.0
+    )
+    along = math.radians(line.spans[0].direction_deg)
+    theta = np.arange(64) * math.tau / 64
+    center = offset_m * np.exp(1j * sense * (theta + at_rad))
+    # where a circle turning this way has the web's direction: a quarter turn behind it
+    outwards = np.exp(1j * (along - sense * 0.5 * math.pi))
+    arm = 0.2 + (center * np.conj(outwards)).real
+    torque = np.array([gravity_torque_N_m(mass, float(t), sense) for t in theta])
+    first = np.exp(-1j * theta)
+    ratio = (torque @ first) / (arm @ first)
+    drive = replace(drive_of("tyvek"), web_leaves_rad=web_leaves_rad(line))
+    assert drive.weight_of_shape_N(0.2) == pytest.approx(ratio, rel=1e-3)

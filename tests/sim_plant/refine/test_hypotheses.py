@@ -56,3 +56,9 @@ def test_the_unbalance_of_a_bouncing_roll_turns_by_the_order_it_names():
     values = {"cosn_kg_m": 1.0, "sinn_kg_m": 0.0, "order": 4.0}
     out = turned(BY_NAME["roll_bounce"], values, 0.2)
     assert math.atan2(out["sinn_kg_m"], out["cosn_kg_m"]) == pytest.approx(0.8)
+
+
+def test_a_ripple_is_tried_at_every_order_that_its_file_names():
+    orders = {dict(h.fixed)["order"] for h in library(LINE) if h.effect.name == "torque_ripple"}
+    assert orders == set(BY_NAME["torque_ripple"].accepts["order"].tries)
+    assert {1.0, 5.0, 36.0} <= orders

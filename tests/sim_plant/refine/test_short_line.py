@@ -89,16 +89,36 @@ def test_errors_fall_to_the_floor(fitted):
     assert judged.after[at] < 1.2 * judged.floor[at]
 
 
+def test_declared_numbers_estimated_anew_are_in_the_error_after(line, record):
+    hidden = EffectEntry(effect="eccentric_roller", location="R6",
+                         parameters={"eccentricity_m": 3e-4, "angle_rad": 0.7})  # fmt: skip
+    other = line.model_copy(update={"effects": (hidden,), "tolerances": {"*": 0.0}})
+    twin = twin_of(other, record)
+    measured = np.stack([record.columns[c] for c in twin.channels])
+    shift = 0.05  # of the pull-roll draw zone: what a radius 5e-4 off does
+    wrong = (("rollers.pull_roll.radius_m", 0.01 * shift),)
+    with Bench([twin], 1) as bench:
+        plain = judge(bench, measured, (), find_angles=False)
+        shifted = judge(bench, measured, (), wrong, find_angles=False)
+    at = plain.channels.index("pullroll_tension_N")
+    # a pull roll larger by 5e-4 draws the web by as much: EA times it in tension
+    risen = np.mean(shifted.amended[at, shifted.first :] - plain.amended[at, plain.first :])
+    assert risen == pytest.approx(line.web.EA_N * 5e-4, rel=0.05)
+    assert shifted.after[at] > plain.after[at]
+
+
 def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record, tmp_path):
     _, nominal, right, _, judged = fitted
     step = Step(hypothesis=right.hypotheses[0], score=nominal.cost - right.cost, runner_up="",
                 margin=100.0, rejected=())  # fmt: skip
-    found = Trace(nominal=nominal, fit=right, travels=[], before=[], after=[], steps=[step])
+    found = Trace(nominal=nominal, fit=right, travels=[], before=[], after=[], steps=[step],
+                  corrections={"web.EA_N": 0.01})  # fmt: skip
     result = verdict(found, judged, "short.csv")
     path = write_amended(LINE_FILE, tmp_path, found, [record], "sim-plant refine", result)
     amended = load_declaration(path)
     assert [(e.effect, e.location) for e in amended.effects] == [("eccentric_roller", "R6")]
     assert amended.provenance["records"] == [{"path": "short.csv", "sha256": "abc"}]
+    assert amended.corrections == {"web.EA_N": 0.01}
     make_line(amended)
     block = yaml.safe_load(write_block(tmp_path, result["effects"]).read_text())
     assert block["blocks"][0] | {"roll": "r6", "orders": [1]} == block["blocks"][0]

@@ -1,0 +1,135 @@
+"""What the record of a fault can show at all, by this generator alone: no tool can do better."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.signal import lfilter
+
+from benchmarks.campaign import line as short
+from benchmarks.campaign.cases import IDLERS, LIBRARY, SMALLEST, Case
+from benchmarks.campaign.contact import Array
+from benchmarks.campaign.effects import CELLS, DRIVES, Fault
+from benchmarks.campaign.make import JUDGED_FROM_S, SIZED_BY, Stage, stage
+from benchmarks.campaign.record import simulate
+
+SAME_LINE = 0.003
+"""Wavenumbers closer than this (relative) are one line in a record of 60 s."""
+MARGIN = 10.0
+"""Chi-square by which the true effect must fit better than another to be told from it."""
+FIRST = round(JUDGED_FROM_S / short.SAMPLE_S)
+ORDER = 30
+OWN_SD = {k: v / 4.0 for k, v in SMALLEST.items() if k != "loop_delay"}
+"""Standard deviation of the declared number that says the same as the effect."""
+
+
+def wavenumber(fault: Fault) -> float:
+    """Return cycles per metre of web of a fault with one line; 0 where it has none or many."""
+    single = ("eccentric_roller", "unbalanced_roller", "unbalanced_measuring_roller",
+              "torque_ripple", "encoder_eccentricity")  # fmt: skip
+    if fault.effect not in single:
+        return 0.0
+    names = [b[0] for b in short.BODIES]
+    radius = short.radii(short.NOMINAL_RADII)[names.index(fault.location)]
+    order = fault.shape if fault.effect == "torque_ripple" else 1.0
+    return order / (2.0 * math.pi * radius)
+
+
+def rivals(fault: Fault) -> list[Fault]:
+    """Return other effects and places that may answer like ``fault``: same line, or a drag."""
+    if fault.effect == "bearing_drag":
+        return [replace(fault, location=k) for k in IDLERS if k != fault.location]
+    at = wavenumber(fault)
+    if at == 0.0:
+        return []
+    found = []
+    rolls = [(e, p) for e in ("eccentric_roller", "unbalanced_roller")
+             for p in (*IDLERS, "swrap", "pull_roll")]  # fmt: skip
+    rolls += [("unbalanced_measuring_roller", p) for p in CELLS]
+    rolls += [(e, p) for e in ("torque_ripple", "encoder_eccentricity") for p in DRIVES]
+    for effect, place in rolls:
+        _, size, shapes = LIBRARY[effect]
+        for shape in (*shapes, 1.0) if effect == "torque_ripple" else shapes:
+            other = Fault(effect=effect, location=place, size=size, shape=shape)
+            same = (effect, place) == (fault.effect, fault.location)
+            if not same and abs(wavenumber(other) / at - 1.0) < SAME_LINE:
+                found.append(other)
+    return list(dict.fromkeys(found))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Quiet:
+    """A healthy record without noise, and what makes its noise white, per channel."""
+
+    stage: Stage
+    healthy: dict[str, Array]
+    taps: dict[str, Array]
+
+    @classmethod
+    def of(cls, at: Stage) -> Quiet:
+        """Return it for one stage, its noise taken from one more run."""
+        healthy = at.quiet()
+        noisy = simulate(at.machine, at.told, at.angles, at.seed, colour=at.colour).even()
+        noise = {c: (noisy[c] - healthy[c])[FIRST:] for c in SIZED_BY}
+        return cls(stage=at, healthy=healthy, taps={c: whitener(x) for c, x in noise.items()})
+
+    def response(self, fault: Fault) -> Array:
+        """Return the answer of all tensions and speeds to a fault, in units of white noise."""
+        quiet = self.stage.quiet((fault,))
+        return np.concatenate(
+            [lfilter(self.taps[c], [1.0], quiet[c] - self.healthy[c])[FIRST:] for c in SIZED_BY]
+        )
+
+
+def whitener(noise: Array) -> Array:
+    """Return taps that make this noise white with unit variance  [least squares, 30 lags]."""
+    lags = np.stack([noise[ORDER - k : noise.size - k] for k in range(ORDER + 1)], axis=1)
+    weights = np.linalg.lstsq(lags[:, 1:], lags[:, 0], rcond=None)[0]
+    left = lags[:, 0] - lags[:, 1:] @ weights
+    found: Array = np.concatenate(([1.0], -weights)) / float(np.std(left))
+    return found
+
+
+def apart(true: Array, columns: Array) -> float:
+    """Return the chi-square that the best mix of ``columns`` (rows, k) leaves of ``true``."""
+    best = np.linalg.lstsq(columns, true, rcond=None)[0]
+    left = true - columns @ best
+    return float(left @ left)
+
+
+def alike(record: Quiet, fault: Fault) -> list[tuple[str, str]]:
+    """Return (effect, location) of what cannot be told from ``fault`` in this record."""
+    others = rivals(fault)
+    if not others:
+        return []
+    true = record.response(fault)
+    found = []
+    for other in others:
+        turns = (other.angle,) if fault.effect == "bearing_drag" else (0.0, 0.5 * math.pi)
+        columns = [record.response(replace(other, angle=a)) for a in turns]
+        if apart(true, np.stack(columns, axis=1)) < MARGIN:
+            found.append((other.effect, other.location))
+    return found
+
+
+def evidence(record: Quiet, fault: Fault) -> float:
+    """Return the chi-square by which a fault shows, beside the tolerance that may hide it.
+
+    Equation: 1/D = 1/sum (answer / noise)^2 + (sd / size)^2, as the declared number moves at the
+    price of its prior  [two independent errors in a row].
+    """
+    true = record.response(fault)
+    direct = float(true @ true)
+    sd = OWN_SD.get(fault.effect, 0.0)
+    if direct == 0.0:
+        return 0.0
+    return 1.0 / (1.0 / direct + (sd / fault.size) ** 2)
+
+
+def told(case: Case, faults: tuple[Fault, ...]) -> dict[str, list[object]]:
+    """Return per fault what cannot be told from it, and how much it shows."""
+    record = Quiet.of(stage(case, "a"))
+    return {"alike": [alike(record, f) for f in faults],
+            "evidence": [evidence(record, f) for f in faults]}  # fmt: skip

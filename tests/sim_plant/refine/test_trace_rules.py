@@ -1,0 +1,76 @@
+"""Which of several fits is claimed: the rules, with fits made up for them."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine import trace
+from sim_plant.refine.hypotheses import hypothesis
+
+DRAG = hypothesis(BY_NAME["bearing_drag"], "R3")
+FAR_DRAG = hypothesis(BY_NAME["bearing_drag"], "R9")
+MODULUS = hypothesis(BY_NAME["web_modulus"], "web")
+PROBLEM = SimpleNamespace(rows=40_000, expected_cost=40_000.0)
+COST = 41_000.0
+
+
+def found():
+    fit = SimpleNamespace(cost=COST, hypotheses=())
+    return SimpleNamespace(nominal=fit, fit=fit, before=[[]], travels=[None], steps=[])
+
+
+def rival(h, score):
+    """Return a fit whose score is this."""
+    cost = COST - score - trace.price(PROBLEM, len(h.names))
+    return score, SimpleNamespace(cost=cost, hypotheses=(h,)), h
+
+
+@pytest.fixture
+def missed(monkeypatch):
+    """Say what is lost without each effect; return the table to fill."""
+    table = {}
+    monkeypatch.setattr(
+        trace, "_missed",
+        lambda _, fit: table[fit.hypotheses[-1].key]
+        + trace.price(PROBLEM, len(fit.hypotheses[-1].names)),
+    )  # fmt: skip
+    return table
+
+
+def claimed(rivals):
+    return trace._next(PROBLEM, found(), [], lambda _: None, rivals)
+
+
+def test_a_fit_that_is_not_missed_makes_room_for_the_next(missed):
+    missed |= {DRAG.key: 10.0, MODULUS.key: 400.0}
+    step, _ = claimed([rival(DRAG, 450.0), rival(MODULUS, 420.0)])
+    assert step.hypothesis.key == MODULUS.key
+    assert step.score == pytest.approx(400.0)
+    assert step.ambiguous == ()
+
+
+def test_two_that_are_missed_alike_are_both_named(missed):
+    missed |= {DRAG.key: 300.0, FAR_DRAG.key: 296.0}
+    step, _ = claimed([rival(DRAG, 310.0), rival(FAR_DRAG, 305.0)])
+    assert step.ambiguous == (FAR_DRAG.key,)
+    assert step.margin == pytest.approx(4.0)
+
+
+def test_a_weak_one_that_another_explains_as_well_is_no_claim(missed):
+    missed |= {DRAG.key: 130.0, FAR_DRAG.key: 126.0}
+    assert claimed([rival(DRAG, 130.0), rival(FAR_DRAG, 126.0)]) is None
+    step, _ = claimed([rival(DRAG, 130.0)])
+    assert step.hypothesis.key == DRAG.key
+
+
+def test_what_has_no_line_of_its_own_needs_more(missed):
+    missed |= {DRAG.key: 100.0}
+    assert claimed([rival(DRAG, 100.0)]) is None
+
+
+def test_the_least_of_a_large_explanation_grows_with_it(missed):
+    missed |= {DRAG.key: 500.0}
+    large = found()
+    large.nominal = SimpleNamespace(cost=COST + 1e5)
+    assert trace._next(PROBLEM, large, [], lambda _: None, [rival(DRAG, 500.0)]) is None

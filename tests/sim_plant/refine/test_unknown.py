@@ -1,0 +1,44 @@
+"""When what is left is called broadband, and which channels count."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sim_plant.refine import completeness, unknown
+from sim_plant.refine.unknown import LOUD, loudest
+
+ANALOGUE = np.array([True, False, True])
+
+
+def left(*sizes, seed=1):
+    """Return a problem and a fit that leaves noise of these sizes in three channels."""
+    rng = np.random.default_rng(seed)
+    part = np.asarray(sizes)[:, None] * rng.standard_normal((3, 4000))
+    noise = SimpleNamespace(analogue=ANALOGUE)
+    problem = SimpleNamespace(noise=[noise], expected_cost=12_000.0, split=lambda _: [part])
+    cost = float(np.sum(part**2))
+    return problem, SimpleNamespace(residual=part, cost=cost, hypotheses=())
+
+
+def test_the_loudest_channel_counts_and_a_coarse_word_does_not():
+    problem, fit = left(1.0, 3.0, 1.2)
+    assert loudest(problem, fit) == pytest.approx(1.44, rel=0.1)
+    problem, fit = left(1.0, 3.0, 1.0)
+    assert loudest(problem, fit) < LOUD
+
+
+@pytest.mark.parametrize(("size", "kinds"), [(1.0, []), (1.15, ["broadband"])])
+def test_broadband_is_claimed_for_a_channel_that_is_clearly_loud(monkeypatch, size, kinds):
+    problem, fit = left(1.0, 1.0, size)
+    monkeypatch.setattr(unknown, "strongest", lambda _: (None, 1.0, 0.0))
+    monkeypatch.setattr(unknown, "improbable", lambda *_: None)
+    assert [u.kind for u in unknown.unknowns(problem, fit, fit, [])] == kinds
+
+
+def test_free_lines_are_sought_in_channels_with_noise_of_their_own(monkeypatch):
+    problem, fit = left(1.0, 9.0, 1.0)
+    seen = []
+    monkeypatch.setattr(completeness, "spectra", lambda _, part: seen.append(part.shape) or [])
+    completeness.lines_left(problem, fit, [None])
+    assert seen == [(2, 4000)]
