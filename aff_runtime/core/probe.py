@@ -98,8 +98,15 @@ class Probe:
         return (ZERO,) * len(self._site.actuators)
 
     def _listen(self, dt_s: float, permitted: bool) -> None:
-        good = all(p.quality is Quality.GOOD for p in self._phases.by_name.values())
-        self._heard_s = self._heard_s + dt_s if good and permitted else 0.0
+        """Count up good ticks; one predicted over counts nothing, a lost angle starts anew.
+
+        Where the bus beats with the PLC's scan every tenth tick brings no new angle.
+        """
+        worst = min((p.quality for p in self._phases.by_name.values()), default=Quality.GOOD)
+        if worst is Quality.LOST or not permitted:
+            self._heard_s = 0.0
+        elif worst is Quality.GOOD:
+            self._heard_s += dt_s
         if self._heard_s >= self._p.listen_s:
             for wave, tones in zip(self._waves, self._plan_tones_Hz(), strict=True):
                 wave.plan(tones, self._p.fade_s)

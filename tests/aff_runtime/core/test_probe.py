@@ -195,3 +195,13 @@ def test_a_ripple_that_grows_does_not_spoil_the_tone_beside_it():
     for point in points:
         assert cmath.rect(point.gain, point.phase_rad) == pytest.approx(P, rel=1e-6)
         assert point.relative_error < 1e-6
+
+
+@pytest.mark.parametrize(("every", "begins"), [(10, True), (1, False)])
+def test_a_missing_sample_now_and_then_does_not_begin_the_listening_anew(every, begins):
+    line, probe = Line(LagDelay(-400.0, 12, 0.96), {}), Probe(site(with_blocks(BLOCKS)), PARAMS)
+    for tick in range(round(1.25 * PARAMS.listen_s / CYCLE_S)):
+        there = tick < 20 or tick % every != 0
+        probe.step(snapshot(tick, *line.read(), fresh=there), CYCLE_S, FREE)
+        line.advance(0.0)
+    assert (probe.stage > Stage.LISTENING) is begins
