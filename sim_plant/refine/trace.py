@@ -21,6 +21,7 @@ from sim_plant.refine.pulled import pulled_starts, shifts_in_force
 from sim_plant.refine.screen import Scored, neighbours, price, screen, thinned, worth_trying
 from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
 from sim_plant.refine.shapes import profile_starts
+from sim_plant.refine.tolerated import within_tolerance
 from sim_plant.refine.unknown import Unknown, unknowns
 
 MOST_EFFECTS = 4
@@ -373,9 +374,10 @@ def _fitted(
     new = refine_fit(
         problem, (*fit.hypotheses, h), (*fit.values, tuple(start)), shifts, rounds=rounds
     )
-    if not np.isfinite(new.cost) or new.hypotheses[-1].at_bound(new.values[-1]):
+    h, found, line = new.hypotheses[-1], new.values[-1], problem.bench.twins[0].declaration
+    if not np.isfinite(new.cost) or h.at_bound(found):
         return None
-    return new
+    return None if within_tolerance(line, problem.nuisances, h, found) else new
 
 
 def _worth(problem: Problem, fit: Fit) -> float:

@@ -1,0 +1,41 @@
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.hypotheses import hypothesis
+from sim_plant.refine.nuisances import declared_nuisances
+from sim_plant.refine.tolerated import within_tolerance
+from tests.sim_plant.line.lines import declared
+
+LINE = declared("euclid").model_copy(update={"tolerances": {
+    "rollers.*.radius_m": 1e-4, "web.EA_N": 0.02, "web.wound_in_tension_N": 0.01,
+    "rollers.R6.friction_constant_N_m": 0.05, "sensors.*.gain": 0.001, "sensors.*.offset": 0.1,
+}})  # fmt: skip
+DRAG_N_M = LINE.rollers[LINE.body("R6")].friction_constant_N_m
+STRAIN = LINE.web.wound_in_tension_N / LINE.web.EA_N
+
+
+@pytest.mark.parametrize(
+    ("effect", "place", "names", "within", "beyond"),
+    [
+        ("radius_error", "swrap_follower", ("ratio",), (1.0 - 0.9e-4,), (1.0 - 1.1e-4,)),
+        ("web_modulus", "web", ("factor",), (1.019,), (0.85,)),
+        ("wound_in_strain", "web", ("strain",), (0.009 * STRAIN,), (-0.011 * STRAIN,)),
+        ("bearing_drag", "R6", ("constant_N_m",), (0.049 * DRAG_N_M,), (0.051 * DRAG_N_M,)),
+        ("load_cell_calibration", "R9", ("gain", "offset_N"), (1.0009, 0.09), (1.0009, 0.11)),
+        ("load_cell_calibration", "R9", ("gain", "offset_N"), (0.9991, 0.0), (0.9989, 0.0)),
+    ],
+)
+def test_a_change_is_an_effect_only_beyond_the_declared_tolerance(
+    effect, place, names, within, beyond
+):
+    h = hypothesis(BY_NAME[effect], place, (), names, LINE)
+    nuisances = declared_nuisances(LINE)
+    assert within_tolerance(LINE, nuisances, h, within)
+    assert not within_tolerance(LINE, nuisances, h, beyond)
+    assert not within_tolerance(LINE, [], h, within)  # a number without tolerance is exact
+
+
+@pytest.mark.parametrize("effect", ["eccentric_roller", "torque_ripple"])
+def test_an_effect_that_is_no_declared_number_counts_however_small(effect):
+    h = hypothesis(BY_NAME[effect], "swrap_follower", line=LINE)
+    assert not within_tolerance(LINE, declared_nuisances(LINE), h, [1e-12] * len(h.names))
