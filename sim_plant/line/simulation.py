@@ -19,7 +19,13 @@ from sim_plant.line.start import start_at_rest
 
 
 def make_work(p: LineArrays, lay: Layout, state: LineState) -> Work:
-    """Return scratch memory with the contact data of spans that do not move already in place."""
+    """Return scratch memory with the contact data of spans that do not move already in place.
+
+    Raises
+    ------
+    PlantError
+        When two bodies leave no room for the span between them.
+    """
     spans = lay.n - 1
     moving = np.zeros(spans)
     for i in range(spans):
@@ -35,6 +41,13 @@ def make_work(p: LineArrays, lay: Layout, state: LineState) -> Work:
             p.bodies["sigma"][i + 1] * p.bodies["radius_m"][i + 1]
             - p.bodies["sigma"][i] * p.bodies["radius_m"][i]
         )
+        if not dx * dx + dy * dy > reach * reach:
+            radii = p.bodies["radius_m"][i], p.bodies["radius_m"][i + 1]
+            raise PlantError(
+                f"no room for span {i}: its bodies of radius {radii[0]:.4g} m and "
+                f"{radii[1]:.4g} m stand {math.hypot(dx, dy):.4g} m apart; correct the radii or "
+                "the centres"
+            )
         contacts[i, 0] = math.sqrt(dx * dx + dy * dy - reach * reach)
         contacts[i, 1], contacts[i, 2] = p.bodies["radius_m"][i], p.bodies["radius_m"][i + 1]
         # exact direction of the common tangent: n.(C_B - C_A) = -reach

@@ -64,3 +64,10 @@ def test_a_line_file_with_corrections_runs_as_corrected():
     radius_m = LINE.rollers[0].radius_m
     # the drive divides by the declared radius; the tension loop then turns the roll slower
     assert out["unwind_speed_rad_s"][-1] == pytest.approx(1.0 / (radius_m * 1.002), rel=5e-4)
+
+
+@pytest.mark.parametrize("amount", [60.0, -60.0, float("nan")])
+def test_a_radius_that_leaves_no_room_for_a_span_is_refused_by_numbers(amount):
+    line = LINE.model_copy(update={"corrections": {"rollers.swrap_follower.radius_m": amount}})
+    with pytest.raises(PlantError, match=r"no room for span \d+: its bodies of radius .* apart"):
+        make_line(line, seed=None)
