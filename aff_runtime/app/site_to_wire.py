@@ -10,7 +10,7 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock, Gateway
 from aff_runtime.config.can_wire import can_map_of, network_of
 from aff_runtime.config.models import CanDbc, Channel, Site, Tls
-from aff_runtime.fieldbus.catalogue import modbus_rtu, modbus_tcp, rtu_wire
+from aff_runtime.fieldbus.catalogue import modbus_rtu, modbus_tcp, rtu_wire, tcp_wire
 from aff_runtime.fieldbus.codec import WordCodec
 from aff_runtime.fieldbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus_frames import WireFunction
@@ -22,8 +22,8 @@ from aff_runtime.fieldbus.registers import (
     WordOrder,
     WordType,
 )
-from aff_runtime.fieldbus.tcp_wire import TcpWire, Wire
-from aff_runtime.fieldbus.tls_wire import TlsWire, client_context
+from aff_runtime.fieldbus.tcp_wire import Wire
+from aff_runtime.fieldbus.tls_wire import client_context
 
 
 def gateway_of(
@@ -101,8 +101,8 @@ def transport(site: Site, words: RegisterMap, clock: Clock, folder: Path) -> Mod
         register_map=words,
         clock=clock,
         function=WireFunction(tcp.function),
-        tls=_tls_context(tcp.tls, folder) if tcp.tls is not None else None,
-        server_name=tcp.tls.server_name or "" if tcp.tls is not None else "",
+        tls=_tls_context(tcp.tls, folder),
+        server_name=_server_name(tcp.tls),
     )
 
 
@@ -120,14 +120,17 @@ def wire_of(site: Site, folder: Path) -> Wire:
         return rtu_wire(rtu.device, baud=rtu.baud, parity=parity, stop_bits=rtu.stop_bits)
     if tcp is None:
         raise ConfigError("gateway: no modbus_tcp")
-    if tcp.tls is None:
-        return TcpWire(tcp.host, tcp.port)
-    context = _tls_context(tcp.tls, folder)
-    return TlsWire(tcp.host, tcp.port, context, tcp.tls.server_name or tcp.host)
+    return tcp_wire(tcp.host, tcp.port, _tls_context(tcp.tls, folder), _server_name(tcp.tls))
 
 
-def _tls_context(tls: Tls, folder: Path) -> ssl.SSLContext:
-    """Return the certificates of a site; its folder is where the names begin."""
+def _server_name(tls: Tls | None) -> str:
+    return tls.server_name or "" if tls is not None else ""
+
+
+def _tls_context(tls: Tls | None, folder: Path) -> ssl.SSLContext | None:
+    """Return the certificates of a site, whose folder is where names begin; None without TLS."""
+    if tls is None:
+        return None
     return client_context(
         folder / tls.ca,
         folder / tls.certificate if tls.certificate is not None else None,

@@ -40,11 +40,24 @@ def modbus_tcp(
     ConfigError
         When a number does not fit the protocol.
     """
+    wire = tcp_wire(host, port, tls, server_name)
     frames = _frames(device_id, register_map)
-    wire: Wire = TcpWire(host, port)
-    if tls is not None:
-        wire = TlsWire(host, port, tls, server_name or host)
     return ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=function)
+
+
+def tcp_wire(
+    host: str, port: int, tls: ssl.SSLContext | None = None, server_name: str = ""
+) -> Wire:
+    """Return a TCP connection, in TLS when ``tls`` is given; not connected yet.
+
+    Raises
+    ------
+    WireError
+        When the host name cannot be resolved.
+    """
+    if tls is None:
+        return TcpWire(host, port)
+    return TlsWire(host, port, tls, server_name or host)
 
 
 def modbus_rtu(

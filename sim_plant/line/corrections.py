@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -11,6 +10,7 @@ from sim_plant.base.arrays import DRIVEN, IDLER, LineArrays
 from sim_plant.effects.shape_rows import add_mean
 from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
+from sim_plant.line.suggest import meant
 
 Shift = Callable[[LineArrays, float], LineArrays]
 
@@ -123,8 +123,7 @@ def apply_corrections(
     table = {n.name: n for n in declared_numbers(line)} if corrections else {}
     for name, amount in corrections.items():
         if name not in table:
-            near = difflib.get_close_matches(name, table, n=1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
+            hint = meant(name, table)
             raise PlantError(f"corrections.{name}: this line declares no such number{hint}")
         arrays = table[name].shift(arrays, amount)
     return arrays

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
-
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.effects import Effect
 from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
+from sim_plant.line.suggest import meant
 
 
 def zones(declaration: Declaration) -> dict[str, list[int]]:
@@ -67,8 +66,7 @@ def _spans(declaration: Declaration, location: str, where: str) -> list[int]:
 
 def _index(names: list[str], name: str, where: str) -> int:
     if name not in names:
-        near = difflib.get_close_matches(name, names, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        hint = meant(name, names)
         raise PlantError(f"{where}: read {name!r}; expected one of {names}{hint}")
     return names.index(name)
 

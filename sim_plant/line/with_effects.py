@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -13,6 +12,7 @@ from sim_plant.base.effects import Effect, Value
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.locations import places_of
+from sim_plant.line.suggest import meant
 
 
 def apply_effects(
@@ -36,8 +36,7 @@ def apply_effects(
 
 def _known(table: Mapping[str, Effect], name: str, where: str) -> Effect:
     if name not in table:
-        near = difflib.get_close_matches(name, table, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        hint = meant(name, table)
         raise PlantError(f"{where}: read {name!r}; expected one of {sorted(table)}{hint}")
     return table[name]
 
@@ -47,9 +46,7 @@ def merged(effect: Effect, given: Mapping[str, Value], where: str) -> dict[str, 
     values = dict(effect.parameters)
     for key, value in given.items():
         if key not in values:
-            near = difflib.get_close_matches(key, values, n=1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
-            raise PlantError(f"{where}.parameters: unknown key {key!r}{hint}")
+            raise PlantError(f"{where}.parameters: unknown key {key!r}{meant(key, values)}")
         if isinstance(values[key], str):
             values[key] = str(value)
         elif isinstance(value, str | bool) or not np.isfinite(float(value)):

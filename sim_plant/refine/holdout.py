@@ -12,7 +12,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.bench import Bench
 from sim_plant.refine.hypotheses import turned
-from sim_plant.refine.noise import NoiseModel, first_judged, noise_model
+from sim_plant.refine.noise import NoiseModel, declared_noise
 from sim_plant.refine.twin import Added, Case
 
 Shifts = tuple[tuple[str, float], ...]
@@ -70,11 +70,8 @@ def judge(
     twin = bench.twins[0]
     runs = bench.run([Case(coarse=False), Case(coarse=False, seed=0)])
     declared, noisy = runs[0][0], runs[1][0]
-    first = first_judged(measured.shape[1], twin.declaration.sample_time_s)
-    steps = {s.channel: s.lsb_m or 0.0 for s in twin.declaration.sensors}
-    model = noise_model(
-        (noisy - declared)[None], first, np.array([steps[c] for c in twin.channels])
-    )
+    model = declared_noise(twin, (noisy - declared)[None])
+    first = model.first
     angles: dict[str, float] = {}
     final = tuple(effects)
     if find_angles:

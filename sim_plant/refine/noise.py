@@ -11,6 +11,7 @@ from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.twin import Twin
 
 AR_ORDER = 24
 BANDS = (0.0, 1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 3.0 / 4.0, 1.0)
@@ -157,6 +158,17 @@ def noise_model(
     return NoiseModel(
         filters=tuple(filters), sd=np.array(sd), floor=np.array(floor), first=first,
         words=tuple(choices),
+    )  # fmt: skip
+
+
+def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
+    """Return the noise model of a twin from its noise realisations (runs, channels, samples)."""
+    line = twin.declaration
+    steps = {s.channel: s.lsb_m or 0.0 for s in line.sensors}
+    words = {s.channel for s in line.sensors if s.lsb_rad is not None}
+    return noise_model(
+        runs, first_judged(runs.shape[2], line.sample_time_s),
+        np.array([steps[c] for c in twin.channels]), [c in words for c in twin.channels],
     )  # fmt: skip
 
 

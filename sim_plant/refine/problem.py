@@ -11,9 +11,9 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.refine.bench import Bench
 from sim_plant.refine.linear import Projector
-from sim_plant.refine.noise import NoiseModel, first_judged, noise_model
+from sim_plant.refine.noise import declared_noise
 from sim_plant.refine.nuisances import Nuisance, declared_nuisances
-from sim_plant.refine.twin import Case, Twin
+from sim_plant.refine.twin import Case
 
 NOISE_RUNS = 2
 NOMINAL = Case()
@@ -38,7 +38,7 @@ class Problem:
         self.coarse, self.fine = runs[0], runs[1]
         noisy = [np.stack([run[t] for run in runs[2:]]) for t in range(len(bench.twins))]
         self.quiet = [
-            self._noise(twin, noise - fine[None])
+            declared_noise(twin, noise - fine[None])
             for twin, noise, fine in zip(bench.twins, noisy, self.fine, strict=True)
         ]
         self.noise = self.quiet
@@ -48,17 +48,6 @@ class Problem:
             for m, n in zip(self.measured, self.noise, strict=True)
         )
         self.weigh()
-
-    @staticmethod
-    def _noise(twin: Twin, runs: Array) -> NoiseModel:
-        line = twin.declaration
-        steps = {s.channel: s.lsb_m or 0.0 for s in line.sensors}
-        first = first_judged(runs.shape[2], line.sample_time_s)
-        words = {s.channel for s in line.sensors if s.lsb_rad is not None}
-        return noise_model(
-            runs, first, np.array([steps[c] for c in twin.channels]),
-            [c in words for c in twin.channels],
-        )  # fmt: skip
 
     def weigh(self) -> None:
         """Take the declared noise, its level and colour put right by the data at the anchor."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from jinja2 import Environment, PackageLoader
 
 from sim_plant.refine.figures import overlay, spectrum, told_by, wavenumber_map
+from sim_plant.refine.units import suffix_of
 from sim_plant.refine.unknown import LINE_THRESHOLD
 
 if TYPE_CHECKING:
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     from sim_plant.refine.outcome import Outcome
 
 
-UNITS = {"N": "N", "rad_s": "rad/s", "m_s": "m/s", "rad": "rad", "m": "m"}
 HIDDEN = ("cos", "sin", "angle_rad", "smoothing_rad")
 
 
@@ -52,10 +52,7 @@ def headline(result: dict[str, Any]) -> str:
 def gain(judged: Judgement, held: bool) -> str:
     """Return what the amended line explains, on the channel that gained most."""
     at = told_by(judged)[0]
-    unit = next(
-        (UNITS[end] for end in sorted(UNITS, key=len, reverse=True)
-         if judged.channels[at].endswith(f"_{end}")), "",
-    )  # fmt: skip
+    unit = suffix_of(judged.channels[at]).replace("_s", "/s")
     where = "On the held-out record" if held else "On the record fitted (no proof)"
     before, after, floor = judged.before[at], judged.after[at], judged.floor[at]
     return (

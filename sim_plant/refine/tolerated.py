@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
 from sim_plant.refine.hypotheses import Hypothesis
 from sim_plant.refine.nuisances import Nuisance
@@ -40,8 +41,7 @@ def _changes(
         share = given["constant_N_m"] / constant if constant > 0.0 else float("inf")
         return [(where + "friction_constant_N_m", share)]
     if h.effect.name == "load_cell_calibration":
-        cells = [s.channel for s in line.sensors
-                 if s.low_pass_Hz is not None and h.location in (s.roller, "all")]  # fmt: skip
+        cells = [s.channel for s in cell_sensors(line) if h.location in (s.roller, "all")]
         parts = [("gain", given.get("gain", 1.0) - 1.0), ("offset", given.get("offset_N", 0.0))]
         return [(f"sensors.{cell}.{part}", change) for cell in cells for part, change in parts]
     return []
