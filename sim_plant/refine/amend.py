@@ -13,9 +13,9 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import load_declaration
+from sim_plant.refine.claim import Trace
 from sim_plant.refine.record import Record
 from sim_plant.refine.start_values import start_values
-from sim_plant.refine.trace import Trace
 from sim_plant.refine.verdict import aff_blocks, declared_entries
 
 FILE = "line_amended.yaml"

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sim_plant.refine.claim import Trace
 from sim_plant.refine.holdout import Judgement
 from sim_plant.refine.record import Record
-from sim_plant.refine.trace import Trace
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

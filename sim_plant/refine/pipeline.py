@@ -13,6 +13,7 @@ import numpy as np
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.amend import plain, write_amended, write_block
 from sim_plant.refine.bench import Bench
+from sim_plant.refine.claim import Trace
 from sim_plant.refine.folder import check_apart, check_folder, publish
 from sim_plant.refine.holdout import judge
 from sim_plant.refine.hypotheses import library
@@ -22,7 +23,7 @@ from sim_plant.refine.problem import Problem
 from sim_plant.refine.read import read_record
 from sim_plant.refine.record import Record
 from sim_plant.refine.report import write_report
-from sim_plant.refine.trace import Trace, trace
+from sim_plant.refine.trace import trace
 from sim_plant.refine.twin import Twin
 from sim_plant.refine.verdict import verdict
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.claim import Trace
 from sim_plant.refine.experiments import experiments
 from sim_plant.refine.fit import Fit
 from sim_plant.refine.holdout import Judgement
-from sim_plant.refine.trace import Trace
 
 NINETY_FIVE = 1.959964
 MODEL_SHARE = 0.0066

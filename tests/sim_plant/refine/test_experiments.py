@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
+from sim_plant.refine.claim import Step
 from sim_plant.refine.experiments import experiment, experiments
 from sim_plant.refine.hypotheses import hypothesis
 from sim_plant.refine.report import headline
-from sim_plant.refine.trace import Step
 from sim_plant.refine.verdict import verdict
 
 

@@ -13,6 +13,7 @@ from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
 from sim_plant.refine.amend import write_amended, write_block
 from sim_plant.refine.bench import Bench
+from sim_plant.refine.claim import Step, Trace
 from sim_plant.refine.details import polished
 from sim_plant.refine.fit import empty_fit, refine_fit
 from sim_plant.refine.holdout import judge
@@ -20,7 +21,6 @@ from sim_plant.refine.hypotheses import hypothesis
 from sim_plant.refine.match import twin_of
 from sim_plant.refine.problem import Problem
 from sim_plant.refine.record import Record
-from sim_plant.refine.trace import Step, Trace
 from sim_plant.refine.verdict import verdict
 
 LINE_FILE = Path(__file__).parents[3] / "config/lines/euclid.yaml"

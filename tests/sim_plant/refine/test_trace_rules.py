@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine import trace
+from sim_plant.refine import claim
 from sim_plant.refine.hypotheses import hypothesis
 
 DRAG = hypothesis(BY_NAME["bearing_drag"], "R3")
@@ -22,7 +22,7 @@ def found():
 
 def rival(h, score):
     """Return a fit whose score is this."""
-    cost = COST - score - trace.price(PROBLEM, len(h.names))
+    cost = COST - score - claim.price(PROBLEM, len(h.names))
     return score, SimpleNamespace(cost=cost, hypotheses=(h,)), h
 
 
@@ -31,15 +31,15 @@ def missed(monkeypatch):
     """Say what is lost without each effect; return the table to fill."""
     table = {}
     monkeypatch.setattr(
-        trace, "_missed",
+        claim, "_missed",
         lambda _, fit: table[fit.hypotheses[-1].key]
-        + trace.price(PROBLEM, len(fit.hypotheses[-1].names)),
+        + claim.price(PROBLEM, len(fit.hypotheses[-1].names)),
     )  # fmt: skip
     return table
 
 
 def claimed(rivals):
-    return trace._next(PROBLEM, found(), [], lambda _: None, rivals)
+    return claim.claim(PROBLEM, found(), [], lambda _: None, rivals)
 
 
 def test_a_fit_that_is_not_missed_makes_room_for_the_next(missed):
@@ -73,4 +73,4 @@ def test_the_least_of_a_large_explanation_grows_with_it(missed):
     missed |= {DRAG.key: 500.0}
     large = found()
     large.nominal = SimpleNamespace(cost=COST + 1e5)
-    assert trace._next(PROBLEM, large, [], lambda _: None, [rival(DRAG, 500.0)]) is None
+    assert claim.claim(PROBLEM, large, [], lambda _: None, [rival(DRAG, 500.0)]) is None

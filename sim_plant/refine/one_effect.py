@@ -1,0 +1,71 @@
+"""One effect fitted beside those that are there already, an out-of-round roll by its profiles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.equivalents import within_tolerance
+from sim_plant.refine.fit import Fit, refine_fit
+from sim_plant.refine.hypotheses import Hypothesis
+from sim_plant.refine.problem import Problem
+from sim_plant.refine.screen import Scored, price
+from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
+from sim_plant.refine.shapes import profile_starts
+
+
+def fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
+    """Return ``fit`` with one more effect, None where its numbers are no estimate."""
+    h = scored.hypothesis
+    if h.effect.name != OUT_OF_ROUND:
+        return fitted(problem, fit, h, scored.start, fit.shifts)
+    own = f"rollers.{h.location}.effective_radius"  # a profile brings its own mean radius
+    shifts = {name: value for name, value in fit.shifts.items() if name != own}
+    best: Fit | None = None
+    for hyp, start in _profiles(problem, fit, h):
+        new = fitted(problem, fit, hyp, start, shifts)
+        if new is not None and (best is None or _worth(problem, new) < _worth(problem, best)):
+            best = new
+    excess = fit.cost - problem.expected_cost
+    if best is None or fit.cost - best.cost < 0.9 * excess:
+        free = fitted(problem, fit, *scored.trimmed(), fit.shifts, rounds=2)
+        if free is not None and (best is None or _worth(problem, free) < _worth(problem, best)):
+            best = free
+    return best
+
+
+def fitted(
+    problem: Problem, fit: Fit, h: Hypothesis, start: Sequence[float], shifts: dict[str, float],
+    rounds: int = 6,
+) -> Fit | None:  # fmt: skip
+    """Return ``fit`` with ``h`` from ``start``, all else fitted again; None as ``fit_one``."""
+    new = refine_fit(
+        problem, (*fit.hypotheses, h), (*fit.values, tuple(start)), shifts, rounds=rounds
+    )
+    h, found, line = new.hypotheses[-1], new.values[-1], problem.bench.twins[0].declaration
+    if not np.isfinite(new.cost) or h.at_bound(found):
+        return None
+    return None if within_tolerance(line, problem.nuisances, h, found) else new
+
+
+def _worth(problem: Problem, fit: Fit) -> float:
+    return fit.cost + price(problem, len(fit.hypotheses[-1].names))
+
+
+def _profiles(
+    problem: Problem, fit: Fit, h: Hypothesis
+) -> list[tuple[Hypothesis, tuple[float, ...]]]:
+    case = fit.case
+    runs = problem.bench.run(
+        [case, *(replace(case, effects=(*case.effects, a)) for a in h.probes())]
+    )
+    columns = np.stack([problem.column(r, runs[0], 1.0) for r in runs[1:]], axis=1)
+    residual = problem.residual(runs[0], fit.shifts)
+    cut = problem.projector.project(columns)
+    line = problem.bench.twins[0].declaration
+    radius = line.rollers[line.body(h.location)].radius_m
+    inner: Array = columns.T @ cut
+    return profile_starts(h.location, radius, inner, cut.T @ residual, h.start)
