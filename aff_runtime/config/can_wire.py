@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.units import plain
+from aff_runtime.config.channel_units import suffix_of_unit
 from aff_runtime.config.findings import KeyPath
-from aff_runtime.config.models import Site
+from aff_runtime.config.models import Actuator, Site
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.fieldbus.can_load import MOST_SHARE, bus_share
 from aff_runtime.fieldbus.signal_names import NamedError, SignalNames
 
 if TYPE_CHECKING:
-    from aff_runtime.fieldbus.can_layout import CanMap
+    from aff_runtime.fieldbus.can_layout import CanCorrection, CanMap
     from aff_runtime.fieldbus.canopen_402 import Network
 
 _SAME = 1e-9
@@ -151,6 +152,8 @@ def issues(site: Site, folder: Path) -> Iterator[Issue]:
             path = ("gateway", "write", "corrections", correction.name, "scale")
             text = f"{correction.field} has {plain(factor)} per count. Write that."
             yield Issue(path=path, text=text)
+        yield from _room(site.actuators[correction.name], correction)
+    yield from _untold(site)
     share = load_share(site, frames)
     if share > MOST_SHARE:
         text = (
@@ -159,6 +162,46 @@ def issues(site: Site, folder: Path) -> Iterator[Issue]:
             "Raise bitrate or cycle_ms."
         )
         yield Issue(path=(*section, "bitrate"), text=text)
+
+
+def _room(actuator: Actuator, correction: CanCorrection) -> Iterator[Issue]:
+    """Yield an issue where the limit is beyond what the signal carries, or rest no count of 0."""
+    field = correction.field
+    if field.offset:
+        rest = round(-field.offset / field.factor)
+        text = (
+            f"{field} has an offset: rest is sent as {rest} counts, "
+            "and AFF_GATEWAY adds counts as they come. Take the offset out, or off in the PLC."
+        )
+        where = ("gateway", "write", "corrections", correction.name, "signal")
+        yield Issue(path=where, text=text, warning=True)
+    ends = [end * correction.scale for end in field.physical_range]
+    room, unit = min(-min(ends), max(ends)), actuator.unit
+    if actuator.limit > room * (1 + _SAME):
+        text = (
+            f"{plain(actuator.limit)} {unit} does not fit {field}, which carries "
+            f"{plain(min(ends))} to {plain(max(ends))} {unit} by bits, offset and range. "
+            "Lower the limit, or widen the signal."
+        )
+        path = ("actuators", correction.name, f"limit_{suffix_of_unit(unit)}")
+        yield Issue(path=path, text=text)
+
+
+def _untold(site: Site) -> Iterator[Issue]:
+    """Yield a warning for drives that take a correction and are told nothing for our loss."""
+    section = site.gateway.canopen_402
+    if section is None:
+        return
+    signals = [row.signal or "" for row in site.gateway.write.corrections.values()]
+    drives = {signal.partition(".")[0] for signal in signals}
+    for name, node in section.nodes.items():
+        if name in drives and not node.objects:
+            text = (
+                "takes a correction, but its reaction to our lost heartbeat is neither set nor "
+                'verified. Add objects: [{ object: "0x6007", value: ... }], or the maker\'s own.'
+            )
+            path = ("gateway", "canopen_402", "nodes", name)
+            yield Issue(path=path, text=text, warning=True, at_key=True)
 
 
 def _where(value: object, named: str, path: KeyPath) -> KeyPath | None:

@@ -82,6 +82,8 @@ def load_device(path: Path) -> Device:
     """
     try:
         rows = yaml.safe_load(path.read_text(encoding="utf-8"))
+        if isinstance(rows, dict) and "gateway" in rows and "registers" not in rows:
+            raise ConfigError(f"{path}: this is a site file; leave --device out")
         if isinstance(rows, dict) and isinstance(rows.get("registers"), list):
             rows["registers"] = tuple(rows["registers"])
         return Device.model_validate(rows)

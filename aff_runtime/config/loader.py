@@ -28,9 +28,18 @@ _RULES: tuple[Callable[[Site], Iterator[Issue]], ...] = (
 )
 
 
-_A_LINE = (
-    "this is a line declaration, which sim-plant reads. "
-    "Give a site file, such as config/euclid.yaml."
+# What stands in files that are no site files: keys to tell them by, what to do instead.
+_OTHERS = (
+    (
+        ("schema", "rollers"),
+        "this is a line declaration, which sim-plant reads. "
+        "Give a site file, such as config/euclid.yaml.",
+    ),
+    (
+        ("device", "registers"),
+        "this is a device profile, to copy register numbers from. `aff-runtime map --device FILE` "
+        "shows it; here give a site file, such as config/euclid.yaml.",
+    ),
 )
 
 
@@ -56,8 +65,9 @@ def load_site(path: Path | str) -> Site:
 def read_site(path: Path | str) -> Reading:
     """Read and check a site file; like `load_site`, with warnings and marks."""
     tree = read_marked(path)
-    if "schema" in tree.values and "rollers" in tree.values:
-        raise SiteFileError([tree.finding(("schema",), _A_LINE, at_key=True)])
+    for keys, text in _OTHERS:
+        if all(key in tree.values for key in keys):
+            raise SiteFileError([tree.finding((keys[0],), text, at_key=True)])
     findings = empty_keys(tree)
     if findings:
         raise SiteFileError(findings)

@@ -6,11 +6,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from aff_runtime.base.units import plain
-from aff_runtime.config.can_wire import can_map_of, load_share, network_of, wire_files
+from aff_runtime.config.can_table import can_lines, thousand
+from aff_runtime.config.can_wire import can_map_of, load_share, wire_files
+from aff_runtime.config.channel_units import unit_of_channel
 from aff_runtime.config.findings import dotted
 from aff_runtime.config.models import Site
 from aff_runtime.config.registers import block_of, read_rows, write_rows
 from aff_runtime.fieldbus.serial_time import transaction_ms
+
+_WIDTH = 36  # of "1000 counts = 1.53398078789 rad"
 
 
 def wire_lines(site: Site, folder: Path) -> Iterator[str]:
@@ -21,7 +25,10 @@ def wire_lines(site: Site, folder: Path) -> Iterator[str]:
     ConfigError
         A file of the wire cannot be used.
     """
-    yield from (_modbus_lines(site) if site.gateway.modbus is not None else _can(site, folder))
+    yield from (
+        _modbus_lines(site) if site.gateway.modbus is not None else can_lines(site, folder)
+    )
+    yield from budget_lines(site, folder)
 
 
 def _modbus_lines(site: Site) -> Iterator[str]:
@@ -36,7 +43,6 @@ def _modbus_lines(site: Site) -> Iterator[str]:
         for row in rows:
             name = dotted(row.path[2:])
             yield f"  wire {row.address:5}  {row.type}  {_example(site, row.path)}  {name}"
-    yield from budget_lines(site, Path())
 
 
 def budget_lines(site: Site, folder: Path) -> Iterator[str]:
@@ -67,35 +73,9 @@ def budget_lines(site: Site, folder: Path) -> Iterator[str]:
 def _example(site: Site, path: tuple[str | int, ...]) -> str:
     """Return what 1000 counts are, for values with a scale."""
     name = str(path[-2])
+    said = ""
     if "channels" in path:
-        return f"1000 = {plain(1000 * site.gateway.read.channels[name].scale)}".ljust(24)
-    if "corrections" in path and path[-1] == "register":
-        return f"1000 = {plain(1000 * site.gateway.write.corrections[name].scale)}".ljust(24)
-    return " " * 24
-
-
-def _can(site: Site, folder: Path) -> Iterator[str]:
-    texts = wire_files(site, folder)
-    frames = can_map_of(site, texts)
-    owner = {str(channel.field): channel.name for channel in frames.channels}
-    owner |= {str(correction.field): correction.name for correction in frames.corrections}
-    reading = {field.frame for field in frames.read_fields}
-    for layout in frames.frames:
-        way = "read " if layout.name in reading else "write"
-        yield f"{way} 0x{layout.can_id:03X}  {layout.length} bytes  {layout.name}"
-        for field in (*frames.read_fields, *frames.write_fields):
-            if field.frame == layout.name:
-                order = "Motorola" if field.big_endian else "Intel"
-                page = "" if field.selector is None else f"  page {field.selector}"
-                yield (
-                    f"  {field.length:2} bits >> {field.shift:2}  {order:8}  "
-                    f"x {plain(field.factor)}  {field.name}  {owner.get(str(field), '')}{page}"
-                ).rstrip()
-    if site.gateway.canopen_402 is not None:
-        for plan in network_of(site, texts).plans:
-            yield f"node {plan.node_id} {plan.name}: {len(plan.writes)} objects set at start"
-            for write in plan.writes:
-                value = int.from_bytes(write.data, "little")
-                back = "read back" if write.verify else "written"
-                yield f"  0x{write.index:04X}:{write.subindex:02X} = 0x{value:X}  {back}"
-    yield from budget_lines(site, folder)
+        said = thousand(site.gateway.read.channels[name].scale, unit_of_channel(name) or "")
+    elif "corrections" in path and path[-1] == "register":
+        said = thousand(site.gateway.write.corrections[name].scale, site.actuators[name].unit)
+    return said.ljust(_WIDTH)

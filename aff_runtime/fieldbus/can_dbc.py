@@ -165,4 +165,5 @@ def _find(database: Database, name: str) -> tuple[Message, Signal]:
             known = ", ".join(signal.name for signal in message.signals)
             raise NamedError(name, f"{message_name} has no such signal; it has {known}")
     known = ", ".join(message.name for message in database.messages)
-    raise NamedError(name, f"write MESSAGE.Signal; the messages are {known}")
+    said = f"there is no message {message_name}" if signal_name else "write MESSAGE.Signal"
+    raise NamedError(name, f"{said}; the messages are {known}")

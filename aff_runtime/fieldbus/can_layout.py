@@ -67,6 +67,14 @@ class Field:
             return -(1 << (self.length - 1)), (1 << (self.length - 1)) - 1
         return 0, self.mask
 
+    @property
+    def physical_range(self) -> tuple[float, float]:
+        """Return the least and the largest physical value by bits and believable range."""
+        if self.is_float:
+            return self.minimum, self.maximum
+        ends = [count * self.factor + self.offset for count in self.count_range]
+        return max(min(ends), self.minimum), min(max(ends), self.maximum)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrameLayout:
@@ -228,12 +236,15 @@ def _check_words(can_map: CanMap) -> None:
             raise ConfigError(f"{channel.name}: scale {channel.scale} must be finite and not 0")
     for correction in can_map.corrections:
         field, copy = correction.field, correction.complement
-        least, most = field.count_range
-        if (
-            field.is_float
-            or (least if field.factor > 0 else -most) * field.factor + (field.offset) >= 0.0
-        ):
-            raise ConfigError(f"{field}: a correction has a sign; use a signed signal")
+        if field.is_float:
+            raise NamedError(str(field), "a correction cannot be a float; use a signed signal")
+        least, most = field.physical_range
+        if not least < 0.0 < most:
+            text = (
+                f"carries {least:g} to {most:g}, but a correction has a sign and rests at 0. "
+                "Use a signed signal whose range, by bits, offset and bounds, has 0 within"
+            )
+            raise NamedError(str(field), text)
         if copy is not None and copy.length != field.length:
             raise ConfigError(f"{copy}: the complement has {copy.length} bits, not {field.length}")
         if not math.isfinite(correction.scale) or correction.scale == 0.0:

@@ -4,11 +4,26 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import cantools
+import pytest
+
 from aff_runtime.base.signals import Status
 
+CONFIG = Path(__file__).parents[2] / "config"
 GUIDE = Path(__file__).parents[2] / "deploy" / "plc" / "COMMISSIONING.md"
 
 
 def test_every_status_bit_stands_in_the_guide_with_its_value() -> None:
     text = GUIDE.read_text()
     assert [bit.name for bit in Status if f"{bit.name} = {bit.value}" not in text] == []
+
+
+@pytest.mark.parametrize("name", ["COMMISSIONING.md", "AFF_GATEWAY.st"])
+def test_the_plc_programmer_is_told_of_the_counters_of_a_set(name: str) -> None:
+    text = (GUIDE.parent / name).read_text()
+    assert "Counter" in text
+    if name == GUIDE.name:
+        sent = cantools.database.load_file(CONFIG / "euclid.dbc").messages
+        for message in sent:
+            if "AFF" in message.senders and "Counter" in {s.name for s in message.signals}:
+                assert message.name in text

@@ -5,6 +5,7 @@ With ``--docs`` the table also goes between its marks in ``docs/fault-matrix.md`
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections import defaultdict
 from pathlib import Path
@@ -18,6 +19,9 @@ Found = dict[tuple[str, str], dict[str, str]]
 
 def main(arguments: list[str]) -> int:
     """Print one row per fault and wire; 0 when every cell is green."""
+    parser = argparse.ArgumentParser(prog="python -m tests.matrix", description=__doc__)
+    parser.add_argument("--docs", action="store_true", help=f"write the table to {PAGE.name}")
+    options = parser.parse_args(arguments)
     found: Found = defaultdict(dict)
     wanted: dict[tuple[str, str], str] = {}
     for cell in cells():
@@ -34,7 +38,7 @@ def main(arguments: list[str]) -> int:
     bad = sum(bool(wrong) for states in found.values() for wrong in states.values())
     verdict = f"{total - bad} of {total} cells green"
     print(verdict)
-    if "--docs" in arguments:
+    if options.docs:
         write(found, wanted, verdict)
     return 1 if bad else 0
 

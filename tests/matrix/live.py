@@ -6,6 +6,7 @@ fault of the wire's table once more over the real transport, while a correction 
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import os
 import shutil
@@ -183,8 +184,14 @@ def _say(wire: str, name: str, state: str, seen: Seen) -> None:
 
 def main(arguments: list[str]) -> int:
     """Run the wires named (all without a name); 0 when every cell is green."""
+    parser = argparse.ArgumentParser(prog="python -m tests.matrix.live", description=__doc__)
+    parser.add_argument("wires", nargs="*", metavar="WIRE", help=f"of {', '.join(WIRES)}")
+    wires = parser.parse_args(arguments).wires
+    unknown = sorted(set(wires) - set(WIRES))
+    if unknown:
+        parser.error(f"no such wire: {', '.join(unknown)}; there are {', '.join(WIRES)}")
     found = []
-    for wire in arguments or list(WIRES):
+    for wire in wires or list(WIRES):
         found += process_cells(wire)
         if shutil.which("cc"):
             found += clock_cells(wire)

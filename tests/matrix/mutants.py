@@ -7,6 +7,7 @@ list of survivors is the result.
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import io
 import sys
@@ -64,8 +65,12 @@ def _first_failure(paths: str) -> str:
 
 def main(arguments: list[str]) -> int:
     """Print every mutant with what kills it; 1 when one survives without a reason."""
-    names = [a for a in arguments if not a.startswith("-")]
+    parser = argparse.ArgumentParser(prog="python -m tests.matrix.mutants", description=__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME", help="part of a mutant's name")
+    names = parser.parse_args(arguments).names
     chosen = [m for m in MUTANTS if not names or any(n in m.name for n in names)]
+    if not chosen:
+        parser.error(f"no mutant is called {' or '.join(names)}")
     left = []
     for mutant in chosen:
         found = notices(mutant)

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.config.check import check_site
 from aff_runtime.config.devices import load_device
 
 FOLDER = Path(__file__).parents[3] / "config" / "devices"
@@ -36,3 +37,15 @@ def test_a_profile_with_an_unknown_key_is_refused(tmp_path: Path) -> None:
     path.write_text((FOLDER / "abb.yaml").read_text() + "more: 1\n")
     with pytest.raises(ConfigError, match="more"):
         load_device(path)
+
+
+@pytest.mark.parametrize("name", sorted(NAMES))
+def test_a_profile_in_the_place_of_a_site_file_is_named_once(name: str) -> None:
+    (error,) = check_site(FOLDER / f"{name}.yaml").errors
+    assert "this is a device profile" in error.text
+    assert "aff-runtime map --device" in error.text
+
+
+def test_a_site_file_in_the_place_of_a_profile_is_named() -> None:
+    with pytest.raises(ConfigError, match="this is a site file; leave --device out"):
+        load_device(FOLDER.parent / "euclid.yaml")

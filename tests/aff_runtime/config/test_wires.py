@@ -271,3 +271,42 @@ def test_the_map_names_every_channel_and_correction(name: str) -> None:
     text = "\n".join(wire_lines(site, CONFIG))
     for wanted in (*site.gateway.read.channels, *site.actuators):
         assert wanted in text
+
+
+def test_the_map_on_can_shows_all_that_the_plc_must_fill_in() -> None:
+    lines = list(wire_lines(load_site(CONFIG / "euclid_can.yaml"), CONFIG))
+    rows = [line.split() for line in lines]
+    # PLC_TENSION of euclid.dbc: 7|24@0- from the top of 56 bits, so 56 - 24 = 32 below it
+    assert any(" ".join(row).startswith("24 bits >> 32 Motorola signed Unwi") for row in rows)
+    for frame, counter in (("PLC_TENSION", "PlcHeartbeat"), ("AFF_FOLLOWER", "AffHeartbeat")):
+        begin = next(i for i, row in enumerate(rows) if row[-1:] == [frame])
+        assert rows[begin + 1][6:8] == ["Counter", "repeats"]
+        assert rows[begin + 1][-1].endswith(f".{counter}")
+    assert sum("says which page" in line for line in lines) == 2
+    assert "PLC_STATUS closes a scan: the PLC sends it last" in lines
+    assert any("ones complement of Unwind" in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        # 1000 counts of 0.02 mm; of 0.001 N; of 0.00001 m/s
+        ("euclid.yaml", [f"1000 counts = {si} " for si in ("0.02 m", "1 N", "0.01 m/s")]),
+        ("euclid_can.yaml", ["unwind_radius_m, 1000 counts = 0.02 m", "1000 counts = 0.01 m/s"]),
+        ("euclid_canopen.yaml", ["unwind_radius_m, 1000 counts = 0.02 m", "0x2100",
+                                 "unwind_tension_N, 1000 counts = 1 N", "aff_heartbeat"]),
+    ],
+)  # fmt: skip
+def test_the_map_shows_counts_in_the_units_of_the_line(name: str, said: list[str]) -> None:
+    text = "\n".join(wire_lines(load_site(CONFIG / name), CONFIG))
+    for wanted in said:
+        assert wanted in text
+
+
+def test_the_map_shows_an_offset(folder: Path) -> None:
+    dbc = folder / "euclid.dbc"
+    old = "SG_ LineSpeed : 0|16@1- (0.001,0)"
+    assert old in dbc.read_text()
+    dbc.write_text(dbc.read_text().replace(old, old.replace(",0)", ",-2)")))
+    text = "\n".join(wire_lines(load_site(folder / "euclid_can.yaml"), folder))
+    assert "line_speed_m_s, 1000 counts = 1 m/s, 0 = -2 m/s" in text
