@@ -10,6 +10,7 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.units import plain
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Site
+from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.fieldbus.can_load import MOST_SHARE, bus_share
 from aff_runtime.fieldbus.signal_names import NamedError, SignalNames
@@ -57,13 +58,15 @@ def wire_files(site: Site, folder: Path) -> dict[str, str]:
     texts: dict[str, str] = {}
     for name in wanted:
         try:
-            texts[name] = _text((folder / name).read_bytes())
+            texts[name] = _text(read_plain(folder / name))
         except OSError as error:
             text = (
                 f"cannot be read ({error.strerror}). Looked for {folder / name}: "
                 "correct the name or put the file there"
             )
             raise NamedError(name, text) from None
+        except ValueError as error:
+            raise NamedError(name, f"{folder / name} {error}") from None
     return texts
 
 
@@ -151,6 +154,15 @@ def issues(site: Site, folder: Path) -> Iterator[Issue]:
             path = ("gateway", "write", "corrections", correction.name, "scale")
             text = f"{correction.field} has {plain(factor)} per count. Write that."
             yield Issue(path=path, text=text)
+        limit = site.actuators[correction.name].limit
+        least, most = correction.reach
+        if min(-least, most) < limit * (1.0 - _SAME):
+            text = (
+                f"{correction.field} goes from {plain(least)} to {plain(most)}, the limit of "
+                f"{correction.name} is {plain(limit)}. Widen the range in the file of the wire, "
+                "or lower the limit."
+            )
+            yield Issue(path=("actuators", correction.name), text=text)
     share = load_share(site, frames)
     if share > MOST_SHARE:
         text = (

@@ -147,7 +147,7 @@ class _Builder:
                 name=_frame_name(name, pdo),
                 can_id=pdo.can_id,
                 extended=False,
-                length=sum(entry & 0xFF for entry in pdo.entries) // 8,
+                length=-(-sum(entry & 0xFF for entry in pdo.entries) // 8),
             )
             for (name, _), pdo in used
         )
