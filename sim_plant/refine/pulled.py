@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.equivalents import as_effect
 from sim_plant.refine.fit import Fit
-from sim_plant.refine.hypotheses import Hypothesis, hypothesis
+from sim_plant.refine.hypotheses import Hypothesis
 from sim_plant.refine.problem import Problem
 
 PULLED = 4.0
@@ -34,41 +34,19 @@ def pulled_starts(problem: Problem, fit: Fit, without: frozenset[str]) -> list[S
 
     ``without`` names effects that are not in the library.
     """
+    line = problem.bench.twins[0].declaration
     total = shifts_in_force(problem, fit)
     z = {n.name: total[n.name] / sd for n, sd in zip(problem.nuisances, problem.sd, strict=True)}
     found: list[Start] = []
     for name in sorted(z, key=lambda k: -abs(z[k])):
         if abs(z[name]) < PULLED or len(found) == MOST:
             break
-        pair = _effect_of(problem, name, total[name])
+        pair = as_effect(line, name, total[name])
         if pair is None or pair[0].effect.name in without:
             continue
         rest = {k: v for k, v in fit.shifts.items() if k != name}
         found.append((*pair, rest))
     return found
-
-
-def _effect_of(
-    problem: Problem, name: str, shift: float
-) -> tuple[Hypothesis, tuple[float, ...]] | None:
-    line = problem.bench.twins[0].declaration
-    part = name.split(".")
-    if name == "web.EA_N":
-        return hypothesis(BY_NAME["web_modulus"], "web", line=line), (1.0 + shift,)
-    if name == "web.wound_in_tension_N":
-        strain = line.web.wound_in_tension_N / line.web.EA_N
-        return hypothesis(BY_NAME["wound_in_strain"], "web", line=line), (strain * shift,)
-    if part[-1] == "friction_constant_N_m":
-        declared = line.rollers[line.body(part[1])].friction_constant_N_m
-        h = hypothesis(BY_NAME["bearing_drag"], part[1], (), ("constant_N_m",), line)
-        return (h, (declared * shift,)) if shift > 0.0 else None
-    if part[0] == "sensors" and part[-1] in ("gain", "offset"):
-        roller = next(s.roller for s in line.sensors if s.channel == part[1])
-        h = hypothesis(BY_NAME["load_cell_calibration"], roller, line=line)
-        start = {"gain": 1.0 + shift if part[-1] == "gain" else 1.0,
-                 "offset_N": shift if part[-1] == "offset" else 0.0}  # fmt: skip
-        return h, tuple(start[k] for k in h.names)
-    return None
 
 
 def improbable(problem: Problem, fit: Fit) -> tuple[str, float, float] | None:

@@ -14,7 +14,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.read_binary import Table, mdf_table, parquet_table
 from sim_plant.refine.record import Record
 from sim_plant.refine.sanity import even_grid, oddities, place_of
-from sim_plant.refine.units import SUFFIXES, TO_SI, canonical, split_header
+from sim_plant.refine.units import TO_SI, canonical, split_header
 
 TIME_NAMES = ("time", "t", "timestamp")
 
@@ -117,8 +117,3 @@ def _csv(path: Path, text: str) -> dict[str, Array]:
                     f"{path}: line {number}: column {header[k]}: read {cell!r}; expected a number"
                 ) from error
     return {h: np.ascontiguousarray(rows[:, k]) for k, h in enumerate(header)}
-
-
-def known_suffix(name: str) -> bool:
-    """Return whether a column says its SI unit."""
-    return any(name.endswith("_" + s) for s in SUFFIXES)

@@ -13,6 +13,7 @@ from sim_plant.refine.blackbox import LINE_KINDS, free_lines
 from sim_plant.refine.completeness import complete, lines_left
 from sim_plant.refine.coordinates import Travel, line_support, travel_of
 from sim_plant.refine.details import polished
+from sim_plant.refine.equivalents import within_tolerance
 from sim_plant.refine.fit import Fit, empty_fit, felt_radii, refine_fit
 from sim_plant.refine.generic import LineSpectrum
 from sim_plant.refine.hypotheses import Hypothesis
@@ -21,7 +22,6 @@ from sim_plant.refine.pulled import pulled_starts, shifts_in_force
 from sim_plant.refine.screen import Scored, neighbours, price, screen, thinned, worth_trying
 from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
 from sim_plant.refine.shapes import profile_starts
-from sim_plant.refine.tolerated import within_tolerance
 from sim_plant.refine.unknown import Unknown, unknowns
 
 MOST_EFFECTS = 4

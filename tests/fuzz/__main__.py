@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from tests.fuzz.targets import TARGETS
@@ -40,9 +42,11 @@ def main() -> int:
 def run(name: str, seconds: float, folder: Path) -> bool:
     """Fuzz one target in a process of its own and print what came of it; True when it held."""
     command = [sys.executable, "-m", "tests.fuzz.guided", name, str(seconds), str(folder)]
-    done = subprocess.run(
-        command, capture_output=True, text=True, timeout=seconds + START_UP_S, check=False
-    )
+    with tempfile.TemporaryDirectory(prefix="aff-fuzz-") as place:  # a guided child cleans nothing
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=seconds + START_UP_S, check=False,
+            env={**os.environ, "TMPDIR": place},
+        )  # fmt: skip
     lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
     if not lines:
         print(f"{name:14} ended by itself (exit {done.returncode})\n{done.stderr[-2000:]}")

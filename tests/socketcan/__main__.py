@@ -33,12 +33,13 @@ for module in {modules}; do /bin/busybox insmod /modules/$module.ko; done
 /bin/busybox mount -t proc proc /host/proc
 /bin/busybox mount -t sysfs sys /host/sys
 /bin/busybox mount -t devtmpfs dev /host/dev
-/bin/busybox mount -t tmpfs tmp /host/tmp
+/bin/busybox mkdir -p /host/dev/shm
+/bin/busybox mount -t tmpfs shm /host/dev/shm
 echo "host mounted: $(/bin/busybox ls /host | /bin/busybox wc -w) entries"
 cd /host
-/bin/busybox chroot /host /bin/sh -c 'cd {root} && HOME=/tmp PYTHONDONTWRITEBYTECODE=1 \\
-  {python} -m pytest -v --color=no --tb=short -p no:cacheprovider -p no:hypothesispytest \\
-  --durations=0 --timeout 300 \\
+/bin/busybox chroot /host /bin/sh -c 'cd {root} && export HOME=/dev/shm TMPDIR=/dev/shm && \\
+  PYTHONDONTWRITEBYTECODE=1 {python} -m pytest -v --color=no --tb=short \\
+  -p no:cacheprovider -p no:hypothesispytest --durations=0 --timeout 300 \\
   tests/socketcan/on_vcan.py'
 echo "SOCKETCAN-EXIT $?"
 /bin/busybox poweroff -f

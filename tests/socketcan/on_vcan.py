@@ -17,7 +17,7 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import Outcome, Snapshot
 from aff_runtime.config.can_wire import can_map_of, network_of, wire_files
 from aff_runtime.config.loader import load_site
-from aff_runtime.fieldbus.can_catalogue import BusSite, can_gateway, canopen_gateway
+from aff_runtime.fieldbus.can_catalogue import BusSite, can_gateway, canopen_gateway, open_bus
 from aff_runtime.fieldbus.can_gateway import CanGateway
 from sim_plant.servers.serve import PlantService, ServeOptions
 from tests.aff_runtime.fieldbus.euclid_can import command
@@ -130,11 +130,24 @@ def test_a_second_master_is_seen(bench: Bench) -> None:
 
 
 def test_foreign_traffic_stays_in_the_kernel(bench: Bench) -> None:
+    ours = bench.gateway.reader.ids[0]
+    with (
+        open_bus(BUS.interface, BUS.channel, BUS.bitrate, (ours,)) as heard,
+        can.Bus(interface="socketcan", channel="vcan0") as other,
+    ):
+        for can_id in (0x7F0, ours[0]) * 5:
+            other.send(can.Message(arbitration_id=can_id, is_extended_id=False, data=bytes(8)))
+        frames = [heard.recv(5.0) for _ in range(5)]  # the plant's own may be among them
+    assert {f.arbitration_id for f in frames if f is not None} == {ours[0]}
+
+
+def test_a_burst_of_foreign_traffic_is_survived(bench: Bench) -> None:
     bench.until(lambda s: s.fresh)
     with can.Bus(interface="socketcan", channel="vcan0") as other:
         for _ in range(500):
             other.send(can.Message(arbitration_id=0x7F0, is_extended_id=False, data=bytes(8)))
-        assert bench.until(lambda s: s.fresh, ticks=200).outcome is Outcome.OK
+    # sending took the emulated processor long: a node may have missed our heartbeat meanwhile
+    assert bench.until(lambda s: s.fresh).outcome is Outcome.OK
 
 
 def test_an_error_frame_of_bus_off_closes_the_bus_and_it_comes_back(bench: Bench) -> None:
