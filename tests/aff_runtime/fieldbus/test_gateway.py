@@ -145,3 +145,15 @@ def test_a_plc_that_began_again_on_the_same_connection_is_believed_soon() -> Non
         rig.tick(block(beat))
     shots = [rig.tick(block(beat)) for beat in (0, 5, 10)]
     assert [shot.fresh for shot in shots] == [False, True, True]
+
+
+def test_a_counter_of_a_byte_loses_one_reply_where_it_starts_over_and_a_toggle_never_lives() -> (
+    None
+):
+    rig = Rig()
+    shots = [rig.tick(block(beat)) for beat in (253, 254, 255, 0, 1, 2)]
+    assert [shot.fresh for shot in shots] == [False, True, True, False, True, True]
+    rig = Rig()
+    shots = [rig.tick(block(beat)) for beat in (0, 1) * 10]
+    assert [shot.fresh for shot in shots[:2]] == [False, True]
+    assert not any(shot.fresh for shot in shots[2:])
