@@ -323,3 +323,23 @@ def test_what_never_ends_is_no_description_of_a_wire(folder: Path, kind: str) ->
         ConfigError, match="is larger than 16 MB" if kind == "too large" else "file"
     ):
         load_site(folder / "euclid_can.yaml")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        ("$NODEID+0x180", "0x080", "its PDO has the identifier 0x80; a PDO's is 0x181 to 0x57F"),
+        ("$NODEID+0x180", "0x764", "its PDO has the identifier 0x764"),
+        ("$NODEID+0x180", "0x20000190", "its PDO has the identifier 0x20000190"),
+        ("0x606C0020", "0x606C0010", "16 bits of it are mapped, but it has 32"),
+    ],
+)
+def test_an_eds_whose_pdo_cannot_be_is_refused(
+    folder: Path, old: str, new: str, text: str
+) -> None:
+    eds = folder / "euclid_drive.eds"
+    assert eds.read_text().count(old) == 1
+    eds.write_text(eds.read_text().replace(old, new))
+    with pytest.raises(ConfigError) as caught:
+        load_site(folder / "euclid_canopen.yaml")
+    assert text in str(caught.value)
