@@ -282,12 +282,13 @@ def run(
     speed_noise: Array, loop_noise: Array, gust: Array, steps: Array, settle_scans: int,
     out: Array,
 ) -> None:  # fmt: skip
-    """Run ``settle_scans`` quietly at the first references, then the record.
+    """Run ``settle_scans`` at the first references, then the record.
 
     Inputs: speed (rows + 1,), tension (rows,), late (rows,) steps after the scan is due,
-    cell_noise (rows, c), speed_noise (rows, d), loop_noise (rows * ticks, d), gust (rows *
-    ticks,), steps (2,) resolution of cells and speeds. ``out`` (rows, c + d + n + 2): words of
-    cells and speeds, angles as encoders tell them, radii of both rolls.
+    speed_noise (rows, d), gust (rows * ticks,), steps (2,) resolution of cells and speeds; of
+    settling and record together, cell_noise (scans, c), loop_noise (scans * ticks, d): a line
+    that runs has its noise before a record begins. ``out`` (rows, c + d + n + 2): words of cells
+    and speeds, angles as encoders tell them, radii of both rolls.
     """
     step_s = TICK_S / STEPS_PER_TICK
     tick = 0
@@ -301,13 +302,13 @@ def run(
                 done = part * STEPS_PER_TICK + sub
                 time_s = scan * TICKS_PER_SCAN * TICK_S + done * step_s
                 if done == due:
-                    scan_plc(m, s, tension[row], time_s, cell_noise[row], steps[0])
+                    scan_plc(m, s, tension[row], time_s, cell_noise[scan + settle_scans], steps[0])
                     if scan >= 0:
                         log_row(m, s, speed_noise[row], steps[1], out[scan])
                 if sub == 0:
                     share = part / TICKS_PER_SCAN if scan >= 0 else 0.0
                     line = speed[row] + share * (speed[row + 1] - speed[row])
-                    at = row * TICKS_PER_SCAN + part
-                    tick_drives(m, s, tick, line, loop_noise[at], steps[1], gust[at])
+                    push = gust[row * TICKS_PER_SCAN + part]
+                    tick_drives(m, s, tick, line, loop_noise[tick], steps[1], push)
                     tick += 1
                 step_machine(m, s, time_s + step_s, step_s)

@@ -15,7 +15,7 @@ from benchmarks.campaign.contact import Array, IntArray, start_vertex
 from benchmarks.campaign.motion import STEPS_PER_TICK, TICK_S, TICKS_PER_SCAN, run, start
 from benchmarks.campaign.state import Machine
 
-SETTLE_S = 25.0
+SETTLE_S = 40.0
 COLOUR_SHARE, COLOUR_POLE = 0.05, 0.7
 GUST_POLE = 0.995
 LATEST_STEPS = 1
@@ -88,10 +88,12 @@ def simulate(
     late: IntArray = rng.integers(0, LATEST_STEPS + 1, size=rows)
     late[[0, -1]] = 0
     ticks = rows * TICKS_PER_SCAN
+    settling = round(SETTLE_S / short.SAMPLE_S)
+    scans = rows + settling
     size = 1.0 if noise else 0.0
-    cell_noise = size * short.CELL_SD_N * coloured(rng, (rows, cells), colour)
+    cell_noise = size * short.CELL_SD_N * coloured(rng, (scans, cells), colour)
     speed_noise = size * short.SPEED_SD * rng.standard_normal((rows, drives))
-    loop_noise = size * short.SPEED_SD * rng.standard_normal((ticks, drives))
+    loop_noise = size * short.SPEED_SD * rng.standard_normal((scans * TICKS_PER_SCAN, drives))
     gust = lfilter([np.sqrt(1.0 - GUST_POLE**2)], [1.0, -GUST_POLE], rng.standard_normal(ticks))
     steps = size * np.array([short.CELL_LSB_N, short.SPEED_LSB])
     phi, vertices = np.zeros(n - 1), np.zeros((n - 1, 2), dtype=np.int64)
@@ -101,7 +103,7 @@ def simulate(
     out = np.empty((rows, cells + drives + n + 2))
     speed = np.append(told.speed_m_s, told.speed_m_s[-1])
     run(m, state, speed, told.tension_N, late, cell_noise, speed_noise, loop_noise, gust, steps,
-        round(SETTLE_S / short.SAMPLE_S), out)  # fmt: skip
+        settling, out)  # fmt: skip
     due = np.arange(rows) * short.SAMPLE_S
     stamp = due + late * TICK_S / STEPS_PER_TICK
     # a late scan logs the reference that is in force by then

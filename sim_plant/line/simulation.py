@@ -122,14 +122,16 @@ class LineSimulation:
         lay = self.layout
         return self.state.y[lay.theta : lay.theta + lay.n]
 
-    def settle(self, duration_s: float = 40.0) -> None:
+    def settle(self, duration_s: float = 40.0, *, quiet: bool = True) -> None:
         """Bring the line to its steady state at the present references, then rewind its rolls.
 
-        Runs without noise and before any splice; angles, radii, time and counters are put back
-        afterwards.
+        Runs before any splice, without noise when ``quiet``; angles, radii, time and counters
+        are put back afterwards.
         """
         lay, start = self.layout, copy_state(self.state)
-        rng, self._rng = self._rng, None
+        rng = self._rng
+        if quiet:
+            self._rng = None
         web = self.arrays.web
         splice = web.copy()
         web["splice_EA_ratio"] = web["splice_thickness_ratio"] = 1.0

@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.twin import Twin
+from sim_plant.refine.wander import steadied, wander
 
 AR_ORDER = 24
 BANDS = (0.0, 1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 3.0 / 4.0, 1.0)
@@ -69,6 +70,7 @@ class NoiseModel:
     first : first judged sample.
     words : per channel, the filters to choose from by the data (taps, sd), where the noise is
         that of a coarse word alone: a sawtooth that late scans make white; else empty.
+    slow : sd of the slowest cosines of the innovations (channels, terms), see ``wander``.
     """
 
     filters: tuple[Array, ...]
@@ -76,6 +78,7 @@ class NoiseModel:
     floor: Array
     first: int
     words: tuple[tuple[tuple[Array, float], ...], ...] = ()
+    slow: Array | None = None
 
     @property
     def analogue(self) -> Array:
@@ -94,7 +97,7 @@ class NoiseModel:
             start = max(0, self.first - taps.size)
             row = lfilter(taps, [1.0], values[c, start:])
             out[c] = row[self.first - start :] / self.sd[c]
-        return out
+        return out if self.slow is None else steadied(out, self.slow)
 
     def tuned(self, residual: Array) -> NoiseModel:
         """Return the noise that ``residual`` (channels, samples) shows, close to this one.
@@ -166,10 +169,11 @@ def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
     line = twin.declaration
     steps = {s.channel: s.lsb_m or 0.0 for s in line.sensors}
     words = {s.channel for s in line.sensors if s.lsb_rad is not None}
-    return noise_model(
+    found = noise_model(
         runs, first_judged(runs.shape[2], line.sample_time_s),
         np.array([steps[c] for c in twin.channels]), [c in words for c in twin.channels],
     )  # fmt: skip
+    return replace(found, slow=wander(np.stack([found.whiten(run) for run in runs])))
 
 
 def periodogram(values: Array) -> Array:

@@ -15,7 +15,7 @@ from sim_plant.refine.noise import declared_noise
 from sim_plant.refine.nuisances import Nuisance, declared_nuisances
 from sim_plant.refine.twin import Case
 
-NOISE_RUNS = 2
+NOISE_RUNS = 12
 NOMINAL = Case()
 LOOSE_ORDERS = 12
 LOOSE_M = 2e-5

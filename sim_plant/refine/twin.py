@@ -113,7 +113,8 @@ class Twin:
             line, seed=case.seed, arrays=arrays,
             line_speed_m_s=float(self.speed_m_s[0]), tension_N=float(self.tension_N[0]),
         )  # fmt: skip
-        run.settle(COARSE_SETTLE_S if case.coarse else FINE_SETTLE_S)
+        # a line that runs has its noise before a record begins as well
+        run.settle(COARSE_SETTLE_S if case.coarse else FINE_SETTLE_S, quiet=case.seed is None)
         out = run.simulate(self.speed_m_s, self.tension_N, self.aff_m_s)
         return np.stack([out[name] for name in self.channels]), out["body_angle_rad"].T
 
