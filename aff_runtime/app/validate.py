@@ -30,6 +30,7 @@ from aff_runtime.core.response import Provenance, Response
 from aff_runtime.fieldbus.registers import RegisterMap
 
 MAX_RECORD_BYTES = MAX_PACKET_BYTES - 4096  # what goes with it in one packet
+MAX_RESPONSE_BYTES = 16 * MAX_RECORD_BYTES  # shorter ones are told what passes in one packet
 SAME_CYCLE_S = 1e-6
 
 
@@ -105,6 +106,8 @@ def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
     try:
         if file.exists() and not file.is_file():
             raise ConfigError("is not a file; remove it and run the probe again")
+        if file.exists() and file.stat().st_size > MAX_RESPONSE_BYTES:
+            raise ConfigError("is too long for a response; remove it and run the probe again")
         text = file.read_text(encoding="utf-8")
         measured = Response.from_json(text).provenance
         _of_this_place(measured, reading, actuator)

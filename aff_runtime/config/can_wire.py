@@ -11,6 +11,7 @@ from aff_runtime.base.units import plain
 from aff_runtime.config.channel_units import suffix_of_unit
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Actuator, Site
+from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.fieldbus.can_load import MOST_SHARE, bus_share
 from aff_runtime.fieldbus.signal_names import NamedError, SignalNames
@@ -58,13 +59,15 @@ def wire_files(site: Site, folder: Path) -> dict[str, str]:
     texts: dict[str, str] = {}
     for name in wanted:
         try:
-            texts[name] = _text((folder / name).read_bytes())
+            texts[name] = _text(read_plain(folder / name))
         except OSError as error:
             text = (
                 f"cannot be read ({error.strerror}). Looked for {folder / name}: "
                 "correct the name or put the file there"
             )
             raise NamedError(name, text) from None
+        except ValueError as error:
+            raise NamedError(name, f"{folder / name} {error}") from None
     return texts
 
 
@@ -175,12 +178,12 @@ def _room(actuator: Actuator, correction: CanCorrection) -> Iterator[Issue]:
         )
         where = ("gateway", "write", "corrections", correction.name, "signal")
         yield Issue(path=where, text=text, warning=True)
-    ends = [end * correction.scale for end in field.physical_range]
-    room, unit = min(-min(ends), max(ends)), actuator.unit
+    least, most = correction.reach
+    room, unit = min(-least, most), actuator.unit
     if actuator.limit > room * (1 + _SAME):
         text = (
             f"{plain(actuator.limit)} {unit} does not fit {field}, which carries "
-            f"{plain(min(ends))} to {plain(max(ends))} {unit} by bits, offset and range. "
+            f"{plain(least)} to {plain(most)} {unit} by bits, offset and range. "
             "Lower the limit, or widen the signal."
         )
         path = ("actuators", correction.name, f"limit_{suffix_of_unit(unit)}")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from aff_runtime.base.clock import wall_time_s
 from aff_runtime.config.models import Site, Tls
+from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.rules.issue import Issue
 
 _PATH = ("gateway", "modbus_tcp", "tls")
@@ -49,7 +50,9 @@ def _named(tls: Tls) -> dict[str, str]:
 def _unreadable(tls: Tls, folder: Path) -> Iterator[Issue]:
     for key, name in _named(tls).items():
         try:
-            (folder / name).read_bytes()
+            read_plain(folder / name)
+        except ValueError as error:
+            yield Issue(path=(*_PATH, key), text=f"{folder / name} {error}. Correct the name.")
         except OSError as error:
             text = (
                 f"{folder / name} cannot be read ({error.strerror}). Put the PEM file there, "

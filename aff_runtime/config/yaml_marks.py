@@ -29,6 +29,7 @@ _TAG = "tag:yaml.org,2002:"
 _PLAIN_INT = re.compile(r"[-+]?(0|[1-9][0-9]{0,18})|0x[0-9a-fA-F]{1,8}")
 _PLAIN_FLOAT = re.compile(r"[-+]?([0-9]+\.[0-9]*|\.[0-9]+)([eE][-+][0-9]+)?")
 _BOOLEANS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
+_CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 _AFTER_COMMA = re.compile(r"[0-9]+([eE][-+]?[0-9]+)?( .*)?")
 
 
@@ -260,6 +261,8 @@ class _Maker:
     def _scalar(self, node: yaml.ScalarNode, path: KeyPath) -> Tree:
         kind, written = node.tag.removeprefix(_TAG), node.value
         if kind in ("str", "timestamp", "value", "merge"):
+            if _CONTROL.search(written):
+                self._find(node, path, "holds a control character, such as \\0. Remove it.")
             return str(written)
         if kind == "null":
             return None

@@ -13,6 +13,8 @@ from aff_runtime.fieldbus.liveness import Liveness
 from aff_runtime.fieldbus.phase_lock import PhaseLock
 
 _MOST_FRAMES = 256  # read in one tick; a babbling bus must not hold the tick
+_ALONE_AFTER_NS = 1_000_000_000  # without a frame of somebody else in our place
+_NOT_ALONE = "somebody else sends the frames of this gateway; take him off the bus"
 
 
 class CanGateway:
@@ -63,10 +65,13 @@ class CanGateway:
         self._stamped = False
         self.shift_ns = 0
         self.foreign = 0
+        self._alone_at_ns = clock.now_ns()
 
     @property
     def troubles(self) -> tuple[str, ...]:
-        """What the bus and its nodes say of themselves."""
+        """What the bus and its nodes say of themselves, and that somebody sends as we do."""
+        if self._clock.now_ns() < self._alone_at_ns:
+            return (*self._link.troubles, _NOT_ALONE)
         return self._link.troubles
 
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
@@ -122,6 +127,7 @@ class CanGateway:
                 bad = True
             elif taken is Taken.IGNORED and (frame.can_id, frame.extended) in self._ours:
                 self.foreign += 1
+                self._alone_at_ns = self._clock.now_ns() + _ALONE_AFTER_NS
                 bad = True
             if self._clock.now_ns() >= deadline_ns:
                 break

@@ -10,6 +10,8 @@ from aff_runtime.fieldbus.signal_names import NamedError
 
 PLC_HEARTBEAT_BITS = 8  # 256 scans: even at 1 ms three times the shipped fault_after_ms
 AFF_HEARTBEAT_BITS = 16
+MOST_BYTES = 8
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,6 +52,9 @@ class Field:
             raise ConfigError(
                 f"{self}: factor {self.factor} and offset {self.offset} are no scale"
             )
+        if self.minimum > self.maximum:
+            text = f"its range is {self.minimum:g} to {self.maximum:g}; no value is in it"
+            raise NamedError(str(self), text)
 
     def __str__(self) -> str:
         """Return ``FRAME.Signal``."""
@@ -68,12 +73,15 @@ class Field:
         return 0, self.mask
 
     @property
-    def physical_range(self) -> tuple[float, float]:
-        """Return the least and the largest physical value by bits and believable range."""
-        if self.is_float:
-            return self.minimum, self.maximum
-        ends = [count * self.factor + self.offset for count in self.count_range]
-        return max(min(ends), self.minimum), min(max(ends), self.maximum)
+    def sent_counts(self) -> tuple[int, int]:
+        """Return the least and the largest count that may be sent: bits, and the stated range."""
+        least, most = self.count_range
+        bounds = [(b - self.offset) / self.factor for b in (self.minimum, self.maximum)]
+        if math.isfinite(min(bounds)):
+            least = max(least, math.ceil(min(bounds) - _ROUNDING))
+        if math.isfinite(max(bounds)):
+            most = min(most, math.floor(max(bounds) + _ROUNDING))
+        return least, most
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,6 +100,13 @@ class FrameLayout:
     length: int
     multiplexer: Field | None = None
     counter: Field | None = None
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.length <= MOST_BYTES:
+            text = (
+                f"has {self.length} bytes; a classic CAN frame with a signal has 1 to {MOST_BYTES}"
+            )
+            raise ConfigError(f"{self.name}: {text}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,6 +152,13 @@ class CanCorrection:
     field: Field
     complement: Field | None
     scale: float = 1.0
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Return the least and the largest correction that the signal can carry, SI."""
+        field = self.field
+        ends = [(count * field.factor + field.offset) * self.scale for count in field.sent_counts]
+        return min(ends), max(ends)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -216,10 +238,13 @@ def _check_owners(can_map: CanMap) -> None:
                 f"{other} and {frame.name} both have the identifier 0x{frame.can_id:X}; "
                 "nobody can tell them apart. Give each its own"
             )
-    names = {frame.name for frame in can_map.frames}
+    frames = {frame.name: frame for frame in can_map.frames}
     for field in (*can_map.read_fields, *can_map.write_fields):
-        if field.frame not in names:
+        if field.frame not in frames:
             raise ConfigError(f"{field}: no frame {field.frame}")
+        page = frames[field.frame].multiplexer
+        if field.selector is not None and (page is None or field.selector > page.mask):
+            raise NamedError(str(field), f"its page {field.selector} can never be shown")
 
 
 def _check_words(can_map: CanMap) -> None:
@@ -238,12 +263,16 @@ def _check_words(can_map: CanMap) -> None:
         field, copy = correction.field, correction.complement
         if field.is_float:
             raise NamedError(str(field), "a correction cannot be a float; use a signed signal")
-        least, most = field.physical_range
+        least, most = correction.reach
         if not least < 0.0 < most:
             text = (
                 f"carries {least:g} to {most:g}, but a correction has a sign and rests at 0. "
                 "Use a signed signal whose range, by bits, offset and bounds, has 0 within"
             )
+            raise NamedError(str(field), text)
+        zero = field.offset / field.factor
+        if abs(zero - round(zero)) > _ROUNDING:
+            text = f"no count of it is zero: factor {field.factor:g}, offset {field.offset:g}"
             raise NamedError(str(field), text)
         if copy is not None and copy.length != field.length:
             raise ConfigError(f"{copy}: the complement has {copy.length} bits, not {field.length}")

@@ -10,6 +10,7 @@ from typing import Final
 
 from aff_runtime.fieldbus.can_frames import Frame
 from aff_runtime.fieldbus.can_layout import CanMap, Field, FrameLayout
+from aff_runtime.fieldbus.liveness import HeartbeatOrder
 
 _F32: Final = struct.Struct(">f")
 _U32: Final = struct.Struct(">I")
@@ -67,8 +68,8 @@ class CanReader:
 
     The frame with the PLC's heartbeat closes a set: every other frame must have come since the
     last one (a multiplexed one within two rounds of its selectors), and a frame with a counter
-    must carry the low bits of this very heartbeat. A heartbeat that steps back is dropped once:
-    two in a row that follow each other are a PLC that started again.
+    must carry the low bits of this very heartbeat. What a heartbeat that steps back is worth,
+    ``HeartbeatOrder`` says.
 
     A physical value outside its signal's range is NaN. An angle goes on where it starts over, also
     across a loss: what it was then is the same place of the turn.
@@ -89,7 +90,7 @@ class CanReader:
         self.out_of_order = 0
         self.out_of_range = 0
         self._known = False
-        self._refused = -1
+        self._order = HeartbeatOrder(can_map.plc_heartbeat.mask)
         self._frames: dict[tuple[int, bool], _ReadFrame] = {}
         slots: dict[tuple[str, int], _Slot] = {}
         for layout in can_map.frames_of(can_map.read_fields):
@@ -125,7 +126,7 @@ class CanReader:
     def reset(self) -> None:
         """Forget what was heard: the next set starts the heartbeat afresh."""
         self._known = False
-        self._refused = -1
+        self._order.forget()
         for slot in self._slots:
             slot.scans = 1 << 30
 
@@ -169,14 +170,7 @@ class CanReader:
         return Taken.SET
 
     def _in_order(self, heartbeat: int) -> bool:
-        mask = self._heartbeat_row.mask
-        step = (heartbeat - self.heartbeat) & mask
-        if not self._known or step <= mask >> 1:
-            self._refused = -1
-            return True
-        follows = self._refused >= 0 and 0 < (heartbeat - self._refused) & mask <= 4
-        self._refused = heartbeat
-        return follows
+        return self._order.takes(heartbeat, self.heartbeat if self._known else None)
 
     def _is_whole(self, heartbeat: int) -> bool:
         repeated = self._known and heartbeat == self.heartbeat

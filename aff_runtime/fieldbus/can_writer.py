@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from aff_runtime.base.signals import Command
 from aff_runtime.fieldbus.can_frames import Frame
 from aff_runtime.fieldbus.can_layout import CanMap, Field, FrameLayout
@@ -99,12 +97,7 @@ def _write_frame(
 
 def _write_row(field: Field, scale: float) -> tuple[float, int, int, int, float]:
     """Return counts per SI, count of zero, least and largest count, |SI| of one count."""
-    bounds = [(b - field.offset) / field.factor for b in (field.minimum, field.maximum)]
-    least, most = field.count_range
-    if math.isfinite(min(bounds)):
-        least = max(least, math.ceil(min(bounds) - 1e-9))
-    if math.isfinite(max(bounds)):
-        most = min(most, math.floor(max(bounds) + 1e-9))
+    least, most = field.sent_counts
     per_count = abs(scale * field.factor)
     zero = round(-field.offset / field.factor)
     return 1.0 / (scale * field.factor), zero, least, most, per_count

@@ -26,6 +26,8 @@ _SIGNED = {0x02, 0x03, 0x04, 0x15}
 _FLOAT = {0x08, 0x11}
 _NOT_VALID = 1 << 31
 _SYNCHRONOUS = 1
+_BOOLEAN = 0x01
+_OF_PDOS = ((0x181, 0x57F), (0x680, 0x6DF))  # CiA 301 keeps the other identifiers for itself
 _SIZES = {0x01: 1, 0x02: 1, 0x03: 2, 0x04: 4, 0x05: 1, 0x06: 2, 0x07: 4, 0x08: 4}
 
 
@@ -147,7 +149,7 @@ class _Builder:
                 name=_frame_name(name, pdo),
                 can_id=pdo.can_id,
                 extended=False,
-                length=sum(entry & 0xFF for entry in pdo.entries) // 8,
+                length=-(-sum(entry & 0xFF for entry in pdo.entries) // 8),
             )
             for (name, _), pdo in used
         )
@@ -196,6 +198,7 @@ class _Builder:
                         eds = self._nodes[name].eds
                         text = f"a PDO of {eds} maps this object, but the EDS does not describe it"
                         raise NamedError(signal, text) from None
+                    _check_entry(signal, pdo, kind, entry & 0xFF)
                     return Field(
                         name=place,
                         frame=_frame_name(name, pdo),
@@ -215,6 +218,16 @@ class _Builder:
             f"no {word} of {self._nodes[name].eds} maps this object; mapped are {mapped or 'none'}"
         )
         raise NamedError(signal, text)
+
+
+def _check_entry(signal: str, pdo: _Pdo, kind: int | None, bits: int) -> None:
+    """Refuse a PDO on an identifier of another service, and an object that is mapped in part."""
+    if not any(first <= pdo.can_id <= last for first, last in _OF_PDOS):
+        text = f"its PDO has the identifier 0x{pdo.can_id:X}; a PDO's is 0x181 to 0x57F"
+        raise NamedError(signal, text)
+    size = 8 * _SIZES.get(kind or 0, 0)
+    if size and kind != _BOOLEAN and bits != size:
+        raise NamedError(signal, f"{bits} bits of it are mapped, but it has {size}")
 
 
 def load_eds(text: str, where: str, node_id: int) -> ObjectDictionary:
@@ -264,7 +277,8 @@ def _pdos(od: ObjectDictionary, com: int, mapping: int) -> list[_Pdo]:
         can_id = _default(od, com + number, 1)
         if can_id & _NOT_VALID or not values:
             continue
-        found.append(_Pdo(com + number, mapping + number, can_id & 0x7FF, values, 5 in record))
+        cob_id = can_id & 0x3FFF_FFFF  # with the bit of 29-bit identifiers, which nobody reads
+        found.append(_Pdo(com + number, mapping + number, cob_id, values, 5 in record))
     return found
 
 

@@ -10,6 +10,8 @@ from aff_runtime.fieldbus.can_frames import Frame, FrameLink
 from aff_runtime.fieldbus.canopen_node import OPERATIONAL, SYNC, NodeKeeper, NodePlan
 
 _MOST_FRAMES: Final = 64  # in one tick while nodes are being configured
+_NOTHING: Final = Frame(-1, False, b"")  # nobody's business; says only that more may wait
+_ALONE_AFTER_NS: Final = 1_000_000_000  # without another one in our place
 _PRE_OPERATIONAL: Final = 0x7F
 
 
@@ -18,7 +20,9 @@ class CanopenLink:
 
     A tick takes the answers to the SYNC before, sends its process data, then SYNC: drives act on
     the data and sample on one and the same SYNC. Our own heartbeat leaves with the ticks and with
-    nothing else, so the drives' consumers see the control thread die.
+    nothing else, so the drives' consumers see the control thread die. Somebody else's heartbeat
+    of our node id would hide that death from them, and his SYNC is a second pace: while either is
+    heard the bus is not ready.
 
     Parameters
     ----------
@@ -49,6 +53,9 @@ class CanopenLink:
         self._heartbeat_id = 0x700 + own_node
         self._heartbeat_ns = heartbeat_ms * 1_000_000
         self._beat_at_ns = now_ns
+        self._alone_at_ns = now_ns
+        self._intruder = ""
+        self._own_node = own_node
 
     @property
     def bus_offs(self) -> int:
@@ -58,7 +65,11 @@ class CanopenLink:
     @property
     def troubles(self) -> tuple[str, ...]:
         """Return what is wrong with the bus, or else with its nodes, one sentence each."""
-        return self._inner.troubles or tuple(
+        if self._inner.troubles:
+            return self._inner.troubles
+        if self._clock.now_ns() < self._alone_at_ns:
+            return (self._intruder,)
+        return tuple(
             f"{keeper.plan.name} (node {keeper.plan.node_id}): {keeper.trouble}"
             for keeper in self.keepers
             if not keeper.good
@@ -80,7 +91,7 @@ class CanopenLink:
             state = OPERATIONAL if good else _PRE_OPERATIONAL
             self._inner.send(Frame(self._heartbeat_id, False, bytes((state,))))
         if not good:
-            self._configure(now_ns)
+            self._configure()
         for keeper in self.keepers:
             frame = keeper.tick(now_ns)
             if frame is not None:
@@ -108,25 +119,35 @@ class CanopenLink:
             if frame is None or not self._managed(frame):
                 return frame
             wait_ns = end_ns - self._clock.now_ns()
-        return None
+        return _NOTHING
 
     def close(self) -> None:
         """Release the bus."""
         self._inner.close()
 
     def _all_good(self) -> bool:
-        return all(keeper.good for keeper in self.keepers)
+        alone = self._clock.now_ns() >= self._alone_at_ns
+        return alone and all(keeper.good for keeper in self.keepers)
 
-    def _configure(self, now_ns: int) -> None:
+    def _configure(self) -> None:
         """Take answers without waiting; process data of half a network goes nowhere."""
         for _ in range(_MOST_FRAMES):
             frame = self._inner.receive(0)
             if frame is None:
                 return
-            for keeper in self.keepers:
-                if keeper.take(frame, now_ns):
-                    break
+            self._managed(frame)
 
     def _managed(self, frame: Frame) -> bool:
         now_ns = self._clock.now_ns()
+        if not frame.extended and frame.can_id in (self._heartbeat_id, SYNC.can_id):
+            what = (
+                "SYNC"
+                if frame.can_id == SYNC.can_id
+                else f"the heartbeat of node {self._own_node}"
+            )
+            self._intruder = (
+                f"somebody else sends {what}, as this gateway does; take him off the bus"
+            )
+            self._alone_at_ns = now_ns + _ALONE_AFTER_NS
+            return True
         return any(keeper.take(frame, now_ns) for keeper in self.keepers)

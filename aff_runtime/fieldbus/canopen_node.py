@@ -93,6 +93,8 @@ class NodeKeeper:
     def take(self, frame: Frame, now_ns: int) -> bool:
         """Take a frame; True when it was this node's own business."""
         node = self.plan.node_id
+        if frame.extended:
+            return False
         if frame.can_id == 0x700 + node:
             if len(frame.data) == 1:
                 self._heartbeat(frame.data[0] & 0x7F, now_ns)

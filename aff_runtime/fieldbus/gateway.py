@@ -12,14 +12,17 @@ from collections.abc import Callable
 from aff_runtime.base.ports import Clock, WordTransport
 from aff_runtime.base.signals import Command, Outcome, Snapshot
 from aff_runtime.fieldbus.codec import WordCodec
-from aff_runtime.fieldbus.liveness import Liveness
+from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness
+
+_HEARTBEAT_MASK = 0xFFFF
 
 
 class WordGateway:
     """``Gateway`` over any word transport.
 
     What is fresh, and what the first reply after a loss is worth, ``Liveness`` says; that reply
-    also restarts the wrapping counters.
+    also restarts the wrapping counters. A reply whose heartbeat steps back (``HeartbeatOrder``) is
+    BAD_REPLY.
 
     Unless the outcome is OK, ``values`` are NaN and heartbeat, status and roll id are the last
     ones known (0 before any).
@@ -51,6 +54,8 @@ class WordGateway:
         self._clock = clock
         self._no_values = (math.nan,) * codec.channel_count
         self._liveness = Liveness(clock.now_ns(), lost=False)
+        self._order = HeartbeatOrder(_HEARTBEAT_MASK)
+        self._known = False
         self._status = 0
         self._roll_id = 0
 
@@ -72,7 +77,12 @@ class WordGateway:
         if outcome is Outcome.OK:
             if liveness.lost:
                 self._codec.reset()
+                self._order.forget()
+                self._known = False
             heartbeat, status, roll_id, decoded = self._codec.decode(words)
+            if not self._order.takes(heartbeat, liveness.heartbeat if self._known else None):
+                outcome = Outcome.BAD_REPLY
+            self._known = True
         outcome = liveness.judge(outcome, heartbeat, t_ns)
         if outcome is Outcome.OK:
             self._status, self._roll_id, values = status, roll_id, decoded

@@ -2,7 +2,42 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from aff_runtime.base.signals import Outcome
+
+_LONGEST_STEP: Final = 256  # of a PLC that started again: scans of 1 ms, seen each 100 ms and more
+
+
+class HeartbeatOrder:
+    """Which heartbeat may come next; a step back is an old reading until the next one follows it.
+
+    A stopped program behind two buffers shows two old readings by turns: a heartbeat that only
+    had to be another one would be live for ever. Forward is less than half the counter's range;
+    two steps back in a row that follow each other are a PLC that started again.
+
+    Parameters
+    ----------
+    mask : all ones of the counter, 0xFF or more.
+    """
+
+    def __init__(self, mask: int) -> None:
+        self._mask = mask
+        self._longest = min(_LONGEST_STEP, mask >> 2)
+        self._refused: int | None = None
+
+    def forget(self) -> None:
+        """Start afresh, as after a loss."""
+        self._refused = None
+
+    def takes(self, heartbeat: int, last: int | None) -> bool:
+        """Return whether ``heartbeat`` may come after ``last``; None: after nothing known."""
+        mask = self._mask
+        if last is None or (heartbeat - last) & mask <= mask >> 1:
+            self._refused = None
+            return True
+        refused, self._refused = self._refused, heartbeat
+        return refused is not None and 0 < (heartbeat - refused) & mask <= self._longest
 
 
 class Liveness:

@@ -20,6 +20,7 @@ class Fault(StrEnum):
 
     MUTE = "mute"  # requests are taken and neither obeyed nor answered
     FREEZE = "freeze"  # answers keep the words of the first moment, heartbeat included
+    TURNS = "turns"  # as freeze, but the words of two moments by turns
     DROP = "drop"  # connections are aborted, at once and at every further request
     REFUSE = "refuse"  # open connections are aborted and new ones refused
     DELAY = "delay"  # =MS: every answer comes late by this many milliseconds

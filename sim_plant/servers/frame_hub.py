@@ -13,6 +13,7 @@ from sim_plant.servers.can_frames import CanFrame, Take
 
 _FRAME = struct.Struct("=IB3x8s")
 _EXTENDED = 0x8000_0000
+_REMOTE = 0x4000_0000
 _ERROR = 0x2000_0000
 _BUS_OFF = 0x40
 _BUS_ERROR = 0x80
@@ -100,7 +101,7 @@ class FrameHub:
                 return
             self._spread(packet, party)
             can_id, length, data = _FRAME.unpack(packet)
-            if not can_id & _ERROR:
+            if not can_id & (_ERROR | _REMOTE):
                 extended = bool(can_id & _EXTENDED)
                 self._take(CanFrame(can_id & 0x1FFF_FFFF, extended, data[: min(length, 8)]))
 

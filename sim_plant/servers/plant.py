@@ -54,6 +54,7 @@ class Plant:
         self.edge_observers: list[Callable[[FaultEdge], None]] = []
         self._inputs: dict[str, float] = {}
         self._stuck: dict[str, float] = {}
+        self._old_words: list[list[int]] = []
         self._dropped = Status(0)
         self._rolls_due_s = math.inf
         names = [row.item.name for row in plc.map.corrections]
@@ -143,10 +144,20 @@ class Plant:
             self.max_abs_applied_m_s[name] = max(self.max_abs_applied_m_s[name], abs(value))
         self._history.append((self.time_s, tuple(scan.corrections_m_s.values())))
         if not self.faults.active(Fault.FREEZE):
-            words = scan.read_words
+            words = self._by_turns(scan.read_words)
             self.registers.publish(
                 self.plc.map.swap_read(words) if self.faults.active(Fault.SWAP) else words
             )
+
+    def _by_turns(self, words: list[int]) -> list[int]:
+        """Return one of the first two scans of ``turns``, the scan's own words without it."""
+        if not self.faults.active(Fault.TURNS):
+            self._old_words.clear()
+            return words
+        if len(self._old_words) < 2:
+            self._old_words.append(words)
+            return words
+        return self._old_words[self.scans % 2]
 
     def _take(self, edge: FaultEdge) -> None:
         if edge.spec.fault is Fault.RESTART:

@@ -9,7 +9,7 @@ from typing import Any
 
 from aff_runtime.base.signals import Outcome, State, Status
 from aff_runtime.fieldbus import can_gateway, can_reader, canopen_link, canopen_node, gateway
-from aff_runtime.fieldbus.liveness import Liveness
+from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness
 from aff_runtime.loop import cycle
 from aff_runtime.safety import (
     envelope,
@@ -191,6 +191,8 @@ MUTANTS: tuple[Mutant, ...] = (
            attribute="judge", change=always(freshness.Freshness.GOOD), likely=("freeze",)),
     Mutant(name="liveness: every answer is fresh", owner=Liveness, attribute="judge",
            change=_ever_fresh, likely=("freeze",)),
+    Mutant(name="liveness: a heartbeat may step back", owner=HeartbeatOrder, attribute="takes",
+           change=always(True), likely=("turns",)),
     Mutant(name="liveness: the first set after a loss is believed", owner=Liveness,
            attribute="judge", change=_first_believed, likely=("drop", "restart"),
            tests="tests/aff_runtime/fieldbus/test_gateway.py"),

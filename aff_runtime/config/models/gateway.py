@@ -69,7 +69,10 @@ class Channel(Section):
 class ReadBlock(Section):
     """What AFF reads each tick, in one block of at most 125 words."""
 
-    plc_heartbeat: ReadWord = key("Counter that the PLC moves each scan; proof of life.")
+    plc_heartbeat: ReadWord = key(
+        "Counter that the PLC raises each scan; proof of life. A step back is an old reading: "
+        "a bit that toggles proves nothing."
+    )
     status: ReadWord = key("Status bits of the PLC: permissives, enable request, splice.")
     roll_id: ReadWord = key("Counter of splices; a new number resets what resets_on: splice.")
     channels: Annotated[Mapping[Name, Channel], *Few] = key(

@@ -12,6 +12,7 @@ import pytest
 from aff_runtime.app.assemble import controller_of, revision_of, site_of
 from aff_runtime.app.control_child import for_control
 from aff_runtime.app.link import MAX_PACKET_BYTES
+from aff_runtime.app.validate import MAX_RESPONSE_BYTES
 from aff_runtime.app.validation import load_record
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
@@ -68,6 +69,14 @@ def test_a_spoilt_response_file_is_a_finding_and_not_a_crash(tmp_path: Path, raw
     path, learned = _learned(tmp_path)
     learned.write_bytes(raw)
     with pytest.raises(ConfigError, match=r"site.yaml:\d+:.*unwind.response: .*not a resp"):
+        load_record(path)
+
+
+def test_a_response_file_that_would_fill_the_memory_is_not_read(tmp_path: Path) -> None:
+    path, learned = _learned(tmp_path)
+    with learned.open("wb") as stream:
+        stream.truncate(MAX_RESPONSE_BYTES + 1)
+    with pytest.raises(ConfigError, match=r"euclid_unwind.json: is too long for a response"):
         load_record(path)
 
 

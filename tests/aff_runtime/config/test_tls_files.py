@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 from datetime import UTC, datetime
@@ -114,3 +115,16 @@ def test_a_machine_whose_clock_is_behind_is_told_its_date(made: Path) -> None:
     (early, _) = issues(load_site(site(made)), made, first.timestamp() - 10 * DAY_S)
     assert f"is in force from {first:%Y-%m-%d} on" in early.text
     assert "this machine's clock: " in early.text
+
+
+@pytest.mark.parametrize("key", ["ca", "certificate", "private_key"])
+def test_a_pipe_in_the_place_of_a_certificate_is_refused_and_not_waited_for(
+    made: Path, key: str
+) -> None:
+    pipe = made / "pipe"
+    if not pipe.exists():
+        os.mkfifo(pipe)
+    tls = {"ca": "plc.pem", "certificate": "aff.pem", "private_key": "aff.key", key: "pipe"}
+    report = check_site(site(made, f"{{ {', '.join(f'{k}: {v}' for k, v in tls.items())} }}"))
+    assert not report.ok
+    assert any("pipe is not a file" in line for line in report.lines())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.can_wire import can_map_of, load_share, wire_files
 from aff_runtime.config.check import check_site
 from aff_runtime.config.loader import load_site
+from aff_runtime.config.plain_file import MAX_BYTES
 from aff_runtime.config.wire_table import wire_lines
 from tests.aff_runtime.config.shipped import EUCLID
 
@@ -310,3 +312,73 @@ def test_the_map_shows_an_offset(folder: Path) -> None:
     dbc.write_text(dbc.read_text().replace(old, old.replace(",0)", ",-2)")))
     text = "\n".join(wire_lines(load_site(folder / "euclid_can.yaml"), folder))
     assert "line_speed_m_s, 1000 counts = 1 m/s, 0 = -2 m/s" in text
+
+
+UNWIND = "SG_ Unwind : 32|16@1- (1E-05,0) [-0.32767|0.32767]"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        # zero would go out as 0.1 m/s: sent counts are clipped to the stated range
+        (UNWIND, UNWIND.replace("-0.32767|", "0.1|"), "a correction has a sign and rests at 0"),
+        (UNWIND, UNWIND.replace("-0.32767|", "0|"), "a correction has a sign and rests at 0"),
+        (UNWIND, UNWIND.replace("-0.32767|0.32767", "0.3|-0.3"), "no value is in it"),
+        (UNWIND, UNWIND.replace("1E-05,0", "1E-05,0.000004"), "no count of it is zero"),
+        (UNWIND, UNWIND.replace("0.32767", "0.001"), "0.15 m/s does not fit AFF_UNWIND.Unwind"),
+        ('Page M : 0|8@1+ (1,0) [0|255] "" AFF', 'Page M : 0|1@1+ (1,0) [0|1] "" AFF', ""),
+        ("TensionRef m0", "TensionRef m300", "its page 300 can never be shown"),
+        ("[-32.768|32.767]", "[32|-32]", "its range is 32 to -32; no value is in it"),
+        ("BO_ 388 PLC_STATUS: 6", "BO_ 388 PLC_STATUS: 12", "has 12 bytes; a classic CAN frame"),
+        ("BO_ 388 PLC_STATUS: 6", "BO_ 388 PLC_STATUS: 64", "has 64 bytes; a classic CAN frame"),
+    ],
+)
+def test_a_dbc_that_cannot_carry_what_the_site_wants_is_refused(
+    folder: Path, old: str, new: str, text: str
+) -> None:
+    dbc = folder / "euclid.dbc"
+    assert old in dbc.read_text()
+    dbc.write_text(dbc.read_text().replace(old, new, 1))
+    if not text:  # two pages fit one bit
+        load_site(folder / "euclid_can.yaml")
+        return
+    with pytest.raises(ConfigError) as caught:
+        load_site(folder / "euclid_can.yaml")
+    assert text in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "too large"])
+def test_what_never_ends_is_no_description_of_a_wire(folder: Path, kind: str) -> None:
+    path = folder / "euclid.dbc"
+    path.unlink()
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "device":
+        path.symlink_to("/dev/zero")
+    else:
+        with path.open("wb") as stream:
+            stream.truncate(MAX_BYTES + 1)
+    with pytest.raises(
+        ConfigError, match="is larger than 16 MB" if kind == "too large" else "file"
+    ):
+        load_site(folder / "euclid_can.yaml")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        ("$NODEID+0x180", "0x080", "its PDO has the identifier 0x80; a PDO's is 0x181 to 0x57F"),
+        ("$NODEID+0x180", "0x764", "its PDO has the identifier 0x764"),
+        ("$NODEID+0x180", "0x20000190", "its PDO has the identifier 0x20000190"),
+        ("0x606C0020", "0x606C0010", "16 bits of it are mapped, but it has 32"),
+    ],
+)
+def test_an_eds_whose_pdo_cannot_be_is_refused(
+    folder: Path, old: str, new: str, text: str
+) -> None:
+    eds = folder / "euclid_drive.eds"
+    assert eds.read_text().count(old) == 1
+    eds.write_text(eds.read_text().replace(old, new))
+    with pytest.raises(ConfigError) as caught:
+        load_site(folder / "euclid_canopen.yaml")
+    assert text in str(caught.value)

@@ -125,3 +125,9 @@ def test_any_yaml_like_text_gives_a_tree_or_a_config_error(text):
         parse_marked(text.encode(), "f")
     except ConfigError as error:
         assert_every_line_has_a_place(str(error))
+
+
+@pytest.mark.parametrize("escape", ["\\0", "\\e[2J", "\\x7f", "\\x85"])
+def test_a_control_character_is_refused_where_it_stands(escape: str) -> None:
+    with pytest.raises(ConfigError, match=r"t:2:7  name: holds a control character"):
+        parse_marked(f'version: 1\nname: "a{escape}b"\n'.encode(), "t")

@@ -183,3 +183,13 @@ def test_only_a_stamped_set_moves_the_ticks() -> None:
     assert bench.gateway.shift_ns == -100_000  # 1.6 ms too old: a sixteenth of that earlier
     bench.tick()
     assert bench.gateway.shift_ns == 0  # nothing arrived
+
+
+def test_somebody_who_sends_our_frames_is_named_until_he_is_gone() -> None:
+    bench = Bench().running()
+    assert bench.gateway.troubles == ()
+    assert bench.tick(Frame(0x200, False, bytes(8)), *scan(4)).outcome is Outcome.BAD_REPLY
+    assert "somebody else sends the frames of this gateway" in bench.gateway.troubles[0]
+    for beat in range(5, 5 + 201):
+        bench.tick(*scan(beat))
+    assert bench.gateway.troubles == ()

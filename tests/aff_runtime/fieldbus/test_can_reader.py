@@ -228,3 +228,12 @@ def test_the_map_refuses_a_signal_that_is_not_there() -> None:
 
     with pytest.raises(ConfigError, match="has no such signal; it has PlcHeartbeat"):
         _find(DATABASE, "PLC_STATUS.Nothing")
+
+
+@pytest.mark.parametrize("step", [5, 10, 50])
+def test_a_restarted_plc_that_sends_some_scans_only_is_believed_as_soon(step: int) -> None:
+    reader = CanReader(MAP)
+    for heartbeat in (20000, 20001):
+        read(reader, scan(heartbeat))
+    assert read(reader, scan(step)) is Taken.TORN
+    assert read(reader, scan(2 * step + 1)) is Taken.SET

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.signals import Outcome
 from aff_runtime.config.can_wire import network_of, wire_files
 from aff_runtime.fieldbus.can_frames import Frame
 from aff_runtime.fieldbus.canopen_402 import load_eds, object_of
@@ -214,3 +215,52 @@ def test_a_pdo_whose_subindices_are_missing_is_named(was: str, now: str) -> None
     index = was[1:5]
     with pytest.raises(ConfigError, match=f"0x{index}:0[12] is not in the EDS"):
         network_of(SITE, FILES | {"euclid_drive.eds": text})
+
+
+@pytest.mark.parametrize("frame", ["703 00", "083 01 23 00 00 00 00 00 00", "703 04"])
+def test_an_extended_frame_with_the_number_of_a_node_is_not_the_node(frame: str) -> None:
+    bench = CanopenBench()
+    bench.run(0.6)
+    assert bench.tick().fresh
+    bench.bus._put([said(frame)._replace(extended=True)])
+    assert bench.tick().fresh
+    assert all(keeper.good for keeper in bench.link.keepers)
+
+
+@pytest.mark.parametrize(
+    ("frame", "word"), [("764 05", "the heartbeat of node 100"), ("080", "SYNC")]
+)
+def test_somebody_in_our_place_keeps_the_output_closed_and_is_named(frame: str, word: str) -> None:
+    bench = CanopenBench()
+    bench.run(0.6)
+    assert bench.tick().fresh
+    for _ in range(20):
+        bench.bus._put([said(frame)])
+        shot = bench.tick()
+        assert shot.outcome is Outcome.NOT_CONNECTED
+    assert word in bench.link.troubles[0]
+    assert 0x203 in {sent.can_id for sent in bench.bus.sent}  # a fade still reaches the drives
+    bench.run(0.9)
+    assert not bench.tick().fresh
+    bench.run(0.2)
+    assert bench.tick().fresh
+    assert bench.link.troubles == ()
+
+
+def test_readings_behind_a_storm_of_emergencies_are_not_younger_than_they_are() -> None:
+    bench = CanopenBench()
+    bench.run(0.6)
+    assert bench.tick().fresh
+    storm = [said("083 00 00 00 00 00 00 00 00")] * 200
+    ages = []
+    for _ in range(10):  # two hundred each tick, between one reading and the next
+        bench.bus._put(storm)
+        ages.append(bench.tick().age_s)
+    assert max(ages) < 0.006
+
+
+def test_an_extended_sync_is_none() -> None:
+    bench = CanopenBench()
+    bench.run(0.6)
+    bench.bus._put([said("080")._replace(extended=True)])
+    assert bench.tick().fresh

@@ -54,7 +54,7 @@ def test_the_command_goes_out_and_the_reading_comes_in_with_its_time() -> None:
 
 def test_fresh_means_the_heartbeat_moved_not_that_the_server_answered() -> None:
     rig = Rig()
-    beats = [5, 6, 6, 6, 7, 65535, 0]
+    beats = [65532, 65533, 65533, 65533, 65534, 65535, 0]
     snapshots = [rig.tick(block(beat)) for beat in beats]
     assert [s.fresh for s in snapshots] == [False, True, False, False, True, True, True]
     assert [round(s.age_s * 1e3) for s in snapshots] == [5, 0, 5, 10, 0, 0, 0]
@@ -126,3 +126,34 @@ def test_closing_the_gateway_closes_the_wire() -> None:
     rig = Rig()
     rig.gateway.close()
     assert rig.tick(block(1)).outcome is Outcome.NOT_CONNECTED
+
+
+def test_two_old_replies_by_turns_are_no_living_plc() -> None:
+    rig = Rig()
+    for beat in (5, 6, 7):
+        rig.tick(block(beat))
+    shots = [rig.tick(block(beat)) for beat in (6, 7) * 20]
+    assert not any(shot.fresh for shot in shots)
+    assert {shot.outcome for shot in shots[::2]} == {Outcome.BAD_REPLY}
+    assert all(math.isnan(value) for value in shots[0].values)
+    assert shots[-1].age_s == pytest.approx(len(shots) * PERIOD_NS * 1e-9)
+
+
+def test_a_plc_that_began_again_on_the_same_connection_is_believed_soon() -> None:
+    rig = Rig()
+    for beat in (20000, 20005, 20010):
+        rig.tick(block(beat))
+    shots = [rig.tick(block(beat)) for beat in (0, 5, 10)]
+    assert [shot.fresh for shot in shots] == [False, True, True]
+
+
+def test_a_counter_of_a_byte_loses_one_reply_where_it_starts_over_and_a_toggle_never_lives() -> (
+    None
+):
+    rig = Rig()
+    shots = [rig.tick(block(beat)) for beat in (253, 254, 255, 0, 1, 2)]
+    assert [shot.fresh for shot in shots] == [False, True, True, False, True, True]
+    rig = Rig()
+    shots = [rig.tick(block(beat)) for beat in (0, 1) * 10]
+    assert [shot.fresh for shot in shots[:2]] == [False, True]
+    assert not any(shot.fresh for shot in shots[2:])

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.liveness import Liveness
+from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness
 
 MS = 1_000_000
 
@@ -52,3 +52,37 @@ def test_age_is_counted_from_the_arrival_and_not_from_the_taking() -> None:
     live.judge(Outcome.OK, 1, 0)
     live.judge(Outcome.OK, 2, 6 * MS)
     assert live.age_s(10 * MS) == pytest.approx(0.004)
+
+
+def taken(order: HeartbeatOrder, beats: list[int]) -> list[bool]:
+    last: int | None = None
+    verdicts = []
+    for beat in beats:
+        verdicts.append(order.takes(beat, last))
+        last = beat if verdicts[-1] else last
+    return verdicts
+
+
+def test_two_old_heartbeats_by_turns_never_move() -> None:
+    assert taken(HeartbeatOrder(0xFFFF), [9, 10, 9, 10, 9, 10]) == [
+        True, True, False, True, False, True,
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("step", [1, 5, 100])
+def test_a_program_that_began_again_is_taken_from_its_second_heartbeat_on(step: int) -> None:
+    assert taken(HeartbeatOrder(0xFFFF), [20000, 0, step, 2 * step]) == [True, False, True, True]
+
+
+def test_a_start_over_is_a_step_forward_and_a_jump_back_by_half_is_none() -> None:
+    assert taken(HeartbeatOrder(0xFF), [250, 4]) == [True, True]
+    assert taken(HeartbeatOrder(0xFF), [250, 250 - 0x80 + 1]) == [True, False]
+    assert taken(HeartbeatOrder(0xFF), [250, 160, 240]) == [True, False, False]
+
+
+def test_nothing_is_out_of_order_after_a_loss() -> None:
+    order = HeartbeatOrder(0xFFFF)
+    assert not order.takes(5, 9)
+    order.forget()
+    assert not order.takes(6, 9)
+    assert order.takes(0, None)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import socket
+import struct
 from pathlib import Path
 
 import pytest
@@ -41,3 +42,24 @@ def test_a_path_that_a_killed_plant_left_behind_is_taken_over(tmp_path: Path) ->
         hub.close()
 
     asyncio.run(start())
+
+
+def test_a_remote_or_error_frame_carries_no_data_to_the_plant(tmp_path: Path) -> None:
+    path = tmp_path / "can"
+    taken: list[int] = []
+
+    async def talk() -> None:
+        hub = FrameHub(path)
+        hub.open(lambda frame: taken.append(frame.can_id))
+        try:
+            with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as party:
+                party.connect(str(path))
+                for can_id in (0x4000_0200, 0x2000_0200, 0x201):
+                    party.send(struct.pack("=IB3x8s", can_id, 8, bytes(8)))
+                while 0x201 not in taken:
+                    await asyncio.sleep(0.001)
+        finally:
+            hub.close()
+
+    asyncio.run(asyncio.wait_for(talk(), 5.0))
+    assert taken == [0x201]
