@@ -33,3 +33,13 @@ class RollChanger(Protocol):
     def change_rolls(self) -> None:
         """Put full rolls on at both ends, their rims at the web's speed."""
         ...
+
+
+@runtime_checkable
+class WebSupply(Protocol):
+    """A line that tells how much web its unwind roll still holds."""
+
+    @property
+    def web_left_m(self) -> float:
+        """Length of the web on the unwind roll down to its core, m; below 0 when run out."""
+        ...

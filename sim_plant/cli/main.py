@@ -7,10 +7,10 @@ import sys
 from collections.abc import Callable, Sequence
 
 from aff_runtime.base.errors import AffError
-from sim_plant.cli import demo, identify, refine, reproduce, serve, simulate
+from sim_plant.cli import demo, identify, refine, reproduce, serve, simulate, tell
 
 # a new subcommand is one more module in this row
-COMMANDS = (demo, identify, refine, reproduce, serve, simulate)
+COMMANDS = (demo, identify, refine, reproduce, serve, simulate, tell)
 
 
 def build_parser() -> argparse.ArgumentParser:

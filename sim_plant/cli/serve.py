@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -80,8 +81,13 @@ def run(arguments: argparse.Namespace) -> int:
 
     plc_map = load_plc_map(arguments.plc)
     line = open_line(arguments.line, seed=arguments.seed, speed_m_s=arguments.speed_m_s)
-    serve(line, plc_map, options, lambda text: print(text, flush=True))
+    serve(line, plc_map, options, _say)
     return 0
+
+
+def _say(text: str) -> None:
+    with contextlib.suppress(BrokenPipeError):  # a line whose log nobody reads goes on
+        print(text, flush=True)
 
 
 def read_options(arguments: argparse.Namespace) -> ServeOptions:

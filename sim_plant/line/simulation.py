@@ -199,6 +199,13 @@ class LineSimulation:
         """Put full rolls on at both ends while the line runs; see ``RollChanger``."""
         change_rolls(self.arrays, self.layout, self.state)
 
+    @property
+    def web_left_m(self) -> float:
+        """Length of web between the unwind roll's radius and its core, m; see ``WebSupply``."""
+        web, radius_m = self.arrays.web[0], float(self.state.y[self.layout.radius])
+        area_m2 = math.pi * (radius_m**2 - float(web["core_radius_m"]) ** 2)
+        return area_m2 / float(web["thickness_m"])
+
     def drive_index(self, roller: str) -> int:
         """Return the drive number of ``roller``; PlantError when it is not driven."""
         body = self._names.get(roller, -1)

@@ -6,7 +6,8 @@ set REFERENCE VALUE         line_speed_ref_m_s or tension_ref_N
 set STATUS_BIT 0|1          any bit of the status word
 fault SPEC                  as ``--fault``; a start counts from now; answers it in plant time
 clear [NAME]                end one fault, or all
-roll                        full rolls at both ends, on the run; announced as a splice for 2 s
+roll                        full rolls at both ends, on the run; announced as a splice for 2 s;
+                            starts a line again whose web was at its end
 reset                       forget the largest correction seen
 
 Every command is answered by one line of JSON; an ``error`` key says what was wrong.
@@ -107,7 +108,7 @@ class ControlSocket:
         if name in REFERENCES:
             self._plant.set_reference(name, float(value))
         elif name in Status.__members__ and value in {"0", "1"}:
-            self._plant.plc.set_status(Status[name], value == "1")
+            self._plant.set_status(Status[name], value == "1")
         else:
             known = ", ".join((*REFERENCES, *Status.__members__))
             raise PlantError(f"cannot set {name} to {value}; known are {known} (bits 0 or 1)")

@@ -13,8 +13,9 @@ from sim_plant.base.ports import RollChanger, SteppedLine
 from sim_plant.servers.faults import Fault, FaultBoard, FaultEdge, parse_fault
 from sim_plant.servers.plc import Plc
 from sim_plant.servers.registers import Registers
+from sim_plant.servers.web_end import SPEED, WebEnd
 
-REFERENCES = ("line_speed_ref_m_s", "tension_ref_N")
+REFERENCES = (SPEED, "tension_ref_N")
 _HISTORY_SCANS = 20_000
 _ABSURD_SI = 1.0e6
 
@@ -33,6 +34,7 @@ class Plant:
     applied_m_s : correction added at the plant per actuator in the coming sample.
     max_abs_applied_m_s : largest |correction| per actuator since the last ``reset_extremes``.
     refusal : why the last correction did not count.
+    web : what is left on the unwind roll; at its end it stops the line and LINE_RUN is off.
     observers : called after each sample with the plant.
     edge_observers : called when a fault begins or ends.
 
@@ -47,6 +49,7 @@ class Plant:
         self.plc = plc
         self.faults = faults or FaultBoard()
         self.registers = Registers(plc.map)
+        self.web = WebEnd(line)
         self.time_s = 0.0
         self.scans = 0
         self.refusal = ""
@@ -57,6 +60,7 @@ class Plant:
         self._old_words: list[list[int]] = []
         self._dropped = Status(0)
         self._rolls_due_s = math.inf
+        self._ran = False  # LINE_RUN is to come back with full rolls
         names = [row.item.name for row in plc.map.corrections]
         self.applied_m_s: Mapping[str, float] = dict.fromkeys(names, 0.0)
         self._history: deque[tuple[float, tuple[float, ...]]] = deque(maxlen=_HISTORY_SCANS)
@@ -75,11 +79,32 @@ class Plant:
         Raises
         ------
         PlantError
-            The name is no reference or the value is not finite.
+            The name is no reference, the value is not finite, or the web is at its end.
         """
         if name not in REFERENCES or not math.isfinite(value):
             raise PlantError(f"cannot set {name} = {value}; references are {REFERENCES}")
+        if name == SPEED and self.web.at_end:
+            raise PlantError("the web is at its end and the line stops; `roll` starts it again")
         self._inputs[name] = value
+
+    def set_status(self, bit: Status, on: bool) -> None:
+        """Set or clear one status bit of the PLC.
+
+        Raises
+        ------
+        PlantError
+            LINE_RUN is to be set while the web is at its end.
+        """
+        if bit is Status.LINE_RUN and self.web.at_end:
+            if on:
+                raise PlantError("the web is at its end: LINE_RUN comes back with `roll`")
+            self._ran = False
+        self.plc.set_status(bit, on)
+
+    @property
+    def takes_rolls(self) -> bool:
+        """Return whether ``change_rolls`` can put full rolls on."""
+        return isinstance(self._line, RollChanger)
 
     def change_rolls(self) -> float:
         """Announce a splice for 2 s and put full rolls on in its middle; return when, s.
@@ -109,7 +134,8 @@ class Plant:
         if self.time_s >= self._rolls_due_s and isinstance(self._line, RollChanger):
             self._rolls_due_s = math.inf
             self._line.change_rolls()
-        measured = dict(self._line.step(self._inputs))
+            self._start_again()
+        measured = dict(self._line.step(self.web.references(self._inputs, self.sample_time_s)))
         for name in REFERENCES:
             if name in self._inputs:
                 measured.setdefault(name, self._inputs[name])
@@ -120,6 +146,7 @@ class Plant:
             self._take(edge)
         if self.faults.active(Fault.SECOND):
             self.registers.clear_writes()
+        self._mind_the_web(measured.get(SPEED, 0.0))
         self._distort(measured)
         self.measured = measured
         self._scan()
@@ -128,6 +155,19 @@ class Plant:
                 edge_observer(edge)
         for observer in self.observers:
             observer(self)
+
+    def _mind_the_web(self, speed_ref_m_s: float) -> None:
+        if self.web.look(speed_ref_m_s):
+            self._inputs.setdefault(SPEED, speed_ref_m_s)
+        if self.web.at_end:
+            self._ran = self._ran or Status.LINE_RUN in self.plc.status
+            self.plc.set_status(Status.LINE_RUN, False)
+
+    def _start_again(self) -> None:
+        self.web.refill()
+        if self._ran:
+            self._ran = False
+            self.plc.set_status(Status.LINE_RUN, True)
 
     def _scan(self) -> None:
         try:

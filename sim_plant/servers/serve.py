@@ -21,6 +21,7 @@ from sim_plant.servers.plc import Plc
 from sim_plant.servers.plc_map import PlcMap
 from sim_plant.servers.realtime import RealTimeStepper, ask_for_realtime
 from sim_plant.servers.recorder import PlantRecorder
+from sim_plant.servers.web_end import WebState
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,7 +116,7 @@ class PlantService:
         self._stop.set()
 
     async def run(self, announce: Callable[[str], None]) -> None:
-        """Serve until stopped; ``announce`` gets the ready line.
+        """Serve until stopped; ``announce`` gets the ready line and what the web's end does.
 
         Raises
         ------
@@ -135,11 +136,14 @@ class PlantService:
                 await control.open()
             if options.realtime:
                 self._scheduler = "granted" if ask_for_realtime() else "refused"
+            self.plant.web.observers.append(lambda state: announce(self._web_says(state)))
             failure = self.stepper.start()
             announce(
                 f"ready {self.server.address} "
                 f"sample_time_s {self.plant.sample_time_s:g} realtime {self._scheduler}"
             )
+            if self.plant.web.at_end:
+                announce(self._web_says(self.plant.web.state))
             await self._until_stopped(failure)
         finally:
             self.stepper.stop()
@@ -159,6 +163,38 @@ class PlantService:
         if failure in done:
             failure.result()
 
+    def _web_says(self, state: WebState) -> str:
+        """Return what the log says of a new state of the web's end."""
+        left_m = self.plant.web.left_m or 0.0
+        return {
+            WebState.STOPS: f"web at its end: {left_m:.1f} m left on the unwind roll; "
+            f"the line stops and LINE_RUN is off. {self._how_to_go_on()}",
+            WebState.STANDS: f"line stands, {left_m:.1f} m left. {self._how_to_go_on()}",
+            WebState.STARTS: "full rolls are on: the line starts again, LINE_RUN as before",
+            WebState.RUNS: f"line runs again, {left_m:.1f} m on the unwind roll",
+        }[state]
+
+    def _how_to_go_on(self) -> str:
+        if not self.plant.takes_rolls:
+            return "To go on, start sim-plant serve again."
+        if self._options.control is None:
+            return (
+                "To go on, start sim-plant serve again; with --control PATH "
+                "`sim-plant tell PATH roll` puts full rolls on."
+            )
+        return (
+            f"To go on: `sim-plant tell {self._options.control} roll` (full rolls, the line "
+            "starts again), or start sim-plant serve again."
+        )
+
+    def _web(self) -> dict[str, Any]:
+        web = self.plant.web
+        return {
+            "left_m": web.left_m,
+            "state": web.state.value,
+            "say": self._web_says(web.state) if web.at_end else "",
+        }
+
     def status(self) -> dict[str, Any]:
         """Return what the plant does now, ready for JSON; a number that is none is null."""
         plant, registers, plc_map = self.plant, self.plant.registers, self.plant.plc.map
@@ -175,6 +211,7 @@ class PlantService:
             "measured": {n: v for n, v in values.items() if n not in true_values},
             "status": _bit_names(plant.plc.status),
             "roll_id": plant.plc.roll_id,
+            "web": self._web(),
             "aff": words | {"state_bits": _bit_names(StateBits(words["state"] & 0xFF))},
             "faults": plant.faults.names(),
             "counts": {

@@ -43,15 +43,19 @@ class Served:
 
 
 @contextlib.contextmanager
-def served(**options: Any) -> Iterator[Served]:
+def served(
+    line: FakeLine | None = None, said: list[str] | None = None, **options: Any
+) -> Iterator[Served]:
+    """Serve a line (a fake one) and let ``said`` have what the log gets."""
+    heard: list[str] = [] if said is None else said
     ready = threading.Event()
     box: dict[str, Any] = {}
 
     async def main() -> None:
         chosen = ServeOptions(port=0, realtime=False, **options)
-        box["service"] = PlantService(FakeLine(SAMPLE_TIME_s), default_map(), chosen)
+        box["service"] = PlantService(line or FakeLine(SAMPLE_TIME_s), default_map(), chosen)
         box["loop"] = asyncio.get_running_loop()
-        await box["service"].run(lambda line: (box.update(line=line), ready.set()))
+        await box["service"].run(lambda text: (heard.append(text), ready.set()))
 
     thread = threading.Thread(target=asyncio.run, args=(main(),))
     thread.start()

@@ -1,0 +1,54 @@
+"""`sim-plant tell`: one command to the control socket of a plant that is being served."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import socket
+import sys
+from pathlib import Path
+
+from aff_runtime.base.errors import PlantError
+
+_PATIENCE_S = 5.0
+
+Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhere else)
+
+
+def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
+    """Add the subcommand."""
+    parser = subparsers.add_parser(
+        "tell", help="send a command to a served plant: status, roll, set, fault, clear, ..."
+    )
+    parser.add_argument("control", type=Path, metavar="SOCKET", help="serve's --control PATH")
+    parser.add_argument("words", nargs="+", metavar="WORD", help="for example: roll")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the answer as JSON; 2 when the plant says it is an error."""
+    answer = tell(arguments.control, " ".join(arguments.words))
+    failed = "error" in answer
+    print(json.dumps(answer, indent=1), file=sys.stderr if failed else sys.stdout)
+    return PlantError.exit_code if failed else 0
+
+
+def tell(control: Path, command: str) -> dict[str, object]:
+    """Return the answer of the plant whose control socket is ``control``.
+
+    Raises
+    ------
+    PlantError
+        Nobody serves the socket, or the answer is none.
+    """
+    try:
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as client:
+            client.settimeout(_PATIENCE_S)
+            client.connect(str(control))
+            client.sendall(command.encode() + b"\n")
+            with client.makefile("rb") as stream:
+                return dict(json.loads(stream.readline()))
+    except (OSError, ValueError) as error:
+        raise PlantError(
+            f"no plant answers at {control} ({error}); start it with serve --control {control}"
+        ) from error
