@@ -14,7 +14,7 @@ from aff_runtime.config.models import Actuator, Site
 from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.fieldbus.can_load import MOST_SHARE, bus_share
-from aff_runtime.fieldbus.signal_names import NamedError, SignalNames
+from aff_runtime.fieldbus.signal_names import NamedError, SignalNames, WireFileError
 
 if TYPE_CHECKING:
     from aff_runtime.fieldbus.can_layout import CanCorrection, CanMap
@@ -146,7 +146,8 @@ def issues(site: Site, folder: Path) -> Iterator[Issue]:
         key = "dbc" if site.gateway.can_dbc is not None else "nodes"
         named = error.named if isinstance(error, NamedError) else ""
         path = _where(site.gateway.model_dump(), named, ("gateway",))
-        yield Issue(path=path or (*section, key), text=str(error))
+        text = error.in_folder(folder) if isinstance(error, WireFileError) else str(error)
+        yield Issue(path=path or (*section, key), text=text)
         return
     for correction in frames.corrections:
         stated = site.gateway.write.corrections[correction.name].scale

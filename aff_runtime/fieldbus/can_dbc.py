@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 
 import cantools
 from cantools.database.can import Database, Message, Signal
@@ -11,7 +12,7 @@ from cantools.database.errors import Error as DatabaseError
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.fieldbus.can_layout import CanChannel, CanCorrection, CanMap, Field, FrameLayout
-from aff_runtime.fieldbus.signal_names import NamedError, SignalNames
+from aff_runtime.fieldbus.signal_names import NamedError, SignalNames, WireFileError
 
 # What cantools would print on the terminal is said here, with the file and what to do.
 logging.getLogger("cantools").addHandler(logging.NullHandler())
@@ -31,9 +32,12 @@ def load_dbc(text: str, where: str) -> Database:
     try:
         loaded = cantools.database.load_string(text, database_format="dbc", strict=True)
     except (DatabaseError, ValueError, TypeError, KeyError, IndexError) as error:
-        raise NamedError(where, f"cannot be read as DBC ({error})") from error
+        said = " ".join(str(error).split())
+        at = re.search(r"at line (\d+)", said)
+        text = f"cannot be read as DBC ({said})"
+        raise WireFileError(where, text, int(at[1]) if at else 0) from error
     if not isinstance(loaded, Database) or not loaded.messages:
-        raise NamedError(where, "holds no messages")
+        raise WireFileError(where, "holds no messages")
     _check_messages(loaded, where)
     return loaded
 
@@ -48,12 +52,12 @@ def _check_messages(database: Database, where: str) -> None:
             text = (
                 f"two messages are called {name}, 0x{by_name[name]:X} and 0x{can_id:X}. Rename one"
             )
-            raise NamedError(where, text)
+            raise WireFileError(where, text)
         by_name[name] = can_id
         other = by_id.setdefault((can_id, message.is_extended_frame), name)
         if other != name:
             text = f"{other} and {name} both have the identifier 0x{can_id:X}. Give each its own"
-            raise NamedError(where, text)
+            raise WireFileError(where, text)
 
 
 def can_map(database: Database, names: SignalNames) -> CanMap:

@@ -5,18 +5,16 @@ The canopen package reads the EDS; the tick itself only packs bytes.
 
 from __future__ import annotations
 
-import configparser
-import io
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import canopen
 from canopen.objectdictionary import ObjectDictionary, ODVariable
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.fieldbus.can_layout import CanChannel, CanCorrection, CanMap, Field, FrameLayout
 from aff_runtime.fieldbus.canopen_node import NodePlan, SdoWrite
+from aff_runtime.fieldbus.eds_file import load_eds
 from aff_runtime.fieldbus.signal_names import NamedError, SignalNames
 
 # What canopen would print on the terminal is said here, with the file and what to do.
@@ -228,22 +226,6 @@ def _check_entry(signal: str, pdo: _Pdo, kind: int | None, bits: int) -> None:
     size = 8 * _SIZES.get(kind or 0, 0)
     if size and kind != _BOOLEAN and bits != size:
         raise NamedError(signal, f"{bits} bits of it are mapped, but it has {size}")
-
-
-def load_eds(text: str, where: str, node_id: int) -> ObjectDictionary:
-    """Return the object dictionary of an EDS file's text.
-
-    Raises
-    ------
-    ConfigError
-        The text cannot be read as EDS.
-    """
-    stream = io.StringIO(text)
-    stream.name = where if where.lower().endswith((".eds", ".dcf")) else f"{where}.eds"
-    try:
-        return canopen.import_od(stream, node_id)
-    except (configparser.Error, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise NamedError(where, f"cannot be read as EDS ({error})") from error
 
 
 def object_of(place: str) -> tuple[int, int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from aff_runtime.base.errors import ConfigError
 
@@ -14,6 +15,19 @@ class NamedError(ConfigError):
     def __init__(self, named: str, text: str) -> None:
         super().__init__(f"{named}: {text}")
         self.named = named
+
+
+class WireFileError(NamedError):
+    """A file that describes the wire cannot be used; ``line`` counts from 1, 0 is the whole."""
+
+    def __init__(self, named: str, text: str, line: int = 0) -> None:
+        self._at, self._text = f":{line}" if line else "", text
+        super().__init__(f"{named}{self._at}", text)
+        self.named = named
+
+    def in_folder(self, folder: Path) -> str:
+        """Return the message with the file's path as it is on this machine."""
+        return f"{folder / self.named}{self._at}: {self._text}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

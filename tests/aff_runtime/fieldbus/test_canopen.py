@@ -8,8 +8,9 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import Outcome
 from aff_runtime.config.can_wire import network_of, wire_files
 from aff_runtime.fieldbus.can_frames import Frame
-from aff_runtime.fieldbus.canopen_402 import load_eds, object_of
+from aff_runtime.fieldbus.canopen_402 import object_of
 from aff_runtime.fieldbus.canopen_node import NodeKeeper, NodePlan, NodeState, SdoWrite
+from aff_runtime.fieldbus.eds_file import load_eds
 from tests.aff_runtime.fieldbus.canopen_bench import SITE, CanopenBench
 
 CONFIG = Path(__file__).parents[3] / "config"
@@ -190,11 +191,6 @@ def test_lost_sync_is_silence() -> None:
 def test_an_object_is_spelt_in_one_way(place: str) -> None:
     with pytest.raises(ConfigError):
         object_of(place)
-
-
-def test_rubbish_is_no_eds() -> None:
-    with pytest.raises(ConfigError, match="cannot be read as EDS"):
-        load_eds("no section\n", "x.eds", 3)
 
 
 def test_nothing_in_the_shipped_eds_is_out_of_its_object_lists() -> None:
