@@ -24,6 +24,9 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         help="line speed at which frequencies are shown: m/s, or with a unit such as '200 FPM'; "
         "may be repeated",
     )
+    parser.add_argument(
+        "--brief", action="store_true", help="only errors, warnings and the verdict"
+    )
     parser.set_defaults(command=check)
 
 
@@ -33,6 +36,6 @@ def check(options: argparse.Namespace) -> int:
         print("aff-runtime: --speed must be above 0 m/s", file=sys.stderr)
         return 2
     report = check_site(options.site, tuple(options.speed))
-    for line in report.lines():
+    for line in report.lines(brief=options.brief):
         print(line, file=sys.stdout if report.ok else sys.stderr)
     return report.exit_code

@@ -38,15 +38,23 @@ class Report:
         """Return 0 when the file may be used, else 2."""
         return 0 if self.ok else SiteFileError.exit_code
 
-    def lines(self) -> list[str]:
-        """Return the report as text, one line each."""
-        lines = [f"error    {finding}" for finding in self.errors]
+    def lines(self, *, brief: bool = False) -> list[str]:
+        """Return the report as text, one line each: what follows, the findings, the verdict.
+
+        ``brief`` : findings and verdict only.
+        """
+        lines = [] if brief or self.facts is None else [*_fact_lines(self.facts, self.bus), ""]
         lines += [f"warning  {finding}" for finding in self.warnings]
-        if self.facts is not None:
-            lines += _fact_lines(self.facts, self.bus)
-        verdict = "ok" if self.ok else f"refused, {len(self.errors)} error(s)"
-        lines.append(f"{self.file}: {verdict}, {len(self.warnings)} warning(s)")
+        lines += [f"error    {finding}" for finding in self.errors]
+        lines.append(f"{self.file}: {self._verdict()}")
         return lines
+
+    def _verdict(self) -> str:
+        warnings = _counted(len(self.warnings), "warning")
+        if self.ok:
+            return f"ok, {warnings}"
+        errors = _counted(len(self.errors), "error")
+        return f"refused, {errors}, {warnings}; the service does not start with this file"
 
 
 def check_site(path: Path | str, speeds_m_s: Sequence[float] = ()) -> Report:
@@ -75,6 +83,10 @@ def check_site(path: Path | str, speeds_m_s: Sequence[float] = ()) -> Report:
         facts=facts_of(reading.site, tuple(speeds_m_s)),
         bus=tuple(budget_lines(reading.site, Path(path).absolute().parent)),
     )
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count or 'no'} {noun}{'' if count == 1 else 's'}"
 
 
 def _fact_lines(facts: Facts, bus: tuple[str, ...]) -> Iterator[str]:
