@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import math
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -75,6 +76,12 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Serve until a signal or the duration."""
     options = read_options(arguments)
+    print(
+        f"opening {arguments.line}; the first start on a machine compiles the line's model, "
+        "which takes some ten seconds",
+        file=sys.stderr,
+        flush=True,
+    )
     from sim_plant.line import open_line  # noqa: PLC0415 (compiles the kernel: only when used)
     from sim_plant.servers.map_file import load_plc_map  # noqa: PLC0415
     from sim_plant.servers.serve import serve  # noqa: PLC0415

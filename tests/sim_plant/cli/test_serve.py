@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import build_parser, main
 from sim_plant.cli.serve import read_options
 from sim_plant.servers.faults import Fault
@@ -22,6 +23,10 @@ sim_plant.line.open_line = open_line
 from sim_plant.cli.main import main
 sys.exit(main(sys.argv[1:]))
 """
+OPENING = (
+    "opening line.yaml; the first start on a machine compiles the line's model, "
+    "which takes some ten seconds"
+)
 ARGUMENTS = ["serve", "line.yaml", "--seed", "7", "--speed-m-s", "1.5", "--no-realtime"]
 
 
@@ -92,4 +97,20 @@ def test_the_command_says_ready_and_stops_cleanly_on_a_signal(number):
         finally:
             process.kill()
     assert ready.startswith("ready modbus 127.0.0.1:")
-    assert (process.returncode, out, err) == (0, "", "")
+    assert (process.returncode, out) == (0, "")
+    assert err.splitlines() == [OPENING]
+
+
+def test_what_takes_long_at_the_first_start_is_said_before_it_begins(capsys, monkeypatch):
+    """The line is opened, and so compiled, after the words; they must not wait in a buffer."""
+    import sim_plant.line
+
+    before = []
+
+    def open_line(*_, **__):
+        before.append(capsys.readouterr().err)
+        raise PlantError("enough")
+
+    monkeypatch.setattr(sim_plant.line, "open_line", open_line)
+    assert main(["serve", "line.yaml"]) == PlantError.exit_code
+    assert before == [OPENING + "\n"]
