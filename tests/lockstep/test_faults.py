@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,9 +30,15 @@ LEARNING_S = 3.0
 QUIET_S = 0.7
 
 
-@pytest.fixture
-def bench(responses) -> Bench:
+@pytest.fixture(scope="module")
+def working(responses) -> Bench:
     return _at_work(Setup(responses=responses))
+
+
+@pytest.fixture
+def bench(working: Bench) -> Bench:
+    """A bench at work; every test has its own copy of the one that was armed."""
+    return deepcopy(working)
 
 
 def _at_work(setup: Setup) -> Bench:

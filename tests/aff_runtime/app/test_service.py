@@ -226,30 +226,32 @@ def test_probe_arm_and_bypass_from_end_to_end(own: ServiceRun) -> None:
     until("FAULT", lambda: own.status().get("state") == "FAULT")
 
 
-def test_a_bypass_while_the_control_process_starts_does_not_kill_it(own: ServiceRun) -> None:
-    before = own.status()["control_pid"]
+def test_a_bypass_while_the_control_process_starts_does_not_kill_it(service: ServiceRun) -> None:
+    before = service.status()["control_pid"]
     kill(before)
-    until("another control process", lambda: own.status().get("control_pid") not in (0, before))
-    started = own.status()["control_pid"]
+    until(
+        "another control process", lambda: service.status().get("control_pid") not in (0, before)
+    )
+    started = service.status()["control_pid"]
     for _ in range(5):
-        own.ask("bypass")
-    until("BYPASS", lambda: own.status().get("state") == "BYPASS")
-    assert own.status()["control_pid"] == started
+        service.ask("bypass")
+    until("BYPASS", lambda: service.status().get("state") == "BYPASS")
+    assert service.status()["control_pid"] == started
 
 
-def test_a_killed_recorder_is_replaced(own: ServiceRun) -> None:
-    until("the recorder writes", lambda: own.status()["recorder"].get("rows", 0) > 0)
-    first = own.status()["recorder"]["folder"]
-    children = Path(f"/proc/{own.process.pid}/task/{own.process.pid}/children").read_text()
+def test_a_killed_recorder_is_replaced(service: ServiceRun) -> None:
+    until("the recorder writes", lambda: service.status()["recorder"].get("rows", 0) > 0)
+    first = service.status()["recorder"]["folder"]
+    children = Path(f"/proc/{service.process.pid}/task/{service.process.pid}/children").read_text()
     (recorder,) = (
         int(pid)
         for pid in children.split()
         if b"telemetry.recorder" in Path(f"/proc/{pid}/cmdline").read_bytes()
     )
     kill(recorder)
-    until("another recorder", lambda: own.status()["recorder"].get("folder", first) != first)
-    assert own.status()["recorder"]["alive"]
-    assert own.said("the recorder died; another one takes over")
+    until("another recorder", lambda: service.status()["recorder"].get("folder", first) != first)
+    assert service.status()["recorder"]["alive"]
+    assert service.said("the recorder died; another one takes over")
 
 
 def test_requests_without_sense_are_refused_and_the_service_lives(service: ServiceRun) -> None:

@@ -6,13 +6,14 @@ import json
 import math
 import os
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from aff_runtime.app.assemble import controller_of, revision_of, site_of
 from aff_runtime.app.control_child import for_control
 from aff_runtime.app.link import MAX_PACKET_BYTES
-from aff_runtime.app.validate import MAX_RESPONSE_BYTES
+from aff_runtime.app.validate import MAX_RESPONSE_BYTES, verdict
 from aff_runtime.app.validation import load_record
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
@@ -20,6 +21,32 @@ from aff_runtime.config.revision import revision_hash
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 
 SITE = Path(__file__).parents[3] / "config" / "euclid_blocks.yaml"
+
+
+def checked(path: Path) -> dict[str, Any]:
+    """Return the check's words without a process of its own, through JSON all the same.
+
+    Raises
+    ------
+    ConfigError
+        As ``load_record``: the file is not good.
+    """
+    said: dict[str, Any] = json.loads(json.dumps(verdict(path)))
+    if said["record"] is None:
+        raise ConfigError("\n".join(said["findings"]))
+    return said
+
+
+def test_the_process_of_the_check_says_what_the_check_says(tmp_path: Path) -> None:
+    path, learned = _learned(tmp_path)
+    good = load_record(path)
+    assert {"record": good.record, "findings": list(good.findings)} == checked(path)
+    learned.write_text("{}")
+    with pytest.raises(ConfigError) as here:
+        checked(path)
+    with pytest.raises(ConfigError) as there:
+        load_record(path)
+    assert str(here.value) == str(there.value)
 
 
 def test_the_record_of_a_good_file_carries_the_whole_site() -> None:
@@ -45,7 +72,7 @@ def test_a_bad_file_comes_back_with_its_place_and_without_a_record(
     path.write_text(SITE.read_text().replace(before, after, 1))
     line = 1 + next(i for i, t in enumerate(path.read_text().splitlines()) if after in t)
     with pytest.raises(ConfigError, match=f"site.yaml:{line}:"):
-        load_record(path)
+        checked(path)
 
 
 def test_a_response_file_that_is_none_is_a_finding_at_its_key(tmp_path: Path) -> None:
@@ -54,7 +81,7 @@ def test_a_response_file_that_is_none_is_a_finding_at_its_key(tmp_path: Path) ->
     (tmp_path / "learned").mkdir()
     (tmp_path / "learned" / "euclid_unwind.json").write_text('{"format": "x"}')
     with pytest.raises(ConfigError, match=r"site\.yaml:\d+:\d+  actuators\.unwind\.response"):
-        load_record(path)
+        checked(path)
 
 
 def _learned(folder: Path) -> tuple[Path, Path]:
@@ -77,7 +104,7 @@ def test_a_response_file_that_would_fill_the_memory_is_not_read(tmp_path: Path) 
     with learned.open("wb") as stream:
         stream.truncate(MAX_RESPONSE_BYTES + 1)
     with pytest.raises(ConfigError, match=r"euclid_unwind.json: is too long for a response"):
-        load_record(path)
+        checked(path)
 
 
 def test_a_pipe_in_place_of_a_file_is_refused_at_once(tmp_path: Path) -> None:
@@ -99,14 +126,14 @@ def test_a_response_of_another_actuator_is_refused(tmp_path: Path) -> None:
     )
     learned.write_text(Response(points=[point], delay_s=0.03, provenance=about).to_json())
     with pytest.raises(ConfigError, match="measured from swrap_follower to pullroll_tension_N"):
-        load_record(path)
+        checked(path)
 
 
 def test_a_name_that_cannot_be_resolved_is_a_finding_of_the_host(tmp_path: Path) -> None:
     path = tmp_path / "site.yaml"
     path.write_text(SITE.read_text().replace("host: 127.0.0.1", "host: no.such.host.invalid"))
     with pytest.raises(ConfigError, match=r"site.yaml:\d+:.*modbus_tcp.host.*cannot be resolved"):
-        load_record(path)
+        checked(path)
 
 
 def test_a_record_that_does_not_pass_to_the_control_process_is_refused(tmp_path: Path) -> None:
@@ -120,7 +147,7 @@ def test_a_record_that_does_not_pass_to_the_control_process_is_refused(tmp_path:
     ]
     learned.write_text(Response(points=points, delay_s=0.03, provenance=about).to_json())
     with pytest.raises(ConfigError, match="kB pass to the control process"):
-        load_record(path)
+        checked(path)
 
 
 def test_a_long_comment_does_not_keep_a_site_from_running(tmp_path: Path) -> None:
@@ -141,7 +168,6 @@ def test_a_response_of_another_cycle_does_not_count(
         frequency_Hz=1.0, gain=100.0, phase_rad=0.0, relative_error=0.01, coherence=1.0
     )
     learned.write_text(Response(points=[point], delay_s=0.03, provenance=about).to_json())
-    verdict = load_record(path)
-    assert verdict.record is not None
-    assert ("unwind" in verdict.record["responses"]) is counts
-    assert any("another cycle_ms" in finding for finding in verdict.findings) is not counts
+    said = checked(path)
+    assert ("unwind" in said["record"]["responses"]) is counts
+    assert any("another cycle_ms" in finding for finding in said["findings"]) is not counts

@@ -1,6 +1,7 @@
 """Whatever is typed into a site file, the answer is a finite site or a refusal with a place."""
 
 import math
+from copy import deepcopy
 
 import pytest
 import yaml
@@ -88,6 +89,7 @@ _TOKENS = st.sampled_from(
     ]
 )
 _TEXT = EUCLID.read_text(encoding="utf-8")
+_READ = yaml.safe_load(_TEXT)
 _BARE = "\n".join(line for line in _TEXT.split("\n") if not line.lstrip().startswith("#"))
 
 
@@ -107,7 +109,7 @@ def test_random_edits_give_a_finite_site_or_a_config_error(data, tmp_path_factor
 @settings(max_examples=250, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_random_values_give_a_finite_site_or_a_config_error(data, tmp_path_factory):
-    values = yaml.safe_load(_TEXT)
+    values = deepcopy(_READ)
     for _ in range(data.draw(st.integers(1, 2))):
         node = values
         while True:
