@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.blackbox import LINE_KINDS, free_lines
+from sim_plant.refine.blackbox import LINE_KINDS, free_lines, taken_up
 from sim_plant.refine.claim import DISCREPANCY, Rival, Say, Step, Trace, claim, is_line
-from sim_plant.refine.completeness import complete, lines_left
+from sim_plant.refine.completeness import SURE, complete, lines_left
 from sim_plant.refine.coordinates import travel_of
 from sim_plant.refine.details import polished
 from sim_plant.refine.fit import Fit, empty_fit, felt_radii, refine_fit
@@ -27,7 +28,8 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
     """Return effects that explain the records, and what remains unexplained.
 
     Where a line remains that no effect explains, it becomes a free term, and the whole search is
-    made again beside it: an effect is claimed only for what that term cannot explain.
+    made again beside it: an effect is claimed only for what that term cannot explain, and none
+    at the coordinate of the term itself.
     """
     found = _pursue(problem, library, say)
     before = found.before
@@ -39,7 +41,8 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
         boxes += fresh
         say(f"no effect explains {', '.join(u.text for u in fresh)}: searching beside a free term")
         beside = problem.beside([free_lines(boxes, travel) for travel in found.travels])
-        found = _pursue(beside, library, say)
+        travel = found.travels[0]
+        found = _pursue(beside, [h for h in library if not taken_up(h, boxes, travel)], say)
         more = [u for u in found.unknown if not any(u.like(box) for box in boxes)]
         found.unknown = [*boxes, *more]
         found.before = before  # with the line that is now a free term, for the report
@@ -195,6 +198,11 @@ def _best_of(
 
 
 def _at_floor(problem: Problem, found: Trace) -> bool:
-    """Return whether what is left is a share no model explains: noise is known to a percent."""
+    """Return whether what is left is surely less than a further effect would have to explain.
+
+    That is a share of what strong effects explained, for no model is exact; beside weak ones it
+    is less than what noise is known to.
+    """
     excess = found.fit.cost - problem.expected_cost
-    return excess < DISCREPANCY * (found.nominal.cost - found.fit.cost)
+    unsure = SURE * math.sqrt(2.0 * problem.expected_cost)
+    return excess + unsure < DISCREPANCY * (found.nominal.cost - found.fit.cost)
