@@ -17,6 +17,7 @@ from sim_plant.servers.registers import Registers
 REFERENCES = ("line_speed_ref_m_s", "tension_ref_N")
 _HISTORY_SCANS = 20_000
 _ABSURD_SI = 1.0e6
+_ANOTHER = 0x8000  # heartbeat of another master, far from any young runtime's
 
 
 class Plant:
@@ -120,6 +121,8 @@ class Plant:
             self._take(edge)
         if self.faults.active(Fault.SECOND):
             self.registers.clear_writes()
+        if self.faults.active(Fault.LAST):
+            self.registers.write_as_another(_ANOTHER + self.scans)
         self._distort(measured)
         self.measured = measured
         self._scan()

@@ -2,6 +2,8 @@
 
 import pytest
 
+from aff_runtime.app.site_to_guard import guard_params
+from aff_runtime.app.site_to_wire import register_map
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site, read_site
 from tests.aff_runtime.config.shipped import edited
@@ -58,6 +60,32 @@ def test_read_block_may_span_125_words_and_not_more(tmp_path):
         load_site(edited(tmp_path, (old, old.replace("13", "124"))))
 
 
+ECHO = "    aff_echo: { register: 15 }\n"
+
+
+def test_a_site_without_the_echo_is_valid_and_told_what_it_cannot_see(tmp_path):
+    said = warnings_of(edited(tmp_path, (ECHO, "")))["gateway.read"]
+    assert "a second master that always writes last" in said
+    assert register_map(load_site(tmp_path / "site.yaml")).aff_echo is None
+    assert "gateway.read" not in warnings_of(edited(tmp_path))
+
+
+def test_the_echo_is_a_word_of_the_read_block_that_nobody_else_has(tmp_path):
+    assert register_map(load_site(edited(tmp_path))).aff_echo == 15
+    with pytest.raises(ConfigError, match="register is missing; modbus_tcp needs it"):
+        load_site(edited(tmp_path, (ECHO, "    aff_echo: { signal: PLC.Echo }\n")))
+    with pytest.raises(ConfigError, match=r"wire address 8 is taken by gateway\.read\.roll_id"):
+        load_site(edited(tmp_path, (ECHO, "    aff_echo: { register: 8 }\n")))
+
+
+@pytest.mark.parametrize(("cycle_ms", "ticks"), [(5, 50), (7, 37), (26, 12)])
+def test_an_echo_may_take_three_times_what_a_plc_may_be_silent(cycle_ms, ticks, tmp_path):
+    # 240 ms / 5 ms = 48; 240 / 7 = 34.3; 240 / 26 = 9.2; and two ticks
+    path = edited(tmp_path, ("cycle_ms: 5", f"cycle_ms: {cycle_ms}"))
+    echo = guard_params(load_site(path)).echo
+    assert (echo.ticks, echo.missing_after_s) == (ticks, pytest.approx(0.08))
+
+
 def test_read_holes_are_allowed(tmp_path):
     load_site(edited(tmp_path, ("roll_id: { register: 8 }", "roll_id: { register: 20 }")))
 
@@ -91,7 +119,7 @@ def test_angle_that_does_not_wrap_warns(tmp_path):
 
 def test_manual_numbers_in_a_wire_base_warn(tmp_path):
     text = edited(tmp_path).read_text(encoding="utf-8")
-    for number in [*range(109, 99, -1), *range(14, -1, -1)]:
+    for number in [*range(109, 99, -1), *range(15, -1, -1)]:
         text = text.replace(f"register: {number} ", f"register: {40001 + number} ")
         text = text.replace(f"register: {number},", f"register: {40001 + number},")
         text = text.replace(f"complement: {number},", f"complement: {40001 + number},")
