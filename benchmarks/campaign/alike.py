@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -68,18 +69,18 @@ class Quiet:
     taps: dict[str, Array]
 
     @classmethod
-    def of(cls, at: Stage) -> Quiet:
-        """Return it for one stage, its noise taken from one more run."""
+    def of(cls, at: Stage, channels: Sequence[str] = SIZED_BY) -> Quiet:
+        """Return it for one stage and what is recorded, its noise taken from one more run."""
         healthy = at.quiet()
         noisy = simulate(at.machine, at.told, at.angles, at.seed, colour=at.colour).even()
-        noise = {c: (noisy[c] - healthy[c])[FIRST:] for c in SIZED_BY}
+        noise = {c: (noisy[c] - healthy[c])[FIRST:] for c in channels}
         return cls(stage=at, healthy=healthy, taps={c: whitener(x) for c, x in noise.items()})
 
     def response(self, fault: Fault) -> Array:
         """Return the answer of all tensions and speeds to a fault, in units of white noise."""
         quiet = self.stage.quiet((fault,))
         return np.concatenate(
-            [lfilter(self.taps[c], [1.0], quiet[c] - self.healthy[c])[FIRST:] for c in SIZED_BY]
+            [lfilter(self.taps[c], [1.0], quiet[c] - self.healthy[c])[FIRST:] for c in self.taps]
         )
 
 
@@ -130,6 +131,7 @@ def evidence(record: Quiet, fault: Fault) -> float:
 
 def told(case: Case, faults: tuple[Fault, ...]) -> dict[str, list[object]]:
     """Return per fault what cannot be told from it, and how much it shows."""
-    record = Quiet.of(stage(case, "a"))
+    kept = [c for c in SIZED_BY if not case.channels or c in case.channels]
+    record = Quiet.of(stage(case, "a"), kept)
     return {"alike": [alike(record, f) for f in faults],
             "evidence": [evidence(record, f) for f in faults]}  # fmt: skip

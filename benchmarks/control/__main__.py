@@ -74,14 +74,37 @@ def run_jobs(jobs: Sequence[Job], folder: Path, processes: int) -> tuple[int, fl
     for material, cycle_s in sorted({(job.case.material, job.case.cycle_s) for job in todo}):
         nominal_loop(material, cycle_s=cycle_s)  # once, before the workers are forked
     spent_s = 0.0
+    ended = 0
     with ProcessPoolExecutor(processes) as pool:
-        waiting = [pool.submit(do, job) for job in todo]
-        for i, done in enumerate(as_completed(waiting), 1):
-            job, row = done.result()
-            store.save(folder, job, row)
-            spent_s += row["cpu_s"]
-            sys.stderr.write(f"{i}/{len(todo)} {row['cpu_s']:.0f} s {report.line(row)}\n")
+        waiting = [pool.submit(do_together, part, folder) for part in together(todo)]
+        for done in as_completed(waiting):
+            for row in done.result():
+                ended, spent_s = ended + 1, spent_s + row["cpu_s"]
+                said = f"{ended}/{len(todo)} {row['cpu_s']:.0f} s {report.line(row)}\n"
+                sys.stderr.write(said)
     return len(todo), spent_s
+
+
+def together(jobs: Sequence[Job]) -> list[list[Job]]:
+    """Return the jobs in parts that share runs: one case, its seeds apart only for whole rolls.
+
+    The line without any law, and what the law learned before a saved start, are run once a part.
+    """
+    parts: dict[tuple[str, cases.Case, int], list[Job]] = {}
+    for job in jobs:
+        seed = job.seed if job.section == "roll" else 0
+        parts.setdefault((job.section, job.case, seed), []).append(job)
+    return list(parts.values())
+
+
+def do_together(jobs: Sequence[Job], folder: Path) -> list[Row]:
+    """Run jobs that share runs, keep every row as it comes, return them."""
+    rows = []
+    for job in jobs:
+        _, row = do(job)
+        store.save(folder, job, row)
+        rows.append(row)
+    return rows
 
 
 def _arguments() -> argparse.Namespace:

@@ -87,7 +87,7 @@ def _without(job: Job) -> Record:
     return _plain(job.section, job.case, job.seed, job.end_in)
 
 
-def _with(job: Job, profile: Array, watch: Any = None) -> Record:
+def _with(job: Job, profile: Array) -> Record:
     """Return the record under the job's law; a perfect roll is a line without any fault."""
     case = job.case
     if job.law == PERFECT:
@@ -101,27 +101,32 @@ def _with(job: Job, profile: Array, watch: Any = None) -> Record:
         builder = shape_law(case.material, case.cycle_s, swrap=False)
     else:
         builder = rival(job.law, case.material, case.cycle_s)
-    return _run(job, {"unwind": builder}, profile, watch=watch)
+        if job.law == OWN and job.section == "constant":
+            return _learning(job, profile, job.seed)
+    return _run(job, {"unwind": builder}, profile)
 
 
-@functools.lru_cache(maxsize=1)
-def _learned_once(section: str, case: cases.Case, seed: int | None) -> ShapeProfile:
-    job = Job(section=section, case=case, law=OWN, seed=1)
-    profile = _profile(job)
-    kept: list[ShapeProfile] = []
+_LEARNED: dict[tuple[cases.Case, int | None], ShapeProfile] = {}
+
+
+def _learning(job: Job, profile: Array, seed: int | None) -> Record:
+    """Run the law over a constant-speed case and keep what it knows at the end."""
 
     def keep(k: int, laws: Any) -> None:
         if k == profile.size - 1 and isinstance(laws["unwind"], ShapeLaw):
-            kept.append(laws["unwind"].profile())
+            _LEARNED[job.case, seed] = laws["unwind"].profile()
 
-    builder = shape_law(case.material, case.cycle_s)
-    _run(job, {"unwind": builder}, profile, seed=seed, watch=keep)
-    return kept[0]
+    for other in [key for key in _LEARNED if key[0] != job.case]:
+        del _LEARNED[other]
+    builder = shape_law(job.case.material, job.case.cycle_s)
+    return _run(job, {"unwind": builder}, profile, seed=seed, watch=keep)
 
 
 def _learned(job: Job, profile: Array, seed: int | None) -> ShapeProfile:
     """Return what the law knows at the end of the row; without noise when ``seed`` is None."""
-    return _learned_once(job.section, job.case, seed)
+    if (job.case, seed) not in _LEARNED:
+        _learning(job, profile, seed)
+    return _LEARNED[job.case, seed]
 
 
 def _constant(job: Job) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from aff_runtime.core.params import RollParams, SiteParams
 from aff_runtime.core.phase import RollPhase
 from benchmarks.control.lines import Hidden, with_hidden
 from sim_plant.line.declaration import Declaration
-from sim_plant.line.kernel import advance_frame, log_frame, run_frames
+from sim_plant.line.kernel import log_frame, run_frames, step_frame
 from sim_plant.line.open import make_line
 from sim_plant.line.simulation import LineSimulation
 
@@ -179,12 +179,11 @@ def run(
                 if seed is not None
                 else np.zeros((CHUNK, width))
             )
-        advance_frame(
-            arrays, lay, state, work, speed_m_s[k], speed_m_s[k + 1], tension_ref, aff,
-            noise[k % CHUNK],
-        )  # fmt: skip
         row = log[k + 1]
-        log_frame(arrays, lay, state, work, cells, d, n, row)
+        step_frame(
+            arrays, lay, state, work, speed_m_s[k], speed_m_s[k + 1], tension_ref, aff,
+            noise[k % CHUNK], row,
+        )  # fmt: skip
     return columns.record(log, theta0, corrections, speed_m_s, cycle_s)
 
 

@@ -232,6 +232,26 @@ def run_frames(
 
 
 @compiled
+def step_frame(
+    p: LineArrays,
+    lay: Layout,
+    s: LineState,
+    w: Work,
+    line_speed_m_s: float,
+    line_speed_end_m_s: float,
+    tension_ref_N: Array,
+    aff_m_s: Array,
+    noise: Array,
+    row: Array,
+) -> None:
+    """Advance one frame and log it: one call instead of two, see ``run_frames``."""
+    advance_frame(
+        p, lay, s, w, line_speed_m_s, line_speed_end_m_s, tension_ref_N, aff_m_s, noise
+    )  # fmt: skip
+    log_frame(p, lay, s, w, p.cells.size, p.drives.size, lay.n, row)
+
+
+@compiled
 def log_frame(
     p: LineArrays,
     lay: Layout,

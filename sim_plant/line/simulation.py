@@ -12,7 +12,7 @@ from sim_plant.base.arrays import Array, LineArrays, LineState, copy_state
 from sim_plant.line.build import Timing, build_arrays, start_state, timing_of
 from sim_plant.line.channels import channel_value, channels_of, column_values
 from sim_plant.line.declaration import Declaration
-from sim_plant.line.kernel import Work, advance_frame, log_frame, measure, run_frames
+from sim_plant.line.kernel import Work, log_frame, measure, run_frames, step_frame
 from sim_plant.line.layout import Layout
 from sim_plant.line.roll_change import change_rolls
 from sim_plant.line.start import start_at_rest
@@ -177,11 +177,10 @@ class LineSimulation:
         """Advance one control sample; see ``SteppedLine.step``."""
         self._accept(inputs)
         for _ in range(self.timing.frames_per_sample):
-            advance_frame(
+            step_frame(
                 self.arrays, self.layout, self.state, self.work,
-                self._speed, self._speed, self._tension, self._aff, self._noise(1)[0],
+                self._speed, self._speed, self._tension, self._aff, self._noise(1)[0], self._row,
             )  # fmt: skip
-        self._log()
         return self.readings()
 
     def _accept(self, inputs: Mapping[str, float]) -> None:

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.bench import Bench
 from sim_plant.refine.linear import Projector
 from sim_plant.refine.noise import declared_noise
@@ -31,23 +32,25 @@ class Problem:
         self.bench = bench
         self.measured = list(measured)
         self.nuisances: list[Nuisance] = declared_nuisances(bench.twins[0].declaration)
-        cases = [Case(coarse=False, seed=s) for s in (None, *range(NOISE_RUNS))]
-        runs = bench.run([NOMINAL, *cases])
         self.anchor = NOMINAL
         self.loose: tuple[int, ...] = ()
-        self.coarse, self.fine = runs[0], runs[1]
-        noisy = [np.stack([run[t] for run in runs[2:]]) for t in range(len(bench.twins))]
-        self.quiet = [
-            declared_noise(twin, noise - fine[None])
-            for twin, noise, fine in zip(bench.twins, noisy, self.fine, strict=True)
-        ]
-        self.noise = self.quiet
+        self.coarse, self.fine = bench.run([NOMINAL, replace(NOMINAL, coarse=False)])
+        self.simulate_noise()
         self.basis: list[Array | None] = [None] * len(self.measured)
         self.rows = sum(
             m.shape[0] * (m.shape[1] - n.first)
             for m, n in zip(self.measured, self.noise, strict=True)
         )
         self.weigh()
+
+    def simulate_noise(self) -> None:
+        """Take the noise that the declaration makes of the line at the anchor."""
+        cases = [replace(self.anchor, coarse=False, seed=seed) for seed in range(NOISE_RUNS)]
+        runs = self.bench.run(cases, keep=False)
+        noisy = [np.stack([run[t] for run in runs]) for t in range(len(self.bench.twins))]
+        rows = zip(self.bench.twins, noisy, self.fine, strict=True)
+        self.quiet = [declared_noise(twin, noise - fine[None]) for twin, noise, fine in rows]
+        self.noise = self.quiet
 
     def weigh(self) -> None:
         """Take the declared noise, its level and colour put right by the data at the anchor."""
@@ -132,6 +135,8 @@ class Problem:
         self.bench.forget()
         near.anchor = replace(case, coarse=True)
         near.coarse, near.fine = self.bench.run([near.anchor, replace(case, coarse=False)])
+        if any(not BY_NAME[added.effect].order_locked for added in case.effects):
+            near.simulate_noise()  # a delay, a filter, another web: the loops make other noise
         near.weigh()
         return near
 

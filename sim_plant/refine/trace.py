@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.blackbox import LINE_KINDS, free_lines
 from sim_plant.refine.claim import DISCREPANCY, Rival, Say, Step, Trace, claim, is_line
-from sim_plant.refine.completeness import complete, lines_left
+from sim_plant.refine.completeness import SURE, complete, lines_left
 from sim_plant.refine.coordinates import travel_of
 from sim_plant.refine.details import polished
 from sim_plant.refine.fit import Fit, empty_fit, felt_radii, refine_fit
@@ -195,6 +196,11 @@ def _best_of(
 
 
 def _at_floor(problem: Problem, found: Trace) -> bool:
-    """Return whether what is left is a share no model explains: noise is known to a percent."""
+    """Return whether what is left is surely less than a further effect would have to explain.
+
+    That is a share of what strong effects explained, for no model is exact; beside weak ones it
+    is less than what noise is known to.
+    """
     excess = found.fit.cost - problem.expected_cost
-    return excess < DISCREPANCY * (found.nominal.cost - found.fit.cost)
+    unsure = SURE * math.sqrt(2.0 * problem.expected_cost)
+    return excess + unsure < DISCREPANCY * (found.nominal.cost - found.fit.cost)

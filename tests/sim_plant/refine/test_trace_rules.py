@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine import claim
+from sim_plant.refine import claim, trace
 from sim_plant.refine.hypotheses import hypothesis
 
 DRAG = hypothesis(BY_NAME["bearing_drag"], "R3")
@@ -74,3 +74,19 @@ def test_the_least_of_a_large_explanation_grows_with_it(missed):
     large = found()
     large.nominal = SimpleNamespace(cost=COST + 1e5)
     assert claim.claim(PROBLEM, large, [], lambda _: None, [rival(DRAG, 500.0)]) is None
+
+
+@pytest.mark.parametrize(
+    ("explained", "left", "ended"),
+    [
+        (649.0, -470.0, False),  # noise of 40 000 rows is known to 283: a weak line may be left
+        (1e6, 3000.0, True),  # 0.6 % of what a strong effect explained
+        (1e6, 7000.0, False),
+    ],
+)
+def test_the_search_ends_when_what_is_left_is_surely_no_effect(explained, left, ended):
+    cost = PROBLEM.expected_cost + left
+    state = SimpleNamespace(
+        fit=SimpleNamespace(cost=cost), nominal=SimpleNamespace(cost=cost + explained)
+    )
+    assert trace._at_floor(PROBLEM, state) is ended
