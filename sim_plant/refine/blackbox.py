@@ -7,11 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.coordinates import TWO_PI, Travel
+from sim_plant.refine.coordinates import TWO_PI, Travel, hum_Hz, orders_of
 from sim_plant.refine.generic import speed_weights
+from sim_plant.refine.hypotheses import Hypothesis
 from sim_plant.refine.unknown import Unknown
 
 HARMONICS = {"angle": 16, "travel": 6, "time": 2}
+SAME = 0.006
+"""Coordinates closer than this (relative) are one line in a record of a minute."""
 SLOW = 8
 """Half waves over the record by which a free line may change."""
 LINE_KINDS = frozenset(HARMONICS)
@@ -40,6 +43,32 @@ def free_lines(found: Sequence[Unknown], travel: Travel) -> Array:
     basis, sizes, _ = np.linalg.svd(np.stack(columns, axis=1), full_matrices=False)
     kept: Array = np.ascontiguousarray(basis[:, sizes > 1e-6 * sizes[0]])
     return kept
+
+
+def taken_up(h: Hypothesis, found: Sequence[Unknown], travel: Travel) -> bool:
+    """Return whether a hypothesis shows where one of the free lines is, or at its harmonics.
+
+    A free term takes up all there, up to its own imperfection: no effect is claimed for that.
+    """
+    if not (h.effect.order_locked or h.effect.name in ("roll_bounce", "mains_hum")):
+        return False
+    return any(_meets(h, item, travel) for item in found)
+
+
+def _meets(h: Hypothesis, item: Unknown, travel: Travel) -> bool:
+    where = item.coordinate
+    if item.kind == "angle":
+        return h.location == where["roll"]
+    if item.kind == "time":
+        first, shows = float(where["frequency_Hz"]), hum_Hz(h, travel)
+    else:
+        body = next((r for r in travel.declaration.rollers if r.name == h.location), None)
+        first = float(where["wavenumber_1_m"])
+        shows = [n / (TWO_PI * body.radius_m) for n in orders_of(h)] if body else []
+    ratios = [at / first for at in shows]
+    return any(
+        1 <= round(r) <= HARMONICS[item.kind] and abs(r / round(r) - 1.0) < SAME for r in ratios
+    )
 
 
 def _cycles(item: Unknown, travel: Travel) -> tuple[Array, float]:

@@ -110,12 +110,18 @@ def orders_of(h: Hypothesis) -> list[float]:
     return [float(options.get("order", 1.0))]
 
 
+def hum_Hz(h: Hypothesis, travel: Travel) -> list[float]:
+    """Return where in time a hypothesis shows after sampling, Hz; none but hum does."""
+    if h.effect.name != "mains_hum":
+        return []
+    options = dict(h.fixed) | dict(zip(h.names, h.start, strict=True))
+    return [alias_Hz(float(options["frequency_Hz"]), travel.sample_time_s)]
+
+
 def line_support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float | None:
     """Return how strong the free lines are where this hypothesis would show; None: not a line."""
     by_kind = {(s.kind, s.roll): s for s in found}
-    if h.effect.name == "mains_hum":
-        options = dict(h.fixed) | dict(zip(h.names, h.start, strict=True))
-        at = alias_Hz(float(options["frequency_Hz"]), travel.sample_time_s)
+    for at in hum_Hz(h, travel):
         return near(by_kind["time", ""], at, 0.003)
     if not (h.effect.order_locked or h.effect.name == "roll_bounce"):
         return None

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.blackbox import LINE_KINDS, free_lines
+from sim_plant.refine.blackbox import LINE_KINDS, free_lines, taken_up
 from sim_plant.refine.claim import DISCREPANCY, Rival, Say, Step, Trace, claim, is_line
 from sim_plant.refine.completeness import SURE, complete, lines_left
 from sim_plant.refine.coordinates import travel_of
@@ -28,7 +28,8 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
     """Return effects that explain the records, and what remains unexplained.
 
     Where a line remains that no effect explains, it becomes a free term, and the whole search is
-    made again beside it: an effect is claimed only for what that term cannot explain.
+    made again beside it: an effect is claimed only for what that term cannot explain, and none
+    at the coordinate of the term itself.
     """
     found = _pursue(problem, library, say)
     before = found.before
@@ -40,7 +41,8 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
         boxes += fresh
         say(f"no effect explains {', '.join(u.text for u in fresh)}: searching beside a free term")
         beside = problem.beside([free_lines(boxes, travel) for travel in found.travels])
-        found = _pursue(beside, library, say)
+        travel = found.travels[0]
+        found = _pursue(beside, [h for h in library if not taken_up(h, boxes, travel)], say)
         more = [u for u in found.unknown if not any(u.like(box) for box in boxes)]
         found.unknown = [*boxes, *more]
         found.before = before  # with the line that is now a free term, for the report

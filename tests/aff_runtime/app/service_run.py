@@ -55,8 +55,12 @@ class ServiceRun(Operator):
                 cwd=ROOT,
                 env={**os.environ, "NOTIFY_SOCKET": str(folder / "notify")},
             )
-        until("the service has signals", lambda: self.status().get("signals") is not None)
-        until("the service sees the PLC", lambda: self.status()["comm"] == "OK")
+        try:
+            until("the service has signals", lambda: self.status().get("signals") is not None)
+            until("the service sees the PLC", lambda: self.status()["comm"] == "OK")
+        except BaseException:
+            self.close()
+            raise
 
     def tell_plc(self, command: str) -> list[int]:
         """Give the PLC a command; return the words last written to it."""

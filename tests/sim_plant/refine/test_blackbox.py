@@ -4,9 +4,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.blackbox import free_lines
+from sim_plant.refine.blackbox import free_lines, taken_up
 from sim_plant.refine.coordinates import Travel
+from sim_plant.refine.hypotheses import hypothesis
 from sim_plant.refine.unknown import Unknown
 
 LINE = load_declaration(Path(__file__).parents[3] / "config/lines/euclid.yaml")
@@ -77,3 +79,31 @@ def test_orders_of_one_roll_are_one_unknown():
     assert angle(4.0).like(angle(1.0))
     assert not angle(1.0).like(other)
     assert not time.like(time)
+
+
+R6_1_M = 1.0 / (2.0 * np.pi * LINE.rollers[LINE.body("R6")].radius_m)
+
+
+@pytest.mark.parametrize(
+    ("effect", "place", "choice", "line", "taken"),
+    [
+        ("torque_ripple", "unwind", {"order": 6}, angle(2.0), True),
+        ("bearing_drag", "unwind", {}, angle(2.0), False),
+        ("torque_ripple", "rewind", {"order": 6}, angle(2.0), False),
+        ("unbalanced_roller", "R6", {}, ("travel", "wavenumber_1_m", R6_1_M), True),
+        ("unbalanced_roller", "R6", {}, ("travel", "wavenumber_1_m", R6_1_M / 2.0), True),
+        ("unbalanced_roller", "R6", {}, ("travel", "wavenumber_1_m", R6_1_M * 1.02), False),
+        ("unbalanced_roller", "R6", {}, ("travel", "wavenumber_1_m", R6_1_M / 7.0), False),
+        # 60 Hz sampled at 100 Hz shows at 40 Hz
+        ("mains_hum", "R9", {"frequency_Hz": 60.0}, ("time", "frequency_Hz", 40.01), True),
+        ("mains_hum", "R9", {"frequency_Hz": 60.0}, ("time", "frequency_Hz", 37.0), False),
+        ("unbalanced_roller", "R6", {}, ("time", "frequency_Hz", 4.0), False),
+    ],
+)
+def test_an_effect_at_the_line_of_a_free_term_is_not_searched(effect, place, choice, line, taken):
+    unknown = line
+    if isinstance(line, tuple):
+        kind, name, at = line
+        unknown = Unknown(kind=kind, coordinate={name: float(at)}, strength=1.0)
+    h = hypothesis(BY_NAME[effect], place, tuple(choice.items()), line=LINE)
+    assert taken_up(h, [unknown], TRAVEL) is taken
