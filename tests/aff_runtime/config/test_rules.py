@@ -2,8 +2,6 @@
 
 import pytest
 
-from aff_runtime.app.site_to_guard import guard_params
-from aff_runtime.app.site_to_wire import register_map
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site, read_site
 from tests.aff_runtime.config.shipped import edited
@@ -58,32 +56,6 @@ def test_read_block_may_span_125_words_and_not_more(tmp_path):
     load_site(edited(tmp_path, (old, old.replace("13", "123"))))
     with pytest.raises(ConfigError, match="spans 126 words, 125 fit"):
         load_site(edited(tmp_path, (old, old.replace("13", "124"))))
-
-
-ECHO = "    aff_echo: { register: 15 }\n"
-
-
-def test_a_site_without_the_echo_is_valid_and_told_what_it_cannot_see(tmp_path):
-    said = warnings_of(edited(tmp_path, (ECHO, "")))["gateway.read"]
-    assert "a second master that always writes last" in said
-    assert register_map(load_site(tmp_path / "site.yaml")).aff_echo is None
-    assert "gateway.read" not in warnings_of(edited(tmp_path))
-
-
-def test_the_echo_is_a_word_of_the_read_block_that_nobody_else_has(tmp_path):
-    assert register_map(load_site(edited(tmp_path))).aff_echo == 15
-    with pytest.raises(ConfigError, match="register is missing; modbus_tcp needs it"):
-        load_site(edited(tmp_path, (ECHO, "    aff_echo: { signal: PLC.Echo }\n")))
-    with pytest.raises(ConfigError, match=r"wire address 8 is taken by gateway\.read\.roll_id"):
-        load_site(edited(tmp_path, (ECHO, "    aff_echo: { register: 8 }\n")))
-
-
-@pytest.mark.parametrize(("cycle_ms", "ticks"), [(5, 50), (7, 37), (26, 12)])
-def test_an_echo_may_take_three_times_what_a_plc_may_be_silent(cycle_ms, ticks, tmp_path):
-    # 240 ms / 5 ms = 48; 240 / 7 = 34.3; 240 / 26 = 9.2; and two ticks
-    path = edited(tmp_path, ("cycle_ms: 5", f"cycle_ms: {cycle_ms}"))
-    echo = guard_params(load_site(path)).echo
-    assert (echo.ticks, echo.missing_after_s) == (ticks, pytest.approx(0.08))
 
 
 def test_read_holes_are_allowed(tmp_path):

@@ -11,7 +11,7 @@ import pytest
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.can_wire import can_map_of, load_share, wire_files
 from aff_runtime.config.check import check_site
-from aff_runtime.config.loader import load_site, read_site
+from aff_runtime.config.loader import load_site
 from aff_runtime.config.plain_file import MAX_BYTES
 from aff_runtime.config.wire_table import wire_lines
 from tests.aff_runtime.config.shipped import EUCLID
@@ -58,25 +58,6 @@ def test_the_load_of_the_bus_is_the_sum_of_the_longest_frames() -> None:
 def test_a_bus_that_is_too_slow_is_refused(folder: Path, name: str) -> None:
     said = refused(folder / name, "bitrate: 500000", "bitrate: 250000")
     assert "% of 250000 bit/s each 5 ms (worst-case stuffing); at most 50%" in said
-
-
-@pytest.mark.parametrize("name", ["euclid_can.yaml", "euclid_canopen.yaml"])
-def test_a_bus_without_the_echo_is_as_good_as_before(folder: Path, name: str) -> None:
-    path = folder / name
-    lines = path.read_text().splitlines(keepends=True)
-    path.write_text("".join(line for line in lines if "aff_echo: {" not in line))
-    reading = read_site(path)
-    assert not [f for f in reading.warnings if "echo" in f.text]  # everybody's frames are heard
-    frames = can_map_of(reading.site, wire_files(reading.site, folder))
-    assert frames.aff_echo is None
-    assert not [frame for frame in frames.frames if frame.name == "line.TPDO3"]
-
-
-def test_an_echo_that_holds_a_part_of_the_heartbeat_is_refused(folder: Path) -> None:
-    dbc = folder / "euclid.dbc"
-    dbc.write_text(dbc.read_text().replace("AffEcho : 48|16@1+", "AffEcho : 48|8@1+"))
-    said = refused(folder / "euclid_can.yaml", "PLC_STATUS.AffEcho", "PLC_STATUS.AffEcho")
-    assert "PLC_STATUS.AffEcho: has 8 bits, but must hold all of aff_heartbeat" in said
 
 
 def test_two_wires_are_one_too_many(folder: Path) -> None:
