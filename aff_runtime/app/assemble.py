@@ -8,6 +8,7 @@ site file ─validate→ record ─┬→ register map → codec ┐
 
 from __future__ import annotations
 
+import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -68,6 +69,7 @@ def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
         law_columns=0,
         command_life_s=site.freshness.fault_after_ms * 1e-3,
         config_revision=revision_of(assembly.record),
+        first_heartbeat=secrets.randbelow(1 << 16),  # two that start at once must be told apart
     )
     return Cycle(
         settings=settings,

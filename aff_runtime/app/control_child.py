@@ -78,7 +78,10 @@ class ControlChild:
         os.kill(self.pid, signal.SIGUSR1)
 
     def stop(self, *, patience_s: float) -> bool:
-        """Let it fade to zero and end; kill it after ``patience_s``. Return True when it faded."""
+        """Let it fade to zero and end; kill it after ``patience_s``.
+
+        Return True when it ended by itself, in good order: its last commands were zero.
+        """
         self.link.send({"do": "STOP"})
         try:
             self._process.wait(patience_s)
@@ -86,7 +89,7 @@ class ControlChild:
             self._process.kill()  # the heartbeat stops: the PLC ramps its copy to zero
             self._process.wait()
             return False
-        return True
+        return self._process.returncode == 0
 
     def kill(self) -> None:
         """End a process that never began to tick."""

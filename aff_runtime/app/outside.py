@@ -19,7 +19,7 @@ from aff_runtime.app.probe_run import ProbeRun
 from aff_runtime.app.recorded_law import RecordedLaw
 from aff_runtime.app.shape_keeper import ShapeKeeper
 from aff_runtime.app.site_to_guard import guard_params
-from aff_runtime.app.status import explain
+from aff_runtime.app.status import not_armed
 from aff_runtime.app.trouble_log import TroubleLog
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
@@ -225,8 +225,7 @@ class ControlOutside:
             self._reply(ident, ok=True, state=state.name)
         elif waited > ARM_PATIENCE_TICKS or (waited > ARM_LEAST_TICKS and state not in AT_REST):
             blocked = self._guard.first_blocking().removeprefix("blocked by ")
-            text = "READY: " + (f"blocked by {explain(blocked)}" if blocked else state.name)
-            self._reply(ident, ok=False, message=text, state=state.name)
+            self._reply(ident, ok=False, message=not_armed(state, blocked), state=state.name)
         else:
             return
         self._arm_question = None
@@ -266,7 +265,7 @@ class ControlOutside:
             self._reply(said, ok=False, message="an edit is being applied; try again")
             return []
         if self._guard.state is State.SHADOW:
-            self._reply(said, ok=False, message="READY: blocked by SHADOW=1")
+            self._reply(said, ok=False, message="SHADOW, READY: blocked by SHADOW=1")
             return []
         was_armed = self._guard.state in (*ARMED, State.FADING)
         self._probe = ProbeRun(

@@ -81,22 +81,30 @@ class Processes:
         self._on_change()
         LOG.info("control process %d started", self.control.pid)
 
-    def stop(self) -> None:
-        """Let the control process fade and end, and the recorder flush in its own time."""
+    def stop(self) -> bool:
+        """Let the control process fade and end, and the recorder flush in its own time.
+
+        Return whether its last commands were zero.
+        """
+        reached_zero = self.control is not None
         if self.control is not None:
-            if not self.control.stop(patience_s=STOP_PATIENCE_S):
-                LOG.error("control process %d did not stop and was killed", self.control.pid)
+            pid = self.control.pid
+            reached_zero = self.control.stop(patience_s=STOP_PATIENCE_S)
+            if not reached_zero:
+                LOG.error("control process %d did not end in good order", pid)
             for message in self.control.replies():
                 self.shapes.hear(self.record, message)
             self._forget_control()
         self._release_ring()
+        return reached_zero
 
-    def finish(self) -> None:
-        """Stop everything and wait for the recorders."""
-        self.stop()
+    def finish(self) -> bool:
+        """Stop everything and wait for the recorders; return whether zero was sent last."""
+        reached_zero = self.stop()
         for recorder in self._old_recorders:
             recorder.wait(RECORDER_PATIENCE_S)
         self._options.paths.ring.unlink(missing_ok=True)
+        return reached_zero
 
     def watch(self) -> bool:
         """Notice a death, restart when due; return True when the control process has died."""

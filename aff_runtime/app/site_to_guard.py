@@ -10,6 +10,7 @@ from aff_runtime.config.models import Actuator, PlausibleRange, Site
 from aff_runtime.safety.params import (
     ActuatorLimits,
     ChannelParams,
+    EchoParams,
     FreshnessParams,
     GuardParams,
     PermissiveParams,
@@ -28,6 +29,7 @@ def guard_params(site: Site) -> GuardParams:
             hold_after_s=site.freshness.hold_after_ms * 1e-3,
             fault_after_s=site.freshness.fault_after_ms * 1e-3,
         ),
+        echo=echo_params(site),
         channels=tuple(
             _channel(channels.index(name), name, believable)
             for name, believable in site.plausibility.items()
@@ -43,6 +45,15 @@ def guard_params(site: Site) -> GuardParams:
         ),
         line_speed_channel=channels.index(site.line.speed),
     )
+
+
+def echo_params(site: Site) -> EchoParams:
+    """Return how old an echo may be: way out, scan and way back, each as the PLC may be silent.
+
+    Two ticks more for what is between the grids of both sides.
+    """
+    stale_s = site.freshness.fault_after_ms * 1e-3
+    return EchoParams(ticks=math.ceil(3.0 * stale_s / site.cycle_s) + 2, missing_after_s=stale_s)
 
 
 def permissive_params(site: Site) -> PermissiveParams:

@@ -62,7 +62,7 @@ def gateway_of(
 def register_map(site: Site) -> RegisterMap:
     """Return every word that is read and written; channels in the order of the site file."""
     read, write = site.gateway.read, site.gateway.write
-    address = _address(site)
+    address, aff_echo = _address(site), read.aff_echo
     return RegisterMap(
         plc_heartbeat=address(read.plc_heartbeat.register_number),
         status=address(read.status.register_number),
@@ -74,6 +74,7 @@ def register_map(site: Site) -> RegisterMap:
         alarm=address(write.alarm.register_number),
         limit=address(write.limit.register_number),
         config_revision=address(write.config_revision.register_number),
+        aff_echo=None if aff_echo is None else address(aff_echo.register_number),
         corrections=tuple(_correction(site, name) for name in site.actuators),
     )
 

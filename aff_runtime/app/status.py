@@ -69,6 +69,13 @@ def explain(blocked: str) -> str:
     return f"{blocked}: {PERMISSIVES[lacks]}" if lacks in PERMISSIVES else blocked
 
 
+def not_armed(state: State, blocked: str) -> str:
+    """Return why an ``arm`` came to nothing, the state by the name that ``status`` gives it."""
+    rests = state in (State.FAULT, State.BYPASS, State.READY)
+    name = state.name if rests else f"{state.name}, READY"
+    return f"{name}: blocked by {explain(blocked)}" if blocked else f"{state.name}: not armed"
+
+
 def headline(answer: Mapping[str, Any]) -> str:
     """Return the first line of ``aff-runtime status``: state, what blocks, what to do."""
     state, blocked = str(answer.get("state", "STARTING")), str(answer.get("blocked_by", ""))
@@ -77,7 +84,7 @@ def headline(answer: Mapping[str, Any]) -> str:
     if state in (State.FAULT.name, State.BYPASS.name) and alarm.get("code"):
         line = f"{state}: {_rest(alarm, blocked)}"
     elif blocked:
-        line = f"{state}, READY: blocked by {explain(blocked)}"
+        line = not_armed(State[state], blocked) if state in State.__members__ else state
     if answer.get("config_differs"):
         line += "  [CONFIG_DIFFERS]"
     return line

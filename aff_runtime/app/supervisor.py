@@ -60,14 +60,15 @@ class Supervisor:
         self._probe: ProbeSession | None = None
         self._stop_callers: list[Caller] = []
         self._stopping = False
+        self._stopped_by = ""
         self._forget = options.forget
         self._told_ready = False
         self._exit_code = 0
 
     def run(self) -> int:
         """Serve until stopped; return the exit code."""
-        signal.signal(signal.SIGTERM, lambda *_: self._stop())
-        signal.signal(signal.SIGINT, lambda *_: self._stop())
+        signal.signal(signal.SIGTERM, lambda *_: self._stop(why="SIGTERM"))
+        signal.signal(signal.SIGINT, lambda *_: self._stop(why="SIGINT (ctrl-c)"))
         signal.signal(signal.SIGUSR1, lambda *_: self._processes.bypass())
         for finding in self._edits.findings:
             LOG.warning("%s", finding)
@@ -103,7 +104,8 @@ class Supervisor:
     def _look_after(self) -> None:
         """Do what time brings: children, edits, waiting callers, probe, watchdog."""
         self._pending.expire()
-        self._states.step(self._processes.latest())
+        if not self._stopping:  # the way to zero is told as what it is
+            self._states.step(self._processes.latest())
         if self._processes.watch():
             self._pending.refuse_all("the control process died; see the log")
             self._end_probe("the control process died")
@@ -274,9 +276,10 @@ class Supervisor:
 
     # --- the end ----------------------------------------------------------------------------
 
-    def _stop(self, exit_code: int = 0) -> None:
-        """Leave the main loop."""
+    def _stop(self, exit_code: int = 0, why: str = "") -> None:
+        """Leave the main loop; ``why``: the signal that asked for it."""
         self._stopping = True
+        self._stopped_by = self._stopped_by or why
         self._exit_code = exit_code
 
     def _shut_down(self) -> None:
@@ -284,13 +287,15 @@ class Supervisor:
         self._notifier.stopping()
         self._end_probe("the service stops")
         self._edits.close()
-        self._processes.finish()
+        if self._stopped_by:
+            LOG.info("%s: the correction fades to zero, the service ends", self._stopped_by)
+        zero = self._processes.finish()
         for caller in self._stop_callers:
             caller.reply({"ok": True})
         self._selector.close()
         self._requests.close()
         self._notifier.close()
-        LOG.info("stopped")
+        LOG.info("stopped%s", "; the correction reached zero" if zero else "")
 
 
 def _known(names: object, record: Mapping[str, Any]) -> list[str]:

@@ -122,6 +122,13 @@ TABLE: tuple[Event, ...] = (
     ),
     Event(17, "SPLICE", Reaction.FADE, "splice or roll change", "arms itself again when clear"),
     Event(18, "BYPASSED", Reaction.FADE_AND_LATCH, "bypass by operator", "arm to return"),
+    Event(
+        19,
+        "SECOND_MASTER",
+        Reaction.FADE_AND_LATCH,
+        "aff_echo is not ours: the PLC takes the commands of somebody else, or of nobody",
+        "leave one runtime alone on a PLC that copies aff_heartbeat to aff_echo, then arm again",
+    ),
 )
 BY_NAME = {event.name: event for event in TABLE}
 BY_CODE = {event.code: event for event in TABLE}

@@ -18,6 +18,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 
+NO_ECHO = -1
+
 
 class Status(IntFlag):
     """Status word PLC -> AFF, bit for bit."""
@@ -81,6 +83,8 @@ class Snapshot:
     age_s : time since the PLC heartbeat last moved, s.
     plc_heartbeat, status, roll_id : words of the PLC.
     values : SI value per channel, in the order of the site's channel table.
+    echo_age : how many ticks ago we sent the heartbeat that the PLC shows as taken, modulo 2^16;
+        ``NO_ECHO`` where the site maps no such word, or unless OK.
     """
 
     tick: int
@@ -92,6 +96,7 @@ class Snapshot:
     status: int
     roll_id: int
     values: tuple[float, ...]
+    echo_age: int = NO_ECHO
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

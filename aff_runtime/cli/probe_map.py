@@ -88,6 +88,8 @@ def table(site: Site, seen: MapProbe) -> Iterator[str]:
     words = register_map(site)
     owners = {words.plc_heartbeat: "plc_heartbeat", words.status: "status"}
     owners[words.roll_id] = "roll_id"
+    if words.aff_echo is not None:
+        owners[words.aff_echo] = "aff_echo"
     values = WordCodec(words).decode([word.u16 for word in seen.words])[3]
     owners |= {
         channel.address: f"{channel.name} = {value:.6g}"

@@ -68,6 +68,7 @@ def _roles(site: Site, frames: CanMap) -> dict[str, str]:
         "plc_heartbeat": frames.plc_heartbeat,
         "status": frames.status,
         "roll_id": frames.roll_id,
+        "aff_echo": frames.aff_echo,
         "aff_heartbeat": frames.aff_heartbeat,
         "state": frames.state,
         "echo": frames.echo,

@@ -31,6 +31,7 @@ def signal_names(site: Site) -> SignalNames:
         plc_heartbeat=read.plc_heartbeat.signal or "",
         status=read.status.signal or "",
         roll_id=read.roll_id.signal or "",
+        aff_echo=(read.aff_echo.signal or "") if read.aff_echo is not None else "",
         channels={n: (c.signal or "", c.scale, c.wraps) for n, c in read.channels.items()},
         aff_heartbeat=write.aff_heartbeat.signal or "",
         state=write.state.signal or "",

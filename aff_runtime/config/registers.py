@@ -46,7 +46,9 @@ def read_rows(site: Site) -> list[Row]:
             ("plc_heartbeat", read.plc_heartbeat),
             ("status", read.status),
             ("roll_id", read.roll_id),
+            ("aff_echo", read.aff_echo),
         )
+        if word is not None
     ]
     for name, channel in read.channels.items():
         path = (*base, "channels", name, "register")

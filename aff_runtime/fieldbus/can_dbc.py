@@ -91,7 +91,8 @@ def can_map(database: Database, names: SignalNames) -> CanMap:
     words = [field(name) for name in (names.plc_heartbeat, names.status, names.roll_id)]
     own = [field(name) for name in (names.aff_heartbeat, names.state)]
     optional = [
-        maybe(name) for name in (names.echo, names.alarm, names.limit, names.config_revision)
+        maybe(name)
+        for name in (names.echo, names.alarm, names.limit, names.config_revision, names.aff_echo)
     ]
     channels = tuple(
         CanChannel(name=name, field=field(signal), scale=scale, wraps=wraps)
@@ -115,6 +116,7 @@ def can_map(database: Database, names: SignalNames) -> CanMap:
         alarm=optional[1],
         limit=optional[2],
         config_revision=optional[3],
+        aff_echo=optional[4],
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from aff_runtime.base.ports import Clock
-from aff_runtime.base.signals import Command, Outcome, Snapshot
+from aff_runtime.base.signals import NO_ECHO, Command, Outcome, Snapshot
 from aff_runtime.fieldbus.can_frames import FrameLink
 from aff_runtime.fieldbus.can_reader import CanReader, Taken
 from aff_runtime.fieldbus.can_writer import CanWriter
@@ -88,7 +88,11 @@ class CanGateway:
         if outcome is Outcome.NOT_CONNECTED:
             reader.reset()
         outcome = liveness.judge(outcome, reader.heartbeat, self._arrived_ns)
-        values = reader.values if outcome is Outcome.OK else self._no_values
+        values, echo_age = self._no_values, NO_ECHO
+        if outcome is Outcome.OK:
+            values = reader.values
+            if reader.aff_echo is not None:
+                echo_age = (command.heartbeat - reader.aff_echo) & 0xFFFF
         return Snapshot(
             tick=tick,
             t_ns=t_ns,
@@ -99,6 +103,7 @@ class CanGateway:
             status=reader.status,
             roll_id=reader.roll_id,
             values=values,
+            echo_age=echo_age,
         )
 
     def close(self) -> None:

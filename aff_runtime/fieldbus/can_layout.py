@@ -184,6 +184,7 @@ class CanMap:
     alarm: Field | None = None
     limit: Field | None = None
     config_revision: Field | None = None
+    aff_echo: Field | None = None
 
     def __post_init__(self) -> None:
         _check_owners(self)
@@ -193,7 +194,8 @@ class CanMap:
     def read_fields(self) -> tuple[Field, ...]:
         """Return what is read."""
         words = (self.plc_heartbeat, self.status, self.roll_id)
-        return words + tuple(channel.field for channel in self.channels)
+        echo = () if self.aff_echo is None else (self.aff_echo,)
+        return words + echo + tuple(channel.field for channel in self.channels)
 
     @property
     def write_fields(self) -> tuple[Field, ...]:
@@ -251,8 +253,9 @@ def _check_words(can_map: CanMap) -> None:
     if can_map.plc_heartbeat.selector is not None:
         raise ConfigError(f"{can_map.plc_heartbeat}: a heartbeat cannot be multiplexed")
     _check_heartbeats(can_map)
-    for word in (can_map.plc_heartbeat, can_map.status, can_map.roll_id, can_map.aff_heartbeat):
-        if word.is_float:
+    words = (can_map.plc_heartbeat, can_map.status, can_map.roll_id, can_map.aff_heartbeat)
+    for word in (*words, can_map.aff_echo):
+        if word is not None and word.is_float:
             raise ConfigError(f"{word}: a counter or bit word cannot be a float")
     for channel in can_map.channels:
         if channel.wraps and channel.field.is_float:
@@ -298,6 +301,13 @@ def _check_heartbeats(can_map: CanMap) -> None:
             "bits or more"
         )
         raise NamedError(str(ours), text)
+    echo = can_map.aff_echo
+    if echo is not None and echo.length < AFF_HEARTBEAT_BITS:
+        text = (
+            f"has {echo.length} bits, but must hold all of aff_heartbeat: by a part of it another "
+            f"master could pass for us. Use {AFF_HEARTBEAT_BITS} bits or more"
+        )
+        raise NamedError(str(echo), text)
     for frame in can_map.frames:
         sender = beat if frame in can_map.frames_of(can_map.read_fields) else ours
         if frame.counter is not None and frame.counter.length > sender.length:

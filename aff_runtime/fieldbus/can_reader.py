@@ -77,6 +77,7 @@ class CanReader:
     Attributes
     ----------
     heartbeat, status, roll_id, values : of the last consistent set.
+    aff_echo : our heartbeat that the PLC took, of that set; None where the map has none.
     torn, bad_lengths, out_of_order, out_of_range : counts since construction.
     """
 
@@ -84,6 +85,7 @@ class CanReader:
         self.heartbeat = 0
         self.status = 0
         self.roll_id = 0
+        self.aff_echo: int | None = None
         self.values: tuple[float, ...] = (math.nan,) * len(can_map.channels)
         self.torn = 0
         self.bad_lengths = 0
@@ -105,6 +107,7 @@ class CanReader:
         self._heartbeat_row = _row(can_map.plc_heartbeat, slots)
         self._status_row = _row(can_map.status, slots)
         self._roll_row = _row(can_map.roll_id, slots)
+        self._echo_row = None if can_map.aff_echo is None else _row(can_map.aff_echo, slots)
         self._rows = tuple(
             _row(channel.field, slots, modulus=channel.modulus, scale=channel.scale)
             for channel in can_map.channels
@@ -166,6 +169,8 @@ class CanReader:
         self._known = True
         self.status = _bits(self._status_row)
         self.roll_id = _bits(self._roll_row)
+        if self._echo_row is not None:
+            self.aff_echo = _bits(self._echo_row)
         self._decode()
         return Taken.SET
 

@@ -83,6 +83,7 @@ def network(
         plc_heartbeat=read(names.plc_heartbeat),
         status=read(names.status),
         roll_id=read(names.roll_id),
+        aff_echo=read(names.aff_echo) if names.aff_echo else None,
         channels=tuple(
             CanChannel(name=name, field=read(signal), scale=scale, wraps=wraps)
             for name, (signal, scale, wraps) in names.channels.items()

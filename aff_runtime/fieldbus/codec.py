@@ -6,7 +6,7 @@ import math
 import struct
 from typing import Final
 
-from aff_runtime.base.signals import Command
+from aff_runtime.base.signals import NO_ECHO, Command
 from aff_runtime.fieldbus.registers import Correction, Register, RegisterMap, WordOrder, WordType
 
 _INTEGER: Final = 0
@@ -40,6 +40,7 @@ class WordCodec:
         self._heartbeat_at = register_map.plc_heartbeat - start
         self._status_at = register_map.status - start
         self._roll_id_at = register_map.roll_id - start
+        self._aff_echo_at = _offset(register_map.aff_echo, start)
         self._read_rows = tuple(_read_row(channel, start) for channel in register_map.channels)
         self._counts = [0] * self.channel_count
         self._counts_known = False
@@ -89,6 +90,11 @@ class WordCodec:
             words[self._roll_id_at],
             tuple(values),
         )
+
+    def echo_age(self, words: list[int], heartbeat: int) -> int:
+        """Return how long before ``heartbeat`` the echoed one was sent; NO_ECHO without a word."""
+        at = self._aff_echo_at
+        return NO_ECHO if at < 0 else (heartbeat - words[at]) & 0xFFFF
 
     def encode(self, command: Command) -> list[int]:
         """Return the write block; the list is reused by the next call.

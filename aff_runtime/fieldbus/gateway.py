@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 
 from aff_runtime.base.ports import Clock, WordTransport
-from aff_runtime.base.signals import Command, Outcome, Snapshot
+from aff_runtime.base.signals import NO_ECHO, Command, Outcome, Snapshot
 from aff_runtime.fieldbus.codec import WordCodec
 from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness
 
@@ -84,8 +84,10 @@ class WordGateway:
                 outcome = Outcome.BAD_REPLY
             self._known = True
         outcome = liveness.judge(outcome, heartbeat, t_ns)
+        echo_age = NO_ECHO
         if outcome is Outcome.OK:
             self._status, self._roll_id, values = status, roll_id, decoded
+            echo_age = self._codec.echo_age(words, command.heartbeat)
         return Snapshot(
             tick=tick,
             t_ns=t_ns,
@@ -96,6 +98,7 @@ class WordGateway:
             status=self._status,
             roll_id=self._roll_id,
             values=values,
+            echo_age=echo_age,
         )
 
     def close(self) -> None:

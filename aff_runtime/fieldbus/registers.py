@@ -136,6 +136,7 @@ class RegisterMap:
     plc_heartbeat, status, roll_id : addresses of the three u16 words every PLC must show.
     channels : readings in the order of ``Snapshot.values``.
     aff_heartbeat, state, echo : addresses of the three words every PLC must take.
+    aff_echo : address at which the PLC shows the ``aff_heartbeat`` it took; None without one.
     alarm, limit, config_revision : addresses, None where the device has no such word; ``limit``
         is the limit in force of the first correction, in its counts.
     corrections : in the order of ``Command.corrections``.
@@ -157,6 +158,7 @@ class RegisterMap:
     alarm: int | None = None
     limit: int | None = None
     config_revision: int | None = None
+    aff_echo: int | None = None
 
     def __post_init__(self) -> None:
         self._check_read_block()
@@ -184,6 +186,8 @@ class RegisterMap:
 
     def _read_addresses(self) -> list[int]:
         words = [self.plc_heartbeat, self.status, self.roll_id]
+        if self.aff_echo is not None:
+            words.append(self.aff_echo)
         for channel in self.channels:
             words.extend(channel.addresses)
         return words

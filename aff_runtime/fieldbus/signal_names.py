@@ -49,3 +49,4 @@ class SignalNames:
     alarm: str = ""
     limit: str = ""
     config_revision: str = ""
+    aff_echo: str = ""

@@ -41,6 +41,7 @@ class CycleSettings:
     zero_commands : commands with zero that are sent before the cycle returns.
     command_life_s : a command older than this is not applied any more, s.
     config_revision : shown to the PLC.
+    first_heartbeat : the first command carries the next one.
     """
 
     period_ns: int
@@ -54,6 +55,7 @@ class CycleSettings:
     zero_commands: int = 5
     command_life_s: float = 0.080
     config_revision: int = 0
+    first_heartbeat: int = 0
 
 
 class Cycle:
@@ -221,7 +223,7 @@ class Cycle:
 
     def _command(self) -> Command:
         return Command(
-            heartbeat=self._tick & _WORD,
+            heartbeat=(self._settings.first_heartbeat + self._tick) & _WORD,
             state_bits=self._bits,
             echo=self._echo,
             corrections=self._corrections,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from aff_runtime.base.events import BY_CODE, BY_NAME
 from aff_runtime.base.signals import ActuatorStep, Outcome, Permission, Snapshot, State
 from aff_runtime.safety.causes import FADING, HOLDING, LATCHING, bit, first_code
+from aff_runtime.safety.echo_judge import EchoJudge
 from aff_runtime.safety.envelope import Envelope
 from aff_runtime.safety.freshness import Freshness, FreshnessJudge
 from aff_runtime.safety.lease import Lease
@@ -18,6 +19,7 @@ from aff_runtime.safety.state_word import state_word
 _POWER_UP = BY_NAME["POWER_UP"].code
 _BYPASSED = BY_NAME["BYPASSED"].code
 _PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
+_SECOND_MASTER = bit("SECOND_MASTER")
 _OF_START = bit("PLC_STALE") | bit("OVERRUN")  # no news until there was a connection
 _AT_REST = (State.FAULT, State.BYPASS)
 _IDLE_SCANS = 3  # of the PLC, without ACTIVE and FADING, before a new start
@@ -43,6 +45,7 @@ class Guard:
         self.standing = Standing()
         self._freshness = FreshnessJudge(params.freshness)
         self._line = LineJudge(params)
+        self._echo = EchoJudge(params.echo)
         self._lease = Lease(params.lease_ticks)
         self._envelopes = tuple(
             Envelope(soft_start_s=actuator.soft_start_s, fade_s=params.fade_s)
@@ -99,6 +102,7 @@ class Guard:
             return False
         self.params = params
         self._freshness.params = params.freshness
+        self._echo.params = params.echo
         self._line.adopt(params)
         for index, actuator in enumerate(params.actuators):
             self._envelopes[index].soft_start_s = actuator.soft_start_s
@@ -164,9 +168,13 @@ class Guard:
         self._comm_warn = freshness is not Freshness.GOOD or snapshot.outcome is not Outcome.OK
         causes = self._found_in_tick | self._line.judge(snapshot, now_ns)
         causes |= self._causes_of_time(now_ns, freshness, overrun, supervisor_alive)
+        if self._echo.judge(snapshot, now_ns):
+            causes |= _SECOND_MASTER
         self._found_in_tick = 0
         self._was_connected = self._was_connected or freshness is Freshness.GOOD
         news = causes if self._was_connected else causes & ~_OF_START
+        if not self._echo.heard:
+            news &= ~_SECOND_MASTER
         self._note_events(news)
         if self._plc_reset.step(snapshot, trusted=freshness is Freshness.GOOD):
             self._take_arm_edge()

@@ -50,6 +50,20 @@ class FreshnessParams:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EchoParams:
+    """How old our heartbeat may be when the PLC shows that it took it.
+
+    Attributes
+    ----------
+    ticks : ticks of ours that may pass until a command has been taken and its echo is here.
+    missing_after_s : no echo of ours for longer than this, in fresh data, is a fault, s.
+    """
+
+    ticks: int = 50
+    missing_after_s: float = 0.080
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ChannelParams:
     """What one channel may read; limits in the channel's SI unit.
 
@@ -128,6 +142,7 @@ class GuardParams:
     fade_s: float = 0.150
     permissives: PermissiveParams = field(default_factory=PermissiveParams)
     freshness: FreshnessParams = field(default_factory=FreshnessParams)
+    echo: EchoParams = field(default_factory=EchoParams)
     channels: tuple[ChannelParams, ...] = ()
     radii: tuple[RadiusParams, ...] = ()
     line_speed_channel: int | None = None

@@ -51,6 +51,7 @@ class _ReadRows(_Strict):
     plc_heartbeat: _WordRow
     status: _WordRow
     roll_id: _WordRow
+    aff_echo: _WordRow | None = None
     channels: dict[str, _ChannelRow]
 
 
@@ -113,6 +114,8 @@ def load_plc_map(path: Path) -> PlcMap:
 def _build(rows: _MapFile) -> PlcMap:
     base = rows.address_base
     read = {name: getattr(rows.read, name).address - base for name in _READ_WORDS}
+    if rows.read.aff_echo is not None:
+        read["aff_echo"] = rows.read.aff_echo.address - base
     write = {name: getattr(rows.write, name).address - base for name in _WRITE_WORDS}
     channels = tuple(
         RegisterItem(

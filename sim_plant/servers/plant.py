@@ -18,6 +18,7 @@ from sim_plant.servers.web_end import SPEED, WebEnd
 REFERENCES = (SPEED, "tension_ref_N")
 _HISTORY_SCANS = 20_000
 _ABSURD_SI = 1.0e6
+_ANOTHER = 0x8000  # heartbeat of another master, far from any young runtime's
 
 
 class Plant:
@@ -147,6 +148,8 @@ class Plant:
         if self.faults.active(Fault.SECOND):
             self.registers.clear_writes()
         self._mind_the_web(measured.get(SPEED, 0.0))
+        if self.faults.active(Fault.LAST):
+            self.registers.write_as_another(_ANOTHER + self.scans)
         self._distort(measured)
         self.measured = measured
         self._scan()

@@ -8,7 +8,9 @@ so that a wire that lets one command in many through runs out all the same.
 Two things latch. After a watchdog trip, a start, or a heartbeat that jumps (another master writes
 as well, or the runtime is a new one) a scan with a moving heartbeat and neither ACTIVE nor FADING
 must come before the next correction counts. And a runtime that says ACTIVE or FADING and is
-refused loses AFF_ENABLE_REQUEST, its only sign of the refusal, until it is neither and not armed.
+refused loses AFF_ENABLE_REQUEST until it is neither and not armed.
+``aff_echo``, where the map has it, is the heartbeat of the command that this scan judged: by it a
+runtime knows whether that was its own.
 """
 
 from __future__ import annotations
@@ -104,6 +106,7 @@ class Plc:
             "plc_heartbeat": self._heartbeat,
             "status": int(self.status & ~self._hidden()),
             "roll_id": self.roll_id,
+            "aff_echo": self.map.write_word(write_words, "aff_heartbeat"),
         }
         return Scan(
             corrections_m_s={name: held * share for name, held in self._held.items()},

@@ -37,6 +37,15 @@ class Registers:
         """Forget everything the runtime wrote."""
         self.write_words = [0] * len(self.write_words)
 
+    def write_as_another(self, heartbeat: int) -> None:
+        """Write what another runtime says that is idle: its heartbeat, intact zeros."""
+        plc_map = self.plc_map
+        self.clear_writes()
+        self.write_words[plc_map.write["aff_heartbeat"] - plc_map.write_start] = heartbeat & 0xFFFF
+        for row in plc_map.corrections:
+            at = row.complement_address - plc_map.write_start
+            self.write_words[at : at + row.item.length] = [0xFFFF] * row.item.length
+
     def readable(self, address: int, count: int) -> bool:
         """Return whether one block holds all these words; count it as foreign if not."""
         held = self._block(address, count) is not None

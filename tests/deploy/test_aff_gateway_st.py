@@ -55,7 +55,9 @@ class Both:
         assert out["Trips"] == self.plc.trips
         status = Status(seen.read_words[MAP.read["status"] - MAP.read_start])
         assert out["EnableRequest"] is (Status.AFF_ENABLE_REQUEST in status), self.scans
-        assert out["PlcHeartbeat"] == seen.read_words[MAP.read["plc_heartbeat"] - MAP.read_start]
+        for word, key in (("plc_heartbeat", "PlcHeartbeat"), ("aff_echo", "AffEcho")):
+            assert out[key] == seen.read_words[MAP.read[word] - MAP.read_start], key
+        assert out["AffEcho"] == heartbeat
         for name, key in (("unwind", "Correction1"), ("swrap_follower", "Correction2")):
             counts = seen.corrections_m_s[name] / COUNT_M_S
             assert out[key] == pytest.approx(counts, abs=0.05), (self.scans, name)
@@ -227,6 +229,7 @@ def test_block_and_simulated_plc_agree_on_random_runs(seed: int) -> None:
 
 
 MUTANTS = (
+    ("AffEcho := AffHeartbeat;\n", ""),
     ("Silence <= Watchdog", "Silence <= Watchdog + 1.0"),
     ("NeedsRearm := TRUE;\n    Trips", "Trips"),
     ("ELSIF NOT Permissives THEN\n    Refusal := 4;\n", ""),

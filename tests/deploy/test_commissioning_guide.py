@@ -8,6 +8,7 @@ import cantools
 import pytest
 
 from aff_runtime.base.signals import Status
+from aff_runtime.config.loader import load_site
 
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE = Path(__file__).parents[2] / "deploy" / "plc" / "COMMISSIONING.md"
@@ -16,6 +17,17 @@ GUIDE = Path(__file__).parents[2] / "deploy" / "plc" / "COMMISSIONING.md"
 def test_every_status_bit_stands_in_the_guide_with_its_value() -> None:
     text = GUIDE.read_text()
     assert [bit.name for bit in Status if f"{bit.name} = {bit.value}" not in text] == []
+
+
+def test_the_guide_says_where_the_echo_goes_on_every_wire() -> None:
+    text = GUIDE.read_text()
+    for name, section in (("euclid", "register"), ("euclid_can", "signal")):
+        place = load_site(CONFIG / f"{name}.yaml").gateway.read.aff_echo
+        assert place is not None
+        assert str(place.register_number if section == "register" else place.signal) in text
+    echo = load_site(CONFIG / "euclid_canopen.yaml").gateway.read.aff_echo
+    assert echo is not None
+    assert str(echo.signal).partition(".")[2] in text
 
 
 @pytest.mark.parametrize("name", ["COMMISSIONING.md", "AFF_GATEWAY.st"])

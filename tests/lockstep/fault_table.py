@@ -48,6 +48,7 @@ TROUBLES = {
     "half replies": Trouble(spec="partial", alarm="PLC_STALE"),
     "foreign replies": Trouble(spec="tid", alarm="PLC_STALE"),
     "short replies": Trouble(spec="short", alarm="PLC_STALE"),
+    "another master comes last": Trouble(spec="last", alarm="SECOND_MASTER"),
     "swapped words": Trouble(spec="swap", alarm="TENSION_IMPLAUSIBLE"),
     "absurd tension": Trouble(spec="absurd", alarm="TENSION_IMPLAUSIBLE"),
     "one absurd tension": Trouble(spec="absurd=pullroll_tension_N", alarm="TENSION_IMPLAUSIBLE"),

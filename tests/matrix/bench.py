@@ -29,6 +29,7 @@ from sim_plant.servers.can_lockstep import LockstepBus
 from sim_plant.servers.faults import parse_fault
 from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.plc import Plc
+from sim_plant.servers.plc_map import PlcMap
 from tests.sim_plant.servers.fake_line import FakeLine, default_map
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -37,7 +38,14 @@ SITES = {wire: load_site(CONFIG / name) for wire, name in WIRES.items()}
 FILES = {wire: wire_files(site, CONFIG) for wire, site in SITES.items()}
 SAMPLE_S = 0.005
 LIMITS_M_S = {"unwind": 0.15, "swrap_follower": 0.04}  # of config/euclid.yaml
+LESS_THAN_A_COUNT = 1e-6  # m/s
 GREED = 8.0 / 3.0  # times the unwind's limit; the follower's wish is five times its own
+
+
+def without_echo(plc_map: PlcMap) -> PlcMap:
+    """Return the map of a PLC that does not say whose heartbeat it took."""
+    read = {name: at for name, at in plc_map.read.items() if name != "aff_echo"}
+    return replace(plc_map, read=read, read_count=plc_map.read_count - 1)  # it is the last word
 
 
 class QuietLine(FakeLine):
@@ -135,13 +143,16 @@ class MatrixBench:
     largest_share : largest |correction| at the plant so far, of its own limit.
     """
 
-    def __init__(self, wire: str, seed: int = 0, sample_s: float = SAMPLE_S) -> None:
+    def __init__(
+        self, wire: str, seed: int = 0, sample_s: float = SAMPLE_S, *, echo: bool = True
+    ) -> None:
         self.wire = wire
+        self.plc_map = default_map() if echo else without_echo(default_map())
         self.sample_s = sample_s
         self._period_ns = round(sample_s * 1e9)
         self.site = SITES[wire]
         self.clock = VirtualClock()
-        self.lockstep = LockstepPlant(QuietLine(sample_s), Plc(default_map()))
+        self.lockstep = LockstepPlant(QuietLine(sample_s), Plc(self.plc_map))
         self.plant = self.lockstep.plant
         self.bus: LockstepBus | None = None
         if wire != "modbus":
@@ -182,7 +193,10 @@ class MatrixBench:
     def _gateway(self) -> Gateway:
         site, clock = self.site, self.clock
         if self.bus is None:
-            return WordGateway(self.lockstep, WordCodec(register_map(site)), clock)
+            words = register_map(site)
+            if "aff_echo" not in self.plc_map.read:
+                words = replace(words, aff_echo=None)
+            return WordGateway(self.lockstep, WordCodec(words), clock)
         if self.wire == "can":
             can_map = can_map_of(site, FILES[self.wire])
             return CanGateway(self.bus, CanReader(can_map), CanWriter(can_map), clock)
@@ -232,6 +246,9 @@ class MatrixBench:
             self.around.inbox.append(SupervisorLost())
         elif name in {"!law", "!lazy", "!nan"}:
             self.law.ails = name[1:]
+        elif name == "!limit":
+            rows = (replace(row, limit_m_s=LESS_THAN_A_COUNT) for row in self.plc_map.corrections)
+            self.plant.plc.map = replace(self.plc_map, corrections=tuple(rows))
         else:
             self.lockstep.inject(parse_fault(spec))
 
@@ -239,6 +256,7 @@ class MatrixBench:
         """End what ``begin`` began, where time alone does not."""
         name, _, _ = spec.partition(":")
         self.law.ails = ""
+        self.plant.plc.map = self.plc_map
         if name in {"!kill", "!supervisor"}:
             if self.bus is not None:
                 self.bus.reopen()

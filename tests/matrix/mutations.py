@@ -7,11 +7,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
-from aff_runtime.base.signals import Outcome, State, Status
+from aff_runtime.base.signals import NO_ECHO, Outcome, State, Status
 from aff_runtime.fieldbus import can_gateway, can_reader, canopen_link, canopen_node, gateway
 from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness
 from aff_runtime.loop import cycle
 from aff_runtime.safety import (
+    echo_judge,
     envelope,
     freshness,
     guard,
@@ -108,6 +109,10 @@ def _self_arming(original: Any) -> Any:
         return original(standing, replace(inputs, arm_edge=True) if rest else inputs)
 
     return advance
+
+
+def _every_echo_ours(original: Any) -> Any:
+    return lambda self, snapshot, now_ns: original(self, replace(snapshot, echo_age=0), now_ns)
 
 
 def _causes_without(name: str) -> Change:
@@ -208,7 +213,14 @@ MUTANTS: tuple[Mutant, ...] = (
     Mutant(name="guard: what cannot be true reaches the law", owner=guard.Guard,
            attribute="believes", change=_believes, likely=("absurd",)),
     Mutant(name="guard: armed before the PLC saw it idle", owner=guard.Guard,
-           attribute="_advance", change=_no_rest, likely=("second",), tests=SAFETY),
+           attribute="_advance", change=_no_rest, likely=("!limit",), tests=SAFETY),
+    Mutant(name="echo: whose commands the PLC takes does not count", owner=echo_judge.EchoJudge,
+           attribute="judge", change=always(False), likely=("last",), tests=SAFETY),
+    Mutant(name="echo: another heartbeat is ours", owner=echo_judge.EchoJudge, attribute="_take",
+           change=_every_echo_ours, likely=("last",), tests=SAFETY),
+    Mutant(name="words: the echo is not read", owner=gateway.WordCodec, attribute="echo_age",
+           change=always(NO_ECHO), likely=("last",), wire="modbus",
+           tests="tests/aff_runtime/fieldbus/test_gateway.py"),
     Mutant(name="lease: the law's last word holds for ever", owner=lease.Lease, attribute="tick",
            change=always(False), likely=("!lazy",), tests=SAFETY),
     Mutant(name="states: nothing latches", owner=guard, attribute="advance",
@@ -218,9 +230,9 @@ MUTANTS: tuple[Mutant, ...] = (
     Mutant(name="states: a lost permissive does not close", owner=guard, attribute="advance",
            change=_advance_with(blocked=False), likely=("permissive", "splice"), tests=SAFETY),
     Mutant(name="states: bypass does nothing", owner=guard, attribute="advance",
-           change=_advance_with(bypass_edge=False), likely=("second",), tests=SAFETY),
+           change=_advance_with(bypass_edge=False), likely=("!limit",), tests=SAFETY),
     Mutant(name="states: opens while a correction still fades", owner=guard, attribute="advance",
-           change=_advance_with(quiet=True), likely=("second", "permissive"), tests=SAFETY),
+           change=_advance_with(quiet=True), likely=("!limit", "permissive"), tests=SAFETY),
     Mutant(name="line judge: every reading is plausible", owner=line_judge.LineJudge,
            attribute="judge", change=always(0), likely=("absurd", "nan")),
     Mutant(name="line judge: permissives do not count", owner=line_judge.LineJudge,
@@ -277,7 +289,7 @@ MUTANTS: tuple[Mutant, ...] = (
     Mutant(name="PLC: a heartbeat may jump", owner=plc.Plc, attribute="_heartbeat_moves",
            change=_jump_unseen, likely=("second",), wire="modbus", tests="tests/deploy"),
     Mutant(name="PLC: a refusal is kept from the runtime", owner=plc.Plc, attribute="_hidden",
-           change=always(Status(0)), likely=("second",), wire="modbus"),
+           change=always(Status(0)), likely=("!limit",), wire="modbus"),
     Mutant(name="PLC: an intact zero does not end the ramp", owner=plc.Plc,
            attribute="_says_zero", change=always(False), likely=("!supervisor",),
            tests="tests/deploy"),

@@ -1,9 +1,11 @@
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import pytest
 
+from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 from tests.matrix.bench import SAMPLE_S, MatrixBench
 from tests.matrix.cells import ZERO_S, Cell, cells, judge
@@ -16,37 +18,114 @@ def test_every_cell_reacts_as_the_table_says(cell: Cell) -> None:
     assert judge(cell) == ""
 
 
-@pytest.mark.parametrize("other_armed", [False, True])
-def test_two_runtimes_on_one_plc_leave_no_correction(other_armed: bool) -> None:
-    ours = MatrixBench("modbus")
-    ours.run(0.5)
-    ours.arm()
-    assert ours.until(State.ACTIVE)
-    ours.run(0.5)
-    assert any(ours.applied[-20:])
-    other = MatrixBench("modbus")
-    other.lockstep, other.plant, other.clock = ours.lockstep, ours.plant, ours.clock
-    other.start()
+@dataclass
+class Two:
+    """Two runtimes on one Modbus PLC; ours comes first or last as ``order`` of the scan says."""
 
-    def both(seconds: float) -> list[float]:
+    order: Callable[[int], bool]
+    echo: bool = True
+    scans: int = 0
+
+    def __post_init__(self) -> None:
+        self.ours = ours = MatrixBench("modbus", echo=self.echo)
+        ours.run(0.5)
+        ours.arm()
+        assert ours.until(State.ACTIVE)
+        ours.run(0.5)
+        assert any(ours.applied[-20:])
+        self.other = other = MatrixBench("modbus", echo=self.echo)
+        other.lockstep, other.plant, other.clock = ours.lockstep, ours.plant, ours.clock
+        other.start()
+
+    def run(self, seconds: float) -> list[float]:
+        """Return the largest correction at the plant per scan."""
         applied = []
-        for k in range(round(seconds / SAMPLE_S)):
-            first, second = (ours, other) if k % 3 else (other, ours)  # who comes last varies
-            applied.append(first.step())
-            second.cycle.tick()
+        for _ in range(round(seconds / SAMPLE_S)):
+            self.scans += 1
+            ours_first = self.order(self.scans)
+            if not ours_first:
+                self.other.cycle.tick()
+            applied.append(self.ours.step())
+            if ours_first:
+                self.other.cycle.tick()
         return applied
 
-    both(ZERO_S)
-    assert not any(both(0.5))
+    def blocked(self) -> list[bool]:
+        """Return of both whether they rest in FAULT and say that another is there."""
+        guards = (self.ours.guard, self.other.guard)
+        said = [g.first_blocking() == "blocked by SECOND_MASTER" for g in guards]
+        return [s and g.state is State.FAULT for s, g in zip(said, guards, strict=True)]
+
+
+def ours_mostly_first(scan: int) -> bool:
+    return scan % 3 > 0
+
+
+@pytest.mark.parametrize("echo", [False, True])
+@pytest.mark.parametrize("other_armed", [False, True])
+def test_two_runtimes_on_one_plc_leave_no_correction(other_armed: bool, echo: bool) -> None:
+    two = Two(ours_mostly_first, echo)
+    two.run(ZERO_S)
+    assert not any(two.run(0.5))
+    assert two.blocked() == [echo, echo]
     if other_armed:
-        other.arm()
-        both(ZERO_S)  # until both say ACTIVE
-        assert not any(both(1.0))
+        two.other.arm()
+        two.run(ZERO_S)  # until both say ACTIVE, where no echo keeps them from it
+        assert not any(two.run(1.0))
+    ours = two.ours
     ours.bypass()
-    ours.run(0.4)
+    ours.run(0.6)
     ours.arm()
     ours.run(1.0)
     assert any(ours.applied[-20:])  # alone again, after an operator's edge
+
+
+@pytest.mark.parametrize("armed", [False, True])
+def test_a_runtime_that_never_writes_last_learns_that_nothing_of_it_is_applied(
+    armed: bool,
+) -> None:
+    two = Two(lambda _: True)
+    two.run(0.05)
+    if armed:
+        two.other.arm()
+    seen = two.run(ZERO_S)
+    assert two.blocked() == [True, False]
+    assert not any(seen[-5:]) or armed
+    two.ours.arm()
+    two.run(1.0)
+    assert two.blocked() == [True, False]
+    assert (two.other.guard.state is State.ACTIVE) == armed
+    two.ours.run(0.6)  # alone again: nothing comes back by itself
+    assert not any(two.ours.run(0.1))
+    two.ours.arm()
+    two.ours.run(1.0)
+    assert any(two.ours.applied[-20:])
+
+
+def test_without_an_echo_it_does_not_learn_it() -> None:
+    """What ``aff-runtime check`` warns of, and why the word is there."""
+    two = Two(lambda _: True, echo=False)
+    two.run(1.0)
+    assert two.ours.guard.state is State.ACTIVE
+    assert two.ours.plant.refusal.startswith("state")
+
+
+@pytest.mark.parametrize("wire", ["modbus", "can", "canopen"])
+def test_a_plc_that_says_nothing_of_us_cannot_be_armed_and_is_no_alarm(wire: str) -> None:
+    bench = MatrixBench(wire)
+    bench.begin("last:2")
+    bench.run(1.5)
+    bench.arm()
+    bench.run(0.2)
+    assert bench.guard.state is State.FAULT
+    assert bench.guard.first_blocking() == "blocked by SECOND_MASTER"
+    assert BY_NAME["SECOND_MASTER"].code not in bench.around.codes
+    bench.run(1.0)
+    bench.arm()
+    assert bench.until(State.ACTIVE)
+    bench.begin("last:0.2")
+    bench.run(0.2)
+    assert bench.around.codes.count(BY_NAME["SECOND_MASTER"].code) == 1
 
 
 def test_a_drive_notices_by_itself_that_the_runtime_is_gone() -> None:

@@ -75,6 +75,11 @@ class ReadBlock(Section):
     )
     status: ReadWord = key("Status bits of the PLC: permissives, enable request, splice.")
     roll_id: ReadWord = key("Counter of splices; a new number resets what resets_on: splice.")
+    aff_echo: ReadWord | None = key(
+        "Copy of the aff_heartbeat that the PLC took in this scan. Without it nothing tells on "
+        "Modbus that another master always writes after us, so that nothing of ours counts.",
+        default=None,
+    )
     channels: Annotated[Mapping[Name, Channel], *Few] = key(
         "Measured values by name. The end of the name is the SI unit: _N, _m_s, _m, _rad, "
         "_rad_s, _N_m."

@@ -32,6 +32,12 @@ def issues(site: Site) -> Iterator[Issue]:
         if lack:
             text = f"{lack} is missing; {given[0]} needs it."
             yield Issue(path=path, text=text, at_key=True)
+    if modbus and site.gateway.read.aff_echo is None:  # on a bus everybody's frames are seen
+        text = (
+            "no aff_echo: a second master that always writes last before the PLC's scan cannot "
+            "be seen, and both say ACTIVE. Let the PLC copy aff_heartbeat to a word that is read."
+        )
+        yield Issue(path=("gateway", "read"), text=text, warning=True, at_key=True)
 
 
 def _missing(place: _Place, modbus: bool) -> str:
@@ -61,6 +67,8 @@ def places(site: Site) -> Iterator[tuple[KeyPath, _Place]]:
         (("gateway", "write", "config_revision"), write.config_revision),
     )
     yield from words
+    if read.aff_echo is not None:
+        yield ("gateway", "read", "aff_echo"), read.aff_echo
     for name, channel in read.channels.items():
         yield ("gateway", "read", "channels", name), channel
     for name, correction in write.corrections.items():

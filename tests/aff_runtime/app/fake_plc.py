@@ -41,7 +41,7 @@ class Plc:
         angle = divmod(int(turns * 4096) & 0xFFFFFFFF, 0x10000)
         return [
             *(self.heartbeat, self.status, high, low, 9000, 1000, 8000, 1000, 1),
-            *(high_2, low_2, *angle, *angle),
+            *(high_2, low_2, *angle, *angle, self.words[0]),
         ]
 
     def take(self, words: list[int]) -> None:

@@ -69,14 +69,14 @@ def test_the_watchdog_goes_hungry_when_the_control_process_hangs(service: Servic
 
 
 def test_arming_without_a_measured_response_is_refused_by_name(service: ServiceRun) -> None:
-    with pytest.raises(RefusedError, match="READY: blocked by unwind: no measured response"):
+    with pytest.raises(RefusedError, match=r"^OFF, READY: blocked by unwind: no measured"):
         service.ask("arm")
 
 
 def test_a_missing_permissive_is_named(service: ServiceRun) -> None:
     service.tell_plc(f"status {READY_STATUS & ~WEB_INTACT}")
     until("the missing permissive", lambda: service.status()["blocked_by"] == "WEB_INTACT=0")
-    with pytest.raises(RefusedError, match="READY: blocked by WEB_INTACT=0"):
+    with pytest.raises(RefusedError, match=r"^OFF, READY: blocked by WEB_INTACT=0"):
         service.ask("arm")
     service.tell_plc(f"status {READY_STATUS}")
     until("the permissive is back", lambda: service.status()["blocked_by"] != "WEB_INTACT=0")
@@ -171,6 +171,19 @@ def test_stop_ends_everything_and_leaves_a_readable_run(own: ServiceRun) -> None
     assert run.summary["rows"] == len(run.columns["time_s"]) > 10
     assert {event["name"] for event in run.events} >= {"POWER_UP", "OPERATOR"}
     assert (folder / "site.yaml").read_text() == own.site.read_text()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_that_ends_the_service_is_named_and_so_is_the_zero(
+    own: ServiceRun, number: signal.Signals
+) -> None:
+    own.process.send_signal(number)
+    assert own.process.wait(10) == 0
+    words = own.tell_plc("words")
+    assert words[3] == words[8] == 0
+    assert own.said(f"{number.name}")
+    assert own.said("stopped; the correction reached zero")
+    assert not own.said("bypass by operator")
 
 
 def known_response(actuator: str) -> str:

@@ -7,7 +7,13 @@ import math
 import pytest
 
 from aff_runtime.app.block_status import WORDS
-from aff_runtime.app.status import describe, explain, headline, missing_permissive
+from aff_runtime.app.status import (
+    describe,
+    explain,
+    headline,
+    missing_permissive,
+    not_armed,
+)
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State, Status
 from aff_runtime.core.monitor import Trend
@@ -85,6 +91,22 @@ def told(state: State, alarm: str = "NONE", blocked: str = "", **more: object) -
 )
 def test_the_headline_says_what_blocks_and_what_to_do(line: str, expected: str) -> None:
     assert line == expected
+
+
+@pytest.mark.parametrize(
+    ("state", "blocked", "expected"),
+    [
+        (State.FAULT, "WEB_INTACT=0", "FAULT: blocked by WEB_INTACT=0: the PLC sees no web"),
+        (State.BYPASS, "x: no", "BYPASS: blocked by x: no"),
+        (State.OFF, "LINE_RUN=0", "OFF, READY: blocked by LINE_RUN=0: the line does not run"),
+        (State.READY, "x: no", "READY: blocked by x: no"),
+        (State.FADING, "", "FADING: not armed"),
+    ],
+)
+def test_a_refused_arm_names_the_state_as_status_does(
+    state: State, blocked: str, expected: str
+) -> None:
+    assert not_armed(state, blocked) == expected
 
 
 def test_an_objection_of_the_law_is_told_as_it_is() -> None:

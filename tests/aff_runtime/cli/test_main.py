@@ -107,7 +107,7 @@ def test_probe_map_reads_a_serial_line_and_writes_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     slave = Slave()
-    words = [1, 107, 1, 23564, 8896, 1019, 9905, *[0] * 8]
+    words = [1, 107, 1, 23564, 8896, 1019, 9905, *[0] * 9]
 
     def scan(frame: bytes) -> bytes:
         words[0] += 1

@@ -91,7 +91,7 @@ def test_angle_that_does_not_wrap_warns(tmp_path):
 
 def test_manual_numbers_in_a_wire_base_warn(tmp_path):
     text = edited(tmp_path).read_text(encoding="utf-8")
-    for number in [*range(109, 99, -1), *range(14, -1, -1)]:
+    for number in [*range(109, 99, -1), *range(15, -1, -1)]:
         text = text.replace(f"register: {number} ", f"register: {40001 + number} ")
         text = text.replace(f"register: {number},", f"register: {40001 + number},")
         text = text.replace(f"complement: {number},", f"complement: {40001 + number},")

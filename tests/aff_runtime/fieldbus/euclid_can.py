@@ -26,7 +26,7 @@ def frame(name: str, **signals: float) -> Frame:
     return Frame(message.frame_id, False, bytes(message.encode(signals)))
 
 
-def scan(heartbeat: int, *, tension_N: float = 90.0, angle: int = 0) -> list[Frame]:
+def scan(heartbeat: int, *, tension_N: float = 90.0, angle: int = 0, echo: int = 0) -> list[Frame]:
     """One scan of the PLC, heartbeat last."""
     low = heartbeat & 0xFF
     page = heartbeat % 2
@@ -36,7 +36,7 @@ def scan(heartbeat: int, *, tension_N: float = 90.0, angle: int = 0) -> list[Fra
         frame("PLC_MOTION", LineSpeed=1.016, FollowerSpeed=-0.5, Counter=low),
         frame("PLC_ANGLES", UnwindAngle=angle, FollowerAngle=-7, Counter=low),
         frame("PLC_SLOW", Page=page, Counter=low, **slow),
-        frame("PLC_STATUS", PlcHeartbeat=heartbeat, Status=0x2F, RollId=41),
+        frame("PLC_STATUS", PlcHeartbeat=heartbeat, Status=0x2F, RollId=41, AffEcho=echo),
     ]
 
 

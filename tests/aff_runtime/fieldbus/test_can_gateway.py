@@ -1,11 +1,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
 from aff_runtime.base.clock import VirtualClock
-from aff_runtime.base.signals import Outcome, Snapshot
+from aff_runtime.base.signals import NO_ECHO, Outcome, Snapshot
 from aff_runtime.fieldbus.can_frames import Frame
 from aff_runtime.fieldbus.can_gateway import CanGateway
 from aff_runtime.fieldbus.can_reader import CanReader
@@ -50,6 +51,21 @@ def test_the_first_set_after_silence_only_gives_the_heartbeat_to_compare_with() 
     assert [shot.outcome for shot in shots] == [Outcome.NOT_CONNECTED, Outcome.OK]
     assert shots[1].fresh
     assert shots[1].values[0] == pytest.approx(90.0)
+
+
+def test_the_echo_is_as_old_as_the_command_that_the_plc_took() -> None:
+    bench = Bench().running()  # three ticks: the command of this one carries 4
+    assert [bench.tick(*scan(4 + k, echo=echo)).echo_age for k, echo in enumerate((3, 3, 1))] == [
+        1, 2, 5,
+    ]  # fmt: skip
+    assert bench.tick(*scan(7, echo=65_535)).echo_age == 8
+    assert bench.tick().echo_age == NO_ECHO  # no set, no news
+
+
+def test_a_map_without_the_echo_has_none() -> None:
+    bench = Bench()
+    bench.gateway.reader = CanReader(replace(MAP, aff_echo=None))
+    assert bench.running().tick(*scan(4, echo=3)).echo_age == NO_ECHO
 
 
 def test_silence_is_a_timeout_with_age() -> None:

@@ -41,13 +41,14 @@ def test_hand_written_bytes_are_read_as_the_dbc_says() -> None:
         Frame(0x182, False, bytes.fromhex("23010090FFFFFF 02")),
         Frame(0x183, False, bytes.fromhex("00 2823 02")),  # 0x2328 = 9000 -> 90 N
         Frame(0x183, False, bytes.fromhex("01 1027 02")),  # 0x2710 = 10000 -> 200 mm
-        Frame(0x184, False, bytes.fromhex("0200 2F00 2900")),
+        Frame(0x184, False, bytes.fromhex("0200 2F00 2900 3412")),
     ]
     assert read(reader, frames) is Taken.SET
     count = 2.0 * math.pi / 4096.0
     wanted = (90.0, 90.0, 1.016, 0.2, -0.5, -1.5, 291 * count, -7 * count)
     assert reader.values == pytest.approx(wanted, rel=1e-12)
     assert (reader.heartbeat, reader.status, reader.roll_id) == (2, 0x2F, 41)
+    assert reader.aff_echo == 0x1234
 
 
 def test_every_signal_reads_as_cantools_encodes_it() -> None:

@@ -30,16 +30,19 @@ def test_transmitted_pdos_are_read_little_endian_object_after_object() -> None:
         ("283", "00100000 4C1D"),
         # 0x6064 = -2048; the second object of this PDO is nobody's
         ("284", "00F8FFFF 0000"),
+        # the heartbeat 0x1201 that was taken
+        ("381", "0112"),
         # heartbeat 0x0102, status 0x002F, roll 41, reference 9000 (90 N): closes the set
         ("481", "0201 2F00 2900 2823"),
     )
     taken = [
         reader.take(Frame(int(can_id, 16), False, bytes.fromhex(data))) for can_id, data in frames
     ]
-    assert taken == [Taken.STORED] * 4 + [Taken.SET]
+    assert taken == [Taken.STORED] * 5 + [Taken.SET]
     wanted = (90.123, 90.0, 1.016, 0.15, -0.5, -1.5, 4096 * COUNT, -2048 * COUNT)
     assert reader.values == pytest.approx(wanted, rel=1e-12)
     assert (reader.heartbeat, reader.status, reader.roll_id) == (0x0102, 0x2F, 41)
+    assert reader.aff_echo == 0x1201
 
 
 def test_received_pdos_carry_the_words_and_the_velocity_offsets() -> None:

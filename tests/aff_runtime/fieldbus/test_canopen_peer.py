@@ -59,7 +59,7 @@ class Nodes:
     def __init__(self, path: Path) -> None:
         self.network = canopen.Network(FrameSocketBus(str(path)))
         self.network.connect()
-        self.beat = 0
+        self.beat = self.taken = 0
         self.offsets: dict[int, int] = {}
         self.started: set[int] = set()
         self.nodes: dict[int, Any] = {}
@@ -94,9 +94,11 @@ class Nodes:
                 for variable in pdo.map:
                     if variable.index == 0x60B1:
                         self.offsets[node_id] = variable.raw
+                    elif variable.index == 0x2100:
+                        self.taken = variable.raw
 
     def measured(self, node_id: int, index: int) -> int | None:
-        line = {0x2000: self.beat, 0x2001: 0x2F, 0x2002: 41, 0x2003: 9000}
+        line = {0x2000: self.beat, 0x2001: 0x2F, 0x2002: 41, 0x2003: 9000, 0x2005: self.taken}
         unwind = {0x2010: 90_123, 0x606C: 10_160, 0x2011: 7500, 0x6064: 4096}
         follower = {0x2010: -1500, 0x606C: -5000, 0x6064: -2048}
         return {1: line, 3: unwind, 4: follower}[node_id].get(index)
@@ -161,6 +163,7 @@ def test_the_package_s_nodes_are_configured_started_read_and_commanded(bench: Be
     assert drive.sdo[0x1016][1].raw == 100 << 16 | 80
     assert drive.sdo[0x1017].raw == 50
     bench.until(lambda _: bench.peer.offsets == {3: -1234, 4: 2})
+    assert 0 < bench.until(lambda s: s.fresh and s.echo_age < 50).echo_age < 50
 
 
 def test_its_emergency_stops_the_values_until_it_is_taken_back(bench: Bench) -> None:

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from aff_runtime.base.clock import VirtualClock
-from aff_runtime.base.signals import Outcome, Snapshot
+from aff_runtime.base.signals import NO_ECHO, Outcome, Snapshot
 from aff_runtime.fieldbus.codec import WordCodec
 from aff_runtime.fieldbus.gateway import WordGateway
 from aff_runtime.fieldbus.loopback import LoopbackTransport
@@ -22,12 +22,12 @@ def block(heartbeat: int, *, status: int = 45, speed: int = 1016, angle: int = 0
 
 
 class Rig:
-    def __init__(self) -> None:
+    def __init__(self, **words: int) -> None:
         self.clock = VirtualClock()
         self.said: list[int] | Outcome = Outcome.NOT_CONNECTED
         self.heard: list[int] = []
         self.gateway = WordGateway(
-            LoopbackTransport(self._answer), WordCodec(euclid_map()), self.clock
+            LoopbackTransport(self._answer), WordCodec(euclid_map(**words)), self.clock
         )
         self.ticks = 0
 
@@ -50,6 +50,15 @@ def test_the_command_goes_out_and_the_reading_comes_in_with_its_time() -> None:
     assert (snapshot.tick, snapshot.t_ns) == (1, PERIOD_NS)
     assert (snapshot.plc_heartbeat, snapshot.status, snapshot.roll_id) == (5, 45, 12)
     assert snapshot.values[2] == pytest.approx(1.016)
+
+
+def test_the_echo_is_as_old_as_the_command_that_the_plc_took() -> None:
+    rig = Rig(aff_echo=15)
+    ages = [rig.tick([*block(5 + k), echo]).echo_age for k, echo in enumerate((0, 0, 65_535, 4))]
+    assert ages == [1, 2, 4, 0]
+    assert rig.tick(Outcome.TIMEOUT).echo_age == NO_ECHO
+    assert rig.tick(block(9)).echo_age == NO_ECHO  # a word too few
+    assert Rig().tick(block(5)).echo_age == NO_ECHO
 
 
 def test_fresh_means_the_heartbeat_moved_not_that_the_server_answered() -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from math import isnan, nan
 
@@ -44,6 +45,14 @@ def test_heartbeat_wraps_as_a_word() -> None:
     rig.cycle._tick = 0xFFFE
     rig.run(3)
     assert [command.heartbeat for _, command in rig.plc.commands] == [0xFFFF, 0, 1]
+
+
+def test_heartbeats_begin_after_the_first_one_that_the_settings_name() -> None:
+    rig = Rig()
+    rig.cycle._settings = replace(rig.cycle._settings, first_heartbeat=0xFFFE)
+    rig.run(3)
+    assert [command.heartbeat for _, command in rig.plc.commands] == [0xFFFF, 0, 1]
+    assert rig.cycle._tick == 3
 
 
 def test_armed_it_sends_what_the_law_wants_one_tick_later() -> None:

@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from aff_runtime.base.events import BY_NAME
-from aff_runtime.base.signals import ActuatorStep, Outcome, Permission, Snapshot, State, Status
+from aff_runtime.base.signals import (
+    NO_ECHO,
+    ActuatorStep,
+    Outcome,
+    Permission,
+    Snapshot,
+    State,
+    Status,
+)
 from aff_runtime.safety.guard import Guard
 from aff_runtime.safety.params import (
     ActuatorLimits,
@@ -67,6 +75,7 @@ class Bench:
         self.heartbeat_moves = True
         self.outcome = Outcome.OK
         self.heartbeat = 0
+        self.echo_age = 1
         self.moved_ns = self.now_ns
         self.overrun = False
         self.supervisor_alive = True
@@ -100,6 +109,7 @@ class Bench:
             values=(self.tension_N + wiggle_N, self.speed_m_s, self.radius_m)
             if good
             else (nan, nan, nan),
+            echo_age=self.echo_age if good else NO_ECHO,
         )
 
     def run(self, ticks: int = 1) -> None:

@@ -54,7 +54,12 @@ def stall(b: Bench) -> None:
     b.now_ns += 20 * PERIOD_NS
 
 
+def another_master(b: Bench) -> None:
+    b.echo_age = 30_000
+
+
 LATCHING = [
+    (another_master, "SECOND_MASTER", 3),
     (mute, "PLC_STALE", FAULT_TICKS + 1),
     (freeze, "PLC_STALE", FAULT_TICKS + 1),
     (lambda b: setattr(b, "tension_N", nan), "TENSION_IMPLAUSIBLE", 1),
@@ -124,6 +129,7 @@ def test_after_a_fault_only_the_operator_brings_the_output_back(
 
 def heal(b: Bench) -> None:
     b.outcome = Outcome.OK
+    b.echo_age = 1
     b.heartbeat_moves = b.tension_moves = b.supervisor_alive = True
     b.tension_N, b.speed_m_s, b.radius_m = 90.0, 1.0, 0.2
     b.overrun = False

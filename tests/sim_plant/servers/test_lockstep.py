@@ -33,6 +33,22 @@ class Runtime:
         return self.wire.plant.applied_m_s["unwind"]
 
 
+def test_another_master_that_comes_last_is_idle_intact_and_in_the_echo():
+    runtime = Runtime().armed()
+    runtime.run(3, unwind=1000)
+    assert runtime.applied_m_s() == pytest.approx(0.01)
+    runtime.wire.inject(parse_fault("last:0.05"))
+    _, read = runtime.run(5, unwind=1000)
+    plant = runtime.wire.plant
+    assert plant.refusal.startswith("state")
+    assert plant.plc._says_zero(plant.registers.write_words)
+    at = plant.plc.map.read["aff_echo"] - plant.plc.map.read_start
+    echoes = [runtime.run(1, unwind=1000)[1][at] for _ in range(3)]
+    assert echoes == [(read[at] + k) & 0xFFFF for k in (1, 2, 3)]
+    assert (echoes[0] - runtime.heartbeat) & 0xFFFF > 1000
+    assert runtime.applied_m_s() == 0.0
+
+
 def test_the_correction_reaches_the_line():
     steady, corrected = Runtime().armed(), Runtime().armed()
     steady.run(300)

@@ -14,11 +14,11 @@ VALUES = {
     "unwind_angle_rad": 6.283185307179586,
     "swrap_follower_angle_rad": -6.283185307179586,
 }
-WORDS = {"plc_heartbeat": 7, "status": 0x6F, "roll_id": 3}
+WORDS = {"plc_heartbeat": 7, "status": 0x6F, "roll_id": 3, "aff_echo": 0xBEEF}
 # by hand from the table of docs/architecture.md
 GOLDEN = [
     7, 0x6F, 0x0001, 0x5C70, 9000, 0xFE0C, 10000, 1016, 3,
-    0xFFFF, 0xFFFE, 0x0000, 0x1000, 0xFFFF, 0xF000,
+    0xFFFF, 0xFFFE, 0x0000, 0x1000, 0xFFFF, 0xF000, 0xBEEF,
 ]  # fmt: skip
 
 
@@ -34,7 +34,7 @@ def edited(tmp_path, *changes):
 
 def test_the_default_map_is_the_documented_block():
     plc_map = default_map()
-    assert (plc_map.read_start, plc_map.read_count) == (0, 15)
+    assert (plc_map.read_start, plc_map.read_count) == (0, 16)
     assert (plc_map.write_start, plc_map.write_count) == (100, 10)
     assert plc_map.encode_read(WORDS, VALUES) == GOLDEN
     assert (plc_map.watchdog_s, plc_map.regain_s, plc_map.fade_s) == (0.08, 0.02, 0.1)
@@ -49,11 +49,18 @@ def test_low_first_exchanges_the_words_of_32_bit_values_only(tmp_path):
 
 
 def test_address_base_one_is_one_less_on_the_wire(tmp_path):
-    first = ("plc_heartbeat: { address: 0 }", "plc_heartbeat: { address: 15 }")
+    first = ("plc_heartbeat: { address: 0 }", "plc_heartbeat: { address: 17 }")
     path = edited(tmp_path, first, ("address_base: 0", "address_base: 1"))
     plc_map = load_plc_map(path)
     assert plc_map.write_start == 99
-    assert plc_map.read == {"plc_heartbeat": 14, "status": 0, "roll_id": 7}
+    assert plc_map.read == {"plc_heartbeat": 16, "status": 0, "roll_id": 7, "aff_echo": 14}
+
+
+def test_a_plc_without_the_echo_has_a_block_that_is_one_word_shorter(tmp_path):
+    line = next(x for x in DEFAULT_MAP.read_text().splitlines(keepends=True) if "aff_echo" in x)
+    plc_map = load_plc_map(edited(tmp_path, (line, "")))
+    assert "aff_echo" not in plc_map.read
+    assert plc_map.encode_read(WORDS, VALUES) == GOLDEN[:-1]
 
 
 @pytest.mark.parametrize(

@@ -50,6 +50,17 @@ def test_the_heartbeat_counts_scans_and_wraps():
     assert [bench.scan().read_words[0] for _ in range(3)] == [0xFFFF, 0, 1]
 
 
+def test_the_echo_is_the_heartbeat_that_this_scan_judged_whatever_it_was_worth():
+    bench = Bench()
+    at = MAP.read["aff_echo"] - MAP.read_start
+    assert bench.plc.scan(0.0, MEASURED, [0] * MAP.write_count).read_words[at] == 0
+    bench.heartbeat = 0xFFFD
+    echoes = [bench.scan(alive=alive).read_words[at] for alive in (True, True, False)]
+    assert echoes == [0xFFFE, 0xFFFF, 0xFFFF]
+    assert bench.scan(unwind=20_000).refusal != ""  # above the limit
+    assert bench.scan().read_words[at] == bench.heartbeat & 0xFFFF
+
+
 def test_fading_counts_like_active():
     assert unwind(Bench().armed().scan(unwind=100, state=StateBits.FADING)) == pytest.approx(1e-3)
 
