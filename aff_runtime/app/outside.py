@@ -265,7 +265,7 @@ class ControlOutside:
             self._reply(said, ok=False, message="an edit is being applied; try again")
             return []
         if self._guard.state is State.SHADOW:
-            self._reply(said, ok=False, message="SHADOW, READY: blocked by SHADOW=1")
+            self._reply(said, ok=False, message=not_armed(State.SHADOW, "SHADOW=1"))
             return []
         was_armed = self._guard.state in (*ARMED, State.FADING)
         self._probe = ProbeRun(

@@ -9,12 +9,11 @@ from aff_runtime.base.signals import NO_ECHO, Command, Outcome, Snapshot
 from aff_runtime.fieldbus.can_frames import FrameLink
 from aff_runtime.fieldbus.can_reader import CanReader, Taken
 from aff_runtime.fieldbus.can_writer import CanWriter
-from aff_runtime.fieldbus.liveness import Liveness
+from aff_runtime.fieldbus.intruder import Intruder
+from aff_runtime.fieldbus.liveness import Liveness, echo_age
 from aff_runtime.fieldbus.phase_lock import PhaseLock
 
 _MOST_FRAMES = 256  # read in one tick; a babbling bus must not hold the tick
-_ALONE_AFTER_NS = 1_000_000_000  # without a frame of somebody else in our place
-_NOT_ALONE = "somebody else sends the frames of this gateway; take him off the bus"
 
 
 class CanGateway:
@@ -65,14 +64,13 @@ class CanGateway:
         self._stamped = False
         self.shift_ns = 0
         self.foreign = 0
-        self._alone_at_ns = clock.now_ns()
+        self._intruder = Intruder(clock)
 
     @property
     def troubles(self) -> tuple[str, ...]:
         """What the bus and its nodes say of themselves, and that somebody sends as we do."""
-        if self._clock.now_ns() < self._alone_at_ns:
-            return (*self._link.troubles, _NOT_ALONE)
-        return self._link.troubles
+        trouble = self._intruder.trouble
+        return (*self._link.troubles, trouble) if trouble else self._link.troubles
 
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
         """Send ``command``, return what the PLC says; never blocks past the deadline."""
@@ -88,11 +86,9 @@ class CanGateway:
         if outcome is Outcome.NOT_CONNECTED:
             reader.reset()
         outcome = liveness.judge(outcome, reader.heartbeat, self._arrived_ns)
-        values, echo_age = self._no_values, NO_ECHO
+        values, age = self._no_values, NO_ECHO
         if outcome is Outcome.OK:
-            values = reader.values
-            if reader.aff_echo is not None:
-                echo_age = (command.heartbeat - reader.aff_echo) & 0xFFFF
+            values, age = reader.values, echo_age(command.heartbeat, reader.aff_echo)
         return Snapshot(
             tick=tick,
             t_ns=t_ns,
@@ -103,7 +99,7 @@ class CanGateway:
             status=reader.status,
             roll_id=reader.roll_id,
             values=values,
-            echo_age=echo_age,
+            echo_age=age,
         )
 
     def close(self) -> None:
@@ -132,7 +128,7 @@ class CanGateway:
                 bad = True
             elif taken is Taken.IGNORED and (frame.can_id, frame.extended) in self._ours:
                 self.foreign += 1
-                self._alone_at_ns = self._clock.now_ns() + _ALONE_AFTER_NS
+                self._intruder.heard("the frames of this gateway")
                 bad = True
             if self._clock.now_ns() >= deadline_ns:
                 break

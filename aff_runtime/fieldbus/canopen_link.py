@@ -8,10 +8,10 @@ from typing import Final
 from aff_runtime.base.ports import Clock
 from aff_runtime.fieldbus.can_frames import Frame, FrameLink
 from aff_runtime.fieldbus.canopen_node import OPERATIONAL, SYNC, NodeKeeper, NodePlan
+from aff_runtime.fieldbus.intruder import Intruder
 
 _MOST_FRAMES: Final = 64  # in one tick while nodes are being configured
 _NOTHING: Final = Frame(-1, False, b"")  # nobody's business; says only that more may wait
-_ALONE_AFTER_NS: Final = 1_000_000_000  # without another one in our place
 _PRE_OPERATIONAL: Final = 0x7F
 
 
@@ -53,8 +53,7 @@ class CanopenLink:
         self._heartbeat_id = 0x700 + own_node
         self._heartbeat_ns = heartbeat_ms * 1_000_000
         self._beat_at_ns = now_ns
-        self._alone_at_ns = now_ns
-        self._intruder = ""
+        self._intruder = Intruder(clock)
         self._own_node = own_node
 
     @property
@@ -67,8 +66,8 @@ class CanopenLink:
         """Return what is wrong with the bus, or else with its nodes, one sentence each."""
         if self._inner.troubles:
             return self._inner.troubles
-        if self._clock.now_ns() < self._alone_at_ns:
-            return (self._intruder,)
+        if self._intruder.trouble:
+            return (self._intruder.trouble,)
         return tuple(
             f"{keeper.plan.name} (node {keeper.plan.node_id}): {keeper.trouble}"
             for keeper in self.keepers
@@ -126,8 +125,7 @@ class CanopenLink:
         self._inner.close()
 
     def _all_good(self) -> bool:
-        alone = self._clock.now_ns() >= self._alone_at_ns
-        return alone and all(keeper.good for keeper in self.keepers)
+        return not self._intruder.trouble and all(keeper.good for keeper in self.keepers)
 
     def _configure(self) -> None:
         """Take answers without waiting; process data of half a network goes nowhere."""
@@ -145,9 +143,6 @@ class CanopenLink:
                 if frame.can_id == SYNC.can_id
                 else f"the heartbeat of node {self._own_node}"
             )
-            self._intruder = (
-                f"somebody else sends {what}, as this gateway does; take him off the bus"
-            )
-            self._alone_at_ns = now_ns + _ALONE_AFTER_NS
+            self._intruder.heard(f"{what}, as this gateway does")
             return True
         return any(keeper.take(frame, now_ns) for keeper in self.keepers)

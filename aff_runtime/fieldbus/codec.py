@@ -6,7 +6,7 @@ import math
 import struct
 from typing import Final
 
-from aff_runtime.base.signals import NO_ECHO, Command
+from aff_runtime.base.signals import Command
 from aff_runtime.fieldbus.registers import Correction, Register, RegisterMap, WordOrder, WordType
 
 _INTEGER: Final = 0
@@ -91,10 +91,10 @@ class WordCodec:
             tuple(values),
         )
 
-    def echo_age(self, words: list[int], heartbeat: int) -> int:
-        """Return how long before ``heartbeat`` the echoed one was sent; NO_ECHO without a word."""
+    def aff_echo(self, words: list[int]) -> int | None:
+        """Return our heartbeat that the PLC took; None where the map has no such word."""
         at = self._aff_echo_at
-        return NO_ECHO if at < 0 else (heartbeat - words[at]) & 0xFFFF
+        return None if at < 0 else words[at]
 
     def encode(self, command: Command) -> list[int]:
         """Return the write block; the list is reused by the next call.

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from aff_runtime.base.ports import Clock, WordTransport
 from aff_runtime.base.signals import NO_ECHO, Command, Outcome, Snapshot
 from aff_runtime.fieldbus.codec import WordCodec
-from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness
+from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness, echo_age
 
 _HEARTBEAT_MASK = 0xFFFF
 
@@ -84,10 +84,10 @@ class WordGateway:
                 outcome = Outcome.BAD_REPLY
             self._known = True
         outcome = liveness.judge(outcome, heartbeat, t_ns)
-        echo_age = NO_ECHO
+        age = NO_ECHO
         if outcome is Outcome.OK:
             self._status, self._roll_id, values = status, roll_id, decoded
-            echo_age = self._codec.echo_age(words, command.heartbeat)
+            age = echo_age(command.heartbeat, self._codec.aff_echo(words))
         return Snapshot(
             tick=tick,
             t_ns=t_ns,
@@ -98,7 +98,7 @@ class WordGateway:
             status=self._status,
             roll_id=self._roll_id,
             values=values,
-            echo_age=echo_age,
+            echo_age=age,
         )
 
     def close(self) -> None:

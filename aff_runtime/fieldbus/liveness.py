@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from typing import Final
 
-from aff_runtime.base.signals import Outcome
+from aff_runtime.base.signals import NO_ECHO, Outcome
 
 _LONGEST_STEP: Final = 256  # of a PLC that started again: scans of 1 ms, seen each 100 ms and more
+
+
+def echo_age(heartbeat: int, echo: int | None) -> int:
+    """Return how many ticks before ``heartbeat`` the echoed one was sent; NO_ECHO for None."""
+    return NO_ECHO if echo is None else (heartbeat - echo) & 0xFFFF
 
 
 class HeartbeatOrder:

@@ -101,7 +101,7 @@ def do_together(jobs: Sequence[Job], folder: Path) -> list[Row]:
     """Run jobs that share runs, keep every row as it comes, return them."""
     rows = []
     for job in jobs:
-        _, row = do(job)
+        row = do(job)
         store.save(folder, job, row)
         rows.append(row)
     return rows

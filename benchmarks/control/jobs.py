@@ -37,7 +37,7 @@ class Job:
     end_in: float = 2.5
 
 
-def do(job: Job) -> tuple[Job, Row]:
+def do(job: Job) -> Row:
     """Run a row."""
     started = time.process_time()
     judged = {
@@ -52,7 +52,7 @@ def do(job: Job) -> tuple[Job, Row]:
     for key, value in judged.items():
         row[key] = [float(x) for x in value] if isinstance(value, np.ndarray) else value
     row["cpu_s"] = time.process_time() - started
-    return job, row
+    return row
 
 
 def _profile(job: Job) -> Array:
@@ -93,6 +93,8 @@ def _with(job: Job, profile: Array) -> Record:
     if job.law == PERFECT:
         round_line = replace(case, shape=None, lead_m=0.0, follower_m=0.0)
         return _run(replace(job, case=round_line), {}, profile)
+    if job.law == OWN and job.section == "constant":
+        return _learning(job, profile, job.seed)
     if job.law == SAVED:
         builder = shape_law(case.material, case.cycle_s, profile=_learned(job, profile, job.seed))
     elif job.law == ORACLE:
@@ -101,8 +103,6 @@ def _with(job: Job, profile: Array) -> Record:
         builder = shape_law(case.material, case.cycle_s, swrap=False)
     else:
         builder = rival(job.law, case.material, case.cycle_s)
-        if job.law == OWN and job.section == "constant":
-            return _learning(job, profile, job.seed)
     return _run(job, {"unwind": builder}, profile)
 
 

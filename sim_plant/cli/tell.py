@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import socket
 import sys
 from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
-
-_PATIENCE_S = 5.0
+from sim_plant.servers.control_client import ask
 
 Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhere else)
 
@@ -42,12 +40,7 @@ def tell(control: Path, command: str) -> dict[str, object]:
         Nobody serves the socket, or the answer is none.
     """
     try:
-        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as client:
-            client.settimeout(_PATIENCE_S)
-            client.connect(str(control))
-            client.sendall(command.encode() + b"\n")
-            with client.makefile("rb") as stream:
-                return dict(json.loads(stream.readline()))
+        return ask(control, command)
     except (OSError, ValueError) as error:
         raise PlantError(
             f"no plant answers at {control} ({error}); start it with serve --control {control}"

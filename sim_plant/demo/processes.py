@@ -6,7 +6,6 @@ import json
 import os
 import select
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -17,6 +16,7 @@ from typing import Any
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import PlantError
+from sim_plant.servers.control_client import ask
 
 PLANT = (sys.executable, "-m", "sim_plant.cli.main")
 RUNTIME = (sys.executable, "-m", "aff_runtime.cli.main")
@@ -112,17 +112,7 @@ class Child:
 
 def ask_plant(bench: Bench, line: str) -> dict[str, Any]:
     """Send one command to the plant's control socket and return its answer."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as client:
-        client.settimeout(5.0)
-        client.connect(str(bench.plant_socket))
-        client.sendall(line.encode() + b"\n")
-        answer = b""
-        while not answer.endswith(b"\n"):
-            part = client.recv(65536)
-            if not part:
-                break
-            answer += part
-    return dict(json.loads(answer))
+    return ask(bench.plant_socket, line)
 
 
 ALARM_EXIT = 5  # status says so while an alarm stands; its output is still the status

@@ -222,13 +222,11 @@ def run_frames(
     and true cell force, mean of the two tensions, measured and true drive speed, all angles, both
     radii, all tensions (those of the last Runge-Kutta stage).
     """
-    cells, drives, bodies = p.cells.size, p.drives.size, lay.n
     for f in range(out.shape[0]):
-        advance_frame(
+        step_frame(
             p, lay, s, w, line_speed_m_s[f, 0], line_speed_m_s[f, 1], tension_ref_N[f],
-            aff_m_s[f], noise[f % noise.shape[0]],
+            aff_m_s[f], noise[f % noise.shape[0]], out[f],
         )  # fmt: skip
-        log_frame(p, lay, s, w, cells, drives, bodies, out[f])
 
 
 @compiled

@@ -156,9 +156,6 @@ class LineSimulation:
     def _observe(self) -> None:
         """Measure the present state and log it as the row that the next record starts with."""
         measure(self.arrays, self.layout, self.state, self._noise(1)[0])
-        self._log()
-
-    def _log(self) -> None:
         p, lay = self.arrays, self.layout
         log_frame(p, lay, self.state, self.work, p.cells.size, p.drives.size, lay.n,
                   self._row)  # fmt: skip

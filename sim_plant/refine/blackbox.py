@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.coordinates import TWO_PI, Travel, hum_Hz, orders_of
+from sim_plant.refine.coordinates import TWO_PI, Travel, hum_Hz, is_periodic, wavenumbers_1_m
 from sim_plant.refine.generic import speed_weights
 from sim_plant.refine.hypotheses import Hypothesis
 from sim_plant.refine.unknown import Unknown
@@ -50,21 +50,19 @@ def taken_up(h: Hypothesis, found: Sequence[Unknown], travel: Travel) -> bool:
 
     A free term takes up all there, up to its own imperfection: no effect is claimed for that.
     """
-    if not (h.effect.order_locked or h.effect.name in ("roll_bounce", "mains_hum")):
-        return False
-    return any(_meets(h, item, travel) for item in found)
+    return is_periodic(h) and any(_meets(h, item, travel) for item in found)
 
 
 def _meets(h: Hypothesis, item: Unknown, travel: Travel) -> bool:
     where = item.coordinate
     if item.kind == "angle":
         return h.location == where["roll"]
+    hum = hum_Hz(h, travel)
     if item.kind == "time":
-        first, shows = float(where["frequency_Hz"]), hum_Hz(h, travel)
+        first, shows = float(where["frequency_Hz"]), [] if hum is None else [hum]
     else:
-        body = next((r for r in travel.declaration.rollers if r.name == h.location), None)
         first = float(where["wavenumber_1_m"])
-        shows = [n / (TWO_PI * body.radius_m) for n in orders_of(h)] if body else []
+        shows = [] if h.location == "all" else wavenumbers_1_m(h, travel)
     ratios = [at / first for at in shows]
     return any(
         1 <= round(r) <= HARMONICS[item.kind] and abs(r / round(r) - 1.0) < SAME for r in ratios

@@ -110,21 +110,33 @@ def orders_of(h: Hypothesis) -> list[float]:
     return [float(options.get("order", 1.0))]
 
 
-def hum_Hz(h: Hypothesis, travel: Travel) -> list[float]:
-    """Return where in time a hypothesis shows after sampling, Hz; none but hum does."""
+def is_periodic(h: Hypothesis) -> bool:
+    """Return whether a hypothesis shows as lines: in time, in travel or in a roll's angle."""
+    return h.effect.order_locked or h.effect.name in ("roll_bounce", "mains_hum")
+
+
+def hum_Hz(h: Hypothesis, travel: Travel) -> float | None:
+    """Return where in time a hypothesis shows after sampling, Hz; None for all but hum."""
     if h.effect.name != "mains_hum":
-        return []
+        return None
     options = dict(h.fixed) | dict(zip(h.names, h.start, strict=True))
-    return [alias_Hz(float(options["frequency_Hz"]), travel.sample_time_s)]
+    return alias_Hz(float(options["frequency_Hz"]), travel.sample_time_s)
+
+
+def wavenumbers_1_m(h: Hypothesis, travel: Travel) -> list[float]:
+    """Return where in web travel the orders of a hypothesis at a roller show, 1/m."""
+    radius_m = travel.declaration.rollers[travel.declaration.body(h.location)].radius_m
+    return [n / (TWO_PI * radius_m) for n in orders_of(h)]
 
 
 def line_support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float | None:
     """Return how strong the free lines are where this hypothesis would show; None: not a line."""
     by_kind = {(s.kind, s.roll): s for s in found}
-    for at in hum_Hz(h, travel):
-        return near(by_kind["time", ""], at, 0.003)
-    if not (h.effect.order_locked or h.effect.name == "roll_bounce"):
+    if not is_periodic(h):
         return None
+    hum = hum_Hz(h, travel)
+    if hum is not None:
+        return near(by_kind["time", ""], hum, 0.003)
     if h.location == "all":
         return max(s.peak[1] for s in found if s.kind == "travel") if found else 0.0
     spectrum = by_kind.get(("angle", h.location))
@@ -133,5 +145,4 @@ def line_support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -
     spectrum = by_kind.get(("travel", ""))
     if spectrum is None:
         return 0.0
-    radius = travel.declaration.rollers[travel.declaration.body(h.location)].radius_m
-    return max(near(spectrum, n / (TWO_PI * radius)) for n in orders_of(h))
+    return max(near(spectrum, at) for at in wavenumbers_1_m(h, travel))

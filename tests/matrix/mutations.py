@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
-from aff_runtime.base.signals import NO_ECHO, Outcome, State, Status
+from aff_runtime.base.signals import Outcome, State, Status
 from aff_runtime.fieldbus import can_gateway, can_reader, canopen_link, canopen_node, gateway
 from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness
 from aff_runtime.loop import cycle
@@ -218,8 +218,8 @@ MUTANTS: tuple[Mutant, ...] = (
            attribute="judge", change=always(False), likely=("last",), tests=SAFETY),
     Mutant(name="echo: another heartbeat is ours", owner=echo_judge.EchoJudge, attribute="_take",
            change=_every_echo_ours, likely=("last",), tests=SAFETY),
-    Mutant(name="words: the echo is not read", owner=gateway.WordCodec, attribute="echo_age",
-           change=always(NO_ECHO), likely=("last",), wire="modbus",
+    Mutant(name="words: the echo is not read", owner=gateway.WordCodec, attribute="aff_echo",
+           change=always(None), likely=("last",), wire="modbus",
            tests="tests/aff_runtime/fieldbus/test_gateway.py"),
     Mutant(name="lease: the law's last word holds for ever", owner=lease.Lease, attribute="tick",
            change=always(False), likely=("!lazy",), tests=SAFETY),

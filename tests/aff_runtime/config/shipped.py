@@ -1,9 +1,18 @@
 """The shipped site file, and edits of it."""
 
+import shutil
 from pathlib import Path
 
 ROOT = Path(__file__).parents[3]
 EUCLID = ROOT / "config" / "euclid_blocks.yaml"
+
+
+def copied(to):
+    """Copy every shipped site file and wire file into a folder and return the folder."""
+    for pattern in ("*.yaml", "*.dbc", "*.eds"):
+        for path in EUCLID.parent.glob(pattern):
+            shutil.copy(path, to)
+    return to
 
 
 def edited(tmp_path, *edits, count=1):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -12,15 +11,6 @@ from tests.aff_runtime.config.shipped import EUCLID
 
 CONFIG = EUCLID.parent
 UNWIND = "SG_ Unwind : 32|16@1- (1E-05,0) [-0.32767|0.32767]"
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    for name in ("euclid_can.yaml", "euclid_canopen.yaml", "euclid.dbc"):
-        shutil.copy(CONFIG / name, tmp_path)
-    for eds in CONFIG.glob("*.eds"):
-        shutil.copy(eds, tmp_path)
-    return tmp_path
 
 
 def with_signal(folder: Path, signal: str) -> Report:

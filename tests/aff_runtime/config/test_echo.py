@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from pathlib import Path
 
 import pytest
@@ -17,14 +16,6 @@ from tests.aff_runtime.config.shipped import EUCLID, edited
 
 CONFIG = EUCLID.parent
 ECHO = "    aff_echo: { register: 15 }\n"
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    for pattern in ("*.yaml", "*.dbc", "*.eds"):
-        for path in CONFIG.glob(pattern):
-            shutil.copy(path, tmp_path)
-    return tmp_path
 
 
 def warnings_of(path: Path) -> dict[str, str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from pathlib import Path
 
 import pytest
@@ -17,14 +16,6 @@ from aff_runtime.config.wire_table import wire_lines
 from tests.aff_runtime.config.shipped import EUCLID
 
 CONFIG = EUCLID.parent
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    for pattern in ("*.yaml", "*.dbc", "*.eds"):
-        for path in CONFIG.glob(pattern):
-            shutil.copy(path, tmp_path)
-    return tmp_path
 
 
 def refused(path: Path, old: str, new: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -10,6 +9,7 @@ import pytest
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.cli.main import main
 from aff_runtime.fieldbus.eds_file import load_eds
+from tests.aff_runtime.config.shipped import copied
 
 CONFIG = Path(__file__).parents[3] / "config"
 EDS = (CONFIG / "euclid_drive.eds").read_text()
@@ -59,9 +59,7 @@ def test_every_fault_is_told_by_its_line(was: str, now: str, at: str, said: str)
 def test_check_names_the_real_file_its_line_and_no_escapes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for path in CONFIG.iterdir():
-        if path.is_file():
-            shutil.copy(path, tmp_path)
+    copied(tmp_path)
     site = tmp_path / "euclid_canopen.yaml"
     old, new = "eds: euclid_line.eds", "eds: euclid.dbc"
     assert old in site.read_text()
@@ -76,9 +74,7 @@ def test_check_names_the_real_file_its_line_and_no_escapes(
 def test_check_names_the_real_file_and_line_of_a_spoilt_dbc(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for path in CONFIG.iterdir():
-        if path.is_file():
-            shutil.copy(path, tmp_path)
+    copied(tmp_path)
     dbc = tmp_path / "euclid.dbc"
     lines = dbc.read_text().splitlines()
     row = next(n for n, line in enumerate(lines, 1) if line.startswith(" SG_"))
