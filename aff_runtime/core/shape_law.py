@@ -192,7 +192,8 @@ class ShapeLaw:
         value = float(parts.real.sum())
         peak, slew = self._bounds.of(parts, self.basis.carrier, self.basis.omega_rad_s)
         peak = max(peak, abs(value))
-        slew += float(self._step_1_s @ np.abs(b))
+        # a weight that moves moves the output by no more than its shares
+        slew += float((self._step_1_s * self._shares()) @ np.abs(b))
         if self._gate.moving or self.presence.moving or self.trust.moving:
             slew += float(np.abs(self.weight * b).sum()) / min(RAMP_S, self.presence.fade_s)
         if not math.isfinite(value + slew):

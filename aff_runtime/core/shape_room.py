@@ -13,6 +13,7 @@ MARGIN = 0.97
 TAKEN_MORE = 0.01  # of the output, so that the next tick is not at the limit again
 RETURN_S = 2.0
 LIMIT_GROWS_PER_S = 0.02
+LEAST_LIMIT = 0.1  # of the whole wish, from which a limit that took everything grows again
 TINY = 1e-9
 
 
@@ -21,8 +22,9 @@ class Room:
 
     A limit in force comes back as a ratio of the last output's bound. Columns that cost most
     output per unit of signal are shortened until the rest fits; they come back slowly, the most
-    useful first, when there is room. The weights keep the shape: what the limit took is not
-    learned away, nothing winds up, and a whole column is scaled, so no harmonics arise.
+    useful first, when there is room; a limit that once took everything grows from a tenth of the
+    whole wish, so that nothing stays shut for good. The weights keep the shape: what the limit
+    took is not learned away, nothing winds up; whole columns are scaled, so no harmonics arise.
     """
 
     __slots__ = ("_limit", "limited", "peak", "share")
@@ -50,7 +52,8 @@ class Room:
             excess = (1.0 - limit_ratio + TAKEN_MORE) * self.peak
             self._shorten(excess, b, weight, signal_per_m)
         elif self.limited:
-            self._limit *= 1.0 + LIMIT_GROWS_PER_S * dt_s
+            whole = float(np.abs(weight * b).sum())
+            self._limit += LIMIT_GROWS_PER_S * dt_s * max(self._limit, LEAST_LIMIT * whole)
             if self.peak < MARGIN * self._limit:
                 cost = np.where(self.share < 1.0, _cost(b, signal_per_m), math.inf)
                 at = int(np.argmin(cost))

@@ -68,7 +68,7 @@ class Rig:
         self.inputs = Inputs(applied_ratio=1.0, limit_ratio=1.0)
         self.rng = np.random.default_rng(seed)
         self.noise_N = 0.0
-        self.limit = np.inf
+        self.limit = self.slew_limit = np.inf
         self.u = 0.0
         self.last = None
 
@@ -90,6 +90,7 @@ class Rig:
         given.dt_s, given.fresh, given.adapt = CYCLE_S, fresh, adapt
         step = self.last = self.law.step(given)
         scale = min(1.0, self.limit / step.peak_bound) if step.peak_bound > 0 else 1.0
+        scale = min(scale, self.slew_limit / step.slew_bound) if step.slew_bound > 0 else scale
         given.limit_ratio = given.applied_ratio = scale
         self.u = step.value * scale
         for phase in self.phases.values():

@@ -103,6 +103,16 @@ def test_a_limit_takes_the_costliest_order_first_and_the_shape_stays():
     assert abs(tight.law.weight[0]) == pytest.approx(abs(free.law.weight[0]), rel=0.1)
 
 
+def test_a_slew_limit_leaves_what_fits_and_does_not_shut_the_law():
+    """Learning moves the weights fast at first; that alone must not take every order for good."""
+    free = Rig(actuator(orders=(1, 2)), ripple=RIPPLE)
+    free.run(15.0)
+    tight = Rig(actuator(orders=(1, 2)), ripple=RIPPLE)
+    tight.slew_limit = 0.02 * free.last.slew_bound
+    tight.run(25.0)
+    assert tight.last.slew_bound > 0.5 * tight.slew_limit
+
+
 def test_zero_gain_of_the_loop_changes_nothing():
     """A plant that does not answer: the output stays what a metre limit allows, no blow-up."""
     rig = Rig(plant=LagDelay(0.0), known=LagDelay(GAIN_N_S_M, delay=2, lag=0.6))

@@ -184,6 +184,19 @@ def test_room_gives_back_what_it_took_when_the_limit_is_gone():
     assert room.share == pytest.approx([1.0, 1.0])
 
 
+def test_room_comes_back_from_a_limit_that_took_everything():
+    room = Room(2)
+    b, weight = np.array([1 + 0j, 4 + 0j]), np.array([1e-3 + 0j, 1e-3 + 0j])
+    seen = np.array([100.0, 100.0])
+    room.peak = 5e-3
+    room.step(0.0, b, weight, seen, CYCLE_S)
+    assert not room.share.any()
+    for _ in range(2 * round(100.0 / CYCLE_S)):
+        room.peak = float(room.share @ np.abs(weight * b))
+        room.step(min(1.0, 2e-3 / max(room.peak, 1e-12)), b, weight, seen, CYCLE_S)
+    assert 0.9e-3 < room.peak <= 2.1e-3  # of the 2e-3 that there are
+
+
 def test_a_column_that_does_harm_is_faded_and_rests():
     monitor = ShapeMonitor(["a"], 0.1)
     phi, turn = np.array([1000.0 + 0j]), np.array([1.0])
