@@ -31,8 +31,12 @@ WHY = {
     Trend.CLAMPED: "its limit is reached; raise it when the cause is known",
     Trend.FROZEN: "learning holds; see the state of the service",
 }
+RESTS = (
+    "makes ripple larger than without, or does nothing to it (does the drive take the "
+    "correction?); it fades, rests for 20 turns and learns anew"
+)
 SHAPE_WHY = {
-    Trend.DIVERGING: "makes ripple larger than without; it fades and rests for 20 turns",
+    Trend.DIVERGING: RESTS,
     Trend.CLAMPED: "the actuator's limit is used up; it gives way to orders that help more",
 }
 UNITS = {"m_s": "m/s", "N_m": "N m", "N": "N", "m": "m"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import isfinite, nan, tau
 
+from aff_runtime.app.block_status import RESTS
 from aff_runtime.app.recorded_law import RecordedLaw
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
@@ -19,6 +20,8 @@ EVENT_OF = {
     int(Trend.CLAMPED): BY_NAME["BLOCK_CLAMPED"],
     int(Trend.HELD_PHASE): BY_NAME["PHASE_UNSURE"],
 }
+RESTING = int(Trend.DIVERGING)
+TOLD = {*EVENT_OF, RESTING}
 
 
 class LawWatch:
@@ -102,7 +105,12 @@ class LawWatch:
     def _note_blocks(self, controller: Controller, is_open: bool) -> None:
         names = controller.telemetry_names()
         values = controller.telemetry() if is_open else (nan,) * len(names)
+        rests = {f"{actuator}." for actuator in controller.shape_laws()}
         for block, state in self._held.step(names, values):
+            if state == RESTING:
+                if block[: block.index(".") + 1] in rests:
+                    self._say(f"{block} {RESTS}")
+                continue
             event = EVENT_OF[state]
             self._event(event.code)
             self._say(f"{event.name} {block}: {event.text}; {event.action}")
@@ -124,12 +132,12 @@ class HeldBlocks:
             block = name.removesuffix(".state")
             state = int(value) if isfinite(value) else -1
             told = self._told.get(block, -1)
-            held = state if state in EVENT_OF else -1
+            held = state if state in TOLD else -1
             count = self._count.get(block, 0) + 1 if held != told else 0
             if count >= STEADY_ASKS:
                 count = 0
                 self._told[block] = held
-                if held in EVENT_OF:
+                if held in TOLD:
                     news.append((block, held))
             self._count[block] = count
         return news

@@ -131,10 +131,12 @@ class ShapeFilter:
         self._turn_s[far] = turn_s[far]
         return np.where(far & np.isfinite(octaves), CORRECTION_PER_OCTAVE**2 * octaves, 0.0)
 
-    def forget(self, columns: npt.NDArray[np.bool_]) -> None:
-        """Start the disturbances of some columns again; what was learned of P stays."""
+    def forget(self, columns: npt.NDArray[np.bool_], *, response: bool = False) -> None:
+        """Start the disturbances of some columns again; what was learned of P if ``response``."""
         again = np.zeros(self.state.size, dtype=bool)
         again[: 2 * self.count] = np.repeat(columns, 2)
+        if response:
+            again[2 * self.count : -1] = again[: 2 * self.count]
         self._renew(again)
 
     def _renew(self, again: npt.NDArray[np.bool_]) -> None:

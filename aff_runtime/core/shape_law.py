@@ -73,7 +73,7 @@ class ShapeLaw:
         if self._heavy >= 0:
             drift[self._heavy] = IMBALANCE_DRIFT
         self.filter = ShapeFilter(count, params.shape.memory_turns, params.shape.signal_sd, drift)
-        self.monitor = ShapeMonitor(self._roll_of, params.shape.signal_sd)
+        self.monitor = ShapeMonitor(self._roll_of, params.shape.signal_sd, self.basis.twins)
         self.presence = Presence(self._roll_of, used)
         self.room = Room(count)
         self.trust = Trust(count, response)
@@ -149,7 +149,9 @@ class ShapeLaw:
         if self._heavy >= 0:
             self.filter.gain[self._heavy] = self.filter.gain[self._first]
         deviation = self.filter.deviation
-        self.monitor.step(error, phi, deviation, turn_s, dt_s)
+        self.monitor.step(error, phi, self.filter, turn_s, dt_s)
+        if not self.monitor.calm and self.monitor.dropped.any():
+            self._start_anew(self.monitor.dropped)
         if self._ticks % CHECK_TICKS == 0:
             memory = self._p.shape.memory_turns
             self.monitor.compare(self.basis.frequency_Hz, turn_s, memory)
@@ -157,6 +159,12 @@ class ShapeLaw:
         if self.room.limited or inputs.limit_ratio < 1.0:
             self._signal_per_m = np.abs(phi)
         self._newton(deviation, turn_s, dt_s)
+
+    def _start_anew(self, columns: npt.NDArray[np.bool_]) -> None:
+        """Forget columns that did not help, with what was learned of P: it led them astray."""
+        self.weight[columns] = 0.0
+        self._sent[columns] = 0.0
+        self.filter.forget(columns, response=True)
 
     def _newton(
         self, deviation: npt.NDArray[np.complex128], turn_s: npt.NDArray[np.float64], dt_s: float

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -18,27 +19,42 @@ SLOW_TURNS = 8.0
 HARM = 1.4
 SETTLED = 0.3
 HARM_TURNS = 4.0
+LOST_GAIN = 0.05
+LOST_TURNS = 2.0
 REST_TURNS = 20.0
 FADE_S = 1.0
 JUDGE_TICKS = 8
 
 
+class Estimate(Protocol):
+    """What a filter says per column: disturbance, m, and true P over the assumed one."""
+
+    deviation: Complexes
+    gain: Complexes
+
+
 class ShapeMonitor:
     """Per column: amplitude in the signal now (lock-in over two turns) and without correction.
 
-    ``without`` is what the filter attributes to the roll, |a_n phi_n|, but never less than what
-    was seen before the correction went out at this frequency. A column whose ripple stays above
-    1.4 times that for four turns does harm: its ``share`` fades to zero within a second and it
-    rests for twenty turns. Columns that meet in frequency are not judged: the signal cannot tell
-    them apart, so ``meets`` marks them, and nothing learned then is worth saving.
+    ``without`` is what the filter attributes to the roll, |a_n phi_n|. A column whose ripple stays
+    above 1.4 times that for four turns does harm. One whose P has shrunk below a twentieth for
+    two turns has lost its effect (a drive that does not take the correction), and its weight
+    would wind up against nothing. Either way its ``share`` fades to zero within a second and rests
+    for twenty turns; ``dropped`` marks it in the tick in which the last of it goes out, so that
+    it can start anew. An imbalance (``twins``) rests with order 1, whose P it shares. Columns that
+    meet in frequency are not judged: the signal cannot tell them apart, so ``meets`` marks them,
+    and nothing learned then is worth saving.
     """
 
     __slots__ = (
-        "_age", "_bad", "_judged", "_noise", "_others", "_passed_s", "_phasor", "_pull", "_rest",
-        "_size", "_slow", "_ticks", "_work", "calm", "meets", "now", "share", "without",
+        "_age", "_bad", "_judged", "_lost", "_noise", "_others", "_passed_s", "_phasor", "_pull",
+        "_rest", "_size", "_slow", "_ticks", "_twins", "_work", "calm", "dropped", "meets", "now",
+        "share", "without",
     )  # fmt: skip
 
-    def __init__(self, roll_of: Sequence[str], signal_sd: float) -> None:
+    def __init__(
+        self, roll_of: Sequence[str], signal_sd: float, twins: tuple[int, int] = (-1, -1)
+    ) -> None:
         count = len(roll_of)
         names = np.array(roll_of)
         self._others = names[:, None] != names[None, :]
@@ -49,6 +65,8 @@ class ShapeMonitor:
         self._slow = np.zeros(count)
         self._age = np.zeros(count)
         self._bad = np.zeros(count)
+        self._lost = np.zeros(count)
+        self._twins = twins
         self._judged = np.zeros(count)
         self._rest = np.zeros(count)
         self._noise = signal_sd
@@ -58,22 +76,24 @@ class ShapeMonitor:
         self.without = np.full(count, math.nan)
         self.share = np.ones(count)
         self.meets = np.zeros(count, dtype=bool)
+        self.dropped = np.zeros(count, dtype=bool)
         self.calm = True  # no column rests or is on its way
 
-    def step(
-        self, error: float, phi: Seen, deviation: Complexes, turn_s: Floats, dt_s: float
-    ) -> None:
+    def step(self, error: float, phi: Seen, found: Estimate, turn_s: Floats, dt_s: float) -> None:
         """Take one good sample; ``phi`` carries the angle of every column.
 
-        The lock-in runs with every sample, sizes and verdicts every eighth.
+        ``found`` is the filter's estimate. The lock-in runs with every sample, sizes and verdicts
+        every eighth.
         """
         turns = self._lock_in(error, phi, turn_s, dt_s)
         if turns is not None:
-            self._judge(turns, deviation, turn_s, dt_s)
+            self._judge(turns, found, turn_s, dt_s)
         if not self.calm:
             change = dt_s / FADE_S
             target = np.where(self._rest > 0.0, -change, change)
-            self.share = np.minimum(1.0, np.maximum(0.0, self.share + target))
+            before = self.share
+            self.share = np.minimum(1.0, np.maximum(0.0, before + target))
+            self.dropped = (before > 0.0) & (self.share == 0.0)
 
     def listen(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> None:
         """Take a sample while nothing goes out: what is there without correction, unjudged."""
@@ -101,19 +121,23 @@ class ShapeMonitor:
         self._phasor += work
         return turns
 
-    def _judge(self, turns: Floats, deviation: Complexes, turn_s: Floats, dt_s: float) -> None:
+    def _judge(self, turns: Floats, found: Estimate, turn_s: Floats, dt_s: float) -> None:
         self._judged += turns
         heard = np.minimum(self._judged, SLOW_TURNS)
         self._slow += turns / np.maximum(heard, np.maximum(turns, 1e-9)) * (self.now - self._slow)
-        self.without = np.abs(deviation) * self._size
+        self.without = np.abs(found.deviation) * self._size
         # what white noise of one reading leaves in a lock-in over two turns
         noise = 2.0 * self._noise * np.sqrt(dt_s / (TURNS * turn_s))
         bad = (self.now > HARM * self.without + 3.0 * noise) & (self._judged > TURNS)
         bad &= ~self.meets
         self._bad = np.where(bad, self._bad + turns, 0.0)
-        started = (self._bad > HARM_TURNS) & (self._rest <= 0.0)
+        self._lost = np.where(np.abs(found.gain) < LOST_GAIN, self._lost + turns, 0.0)
+        started = ((self._bad > HARM_TURNS) | (self._lost > LOST_TURNS)) & (self._rest <= 0.0)
         self._rest = np.where(started, REST_TURNS, np.maximum(0.0, self._rest - turns))
-        self._bad[started] = 0.0
+        self._bad[started] = self._lost[started] = 0.0
+        first, heavy = self._twins
+        if heavy >= 0:
+            self._rest[heavy] = max(self._rest[heavy], self._rest[first])
         self.calm = not self._rest.any() and bool((self.share == 1.0).all())
 
     @property
@@ -135,7 +159,7 @@ class ShapeMonitor:
     def reset(self, columns: npt.NDArray[np.bool_]) -> None:
         """Forget some columns, as after a splice."""
         self._phasor[columns] = 0.0
-        for part in (self._slow, self._age, self._judged, self._bad, self._rest):
+        for part in (self._slow, self._age, self._judged, self._bad, self._lost, self._rest):
             part[columns] = 0.0
         self._ticks = 0  # judge with the next sample, so that the lock-in starts with its age
         self.now[columns] = self.without[columns] = math.nan

@@ -146,3 +146,19 @@ def test_a_right_sign_runs_on() -> None:
     assert loop.guard.state is State.ACTIVE
     assert not loop.said
     assert not loop.events
+
+
+def test_a_shape_that_rests_is_told_and_a_plain_block_that_rises_is_not() -> None:
+    said: list[str] = []
+    for shapes in ({"unwind": None}, {}):
+        watch = LawWatch(lambda code: None, said.append)
+        law = SimpleNamespace(
+            telemetry_names=lambda: NAMES,
+            telemetry=lambda: row(Trend.DIVERGING, Trend.SETTLED),
+            shape_laws=lambda shapes=shapes: shapes,
+        )
+        for _ in range(3 * STEADY_ASKS):
+            watch._note_blocks(law, is_open=True)  # type: ignore[arg-type]
+    assert len(said) == 1
+    assert "unwind.unwind_1x" in said[0]
+    assert "does the drive take the correction?" in said[0]

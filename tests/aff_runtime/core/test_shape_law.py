@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from aff_runtime.core.monitor import Trend
 from aff_runtime.core.phase import Quality
 from tests.aff_runtime.core.plants import CYCLE_S, LagDelay
 from tests.aff_runtime.core.shape_site import GAIN_N_S_M, LENGTH_ONLY, Rig, actuator
@@ -119,6 +120,21 @@ def test_zero_gain_of_the_loop_changes_nothing():
     rig.noise_N = 0.25
     rig.run(8.0)
     assert rig.last.peak_bound < 2e-3
+
+
+def test_a_drive_that_takes_no_correction_winds_nothing_up():
+    """For half a minute nothing of what goes out reaches the drive; then all of it does again."""
+    rig = Rig(ripple=RIPPLE)
+    rig.noise_N = 0.1
+    takes, rig.plant.gain = rig.plant.gain, 0.0
+    rig.run(30.0)
+    rests = np.flatnonzero(rig.law.monitor.resting)
+    assert rests.size
+    assert rig.law._state(int(rests[0])) is Trend.DIVERGING
+    rig.plant.gain = takes
+    after = rig.run(60.0)
+    assert np.abs(after).max() < 1.3 * sum(abs(c) for c in RIPPLE.values())
+    assert tail_rms(after) < 0.1
 
 
 def test_nothing_is_learned_without_permission_or_fresh_data():

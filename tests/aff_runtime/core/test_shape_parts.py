@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -197,12 +198,15 @@ def test_room_comes_back_from_a_limit_that_took_everything():
     assert 0.9e-3 < room.peak <= 2.1e-3  # of the 2e-3 that there are
 
 
+FOUND = SimpleNamespace(deviation=np.array([1e-3 + 0j]), gain=np.array([1.0 + 0j]))
+
+
 def test_a_column_that_does_harm_is_faded_and_rests():
     monitor = ShapeMonitor(["a"], 0.1)
     phi, turn = np.array([1000.0 + 0j]), np.array([1.0])
     for k in range(2000):
         angle = np.exp(1j * math.tau * k * CYCLE_S)
-        monitor.step(3.0 * angle.real, phi * angle, np.array([1e-3 + 0j]), turn, CYCLE_S)
+        monitor.step(3.0 * angle.real, phi * angle, FOUND, turn, CYCLE_S)
     assert monitor.share[0] == 0.0
     assert monitor.resting[0]
 
@@ -212,7 +216,7 @@ def test_a_column_that_helps_is_left_alone():
     phi, turn = np.array([1000.0 + 0j]), np.array([1.0])
     for k in range(2000):
         angle = np.exp(1j * math.tau * k * CYCLE_S)
-        monitor.step(0.2 * angle.real, phi * angle, np.array([1e-3 + 0j]), turn, CYCLE_S)
+        monitor.step(0.2 * angle.real, phi * angle, FOUND, turn, CYCLE_S)
     assert monitor.share[0] == 1.0
     assert monitor.now[0] == pytest.approx(0.2, rel=0.2)
     assert monitor.without[0] == pytest.approx(1.0)
