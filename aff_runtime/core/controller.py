@@ -117,7 +117,11 @@ class Controller:
     def arming_objections(self) -> Mapping[str, tuple[str, ...]]:
         """Return, per actuator, why it may not arm at the present speed and radius."""
         named = zip(self._site.actuators, self._laws, strict=True)
-        return {actuator.name: law.objections() for actuator, law in named}
+        return {a.name: (*law.objections(), *self._of_rolls(a)) for a, law in named}
+
+    def _of_rolls(self, actuator: ActuatorParams) -> list[str]:
+        rolls = dict.fromkeys(block.roll for block in actuator.blocks)
+        return [text for roll in rolls if (text := self._phases.by_name[roll].objection())]
 
     def ripple(self) -> tuple[tuple[float, float], ...]:
         """Return ripple before and now per actuator, in its signal's unit; NaN when unknown."""

@@ -17,6 +17,7 @@ AGREEING_SAMPLES = 4
 STUCK_CHECK_RAD = 0.5
 STUCK_SHARE = 0.3
 CREDIBLE_SHARE = 0.7
+RATIO_RANGE = (0.7, 1.4)
 
 
 class Source(IntEnum):
@@ -47,10 +48,10 @@ class RollPhase:
 
     __slots__ = (
         "_agreeing", "_angle", "_candidate", "_candidate_gap_s", "_candidate_span_rad",
-        "_candidate_span_s", "_encoder_ok", "_encoder_sum_rad", "_gap_s", "_last_model",
-        "_line_speed", "_model_sum_rad", "_modulus", "_p", "_radius", "_raw", "_raw_gap_s",
-        "_seeded", "_speed", "_theta_at_raw", "_tracked", "omega_rad_s", "quality", "radius_m",
-        "source", "theta_rad",
+        "_candidate_span_s", "_encoder_ok", "_encoder_sum_rad", "_encoder_turn_rad", "_gap_s",
+        "_last_model", "_line_speed", "_model_sum_rad", "_model_turn_rad", "_modulus", "_p",
+        "_radius", "_raw", "_raw_gap_s", "_seeded", "_speed", "_theta_at_raw", "_tracked",
+        "encoder_ratio", "omega_rad_s", "quality", "radius_m", "source", "theta_rad",
     )  # fmt: skip
 
     def __init__(self, params: RollParams, channels: Mapping[str, int]) -> None:
@@ -80,7 +81,30 @@ class RollPhase:
         self._agreeing = 0
         self._encoder_ok = True
         self._encoder_sum_rad = self._model_sum_rad = 0.0
+        self._encoder_turn_rad = self._model_turn_rad = 0.0
+        self.encoder_ratio = math.nan
         self._last_model = math.nan
+
+    def objection(self) -> str:
+        """Return what the encoder tells against its own settings, empty when nothing.
+
+        ``encoder_ratio`` is its last turn over that of the speed channel. One that stands still is
+        none of this: the speed channel takes its place.
+        """
+        low, high = RATIO_RANGE
+        ratio = self.encoder_ratio
+        if not abs(ratio) >= STUCK_SHARE or low <= ratio <= high:
+            return ""
+        name, angle = self._p.name, self._p.angle
+        if ratio < 0.0:
+            return (
+                f"{name}: {angle} counts against the line's speed; turn the sign of its scale, "
+                "or that of the speed"
+            )
+        return (
+            f"{name}: {angle} turns {ratio:.2f} times as fast as speed over radius; mend its "
+            "scale (counts per turn of the roll, gear), the radius or the channel"
+        )
 
     def follow(self, old: RollPhase) -> None:
         """Go on where ``old`` stands; with other settings, from its angle and speed."""
@@ -228,6 +252,11 @@ class RollPhase:
             return
         self._encoder_sum_rad += turned
         self._model_sum_rad += model * gap_s
+        self._encoder_turn_rad += turned
+        self._model_turn_rad += model * gap_s
+        if abs(self._model_turn_rad) >= math.tau:
+            self.encoder_ratio = self._encoder_turn_rad / self._model_turn_rad
+            self._encoder_turn_rad = self._model_turn_rad = 0.0
         if abs(self._model_sum_rad) < STUCK_CHECK_RAD:
             return
         share = self._encoder_sum_rad / self._model_sum_rad

@@ -132,8 +132,16 @@ def test_the_probe_plays_up_to_where_orders_fade_and_clear_of_all_ripple():
 
 def test_the_law_learns_on_this_line():
     line = Line()
-    line.run(8.0)
+    line.run(3.0)
     assert abs(line.shape.weights()["unwind", 1]) > 1e-4
+
+
+def test_a_line_that_does_not_answer_is_found_out_within_eight_turns():
+    """This line ripples whatever goes out, as with a drive that takes no correction."""
+    line = Line()
+    line.run(10.0)
+    assert line.shape.monitor.resting[0]
+    assert line.shape.weights()["unwind", 1] == 0j
 
 
 VALUE = st.one_of(
@@ -215,15 +223,18 @@ def test_an_order_whose_response_is_unsure_stays_held_and_stands_against_nothing
     assert law.objections() == ()
 
 
-def test_a_block_that_the_monitor_rests_stays_as_it_is():
+def test_a_block_that_the_monitor_rests_fades_and_starts_anew():
     line = Line()
-    line.run(6.0)
+    line.run(3.0)
     law = line.shape
     law.monitor._rest[1], law.monitor.calm = 20.0, False
     before = law.weights()["unwind", 2]
-    line.run(2.0)
+    assert before != 0j
+    line.run(0.5)
     assert law.weights()["unwind", 2] == before
+    line.run(1.0)
     assert law.monitor.share[1] == 0.0
+    assert law.weights()["unwind", 2] == 0j
 
 
 def test_new_settings_go_on_without_a_bump():

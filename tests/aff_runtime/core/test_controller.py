@@ -302,3 +302,18 @@ def test_unknown_channel_or_roll_is_named():
         controller(replace(ACTUATOR, signal="tensoin"))
     with pytest.raises(ConfigError, match="rewind"):
         controller(with_blocks(BlockParams(roll="rewind", orders=(1,), settle_s=5, amp_limit=1)))
+
+
+@pytest.mark.parametrize(("factor", "said"), [(-1.0, "counts against"), (2.0, "2.00 times")])
+def test_a_roll_whose_encoder_is_scaled_wrong_does_not_arm(factor, said):
+    """Learned on such an angle every order is another one: it would run, and help no web."""
+    law = controller()
+    for tick in range(600):
+        theta = 5.0 * tick * CYCLE_S
+        law.step(snapshot(tick, 90.0, 90.0, 1.0, factor * theta, theta), CYCLE_S, DARK)
+    assert said in law.arming_objections()["unwind"][-1]
+    right = controller()
+    for tick in range(600):
+        theta = 5.0 * tick * CYCLE_S
+        right.step(snapshot(tick, 90.0, 90.0, 1.0, theta, theta), CYCLE_S, DARK)
+    assert right.arming_objections()["unwind"] == ()

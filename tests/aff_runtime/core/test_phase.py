@@ -166,3 +166,30 @@ def test_angle_is_finite_and_moves_plausibly_whatever_comes(samples):
         assert math.isfinite(phase.theta_rad)
         assert math.isfinite(phase.omega_rad_s)
         assert abs(phase.theta_rad - before) <= ROLL.max_omega_rad_s * (gap + 2 * CYCLE_S) + 0.4
+
+
+@pytest.mark.parametrize(
+    ("factor", "said"),
+    [
+        (-1.0, "counts against"),
+        (2.0, "2.00 times"),
+        (0.5, "0.50 times"),
+        (4096 / 1024, "4.00 times"),
+    ],
+)
+def test_an_encoder_with_another_scale_or_sense_is_told_by_the_speed(factor, said):
+    phase = RollPhase(ROLL, INDEX)
+    run(phase, 5.0, 3.0, angle=lambda a: encoder(factor * a))
+    assert said in phase.objection()
+
+
+@pytest.mark.parametrize("omega", [5.0, -5.0])
+def test_a_radius_that_is_a_fifth_off_or_a_standing_encoder_is_no_wrong_scale(omega):
+    for kw in (
+        {"speed": 1.2 * omega * 0.2},
+        {"speed": 0.8 * omega * 0.2},
+        {"angle": lambda a: 1.0},
+    ):
+        phase = RollPhase(ROLL, INDEX)
+        run(phase, omega, 5.0, **kw)
+        assert phase.objection() == ""
