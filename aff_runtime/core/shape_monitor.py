@@ -19,7 +19,7 @@ SLOW_TURNS = 8.0
 HARM = 1.4
 SETTLED = 0.3
 HARM_TURNS = 4.0
-LOST_GAIN = 0.05
+LOST_GAIN = 0.1
 LOST_TURNS = 2.0
 REST_TURNS = 20.0
 FADE_S = 1.0
@@ -37,7 +37,7 @@ class ShapeMonitor:
     """Per column: amplitude in the signal now (lock-in over two turns) and without correction.
 
     ``without`` is what the filter attributes to the roll, |a_n phi_n|. A column whose ripple stays
-    above 1.4 times that for four turns does harm. One whose P has shrunk below a twentieth for
+    above 1.4 times that for four turns does harm. One whose P has shrunk below a tenth for
     two turns has lost its effect (a drive that does not take the correction), and its weight
     would wind up against nothing. Either way its ``share`` fades to zero within a second and rests
     for twenty turns; ``dropped`` marks it in the tick in which the last of it goes out, so that
