@@ -67,6 +67,7 @@ class ShapeLaw:
         self.basis = ShapeBasis(list(self._keys), used, drive, lead_s)
         count = self.basis.order.size
         self._roll_of = [r for r, _ in self._keys] + [drive.roll] * (count - len(self._keys))
+        self._model = loop
         self._loop = LoopFilter(loop, count)
         self._first, self._heavy = self.basis.twins
         drift = np.ones(count)
@@ -268,8 +269,20 @@ class ShapeLaw:
             self._loop.adopt(old._loop)
             self.monitor, self.room, self.presence = old.monitor, old.room, old.presence
             self.trust.adopt(old.trust)
+            self._change_P(old._model)
             return
         self.start_from(old.profile())
+
+    def _change_P(self, old: LoopModel) -> None:
+        """Turn what was learned of P from an old response to the present one; shapes stay."""
+        if np.array_equal(old.taps, self._model.taps):
+            return
+        at = self.basis.frequency_Hz
+        radius_m = self._own.radius_m
+        for i in np.flatnonzero(self.basis.fade > 0.0):
+            now = self._model.response(float(at[i]), self._cycle_s, radius_m)
+            ratio = old.response(float(at[i]), self._cycle_s, radius_m) / now if now else 1.0
+            self.filter.expect(int(i), self.weight[i], complex(self.filter.gain[i] * ratio) - 1.0)
 
     def objections(self) -> tuple[str, ...]:
         """Return why this actuator may not arm now.

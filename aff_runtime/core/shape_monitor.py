@@ -107,7 +107,8 @@ class ShapeMonitor:
             turns, tick = self._passed_s / turn_s, dt_s / turn_s
             self._passed_s = 0.0
             self._age = np.minimum(self._age + turns, SLOW_TURNS)
-            self._pull = tick / np.minimum(np.maximum(self._age, tick), TURNS)
+            # a roll that has not turned yet pulls nothing
+            self._pull = tick / np.minimum(np.maximum(self._age, np.maximum(tick, 1e-12)), TURNS)
             self.now = np.abs(self._phasor)
         self._ticks += 1
         self._passed_s += dt_s

@@ -251,3 +251,31 @@ def test_orders_above_the_fade_are_silent():
     rig.run(10.0)
     assert abs(rig.law.basis.b[1]) == 0.0
     assert abs(rig.u) < 1e-3
+
+
+def test_a_new_response_while_running_leaves_the_ripple_where_it_is():
+    """What was learned of P was learned over the old one; kept as it is, it drives ripple up."""
+    late = LagDelay(GAIN_N_S_M, delay=32, lag=0.6)
+    rig = Rig(ripple=RIPPLE, known=late)
+    rig.noise_N = 0.1
+    learned = rig.run(40.0)
+    assert tail_rms(learned) < 0.1
+    right = Rig(rig.params).law
+    right._own, right.basis._phases = rig.law._own, rig.law.basis._phases
+    right.presence = rig.law.presence
+    right.adopt(rig.law)
+    rig.law = right
+    assert np.std(rig.run(40.0)) < 0.1
+    assert np.abs(right.filter.correction[:2]).max() < 0.4
+
+
+def test_orders_added_while_running_are_watched_at_once():
+    rig = Rig(actuator(orders=(1,)), ripple=RIPPLE)
+    rig.run(15.0)
+    more = Rig(actuator(orders=(1, 2))).law
+    more._own, more.basis._phases = rig.law._own, rig.law.basis._phases
+    more.adopt(rig.law)
+    rig.law = more
+    rig.run(15.0)
+    assert np.isfinite(more.monitor.now).all()
+    assert more.ripple()[1] < 0.1 * more.ripple()[0]
