@@ -33,7 +33,7 @@ WHY = {
 }
 RESTS = (
     "makes ripple larger than without, or does nothing to it (does the drive take the "
-    "correction?); it fades, rests for 20 turns and learns anew"
+    "correction?); it fades and rests for 20 turns"
 )
 SHAPE_WHY = {
     Trend.DIVERGING: RESTS,

@@ -162,7 +162,7 @@ class ShapeLaw:
         self._newton(deviation, turn_s, dt_s)
 
     def _start_anew(self, columns: npt.NDArray[np.bool_]) -> None:
-        """Forget columns that did not help, with what was learned of P: it led them astray."""
+        """Forget columns that lost their effect, and what was learned of P: it led them astray."""
         self.weight[columns] = 0.0
         self._sent[columns] = 0.0
         self.filter.forget(columns, response=True)

@@ -20,6 +20,7 @@ HARM = 1.4
 SETTLED = 0.3
 HARM_TURNS = 4.0
 LOST_GAIN = 0.1
+LOST_SHARE = 0.7
 LOST_TURNS = 2.0
 REST_TURNS = 20.0
 FADE_S = 1.0
@@ -37,18 +38,18 @@ class ShapeMonitor:
     """Per column: amplitude in the signal now (lock-in over two turns) and without correction.
 
     ``without`` is what the filter attributes to the roll, |a_n phi_n|. A column whose ripple stays
-    above 1.4 times that for four turns does harm. One whose P has shrunk below a tenth for
-    two turns has lost its effect (a drive that does not take the correction), and its weight
-    would wind up against nothing. Either way its ``share`` fades to zero within a second and rests
-    for twenty turns; ``dropped`` marks it in the tick in which the last of it goes out, so that
-    it can start anew. An imbalance (``twins``) rests with order 1, whose P it shares. Columns that
-    meet in frequency are not judged: the signal cannot tell them apart, so ``meets`` marks them,
+    above 1.4 times that for four turns does harm. One whose P has shrunk below a tenth while
+    0.7 of it is left, for two turns, has lost its effect (a drive that does not take the
+    correction), and its weight would wind up against nothing. Either way its ``share`` fades to
+    zero within a second and it rests for twenty turns; ``dropped`` marks one that had lost its
+    effect in the tick in which the last of it goes out, so that it can start anew. An imbalance
+    (``twins``) rests with order 1, whose P it shares. Columns that meet in frequency are not judged: the signal cannot tell them apart, so ``meets`` marks them,
     and nothing learned then is worth saving.
     """
 
     __slots__ = (
-        "_age", "_bad", "_judged", "_lost", "_noise", "_others", "_passed_s", "_phasor", "_pull",
-        "_rest", "_size", "_slow", "_ticks", "_twins", "_work", "calm", "dropped", "meets", "now",
+        "_age", "_astray", "_bad", "_judged", "_lost", "_noise", "_others", "_passed_s",
+        "_phasor", "_pull", "_rest", "_size", "_slow", "_ticks", "_twins", "_work", "calm", "dropped", "meets", "now",
         "share", "without",
     )  # fmt: skip
 
@@ -66,6 +67,7 @@ class ShapeMonitor:
         self._age = np.zeros(count)
         self._bad = np.zeros(count)
         self._lost = np.zeros(count)
+        self._astray = np.zeros(count, dtype=bool)
         self._twins = twins
         self._judged = np.zeros(count)
         self._rest = np.zeros(count)
@@ -93,7 +95,7 @@ class ShapeMonitor:
             target = np.where(self._rest > 0.0, -change, change)
             before = self.share
             self.share = np.minimum(1.0, np.maximum(0.0, before + target))
-            self.dropped = (before > 0.0) & (self.share == 0.0)
+            self.dropped = (before > 0.0) & (self.share == 0.0) & self._astray
 
     def listen(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> None:
         """Take a sample while nothing goes out: what is there without correction, unjudged."""
@@ -132,13 +134,15 @@ class ShapeMonitor:
         bad = (self.now > HARM * self.without + 3.0 * noise) & (self._judged > TURNS)
         bad &= ~self.meets
         self._bad = np.where(bad, self._bad + turns, 0.0)
-        self._lost = np.where(np.abs(found.gain) < LOST_GAIN, self._lost + turns, 0.0)
+        lost = (np.abs(found.gain) < LOST_GAIN) & (self.now > LOST_SHARE * self.without)
+        self._lost = np.where(lost, self._lost + turns, 0.0)
         started = ((self._bad > HARM_TURNS) | (self._lost > LOST_TURNS)) & (self._rest <= 0.0)
+        self._astray = np.where(started, self._lost > LOST_TURNS, self._astray)
         self._rest = np.where(started, REST_TURNS, np.maximum(0.0, self._rest - turns))
         self._bad[started] = self._lost[started] = 0.0
         first, heavy = self._twins
-        if heavy >= 0:
-            self._rest[heavy] = max(self._rest[heavy], self._rest[first])
+        if heavy >= 0 and self._rest[first] > self._rest[heavy]:
+            self._rest[heavy], self._astray[heavy] = self._rest[first], self._astray[first]
         self.calm = not self._rest.any() and bool((self.share == 1.0).all())
 
     @property

@@ -223,18 +223,15 @@ def test_an_order_whose_response_is_unsure_stays_held_and_stands_against_nothing
     assert law.objections() == ()
 
 
-def test_a_block_that_the_monitor_rests_fades_and_starts_anew():
+def test_a_block_that_the_monitor_rests_stays_as_it_is():
     line = Line()
     line.run(3.0)
     law = line.shape
     law.monitor._rest[1], law.monitor.calm = 20.0, False
     before = law.weights()["unwind", 2]
-    assert before != 0j
-    line.run(0.5)
+    line.run(2.0)
     assert law.weights()["unwind", 2] == before
-    line.run(1.0)
     assert law.monitor.share[1] == 0.0
-    assert law.weights()["unwind", 2] == 0j
 
 
 def test_new_settings_go_on_without_a_bump():
