@@ -74,6 +74,7 @@ class ShapeKeeper:
         self._active_turns = 0.0
         self._trials: dict[str, _Trial] = {}
         self._used: set[str] = set()
+        self._announced: set[str] = set()
         self.follow(record, site)
 
     def follow(self, record: Mapping[str, Any], site: Site) -> None:
@@ -87,6 +88,15 @@ class ShapeKeeper:
             known = self._known(name, start_values(record["site"], name))
             if known:
                 self._trials[name] = _Trial(known)
+                self._announce(name, known[0].source)
+
+    def _announce(self, name: str, source: str) -> None:
+        """Say once what the trial needs, so that nobody arms before it by mistake."""
+        if name not in self._announced:
+            self._announced.add(name)
+            memory_s = self._site.actuators[name].response_memory_s
+            needs = f"it takes {memory_s:.0f} s and three turns with the line running"
+            self._tell(name, f"{source} waits for its trial: {needs}; arm after that")
 
     def _known(self, actuator: str, given: Orders) -> list[_Known]:
         """Return shapes to try for one actuator, the best first."""
@@ -108,7 +118,7 @@ class ShapeKeeper:
                 self._tell(actuator, text)
                 del self._shapes[actuator]
         if given:
-            source = "the start values of the site file"
+            source = "the start shape of the site file"
             known.append(_Known(source=source, weight_m=given, correction={}))
         return known
 
@@ -129,12 +139,21 @@ class ShapeKeeper:
             if law is None:
                 continue  # the plain blocks stand in until there is a response
             if any(law.weights().values()):
-                del self._trials[name]  # it learned meanwhile
+                self._drop(name)
                 continue
             if not (quiet and law.is_open):
                 self._trials[name].heard_s, self._trials[name].trial = 0.0, None
             elif fresh:
                 self._listen(name, law, controller, values)
+
+    def _drop(self, name: str) -> None:
+        """Give up a trial: the law has learned meanwhile, by an early ``arm``."""
+        self._used.add(name)
+        waiting = self._trials.pop(name)
+        for known in waiting.known:
+            if known.weight_m:
+                text = "learning began before its trial was over; the roll is learned anew"
+                self._tell(name, f"{known.source} is not used: {text}")
 
     def _listen(
         self, name: str, law: ShapeLaw, controller: Controller, values: Sequence[float]
