@@ -64,6 +64,8 @@ def lines(answer: Mapping[str, Any]) -> Iterator[str]:
             yield f"{name:32} {_number(value)}"
     yield from block_lines(answer.get("blocks", []))
     yield from why_lines(answer.get("blocks", []))
+    for text in answer.get("crossings", []):
+        yield f"next     {text}"
     for text in answer.get("shapes", []):
         yield f"shape    {text}"
     recorder = answer.get("recorder", {})

@@ -139,3 +139,14 @@ def test_the_screen_keeps_the_low_orders_of_every_roll() -> None:
     assert len(rows) <= 24
     assert any("swrap_1x" in row for row in rows)
     assert not any("unwind_30x" in row for row in rows)
+
+
+def test_the_next_meeting_of_two_rolls_is_told_and_the_screen_has_a_row_for_it() -> None:
+    meets = "unwind: in about 4 min unwind 1x meets swrap_follower 1x at radius 0.1537 m"
+    given = {**answer(30), "crossings": [meets]}
+    assert f"next     {meets}" in list(lines(given))
+    rows = screen(given)
+    (row,) = [row for row in rows if row.startswith("next")]
+    assert "in about 4 min unwind 1x meets swrap_follower 1x" in row
+    assert len(rows) <= 24
+    assert max(map(len, rows)) <= 80
