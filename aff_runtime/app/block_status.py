@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from aff_runtime.core.monitor import Trend
+from aff_runtime.core.phase import Source
 from aff_runtime.core.shape_basis import IMBALANCE_N_M_PER_M
 
 WORDS = {
@@ -79,6 +80,9 @@ def _row(
         "frequency_Hz": _finite(number * omega / math.tau),
         **_size(said, name, of_actuator, settings),
         "phase_deg": _finite(said.get("phase_deg", math.nan)),
+        "encoder_deg": _finite(
+            _at_encoder_zero_deg(record, site, roll, number, said.get("phase_deg", math.nan))
+        ),
         "ripple_before": _finite(before),
         "ripple": _finite(now),
         "benefit_dB": _finite(_benefit_dB(before, now)),
@@ -109,6 +113,20 @@ def _size(
         "share": _finite(said.get("share", math.nan)),
         "loop_gain": _finite(said.get("gain_of_P", math.nan)),
     }
+
+
+def _at_encoder_zero_deg(
+    record: Mapping[str, float], site: Mapping[str, Any], roll: str, order: int, phase_deg: float
+) -> float:
+    """Return the angle of an order where the encoder reads zero; NaN while it is not followed."""
+    channel = str(site.get("rolls", {}).get(roll, {}).get("angle", ""))
+    read = record.get("fresh") and record.get(f"{roll}.source") == Source.ENCODER
+    if not read or channel not in record:
+        return math.nan
+    origin_rad = record[f"{roll}.theta_rad"] - record[channel]
+    if not math.isfinite(origin_rad):
+        return math.nan
+    return math.remainder(phase_deg + order * math.degrees(origin_rad), 360.0)
 
 
 def _benefit_dB(before: float, now: float) -> float:

@@ -152,6 +152,7 @@ def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
         "unit": "m/s",
         "limit": 0.02,
         "phase_deg": -71.0,
+        "encoder_deg": None,
         "ripple_before": 1.5,
         "ripple": None,
         "benefit_dB": None,
