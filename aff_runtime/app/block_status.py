@@ -79,6 +79,7 @@ def _row(
         "why": _why(state, "shape" if SHAPE in said else "blocks"),
         "frequency_Hz": _finite(number * omega / math.tau),
         **_size(said, name, of_actuator, settings),
+        "out": _finite(said.get("share", 1.0) * _applied(record, actuator)),
         "phase_deg": _finite(said.get("phase_deg", math.nan)),
         "encoder_deg": _finite(
             _at_encoder_zero_deg(record, site, roll, number, said.get("phase_deg", math.nan))
@@ -113,6 +114,12 @@ def _size(
         "share": _finite(said.get("share", math.nan)),
         "loop_gain": _finite(said.get("gain_of_P", math.nan)),
     }
+
+
+def _applied(record: Mapping[str, float], actuator: str) -> float:
+    """Return how much of an actuator's correction the guard lets out, 0..1; NaN when unknown."""
+    found = (record.get(f"applied_ratio_{actuator}_{unit}") for unit in ("m_s", "N_m"))
+    return next((ratio for ratio in found if ratio is not None), math.nan)
 
 
 def _at_encoder_zero_deg(

@@ -112,7 +112,7 @@ def _row(block: Block) -> str:
     speed = block["unit"] == "m/s"
     unit = "mm/s" if speed else block["unit"]
     size = _shown(block["amplitude"], 1e3 if speed else 1.0)
-    share = block.get("share")
+    share = block.get("out")
     ripple = block["ripple_unit"]
     cells = (
         block["name"],

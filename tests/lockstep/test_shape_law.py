@@ -218,6 +218,22 @@ def test_repeated_readings_lengthen_a_trial_and_do_not_end_it(responses, learned
     assert any("unwind: starts from the shape saved" in text for text in made.said), made.said
 
 
+def test_a_roll_exchanged_while_the_output_closes_is_said_and_not_saved_under_the_new_ones_name(
+    responses,
+):
+    made = shop(responses)
+    made.bench.run(2.0)
+    made.bench.arm(6.0)
+    law = made.bench.law
+    assert isinstance(law, Controller)
+    law.phases.roll_id = 2  # seen by the tick that also closes the output
+    made.keeper.watch(law, active=False, quiet=True, wrong=frozenset(), elapsed_s=0.0)
+    assert made.said == ["unwind: roll 2 in the place of roll 1: the shape of unwind is forgotten"]
+    data = json.loads(made.kept["unwind"])
+    assert {row["roll"] for row in data["orders"]} == {"swrap_follower"}
+    assert not data["imbalance"]
+
+
 def test_who_arms_before_the_trial_is_over_is_told_what_it_costs(responses, learned):
     *_, kept = learned
     made = shop(responses, at_full_radius(kept))

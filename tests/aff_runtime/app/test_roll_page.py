@@ -81,7 +81,7 @@ class Tags(HTMLParser):
 
 def test_the_page_tells_every_order_what_it_gains_and_why_one_rests() -> None:
     why = "makes ripple larger than without; it fades and rests for 20 turns"
-    rows = [order(n, 0.4, 0.0) for n in (1, 2)] + [order(3, 0.1, 5.0, share=0.0, why=why)]
+    rows = [order(n, 0.4, 0.0) for n in (1, 2)] + [order(3, 0.1, 5.0, out=0.0, why=why)]
     plain = answer(1)["blocks"][0] | {"benefit_dB": 3.2, "actuator": "swrap_follower"}
     given = {**answer(0), "line": "<b>1 & 2", "blocks": [*rows, plain], "crossings": ["in 4 min"]}
     seen = Tags(page(given))
