@@ -172,7 +172,8 @@ def main() -> int:
     everything = chosen_jobs(SECTIONS, seeds, quick=quick)
     rows: list[Row] = [row for job in everything if (row := store.load(folder, job)) is not None]
     rows += extras.rows(folder)
-    page = report.page(rows, missing=len(everything) - sum("cpu_s" in r for r in rows))
+    missing = len(everything) - sum("cpu_s" in r for r in rows)
+    page = report.page(rows, missing, quick=quick)
     sys.stdout.write(page)
     (folder / "control-bench.md").write_text(page)
     if given.docs is not None and not quick:

@@ -123,13 +123,18 @@ def _table(section: str, rows: Iterable[Row]) -> list[str]:
     return out
 
 
-def page(rows: Sequence[Row], missing: int = 0) -> str:
-    """Return the whole page as markdown; ``missing`` rows have not been run."""
+def page(rows: Sequence[Row], missing: int = 0, *, quick: bool = False) -> str:
+    """Return the whole page as markdown; ``missing`` rows have not been run.
+
+    What was found out about the whole set is not said of the short one (``quick``).
+    """
     out = ["# Control bench", "", *INTRODUCTION, ""]
     if missing:
         out += [f"**{missing} rows of the full table have not been run.**", ""]
     note = Path(__file__).parent / "state.md"
-    if note.exists():
+    if quick:
+        out += ["Short set (`QUICK=1`): a few rows of `docs/control-bench.md`, seed 1.", ""]
+    elif note.exists():
         out += [note.read_text().strip(), ""]
     out += ["## Targets", "", *_targets(rows), ""]
     out += ["## Laws and their tuning", ""]

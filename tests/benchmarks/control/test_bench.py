@@ -27,6 +27,7 @@ from benchmarks.control.laws import (
 from benchmarks.control.lines import ALL_FIVE, INCH_M, Hidden, nominal, spoilt, with_hidden
 from benchmarks.control.lockstep import Record, run
 from benchmarks.control.memory import ROUND_TICKS, Eventful, footprint
+from benchmarks.control.report import page
 from benchmarks.control.verdicts import beaten, targets
 from sim_plant.geometry.wound_mass import WoundMass, gravity_torque_N_m
 from sim_plant.line.load import consistency
@@ -129,6 +130,13 @@ def test_every_law_stands_on_every_row():
         for name, _, seed in rows:
             assert all((name, law, seed) in rows for law in (OWN, *RIVALS))
     assert len({store.place(Path(), j) for j in jobs}) == len(jobs)
+
+
+def test_the_short_set_does_not_claim_what_was_found_on_the_whole_one():
+    whole, short = page([]), page([], quick=True)
+    assert "## State of this page" in whole
+    assert "## State of this page" not in short
+    assert "Short set" in short
 
 
 def test_one_row_is_chosen_by_the_names_of_the_tables():
