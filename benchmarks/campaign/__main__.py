@@ -13,7 +13,7 @@ from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
-from benchmarks.campaign.work import do
+from benchmarks.campaign.work import do, tell_again
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -49,6 +49,14 @@ def run(seed: int, numbers: Sequence[int], workers: int, out: Path, until_s: flo
                              f"{row['refine_s']:.0f} s\n")  # fmt: skip
 
 
+def tell_all_again(paths: Sequence[Path], workers: int) -> None:
+    """Tell anew what the record of every row can show."""
+    rows = [json.loads(p.read_text(encoding="utf-8")) for p in paths]
+    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
+        for path, row in zip(paths, pool.map(tell_again, rows), strict=True):
+            path.write_text(json.dumps(row, indent=1, default=float) + "\n", encoding="utf-8")
+
+
 def main() -> int:
     """Run, then write the page; return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.campaign")
@@ -59,6 +67,11 @@ def main() -> int:
     parser.add_argument("--docs", type=Path, default=None, help="also write the page here")
     parser.add_argument("--for-s", type=float, default=1e9, help="hand out no case after this")
     parser.add_argument("--report-only", action="store_true")
+    parser.add_argument(
+        "--tell-again",
+        action="store_true",
+        help="tell anew what the rows' records can show, then report",
+    )
     parser.add_argument("--note", default="", help="a sentence under the page's head")
     parser.add_argument("--write-case", type=int, default=None, metavar="NUMBER",
                         help="only write the files of one case into --out")  # fmt: skip
@@ -72,13 +85,15 @@ def main() -> int:
         made = write_case(case, given.out)
         print(case.group, *made.faults, "SNR", *(f"{s:.3g}" for s in made.snr))
         return 0
-    if not given.report_only:
+    if not given.report_only and not given.tell_again:
         for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
             os.environ.setdefault(name, "1")
         run(given.seed, range(given.cases), given.workers, given.out, given.for_s)
     from benchmarks.campaign.report import page
 
     paths = sorted((given.out / "rows").glob("*.json"))
+    if given.tell_again:
+        tell_all_again(paths, given.workers)
     text = page([json.loads(p.read_text(encoding="utf-8")) for p in paths], given.note)
     print(text)
     (given.out / "refine-campaign.md").write_text(text, encoding="utf-8")

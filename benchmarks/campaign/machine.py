@@ -22,10 +22,15 @@ CENTRE_M = 3e-4
 
 
 class Scatter:
-    """Draws numbers within tolerance; ``size`` 0 draws the declared ones."""
+    """Draws numbers within tolerance; ``size`` 0 draws the declared ones.
 
-    def __init__(self, rng: np.random.Generator, size: float) -> None:
-        self._rng, self._size = rng, size
+    The draw ``nudged`` (from 0; -1 none) comes out one standard deviation higher. ``widths`` has
+    the two standard deviations of every draw so far.
+    """
+
+    def __init__(self, rng: np.random.Generator, size: float, nudged: int = -1) -> None:
+        self._rng, self._size, self._nudged = rng, size, nudged
+        self.widths: list[float] = []
 
     def near(self, value: float, kind: str) -> float:
         """Return ``value`` times a factor drawn evenly within the tolerance of its kind."""
@@ -33,7 +38,9 @@ class Scatter:
 
     def spread(self, width: float) -> float:
         """Return a number drawn evenly within plus and minus ``width``."""
-        return float(self._size * width * self._rng.uniform(-1.0, 1.0))
+        more = 0.5 * width if len(self.widths) == self._nudged else 0.0
+        self.widths.append(width)
+        return float(self._size * width * self._rng.uniform(-1.0, 1.0)) + more
 
 
 def round_bodies(line: dict[str, Any], scatter: Scatter) -> Bodies:
@@ -55,7 +62,11 @@ def round_bodies(line: dict[str, Any], scatter: Scatter) -> Bodies:
 
 def machine_of(line: dict[str, Any], rng: np.random.Generator, size: float = 1.0) -> Machine:
     """Return a machine of this declaration with scatter of ``size`` times the tolerances."""
-    s = Scatter(rng, size)
+    return scattered(line, Scatter(rng, size))
+
+
+def scattered(line: dict[str, Any], s: Scatter) -> Machine:
+    """Return a machine of this declaration whose numbers ``s`` draws, always in one order."""
     rollers, web, control = line["rollers"], line["web"], line["control"]
     names = [r["name"] for r in rollers]
     idlers_share = s.spread(TOLERANCE["idler_inertia"])

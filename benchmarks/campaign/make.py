@@ -13,7 +13,7 @@ from benchmarks.campaign import line as short
 from benchmarks.campaign.cases import ROWS, SMALLEST, Case
 from benchmarks.campaign.contact import Array
 from benchmarks.campaign.effects import Fault, with_faults
-from benchmarks.campaign.machine import machine_of
+from benchmarks.campaign.machine import CENTRE_M, IDLER_ECCENTRICITY_M, Scatter, scattered
 from benchmarks.campaign.record import (
     References,
     references,
@@ -69,15 +69,26 @@ class Stage:
         return simulate(m, self.told, self.angles, self.seed, noise=False).even()
 
 
-def stage(case: Case, which: str) -> Stage:
-    """Return record ``a`` or ``b`` of a case, healthy; the machine is the same in both."""
+def stage(case: Case, which: str, nudged: int = -1) -> Stage:
+    """Return record ``a`` or ``b`` of a case, healthy; the machine is the same in both.
+
+    One number of the machine, the draw ``nudged``, may be a standard deviation higher.
+    """
     rng = np.random.default_rng([case.seed, ord(which)])
     declared = short.declaration(RADII[which])
     told = references(ROWS, rng, speeds=case.speeds, commensurate=case.commensurate)
-    machine = machine_of(declared, np.random.default_rng([case.seed, 7]))
+    machine = scattered(declared, Scatter(np.random.default_rng([case.seed, 7]), 1.0, nudged))
     angles = rng.uniform(0.0, 2.0 * np.pi, size=machine.radius.size)
     return Stage(machine=machine, told=told, angles=angles, seed=int(rng.integers(1 << 31)),
                  colour=case.colour)  # fmt: skip
+
+
+def tolerances(case: Case) -> list[int]:
+    """Return the draws of the machine that move it as a whole (not an axis or half a micron)."""
+    draws = Scatter(np.random.default_rng([case.seed, 7]), 1.0)
+    scattered(short.declaration(RADII["a"]), draws)
+    small = (CENTRE_M, IDLER_ECCENTRICITY_M)
+    return [k for k, width in enumerate(draws.widths) if width not in small]
 
 
 def rms(values: Array) -> float:

@@ -21,7 +21,8 @@ STRENGTH = {  # parameter of a verdict that says the size of a fault, and what s
 NEEDED, NEEDED_STATIC = 100.0, 150.0
 """Chi-square above which an effect (with a line, without) pays its price and beats all chance."""
 STATIC = ("bearing_drag", "web_modulus", "wound_in_strain", "thermal_strain", "slip",
-          "load_cell_filter", "loop_delay")  # fmt: skip
+          "load_cell_filter", "loop_delay", "stiffening_web", "gusty_drive",
+          "drifting_cell")  # fmt: skip
 OUTCOMES = ("exact", "wrong", "unknown", "not identifiable", "missed", "part", "failed")
 
 

@@ -12,6 +12,7 @@ from typing import Any
 from benchmarks.campaign import line as short
 from benchmarks.campaign.alike import told
 from benchmarks.campaign.cases import case_number
+from benchmarks.campaign.effects import Fault
 from benchmarks.campaign.make import write_case
 from benchmarks.campaign.refine_runs import refine_files
 
@@ -45,7 +46,7 @@ def do(seed: int, number: int, folder: Path) -> dict[str, Any]:
     found = refine_files(folder, case.without)
     spent, after = time.process_time() - burnt, time.monotonic()  # noqa: TID251
     faults = [asdict(f) for f in made.faults]
-    known = {} if case.classes else told(case, made.faults)
+    known = told(case, made.faults) if made.faults else {}
     row = {
         "number": number, "group": case.group, "seed": seed, "faults": faults,
         "snr": list(made.snr), "snr_wanted": case.snr, "floor": made.floor,
@@ -56,3 +57,11 @@ def do(seed: int, number: int, folder: Path) -> dict[str, Any]:
     }  # fmt: skip
     shutil.rmtree(folder, ignore_errors=True)
     return row
+
+
+def tell_again(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a row with what its record can show, told anew; nothing is refined again."""
+    faults = tuple(Fault(**f) for f in row["faults"])
+    if not faults:
+        return row
+    return row | told(case_number(row["seed"], row["number"]), faults)

@@ -14,6 +14,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from aff_runtime.base.errors import AffError
@@ -54,22 +55,30 @@ def reach(line: LiveLine, state: str) -> None:
 
 
 def _probe(line: LiveLine) -> None:
-    """Start a probe in the background and wait until it moves the line."""
+    """Start a probe and wait until it moves the line; ask again where the machine was too busy."""
     line.ensure_active()
     line.ask("bypass")
     pause(0.5)
+    said: list[str] = []
 
     def ask() -> None:
-        with contextlib.suppress(AffError, OSError):
+        try:
             line.ask("probe", actuators=["unwind"])
+        except (AffError, OSError) as error:
+            said.append(str(error))
 
-    threading.Thread(target=ask, daemon=True).start()
-
-    def moves() -> bool:
+    def moves_or_ended(asking: threading.Thread) -> bool:
         rows = line.history(20)
-        return bool(line.status().get("probing")) and any(any(v) for _, v in rows)
+        moves = bool(line.status().get("probing")) and any(any(v) for _, v in rows)
+        return moves or not asking.is_alive()
 
-    until("the probe moves the line", moves)
+    for _ in range(ATTEMPTS):
+        asking = threading.Thread(target=ask, daemon=True)
+        asking.start()
+        until("the probe moves the line or ends", partial(moves_or_ended, asking))
+        if asking.is_alive():
+            return
+    raise AssertionError(f"the probe never moved the line: {said}")
 
 
 def wanted(reaction: str, state: str) -> str:

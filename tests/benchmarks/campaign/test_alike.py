@@ -6,10 +6,19 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from benchmarks.campaign.alike import Quiet, alike, apart, evidence, rivals, wavenumber, whitener
+from benchmarks.campaign.alike import (
+    Quiet,
+    alike,
+    apart,
+    beside,
+    rivals,
+    tolerated,
+    wavenumber,
+    whitener,
+)
 from benchmarks.campaign.cases import Case
 from benchmarks.campaign.effects import Fault
-from benchmarks.campaign.make import stage
+from benchmarks.campaign.make import stage, tolerances
 
 pytestmark = pytest.mark.timeout(300)
 
@@ -53,7 +62,17 @@ def test_what_is_left_beside_columns_is_their_distance():
     assert apart(true, other) == pytest.approx(16.0)
 
 
-def test_a_drag_within_its_tolerance_hardly_shows(record):
-    fault = sized(record, Fault(effect="bearing_drag", location="R3", size=2e-3), 1e9)
-    four_sd = replace(fault, size=4.0 * 0.5 * 0.05 * 0.0172)
-    assert evidence(record, four_sd) < 16.0
+def test_tolerances_take_up_what_answers_like_them_at_the_price_of_their_priors():
+    column = np.array([[3.0], [0.0], [4.0]])  # |c|^2 = 25: a true x costs x^2 25/26
+    assert beside(4.0 * column[:, 0], column) == pytest.approx(16.0 * 25.0 / 26.0)
+    assert beside(np.array([0.0, 7.0, 0.0]), column) == pytest.approx(49.0)
+
+
+def test_a_modulus_within_four_standard_deviations_hardly_shows(record):
+    case = Case(number=0, group="single", seed=3)
+    modulus = tolerances(case)[1]
+    stiffer = stage(case, "a", modulus).machine.modulus / stage(case, "a").machine.modulus
+    assert stiffer == pytest.approx(1.01, abs=3e-4)
+    fault = Fault(effect="web_modulus", location="web", size=4.0 * 0.5 * 0.02)
+    true = record.response(fault)
+    assert beside(true, tolerated(case, record, [modulus])) < 16.5 < 0.1 * float(true @ true)
