@@ -12,13 +12,15 @@ from aff_runtime.app.status import headline
 
 FEWEST_ORDERS = 3
 POINTS = 360
-SIDE, ROUND, ROOM = 420, 110.0, 60.0  # of a plot, its round roll, the largest deviation: pixels
+SIDE, ROUND, ROOM = 470, 110.0, 60.0  # of a plot, its round roll, the largest deviation: pixels
 CENTRE = SIDE / 2
 HEAD = ("order", "Hz", "mm", "deg", "out", "ripple without", "ripple now", "dB", "state", "why")
 STYLE = (
     "body{font:15px sans-serif;margin:1.5em}table{border-collapse:collapse;margin:1em 0}"
     "td,th{padding:.15em .7em;text-align:right;border-bottom:1px solid #ddd}"
-    "td:first-child,td:nth-last-child(-n+2){text-align:left}svg text{font:12px sans-serif}"
+    "td,th{white-space:nowrap}td:last-child{white-space:normal}"
+    "th:first-child,th:nth-last-child(-n+2),td:first-child,td:nth-last-child(-n+2)"
+    "{text-align:left}svg text{font:12px sans-serif}"
 )
 Block = Mapping[str, Any]
 
@@ -93,7 +95,7 @@ def plot(actuator: str, roll: str, blocks: Sequence[Block]) -> str:
     sure = all(b["encoder_deg"] is not None for b in blocks)
     zero = "where the encoder reads zero" if sure else "where the service began to count"
     return (
-        f"<h2>{escape(roll)}, as {escape(actuator)} knows it</h2>"
+        f"<h2>{escape(roll)}, as learned for {escape(actuator)}</h2>"
         f"<p>Deviation of the moment arm over the roll's angle; 0 deg is {zero}.</p>"
         f'<svg width="{SIDE}" height="{SIDE}" role="img">{rings}{marks}'
         f'<polygon points="{path}" fill="none" stroke="#06c" stroke-width="2"/></svg>'
