@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,8 @@ from aff_runtime.app.files import replace_text
 from aff_runtime.app.roll_page import page
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.cli.service import connect
+
+ATTEMPTS = 50
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
@@ -23,11 +26,21 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     parser.set_defaults(command=roll)
 
 
+def at_the_encoders_zero(ask: Callable[[str], dict[str, Any]]) -> dict[str, Any]:
+    """Return a status of a tick with a fresh reading: a slow PLC has not one in every tick."""
+    answer = ask("status")
+    for _ in range(ATTEMPTS):
+        if any(block["encoder_deg"] is not None for block in answer.get("blocks", [])):
+            break
+        answer = ask("status")
+    return answer
+
+
 def roll(options: argparse.Namespace) -> int:
     """Write the page and print where."""
     client = connect(options)
     try:
-        answer = client.ask("status")
+        answer = at_the_encoders_zero(client.ask)
     finally:
         client.close()
     try:

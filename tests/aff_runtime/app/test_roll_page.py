@@ -11,6 +11,7 @@ import pytest
 
 from aff_runtime.app.block_status import blocks
 from aff_runtime.app.roll_page import CENTRE, ROOM, ROUND, outline_mm, page, plot
+from aff_runtime.cli.roll import ATTEMPTS, at_the_encoders_zero
 from aff_runtime.core.phase import Source
 from tests.aff_runtime.cli.test_screens import answer, shape_block
 
@@ -94,3 +95,16 @@ def test_the_page_tells_every_order_what_it_gains_and_why_one_rests() -> None:
 def test_a_line_without_a_shape_says_so() -> None:
     assert "No roll is known in mm" in page(answer(2))
     assert "No roll is known in mm" in page({**answer(0), "state": "STARTING"})
+
+
+def test_a_tick_without_a_fresh_reading_is_asked_again_and_not_for_ever() -> None:
+    asked: list[str] = []
+
+    def ask(word: str) -> dict[str, Any]:
+        asked.append(word)
+        return {"blocks": [{"encoder_deg": 12.0 if len(asked) == 3 else None}]}
+
+    assert at_the_encoders_zero(ask)["blocks"][0]["encoder_deg"] == 12.0
+    assert len(asked) == 3
+    at_the_encoders_zero(ask)
+    assert len(asked) == 3 + 1 + ATTEMPTS
