@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from aff_runtime.core.monitor import Trend
+from aff_runtime.core.phase import Source
 from aff_runtime.core.shape_basis import IMBALANCE_N_M_PER_M
 
 WORDS = {
@@ -82,7 +83,11 @@ def _row(
         "why": _why(state, "shape" if SHAPE in said else "blocks"),
         "frequency_Hz": _finite(number * omega / math.tau),
         **_size(said, name, of_actuator, settings),
+        "out": _finite(said.get("share", 1.0) * _applied(record, actuator)),
         "phase_deg": _finite(said.get("phase_deg", math.nan)),
+        "encoder_deg": _finite(
+            _at_encoder_zero_deg(record, site, roll, number, said.get("phase_deg", math.nan))
+        ),
         "ripple_before": _finite(before),
         "ripple": _finite(now),
         "benefit_dB": _finite(_benefit_dB(before, now)),
@@ -113,6 +118,26 @@ def _size(
         "share": _finite(said.get("share", math.nan)),
         "loop_gain": _finite(said.get("gain_of_P", math.nan)),
     }
+
+
+def _applied(record: Mapping[str, float], actuator: str) -> float:
+    """Return how much of an actuator's correction the guard lets out, 0..1; NaN when unknown."""
+    found = (record.get(f"applied_ratio_{actuator}_{unit}") for unit in ("m_s", "N_m"))
+    return next((ratio for ratio in found if ratio is not None), math.nan)
+
+
+def _at_encoder_zero_deg(
+    record: Mapping[str, float], site: Mapping[str, Any], roll: str, order: int, phase_deg: float
+) -> float:
+    """Return the angle of an order where the encoder reads zero; NaN while it is not followed."""
+    channel = str(site.get("rolls", {}).get(roll, {}).get("angle", ""))
+    read = record.get("fresh") and record.get(f"{roll}.source") == Source.ENCODER
+    if not read or channel not in record:
+        return math.nan
+    origin_rad = record[f"{roll}.theta_rad"] - record[channel]
+    if not math.isfinite(origin_rad):
+        return math.nan
+    return math.remainder(phase_deg + order * math.degrees(origin_rad), 360.0)
 
 
 def _benefit_dB(before: float, now: float) -> float:

@@ -21,6 +21,7 @@ from aff_runtime.core.shape_basis import IMBALANCE_N_M_PER_M
 from aff_runtime.core.shape_profile import ShapeProfile
 
 FORMAT = "aff-learned-shape-1"
+WAITS = "waits for its trial"  # said of a shape until it is known what became of it
 MAX_FILE_BYTES = 65536
 MAX_DEVIATION_M, MAX_LOOP, MAX_TORQUE_N_M, MAX_ORDER = 1.0, 100.0, 1e5, 64
 _UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, RecursionError, ArithmeticError)

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from aff_runtime.app.shape_file import ShapeFile, shape_basis_hash, start_values
+from aff_runtime.app.shape_file import WAITS, ShapeFile, shape_basis_hash, start_values
 from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.config.models import Site
 from aff_runtime.core.controller import Controller, RollPhases
@@ -72,8 +72,11 @@ class ShapeKeeper:
         self._version = str(record["versions"].get("aff-runtime", ""))
         self._shapes = dict(record.get("shapes", {}))
         self._active_turns = 0.0
+        self._roll_id: int | None = None
+        self._active_roll_id: int | None = None
         self._trials: dict[str, _Trial] = {}
         self._used: set[str] = set()
+        self._announced: set[str] = set()
         self.follow(record, site)
 
     def follow(self, record: Mapping[str, Any], site: Site) -> None:
@@ -87,6 +90,15 @@ class ShapeKeeper:
             known = self._known(name, start_values(record["site"], name))
             if known:
                 self._trials[name] = _Trial(known)
+                self._announce(name, known[0].source)
+
+    def _announce(self, name: str, source: str) -> None:
+        """Say once what the trial needs, so that nobody arms before it by mistake."""
+        if name not in self._announced:
+            self._announced.add(name)
+            memory_s = self._site.actuators[name].response_memory_s
+            needs = f"it takes {memory_s:.0f} s and three turns with the line running"
+            self._tell(name, f"{source} {WAITS}: {needs}; arm after that")
 
     def _known(self, actuator: str, given: Orders) -> list[_Known]:
         """Return shapes to try for one actuator, the best first."""
@@ -108,7 +120,7 @@ class ShapeKeeper:
                 self._tell(actuator, text)
                 del self._shapes[actuator]
         if given:
-            source = "the start values of the site file"
+            source = "the start shape of the site file"
             known.append(_Known(source=source, weight_m=given, correction={}))
         return known
 
@@ -129,12 +141,21 @@ class ShapeKeeper:
             if law is None:
                 continue  # the plain blocks stand in until there is a response
             if any(law.weights().values()):
-                del self._trials[name]  # it learned meanwhile
+                self._drop(name)
                 continue
             if not (quiet and law.is_open):
                 self._trials[name].heard_s, self._trials[name].trial = 0.0, None
             elif fresh:
                 self._listen(name, law, controller, values)
+
+    def _drop(self, name: str) -> None:
+        """Give up a trial: the law has learned meanwhile, by an early ``arm``."""
+        self._used.add(name)
+        waiting = self._trials.pop(name)
+        for known in waiting.known:
+            if known.weight_m:
+                text = "learning began before its trial was over; the roll is learned anew"
+                self._tell(name, f"{known.source} is not used: {text}")
 
     def _listen(
         self, name: str, law: ShapeLaw, controller: Controller, values: Sequence[float]
@@ -209,12 +230,26 @@ class ShapeKeeper:
         elapsed_s: float,
     ) -> None:  # fmt: skip
         """Count turns with a correction; hand the shapes on once it is zero again."""
+        self._see_roll(controller)
         if active:
+            self._active_roll_id = controller.phases.roll_id
             self._active_turns += elapsed_s * controller.slowest_omega_rad_s / math.tau
         elif quiet and self._active_turns > 0.0:
             turns, self._active_turns = self._active_turns, 0.0
             if turns >= KEPT_AFTER_TURNS:
                 self._save(controller, wrong)
+
+    def _see_roll(self, controller: Controller) -> None:
+        """Say that a new roll was put in."""
+        phases, before = controller.phases, self._roll_id
+        self._roll_id = phases.roll_id
+        if before is None or before == phases.roll_id:
+            return
+        for name, law in controller.shape_laws().items():
+            gone = [roll for roll in phases.spliced if any(r == roll for r, _ in law.keys)]
+            if gone:
+                text = f"roll {phases.roll_id} in the place of roll {before}"
+                self._tell(name, f"{text}: the shape of {', '.join(gone)} is forgotten")
 
     def close(self, controller: Controller) -> None:
         """Hand on what was learned; the cycle has ended."""
@@ -222,9 +257,11 @@ class ShapeKeeper:
 
     def _save(self, controller: Controller, wrong: frozenset[str]) -> None:
         phases = controller.phases
+        # of a roll that was exchanged while the output closed, nothing is worth keeping
+        gone = phases.spliced if phases.roll_id != self._active_roll_id else ()
         for name, law in controller.shape_laws().items():
             profile = law.profile()
-            kept = {k: w for k, w in profile.weight_m.items() if w != 0j}
+            kept = {k: w for k, w in profile.weight_m.items() if w != 0j and k[0] not in gone}
             origin = {roll: phases.by_name[roll].origin_rad for roll, _ in kept}
             if not kept or name in wrong or not all(map(math.isfinite, origin.values())):
                 continue

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.files import replace_text
-from aff_runtime.app.shape_file import ShapeFile, read_shapes
+from aff_runtime.app.shape_file import WAITS, ShapeFile, read_shapes
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.core.shape_profile import ShapeProfile
 
@@ -42,6 +42,7 @@ class ShapeShelf:
         """Take a message of the control process; False when it is not about shapes."""
         actuator = str(message.get("actuator", ""))
         if message.get("did") == "SHAPE":
+            self._over(actuator)
             self._say(f"{actuator}: {message['text']}")
         elif message.get("did") == "LEARNED":
             self._keep(record, actuator, str(message["file"]))
@@ -88,6 +89,10 @@ class ShapeShelf:
                     f"{path}: {error.strerror}; the shape in this file is not forgotten"
                 ) from None
             self._say(f"{actuator}: the shape of {', '.join(sorted(exchanged))} is forgotten")
+
+    def _over(self, actuator: str) -> None:
+        """Drop the word that a shape of this actuator waits: something became of it."""
+        self.words = [w for w in self.words if not (w.startswith(actuator + ":") and WAITS in w)]
 
     def _say(self, text: str) -> None:
         self.words = [*self.words[-KEPT_WORDS + 1 :], text]

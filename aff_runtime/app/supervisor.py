@@ -13,6 +13,7 @@ import signal
 from collections.abc import Mapping
 from typing import Any
 
+from aff_runtime.app.crossing_forecast import CrossingForecast
 from aff_runtime.app.edit_session import EditSession
 from aff_runtime.app.pending import Answer, Pending
 from aff_runtime.app.probe_session import ProbeSession
@@ -55,6 +56,7 @@ class Supervisor:
             options, verdict.record or {}, self._clock, on_change=self._watch_link
         )
         self._states = StateLog()
+        self._forecast = CrossingForecast()
         self._link_fd: int | None = None
         self._edits = EditSession(self._processes, self._pending, options.site, verdict)
         self._probe: ProbeSession | None = None
@@ -106,6 +108,7 @@ class Supervisor:
         self._pending.expire()
         if not self._stopping:  # the way to zero is told as what it is
             self._states.step(self._processes.latest())
+        self._forecast.step(self._processes.record, self._processes.latest())
         if self._processes.watch():
             self._pending.refuse_all("the control process died; see the log")
             self._end_probe("the control process died")
@@ -263,6 +266,7 @@ class Supervisor:
             "recorder": processes.recorder_report(),
             "probing": self._probe is not None,
             "shapes": list(processes.shapes.words),
+            "crossings": self._forecast.words(),
         }
         latest = processes.latest()
         if processes.ring is not None and latest is not None:

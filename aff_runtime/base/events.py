@@ -121,7 +121,9 @@ TABLE: tuple[Event, ...] = (
         "save the run folder and restart the service",
     ),
     Event(17, "SPLICE", Reaction.FADE, "splice or roll change", "arms itself again when clear"),
-    Event(18, "BYPASSED", Reaction.FADE_AND_LATCH, "bypass by operator", "arm to return"),
+    Event(
+        18, "BYPASSED", Reaction.FADE_AND_LATCH, "bypassed, or a probe has ended", "arm to return"
+    ),
     Event(
         19,
         "SECOND_MASTER",

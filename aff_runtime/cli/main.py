@@ -13,9 +13,9 @@ from pathlib import Path
 from aff_runtime import __version__
 from aff_runtime.app.runtime_directory import default_directory
 from aff_runtime.base.errors import AffError
-from aff_runtime.cli import check, operate, probe, probe_map, run, status, top, wire_map
+from aff_runtime.cli import check, operate, probe, probe_map, roll, run, status, top, wire_map
 
-COMMANDS = (check, run, operate, status, top, probe, probe_map, wire_map)
+COMMANDS = (check, run, operate, status, top, roll, probe, probe_map, wire_map)
 
 
 def build_parser() -> argparse.ArgumentParser:

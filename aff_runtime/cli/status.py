@@ -64,6 +64,8 @@ def lines(answer: Mapping[str, Any]) -> Iterator[str]:
             yield f"{name:32} {_number(value)}"
     yield from block_lines(answer.get("blocks", []))
     yield from why_lines(answer.get("blocks", []))
+    for text in answer.get("crossings", []):
+        yield f"next     {text}"
     for text in answer.get("shapes", []):
         yield f"shape    {text}"
     recorder = answer.get("recorder", {})
@@ -102,7 +104,7 @@ def block_lines(blocks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 def _shape_line(block: Mapping[str, Any], ripple: str, phase: str) -> str:
     """Return one order of a roll's shape: mm, angle, share that goes out, benefit."""
-    share = "-" if block["share"] is None else f"{100 * block['share']:.0f}%"
+    share = "-" if block["out"] is None else f"{100 * block['out']:.0f}%"
     benefit = "-" if block["benefit_dB"] is None else f"{block['benefit_dB']:.0f}"
     size = _short(block["amplitude"]) + ("Nm" if block["unit"] == "N m" else "")
     return (

@@ -60,6 +60,7 @@ def screen(answer: Mapping[str, Any]) -> list[str]:
         and "." not in name
     ]
     rows += _correction_rows(signals)
+    rows += [f"next {text}" for text in answer.get("crossings", [])]
     rows += block_lines(_fitting(answer.get("blocks", []), HEIGHT - 3 - len(rows)))
     rows = rows[: HEIGHT - 1]
     rows.append("other terminal: aff-runtime arm | bypass | stop          ctrl-c leaves")

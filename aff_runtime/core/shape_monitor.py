@@ -43,14 +43,15 @@ class ShapeMonitor:
     correction), and its weight would wind up against nothing. Either way its ``share`` fades to
     zero within a second and it rests for twenty turns; ``dropped`` marks one that had lost its
     effect in the tick in which the last of it goes out, so that it can start anew. An imbalance
-    (``twins``) rests with order 1, whose P it shares. Columns that meet in frequency are not judged: the signal cannot tell them apart, so ``meets`` marks them,
-    and nothing learned then is worth saving.
+    (``twins``) rests with order 1, whose P it shares. Columns that meet in frequency are not
+    judged: the signal cannot tell them apart, so ``meets`` marks them, and nothing learned then
+    is worth saving.
     """
 
     __slots__ = (
         "_age", "_astray", "_bad", "_judged", "_lost", "_noise", "_others", "_passed_s",
-        "_phasor", "_pull", "_rest", "_size", "_slow", "_ticks", "_twins", "_work", "calm", "dropped", "meets", "now",
-        "share", "without",
+        "_phasor", "_pull", "_rest", "_size", "_slow", "_ticks", "_twins", "_work", "calm",
+        "dropped", "meets", "now", "share", "without",
     )  # fmt: skip
 
     def __init__(

@@ -65,6 +65,27 @@ def chosen_jobs(sections: Sequence[str], seeds: Sequence[int], *, quick: bool) -
     return sorted(jobs, key=lambda job: job.section != "roll")
 
 
+def only(jobs: Sequence[Job], *, laws: str, names: str) -> list[Job]:
+    """Return the jobs of these laws and cases (divided by ;, empty: all).
+
+    Raises
+    ------
+    SystemExit
+        When one of them is the name of no job; the text lists what there is.
+    """
+    kept = set(jobs)
+    for wanted, names_of in (
+        (laws, {job: job.law for job in jobs}),
+        (names, {job: job.case.name for job in jobs}),
+    ):
+        asked = wanted.split(";") if wanted else list(names_of.values())
+        if unknown := [name for name in asked if name not in names_of.values()]:
+            there = "; ".join(sorted(set(names_of.values())))
+            raise SystemExit(f"no row of {unknown}; there are: {there}")
+        kept &= {job for job, name in names_of.items() if name in asked}
+    return [job for job in jobs if job in kept]
+
+
 def run_jobs(jobs: Sequence[Job], folder: Path, processes: int) -> tuple[int, float]:
     """Run what has no row yet, keep every row as it comes; return how many and the CPU seconds."""
     todo = [job for job in jobs if store.load(folder, job) is None]
@@ -112,6 +133,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--sections", default=",".join(SECTIONS))
     parser.add_argument("--seeds", default=f"{TUNED_SEED},{UNSEEN_SEED}")
     parser.add_argument("--laws", default="", help="only these, divided by ;")
+    parser.add_argument("--cases", default="", help="only these, as the tables name them; by ;")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "control-bench")
     parser.add_argument("--docs", type=Path, default=None, help="also write the page and plots")
@@ -135,8 +157,7 @@ def main() -> int:
     seeds = [int(s) for s in given.seeds.split(",")][: 1 if quick else None]
     folder = given.out / "quick" if quick else given.out
     jobs = chosen_jobs(given.sections.split(","), seeds, quick=quick)
-    if given.laws:
-        jobs = [job for job in jobs if job.law in given.laws.split(";")]
+    jobs = only(jobs, laws=given.laws, names=given.cases)
     if given.fresh:
         for job in jobs:
             store.place(folder, job).unlink(missing_ok=True)
@@ -151,7 +172,8 @@ def main() -> int:
     everything = chosen_jobs(SECTIONS, seeds, quick=quick)
     rows: list[Row] = [row for job in everything if (row := store.load(folder, job)) is not None]
     rows += extras.rows(folder)
-    page = report.page(rows, missing=len(everything) - sum("cpu_s" in r for r in rows))
+    missing = len(everything) - sum("cpu_s" in r for r in rows)
+    page = report.page(rows, missing, quick=quick)
     sys.stdout.write(page)
     (folder / "control-bench.md").write_text(page)
     if given.docs is not None and not quick:

@@ -123,13 +123,18 @@ def _table(section: str, rows: Iterable[Row]) -> list[str]:
     return out
 
 
-def page(rows: Sequence[Row], missing: int = 0) -> str:
-    """Return the whole page as markdown; ``missing`` rows have not been run."""
+def page(rows: Sequence[Row], missing: int = 0, *, quick: bool = False) -> str:
+    """Return the whole page as markdown; ``missing`` rows have not been run.
+
+    What was found out about the whole set is not said of the short one (``quick``).
+    """
     out = ["# Control bench", "", *INTRODUCTION, ""]
     if missing:
         out += [f"**{missing} rows of the full table have not been run.**", ""]
     note = Path(__file__).parent / "state.md"
-    if note.exists():
+    if quick:
+        out += ["Short set (`QUICK=1`): a few rows of `docs/control-bench.md`, seed 1.", ""]
+    elif note.exists():
         out += [note.read_text().strip(), ""]
     out += ["## Targets", "", *_targets(rows), ""]
     out += ["## Laws and their tuning", ""]
@@ -173,7 +178,9 @@ INTRODUCTION = [
     "sockets. Judged on the true mean tension of the spans at the load cell, by least squares on",
     "the roll's angle; dB against the same run with the tension PI alone. Lead and follower are",
     "0.3 mm eccentric, so ripple of other rolls is part of every row. Seed 1 was used for tuning,",
-    "seed 101 never. Rows are kept in `out/control-bench`, a stopped run goes on. P is the",
+    "seed 101 never. Rows are kept in `out/control-bench`, a stopped run goes on. One row again:",
+    '`python -m benchmarks.control --cases "PE 300 FPM R8 flat" --laws FxLMS --seeds 101 --out X`',
+    "(names as in the tables; a case may be in several of them: `--sections roll`). P is the",
     "declared line's own noise-free answer to a push (six radii, 200 FPM):",
     "nominal rows are a best case, hidden-mismatch rows use the same P on a line that differs.",
     "Noise reference: what averaging white load-cell noise over ten turns leaves; a yardstick. A",

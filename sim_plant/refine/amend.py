@@ -21,7 +21,8 @@ from sim_plant.refine.verdict import aff_blocks, declared_entries
 FILE = "line_amended.yaml"
 BLOCK_FILE = "aff_block.yaml"
 HIGHEST_START = 16
-BLOCK_HEAD = """# paste under `actuators.<name>.blocks` of the site file
+BLOCK_HEAD = """# put it in the place of `blocks` of the actuator in the site file, four spaces in;
+# a roller that has an actuator of its own belongs there
 # start: moment arm of each order for `law: shape`, tried on the roll before it is used; with
 # `law: blocks` remove start and all orders but the first four
 """

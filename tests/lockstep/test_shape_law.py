@@ -30,6 +30,7 @@ ORDERS = tuple(range(1, 13))
 ARMED_S, JUDGED_S = 30.0, 20.0
 NOISE_FLOOR_N = 3.0 * 0.25 * (2.0 * 0.005 / JUDGED_S) ** 0.5
 TURN_S = 1.26
+RECORD = {"versions": {}, "config_hash": "abc"}
 
 
 @dataclass
@@ -48,8 +49,7 @@ def shop(responses, shapes=None, site_file=SITE, fresh_every=1) -> Shop:
     site = load_site(site_file)
     bench = Bench(Setup(site=site_file, responses=responses, soft_start_s=1.5))
     record = {
-        "versions": {},
-        "config_hash": "abc",
+        **RECORD,
         "shapes": shapes or {},
         "site": site.model_dump(mode="json", by_alias=True),
     }
@@ -212,9 +212,42 @@ def test_repeated_readings_lengthen_a_trial_and_do_not_end_it(responses, learned
     *_, kept = learned
     made = shop(responses, at_full_radius(kept), fresh_every=2)
     made.bench.run(9.0)
-    assert not made.said
+    (waits,) = made.said
+    assert "4 s and three turns with the line running; arm after that" in waits
     made.bench.run(9.0)
     assert any("unwind: starts from the shape saved" in text for text in made.said), made.said
+
+
+def test_a_roll_exchanged_while_the_output_closes_is_said_and_not_saved_under_the_new_ones_name(
+    responses,
+):
+    made = shop(responses)
+    made.bench.run(2.0)
+    made.bench.arm(6.0)
+    law = made.bench.law
+    assert isinstance(law, Controller)
+    law.phases.roll_id = 2  # seen by the tick that also closes the output
+    made.keeper.watch(law, active=False, quiet=True, wrong=frozenset(), elapsed_s=0.0)
+    assert made.said == ["unwind: roll 2 in the place of roll 1: the shape of unwind is forgotten"]
+    data = json.loads(made.kept["unwind"])
+    assert {row["roll"] for row in data["orders"]} == {"swrap_follower"}
+    assert not data["imbalance"]
+
+
+def test_who_arms_before_the_trial_is_over_is_told_what_it_costs(responses, learned):
+    *_, kept = learned
+    made = shop(responses, at_full_radius(kept))
+    made.bench.run(1.0)
+    made.bench.say(Arm())
+    made.bench.run(4.0)
+    waits, dropped = made.said
+    assert "waits for its trial" in waits
+    assert "learning began before its trial was over; the roll is learned anew" in dropped
+    made.keeper.follow(
+        {**RECORD, "site": load_site(SITE).model_dump(mode="json")}, load_site(SITE)
+    )
+    made.bench.run(1.0)
+    assert len(made.said) == 2  # an edit of the file repeats neither
 
 
 def test_a_roll_that_is_forgotten_before_its_trial_is_not_tried(responses, learned):

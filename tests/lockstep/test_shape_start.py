@@ -51,7 +51,7 @@ def test_a_refinements_shape_quiets_the_web_two_turns_after_arming(responses, tm
     made.rows.clear()
     made.bench.run(4.0)
     _, _, before_N = ripple(made.rows)
-    assert any("unwind: starts from the start values" in text for text in made.said), made.said
+    assert any("unwind: starts from the start shape" in text for text in made.said), made.said
     made.bench.say(Arm())
     made.bench.run(1.5 + 2.0 * TURN_S)
     made.rows.clear()

@@ -183,7 +183,7 @@ def test_a_signal_that_ends_the_service_is_named_and_so_is_the_zero(
     assert words[3] == words[8] == 0
     assert own.said(f"{number.name}")
     assert own.said("stopped; the correction reached zero")
-    assert not own.said("bypass by operator")
+    assert not own.said("bypassed, or a probe has ended")
 
 
 def known_response(actuator: str) -> str:

@@ -134,6 +134,17 @@ def test_the_shelf_hears_of_shapes_only(tmp_path: Path) -> None:
     assert shelf.words == ["unwind: kept"]
 
 
+def test_a_shape_that_waits_is_no_longer_said_to_wait_when_something_became_of_it(
+    tmp_path: Path,
+) -> None:
+    shelf, about = ShapeShelf(lambda *_: None), record(tmp_path)
+    for actuator in ("unwind", "rewind"):
+        waits = {"did": "SHAPE", "actuator": actuator, "text": "x waits for its trial: 4 s"}
+        assert shelf.hear(about, waits)
+    assert shelf.hear(about, {"did": "SHAPE", "actuator": "unwind", "text": "starts from x"})
+    assert shelf.words == ["rewind: x waits for its trial: 4 s", "unwind: starts from x"]
+
+
 def test_a_folder_that_cannot_be_written_is_said_and_ends_nothing(tmp_path: Path) -> None:
     said: list[str] = []
     about = record(tmp_path)

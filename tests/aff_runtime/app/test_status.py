@@ -85,7 +85,7 @@ def told(state: State, alarm: str = "NONE", blocked: str = "", **more: object) -
             "FAULT: OVERRUN, control cycle overran three times in a row, over now; "
             "check CPU load and real-time rights, then arm again",
         ),
-        (told(State.BYPASS, "BYPASSED"), "BYPASS: bypass by operator; arm to return"),
+        (told(State.BYPASS, "BYPASSED"), "BYPASS: bypassed, or a probe has ended; arm to return"),
         (told(State.ACTIVE, config_differs=["x"]), "ACTIVE  [CONFIG_DIFFERS]"),
     ],
 )
@@ -152,6 +152,8 @@ def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
         "unit": "m/s",
         "limit": 0.02,
         "phase_deg": -71.0,
+        "encoder_deg": None,
+        "out": None,
         "ripple_before": 1.5,
         "ripple": None,
         "benefit_dB": None,
@@ -199,6 +201,15 @@ def test_an_order_of_a_shape_is_told_in_mm_with_its_benefit() -> None:
     assert block["benefit_dB"] == pytest.approx(40.0)
     assert block["frequency_Hz"] == pytest.approx(2.4)
     assert (block["share"], block["why"]) == (1.0, "")
+
+
+@pytest.mark.parametrize(("applied", "out"), [(0.0, 0.0), (0.5, 0.2)])
+def test_what_goes_out_of_an_order_is_its_share_of_what_the_guard_lets_out(
+    applied: float, out: float
+) -> None:
+    row = shape_record("unwind_3x", Trend.SETTLED, share=0.4)
+    block = shapes(row | {"applied_ratio_unwind_m_s": applied})["unwind_3x"]
+    assert block["out"] == pytest.approx(out)
 
 
 def test_a_held_order_says_why() -> None:

@@ -101,13 +101,14 @@ def test_a_dead_recorder_is_told() -> None:
 def shape_block(order: int, **more: Any) -> dict[str, Any]:
     return block(order) | {
         "law": "shape", "name": f"unwind_{order}x", "roll": "unwind", "order": order,
-        "amplitude": 0.7234, "unit": "mm", "limit": 15.0, "share": 1.0, "benefit_dB": 41.3,
+        "amplitude": 0.7234, "unit": "mm", "limit": 15.0, "share": 1.0, "out": 1.0,
+        "benefit_dB": 41.3,
         "state": "settled", "why": "", **more,
     }  # fmt: skip
 
 
 def test_an_order_of_a_shape_shows_mm_angle_share_and_benefit() -> None:
-    table = list(block_lines([shape_block(1), shape_block(2, share=None, benefit_dB=None)]))
+    table = list(block_lines([shape_block(1), shape_block(2, out=None, benefit_dB=None)]))
     assert table[0].split() == [
         "unwind",
         "Hz",
@@ -139,3 +140,14 @@ def test_the_screen_keeps_the_low_orders_of_every_roll() -> None:
     assert len(rows) <= 24
     assert any("swrap_1x" in row for row in rows)
     assert not any("unwind_30x" in row for row in rows)
+
+
+def test_the_next_meeting_of_two_rolls_is_told_and_the_screen_has_a_row_for_it() -> None:
+    meets = "unwind: in about 4 min unwind 1x meets swrap_follower 1x at radius 0.1537 m"
+    given = {**answer(30), "crossings": [meets]}
+    assert f"next     {meets}" in list(lines(given))
+    rows = screen(given)
+    (row,) = [row for row in rows if row.startswith("next")]
+    assert "in about 4 min unwind 1x meets swrap_follower 1x" in row
+    assert len(rows) <= 24
+    assert max(map(len, rows)) <= 80

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from aff_runtime.core.monitor import Trend
+from aff_runtime.core.params import ShapeParams
 from aff_runtime.core.phase import Quality
 from tests.aff_runtime.core.plants import CYCLE_S, LagDelay
 from tests.aff_runtime.core.shape_site import GAIN_N_S_M, LENGTH_ONLY, Rig, actuator
@@ -80,17 +81,30 @@ def test_a_P_that_differs_in_gain_and_phase_is_learned_not_diverged_from(delay, 
 
 
 @settings(max_examples=5, deadline=None)
-@given(limit=st.floats(1e-4, 5e-3), seed=st.integers(0, 99), size=st.floats(0.1, 8.0))
-def test_the_bound_holds_at_every_tick_whatever_the_limit(limit, seed, size):
-    rig = Rig(
-        actuator(orders=(1, 2, 3)), ripple={k: size * c for k, c in RIPPLE.items()}, seed=seed
-    )
+@given(
+    limit=st.floats(1e-4, 5e-3), seed=st.integers(0, 99), size=st.floats(0.1, 8.0),
+    cap_m=st.floats(1e-5, 1e-3),
+)  # fmt: skip
+def test_the_bound_holds_at_every_tick_whatever_the_limit(limit, seed, size, cap_m):
+    params = actuator(orders=(1, 2, 3), shape=ShapeParams(weight_limit_m=cap_m))
+    rig = Rig(params, ripple={k: size * c for k, c in RIPPLE.items()}, seed=seed)
     rig.noise_N, rig.limit = 0.3, limit
     for _ in range(300):
         rig.tick()
         assert abs(rig.last.value) <= rig.last.peak_bound + 1e-12
         assert abs(rig.u) <= limit * (1 + 1e-9)
-    assert np.abs(rig.law.weight).max() <= rig.params.shape.weight_limit_m
+        assert np.abs(rig.law.weight).max() <= cap_m * (1 + 1e-12)
+
+
+def test_a_shape_stops_at_its_limit_and_keeps_its_angle():
+    free = Rig(actuator(orders=(1,), drive=LENGTH_ONLY), ripple={("unwind", 1): 3.0 + 1.0j})
+    free.run(10.0)
+    whole = complex(free.law.weight[0])
+    cap_m = 0.5 * abs(whole)
+    params = actuator(orders=(1,), drive=LENGTH_ONLY, shape=ShapeParams(weight_limit_m=cap_m))
+    rig = Rig(params, ripple={("unwind", 1): 3.0 + 1.0j})
+    rig.run(10.0)
+    assert complex(rig.law.weight[0]) == pytest.approx(0.5 * whole, rel=0.05)
 
 
 def test_a_limit_takes_the_costliest_order_first_and_the_shape_stays():
@@ -114,8 +128,21 @@ def test_a_slew_limit_leaves_what_fits_and_does_not_shut_the_law():
     assert tight.last.slew_bound > 0.5 * tight.slew_limit
 
 
-def test_zero_gain_of_the_loop_changes_nothing():
-    """A plant that does not answer: the output stays what a metre limit allows, no blow-up."""
+@settings(max_examples=5, deadline=None)
+@given(size=st.floats(0.0, 50.0), seed=st.integers(0, 99))
+def test_zero_gain_changes_nothing(size, seed):
+    """Where P is known to be nothing, no ripple and no noise moves a weight or the output."""
+    rig = Rig(known=LagDelay(0.0), ripple={k: size * c for k, c in RIPPLE.items()}, seed=seed)
+    rig.noise_N = 0.3
+    for _ in range(400):
+        rig.tick()
+        assert rig.u == 0.0
+    assert not rig.law.weight.any()
+    assert (rig.law.filter.gain == 1.0).all()
+
+
+def test_a_loop_that_does_not_answer_is_not_driven_harder_and_harder():
+    """P is declared, the plant answers nothing: the output stays what noise alone makes."""
     rig = Rig(plant=LagDelay(0.0), known=LagDelay(GAIN_N_S_M, delay=2, lag=0.6))
     rig.noise_N = 0.25
     rig.run(8.0)
@@ -175,6 +202,15 @@ def test_nan_never_reaches_the_output(bad):
         assert math.isfinite(rig.last.value)
         assert math.isfinite(rig.last.peak_bound)
         assert math.isfinite(rig.last.slew_bound)
+
+
+def test_a_weight_that_stops_being_a_number_is_never_sent_and_the_law_starts_anew():
+    rig = Rig(ripple=RIPPLE)
+    rig.run(2.0)
+    rig.law.weight[0] = math.nan
+    rig.tick()
+    assert (rig.last.value, rig.last.peak_bound, rig.last.slew_bound) == (0.0, 0.0, 0.0)
+    assert tail_rms(rig.run(14.0)) < 0.05
 
 
 def test_a_saved_profile_starts_at_once():

@@ -11,7 +11,7 @@ import pytest
 
 from aff_runtime.base.signals import ActuatorStep
 from benchmarks.control import store
-from benchmarks.control.__main__ import SECTIONS, chosen_jobs
+from benchmarks.control.__main__ import SECTIONS, chosen_jobs, only
 from benchmarks.control.cases import ON_S, constant_cases, mismatch_cases, roll_duration_s
 from benchmarks.control.jobs import Job
 from benchmarks.control.judge import judge_transient, order_amplitudes, ratio_dB
@@ -27,6 +27,7 @@ from benchmarks.control.laws import (
 from benchmarks.control.lines import ALL_FIVE, INCH_M, Hidden, nominal, spoilt, with_hidden
 from benchmarks.control.lockstep import Record, run
 from benchmarks.control.memory import ROUND_TICKS, Eventful, footprint
+from benchmarks.control.report import page
 from benchmarks.control.verdicts import beaten, targets
 from sim_plant.geometry.wound_mass import WoundMass, gravity_torque_N_m
 from sim_plant.line.load import consistency
@@ -129,6 +130,25 @@ def test_every_law_stands_on_every_row():
         for name, _, seed in rows:
             assert all((name, law, seed) in rows for law in (OWN, *RIVALS))
     assert len({store.place(Path(), j) for j in jobs}) == len(jobs)
+
+
+def test_the_short_set_does_not_claim_what_was_found_on_the_whole_one():
+    whole, short = page([]), page([], quick=True)
+    assert "## State of this page" in whole
+    assert "## State of this page" not in short
+    assert "Short set" in short
+
+
+def test_one_row_is_chosen_by_the_names_of_the_tables():
+    jobs = chosen_jobs(("constant", "roll"), (1, 101), quick=False)
+    chosen = only(jobs, laws="FxLMS;perfect roll", names="PE 300 FPM R8 flat")
+    assert {(j.law, j.seed, j.section) for j in chosen} == {
+        *(("FxLMS", seed, section) for seed in (1, 101) for section in ("constant", "roll")),
+        *(("perfect roll", seed, "constant") for seed in (1, 101)),
+    }
+    assert only(jobs, laws="", names="") == jobs
+    with pytest.raises(SystemExit, match=r"no row of .'FXLMS'.; there are: .*FxLMS"):
+        only(jobs, laws="FXLMS", names="")
 
 
 def test_the_compiled_run_without_a_law_is_the_run_with_a_silent_one():
