@@ -11,12 +11,13 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.models import Site
+from aff_runtime.core.response import Response
 from aff_runtime.core.shape_basis import IMBALANCE_N_M_PER_M
 from aff_runtime.core.shape_profile import ShapeProfile
 
@@ -34,6 +35,8 @@ class ShapeFile:
     Attributes
     ----------
     belongs_to : hash of what the shape rests on (``shape_basis_hash``).
+    response : hash of the measured response that the correction of P corrects
+        (``response_hash``); empty in a file of before it was kept.
     roll_id : the PLC's counter of splices when it was saved.
     radius_m : radius by roll when it was saved.
     web : declared density, width of the web.
@@ -43,6 +46,7 @@ class ShapeFile:
 
     actuator: str
     belongs_to: str
+    response: str
     config_hash: str
     saved_at: str
     version: str
@@ -99,7 +103,8 @@ class ShapeFile:
                 for row in data["imbalance"]
             }
             found = cls(
-                **{name: str(data[name]) for name in _HEAD if name != "roll_id"},
+                **{name: str(data[name]) for name in _HEAD if name not in {"roll_id", "response"}},
+                response=str(data.get("response", "")),
                 roll_id=int(data["roll_id"]),
                 radius_m={str(k): float(v) for k, v in data["radius_m"].items()},
                 web={str(k): float(v) for k, v in data["web"].items()},
@@ -135,7 +140,7 @@ def _odd_number(file: ShapeFile) -> str | None:
     return None
 
 
-_HEAD = ("actuator", "belongs_to", "config_hash", "saved_at", "version", "roll_id")
+_HEAD = ("actuator", "belongs_to", "response", "config_hash", "saved_at", "version", "roll_id")
 
 
 def shape_path(response: Path) -> Path:
@@ -157,6 +162,23 @@ def shape_basis_hash(site: Site, actuator: str) -> str:
         rolls[name] = [angle, scale, site.rolls[name].radius_m]
     drive = settings.drive.model_dump(mode="json") if settings.drive is not None else None
     content = [settings.error.signal, settings.output, drive, rolls]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def response_hash(text: str | None) -> str:
+    """Return a hash of a response's delay and points; empty without a response.
+
+    Layout and provenance of the file do not change it.
+
+    Raises
+    ------
+    ConfigError
+        When ``text`` is no response.
+    """
+    if text is None:
+        return ""
+    measured = Response.from_json(text)
+    content = [measured.delay_s, [asdict(point) for point in measured.points]]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 

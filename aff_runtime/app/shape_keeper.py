@@ -14,7 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from aff_runtime.app.shape_file import WAITS, ShapeFile, shape_basis_hash, start_values
+from aff_runtime.app.shape_file import (
+    WAITS,
+    ShapeFile,
+    response_hash,
+    shape_basis_hash,
+    start_values,
+)
 from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.config.models import Site
 from aff_runtime.core.controller import Controller, RollPhases
@@ -77,6 +83,7 @@ class ShapeKeeper:
         self._trials: dict[str, _Trial] = {}
         self._used: set[str] = set()
         self._announced: set[str] = set()
+        self._refused: set[tuple[str, str]] = set()  # corrections of another response, as said
         self.follow(record, site)
 
     def follow(self, record: Mapping[str, Any], site: Site) -> None:
@@ -84,6 +91,8 @@ class ShapeKeeper:
         self._site = site
         self._config_hash = str(record["config_hash"])
         self._hash = {name: shape_basis_hash(site, name) for name in site.actuators}
+        measured = record.get("responses", {})
+        self._response = {name: response_hash(measured.get(name)) for name in site.actuators}
         for name in site.actuators:
             if name in self._used:
                 continue
@@ -110,7 +119,7 @@ class ShapeKeeper:
                     _Known(
                         source=f"the shape saved {file.saved_at}",
                         weight_m=file.profile.weight_m,
-                        correction=file.profile.correction,
+                        correction=self._correction(actuator, file),
                         imbalance_m=file.profile.imbalance_m,
                         file=file,
                     )
@@ -123,6 +132,21 @@ class ShapeKeeper:
             source = "the start shape of the site file"
             known.append(_Known(source=source, weight_m=given, correction={}))
         return known
+
+    def _correction(self, actuator: str, file: ShapeFile) -> Orders:
+        """Return what a file knows of P; nothing when it learned that over another response.
+
+        A correction of another response would be taken for a moved encoder by the trial.
+        """
+        if file.response and file.response == self._response[actuator]:
+            return file.profile.correction
+        if (actuator, self._response[actuator]) in self._refused:
+            return {}
+        self._refused.add((actuator, self._response[actuator]))
+        whose = "of another response" if file.response else "of a response that it does not name"
+        text = f"the shape saved {file.saved_at} keeps its shape; its correction of P is {whose}"
+        self._tell(actuator, f"{text} and is learned anew")
+        return {}
 
     # --- before anything goes out ---------------------------------------------------------------
 
@@ -275,6 +299,7 @@ class ShapeKeeper:
             file = ShapeFile(
                 actuator=name,
                 belongs_to=self._hash[name],
+                response=self._response[name],
                 config_hash=self._config_hash,
                 saved_at=wall_time_iso(),
                 version=self._version,

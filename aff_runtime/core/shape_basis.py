@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from aff_runtime.core.params import DriveParams
 from aff_runtime.core.phase import RollPhase
+from aff_runtime.core.shape_columns import Common
 
 Complexes = npt.NDArray[np.complex128]
 Floats = npt.NDArray[np.float64]
@@ -209,9 +210,20 @@ class ShapeBasis:
         self.b[:] = 0.0
         self._track = SpeedTrack()
 
-    def adopt(self, old: ShapeBasis) -> None:
-        """Go on from the filters of ``old``, which has the same columns."""
-        self._low, self._before, self._track = old._low, old._before, old._track
-        self.b, self.fade, self.frequency_Hz = old.b, old.fade, old.frequency_Hz
-        self._turns[:] = old._turns
-        self.omega_rad_s, self.turn_s = self._turns[1], self._turns[4]
+    def adopt(self, old: ShapeBasis, both: Common) -> None:
+        """Go on from the filters of ``old``; a new order of a known roll knows how it turns."""
+        self._track = old._track
+        for i, roll in enumerate(self.rolls):
+            if roll in old.rolls:
+                self._rolls[:, i] = old._rolls[:, old.rolls.index(roll)]
+                mine = np.flatnonzero(self._index == i)
+                self._turns[:, mine] = self._rolls[:, i : i + 1]
+                self.omega_rad_s[mine], self.turn_s[mine] = (
+                    self._turns[1, mine],
+                    self._turns[4, mine],
+                )
+                self.frequency_Hz[mine] = self.order[mine] * self._turns[5, mine]
+        both.take(self._low, old._low)
+        both.take(self._before, old._before)
+        both.take(self.b, old.b)
+        both.take(self.fade, old.fade)

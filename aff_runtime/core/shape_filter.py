@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.core.impulse import LoopModel
+from aff_runtime.core.shape_columns import Common
 
 Complexes = npt.NDArray[np.complex128]
 Seen = npt.NDArray[np.complex64]
@@ -61,7 +62,12 @@ class LoopFilter:
         mask = np.tile(np.repeat(columns, 2), 2)
         self._ring[:, mask] = 0.0
 
-    def adopt(self, old: LoopFilter) -> None:
+    def adopt(self, old: LoopFilter, both: Common) -> None:
         """Go on with the past of ``old``; a longer memory starts with what there is."""
-        if old._length == self._length and old._count == self._count:
-            self._ring, self._at = old._ring, old._at
+        known = min(self._length, old._length)
+        past = old._ring[old._at : old._at + old._length][-known:].view(np.complex64)
+        now = self._ring.view(np.complex64)
+        for end in (self._length, 2 * self._length):
+            for mine, theirs in ((0, 0), (self._count, old._count)):
+                now[end - known : end, mine + both.mine] = past[:, theirs + both.theirs]
+        self._at = 0

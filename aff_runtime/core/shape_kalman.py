@@ -7,6 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.core.shape_columns import Common
+
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
 Seen = npt.NDArray[np.complex64] | Complexes
@@ -163,10 +165,13 @@ class ShapeFilter:
         if correction is not None:
             self._diagonal[2 * (n + at) : 2 * (n + at) + 2] = KNOWN_CORRECTION**2
 
-    def adopt(self, old: ShapeFilter) -> None:
-        """Go on where a filter of the same columns stands."""
-        self.state[:] = old.state
-        self.covariance[:] = old.covariance
+    def adopt(self, old: ShapeFilter, both: Common) -> None:
+        """Go on where ``old`` stands, with what its columns know of each other."""
+        mine, theirs = _entries(both.mine, self.count), _entries(both.theirs, old.count)
+        self.state[mine] = old.state[theirs]
+        self.covariance[np.ix_(mine, mine)] = old.covariance[np.ix_(theirs, theirs)]
+        both.take(self._turn_s, old._turn_s)
+        self._passed_s, self._ticks = old._passed_s, old._ticks
 
     def check(self) -> None:
         """Start the covariance again should rounding ever have spoilt it; the state stays."""
@@ -174,3 +179,9 @@ class ShapeFilter:
             state = np.where(np.isfinite(self.state), self.state, 0.0)
             self.restart()
             self.state[:] = state
+
+
+def _entries(columns: npt.NDArray[np.int_], count: int) -> npt.NDArray[np.int_]:
+    """Return where the state holds a_n and g_n of some of ``count`` columns, and the bias."""
+    pairs = (2 * columns[:, None] + np.arange(2)).ravel()
+    return np.concatenate([pairs, 2 * count + pairs, [4 * count]])

@@ -18,6 +18,7 @@ from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.response import Response, arming_objections
 from aff_runtime.core.shape_basis import FADE_TO_HZ, ShapeBasis
 from aff_runtime.core.shape_bounds import PeakBound
+from aff_runtime.core.shape_columns import common
 from aff_runtime.core.shape_filter import LoopFilter
 from aff_runtime.core.shape_kalman import ShapeFilter
 from aff_runtime.core.shape_monitor import ShapeMonitor
@@ -255,31 +256,36 @@ class ShapeLaw:
             self.filter.expect(self._heavy, heavy, known)
 
     def adopt(self, old: ActuatorLaw) -> None:
-        """Take over weights and what was learned; orders that ``old`` lacks start from zero."""
+        """Go on where ``old`` stands, column by column; orders that it lacks start from zero."""
         if isinstance(old, ShapeLaw):
             self._follow(old)
 
     def _follow(self, old: ShapeLaw) -> None:
         self._gate.share, self._gate.opened = old._gate.share, old._gate.opened
         self._tension_N = old._tension_N
-        if old.basis.names == self.basis.names:
-            self.weight[:], self._sent[:] = old.weight, old._sent
-            self.basis.adopt(old.basis)
-            self.filter.adopt(old.filter)
-            self._loop.adopt(old._loop)
-            self.monitor, self.room, self.presence = old.monitor, old.room, old.presence
-            self.trust.adopt(old.trust)
-            self._change_P(old._model)
+        if old._drive.roll != self._drive.roll:
+            self.start_from(old.profile())
             return
-        self.start_from(old.profile())
+        both = common(self.basis.names, old.basis.names)
+        both.take(self.weight, old.weight)
+        both.take(self._sent, old._sent)
+        both.take(self._signal_per_m, old._signal_per_m)
+        self.basis.adopt(old.basis, both)
+        self.filter.adopt(old.filter, both)
+        self._loop.adopt(old._loop, both)
+        self.monitor.adopt(old.monitor, both)
+        self.room.adopt(old.room, both)
+        self.presence.adopt(old.presence, both)
+        self.trust.adopt(old.trust, both)
+        self._change_P(old._model, both.mine)
 
-    def _change_P(self, old: LoopModel) -> None:
+    def _change_P(self, old: LoopModel, columns: npt.NDArray[np.int_]) -> None:
         """Turn what was learned of P from an old response to the present one; shapes stay."""
         if np.array_equal(old.taps, self._model.taps):
             return
         at = self.basis.frequency_Hz
         radius_m = self._own.radius_m
-        for i in np.flatnonzero(self.basis.fade > 0.0):
+        for i in columns[self.basis.fade[columns] > 0.0]:
             now = self._model.response(float(at[i]), self._cycle_s, radius_m)
             ratio = old.response(float(at[i]), self._cycle_s, radius_m) / now if now else 1.0
             self.filter.expect(int(i), self.weight[i], complex(self.filter.gain[i] * ratio) - 1.0)

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.core.monitor import Trend
+from aff_runtime.core.shape_columns import Common
 
 Complexes = npt.NDArray[np.complex128]
 Seen = npt.NDArray[np.complex64] | Complexes
@@ -169,6 +170,16 @@ class ShapeMonitor:
             part[columns] = 0.0
         self._ticks = 0  # judge with the next sample, so that the lock-in starts with its age
         self.now[columns] = self.without[columns] = math.nan
+
+    def adopt(self, old: ShapeMonitor, both: Common) -> None:
+        """Go on where ``old`` stands; other columns are heard from now on."""
+        for name in (
+            "_phasor", "_pull", "_slow", "_age", "_bad", "_lost", "_astray", "_judged", "_rest",
+            "now", "without", "share", "meets", "dropped",
+        ):  # fmt: skip
+            both.take(getattr(self, name), getattr(old, name))
+        self._ticks, self._passed_s = old._ticks, old._passed_s
+        self.calm = not self._rest.any() and bool((self.share == 1.0).all())
 
     def trend(self, at: int) -> Trend:
         """Return where a column stands."""

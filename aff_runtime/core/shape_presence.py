@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.core.phase import Quality, RollPhase
+from aff_runtime.core.shape_columns import Common
 
 FADE_S = 0.3
 
@@ -37,6 +38,13 @@ class Presence:
     def leave(self, roll: str) -> None:
         """Fade the columns of a roll that was changed, then have them forgotten."""
         self._leaving |= self._roll_of == roll
+        self._calm = False
+
+    def adopt(self, old: Presence, both: Common) -> None:
+        """Go on where ``old`` stands; the angles are one's own."""
+        both.take(self.share, old.share)
+        both.take(self._leaving, old._leaving)
+        self.known = old.known
         self._calm = False
 
     def step(self, dt_s: float) -> npt.NDArray[np.bool_] | None:

@@ -7,6 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.core.shape_columns import Common
+
 Floats = npt.NDArray[np.float64]
 RATIO_EPS = 1e-9
 MARGIN = 0.97
@@ -59,6 +61,12 @@ class Room:
                 at = int(np.argmin(cost))
                 self.share[at] = min(1.0, self.share[at] + dt_s / RETURN_S)
                 self.limited = bool((self.share < 1.0).any())
+
+    def adopt(self, old: Room, both: Common) -> None:
+        """Go on where ``old`` stands; other columns have their whole room."""
+        both.take(self.share, old.share)
+        self.peak, self._limit = old.peak, old._limit
+        self.limited = bool((self.share < 1.0).any())
 
     def _shorten(
         self,

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response
+from aff_runtime.core.shape_columns import Common
 
 Floats = npt.NDArray[np.float64]
 FADE_S = 1.0
@@ -51,6 +52,7 @@ class Trust:
             bound = self._response.phase_error_bound_rad(frequency_Hz)
             self.held[at] = bound > MAX_PHASE_ERROR_RAD
 
-    def adopt(self, old: Trust) -> None:
-        """Go on from the shares of ``old``, which has the same columns."""
-        self.share = old.share
+    def adopt(self, old: Trust, both: Common) -> None:
+        """Go on from the shares of ``old``; what it held stays held until it is looked at."""
+        both.take(self.share, old.share)
+        both.take(self.held, old.held)

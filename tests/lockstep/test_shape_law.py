@@ -51,6 +51,7 @@ def shop(responses, shapes=None, site_file=SITE, fresh_every=1) -> Shop:
     record = {
         **RECORD,
         "shapes": shapes or {},
+        "responses": {name: found.to_json() for name, found in responses.items()},
         "site": site.model_dump(mode="json", by_alias=True),
     }
     made = Shop(bench=bench, keeper=None, rows=watched(bench))  # type: ignore[arg-type]

@@ -31,8 +31,9 @@ WEIGHT = {("unwind", 1): 0.0009 - 0.0003j, ("unwind", 3): 1e-4j, ("swrap_followe
 
 def file(**more: Any) -> ShapeFile:
     known: dict[str, Any] = {
-        "actuator": "unwind", "belongs_to": "b", "config_hash": "c", "saved_at": "t",
-        "version": "v", "roll_id": 3, "radius_m": {"unwind": 0.2, "swrap_follower": 0.15},
+        "actuator": "unwind", "belongs_to": "b", "response": "r", "config_hash": "c",
+        "saved_at": "t", "version": "v", "roll_id": 3,
+        "radius_m": {"unwind": 0.2, "swrap_follower": 0.15},
         "web": {"density_kg_m3": 395.0},
         "profile": ShapeProfile(
             weight_m=WEIGHT, correction={("unwind", 1): 0.1 - 0.2j}, imbalance_m={"unwind": 4e-4j}
