@@ -25,6 +25,7 @@ FORMAT = "aff-learned-shape-1"
 WAITS = "waits for its trial"  # said of a shape until it is known what became of it
 MAX_FILE_BYTES = 65536
 MAX_DEVIATION_M, MAX_LOOP, MAX_TORQUE_N_M, MAX_ORDER = 1.0, 100.0, 1e5, 64
+LARGEST_SHOWN = 1e300  # a longer whole number has no float
 _UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, RecursionError, ArithmeticError)
 
 
@@ -136,7 +137,11 @@ def _odd_number(file: ShapeFile) -> str | None:
     for name, size, most, unit in rows:
         least = 1 if name.startswith("order") else 0
         if not least <= size <= most:
-            return f"{name} is {size:g} {unit}".rstrip() + f", expected {least} to {most:g}"
+            shown = f"{min(size, LARGEST_SHOWN):g} {unit}".rstrip()
+            return f"{name} is {shown}, expected {least} to {most:g}"
+    for name, value in file.web.items():
+        if not math.isfinite(value):
+            return f"{name} of web is {value:g}, expected a number"
     return None
 
 

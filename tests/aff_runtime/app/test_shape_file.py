@@ -72,7 +72,9 @@ def test_a_technician_reads_mm_and_degrees() -> None:
     ["", "[]", "{}", '{"format": "aff-learned-shape-9"}', "null",
      '{"format": "aff-learned-shape-1", "orders": [{}]}',
      file().to_json().replace('"roll_id": 3', '"roll_id": "x"'),
-     file().to_json().replace('"deviation_mm": 0.1', '"deviation_mm": 1e999')],
+     file().to_json().replace('"deviation_mm": 0.1', '"deviation_mm": 1e999'),
+     file().to_json().replace('"order": 3', f'"order": {10**400}'),
+     file().to_json().replace('"density_kg_m3": 395.0', '"density_kg_m3": NaN')],
 )  # fmt: skip
 def test_any_other_text_is_refused(text: str) -> None:
     with pytest.raises(ConfigError, match=r"learned anew|shape format"):
