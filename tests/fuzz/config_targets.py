@@ -13,10 +13,12 @@ from typing import Any
 
 import yaml
 
+from aff_runtime.app.shape_file import ShapeFile
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Site
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
+from aff_runtime.core.shape_profile import ShapeProfile
 from tests.fuzz.source import Source
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -133,21 +135,44 @@ RESPONSE = Response(
     delay_s=0.012,
     provenance=Provenance(actuator="unwind", signal="unwind_tension_N"),
 ).to_json()  # fmt: skip
+SHAPE = ShapeFile(
+    actuator="unwind", belongs_to="b", response="r", config_hash="c", saved_at="t", version="v",
+    roll_id=3, radius_m={"unwind": 0.2}, web={"density_kg_m3": 395.0},
+    profile=ShapeProfile(
+        weight_m={("unwind", 1): 9e-4 - 3e-4j, ("unwind", 3): 1e-4j},
+        correction={("unwind", 1): 0.1 - 0.2j}, imbalance_m={"unwind": 4e-4j},
+    ),
+).to_json()  # fmt: skip
+NUMBERS = ("NaN", "Infinity", "-1", "0", "1e400", '"x"', "null", "[]", "1e30", "9" * 400)
 _NUMBER = re.compile(r"-?\d+(\.\d+)?(e-?\d+)?")
+
+
+def _renumbered(source: Source, text: str) -> str:
+    """Return the text with one number replaced, now and then."""
+    if not source.byte() & 1:
+        return text
+    places = list(_NUMBER.finditer(text))
+    place = places[source.below(len(places))]
+    new = source.pick(NUMBERS)
+    return text[: place.start()] + new + text[place.end() :]
 
 
 def response(data: bytes) -> str:
     """A spoilt response file is refused, or a finite measurement."""
+    return _spoilt_json(data, RESPONSE, Response)
+
+
+def shape(data: bytes) -> str:
+    """A spoilt file of a learned shape is refused, or finite."""
+    return _spoilt_json(data, SHAPE, ShapeFile)
+
+
+def _spoilt_json(data: bytes, text: str, kind: type[Response] | type[ShapeFile]) -> str:
     source = Source(data)
-    text = RESPONSE
-    if source.byte() & 1:
-        places = list(_NUMBER.finditer(text))
-        place = places[source.below(len(places))]
-        new = source.pick(("NaN", "Infinity", "-1", "0", "1e400", '"x"', "null", "[]", "1e30"))
-        text = text[: place.start()] + new + text[place.end() :]
+    text = _renumbered(source, text)
     text = source.spoilt(text.encode()).decode("utf-8", "replace")
     try:
-        found = Response.from_json(text)
+        found = kind.from_json(text)
     except ConfigError:
         return "refused"
     for path, value in _leaves(json.loads(found.to_json())):

@@ -31,4 +31,5 @@ TARGETS = {
     "eds_text": Target(run=can_targets.eds_text, seeds=can_targets.SEEDS),
     "site_file": Target(run=config_targets.site, seeds=config_targets.SEEDS),
     "response_file": Target(run=config_targets.response, seeds=config_targets.SEEDS),
+    "shape_file": Target(run=config_targets.shape, seeds=config_targets.SEEDS),
 }
