@@ -106,9 +106,10 @@ class Supervisor:
     def _look_after(self) -> None:
         """Do what time brings: children, edits, waiting callers, probe, watchdog."""
         self._pending.expire()
+        latest = self._processes.latest()
         if not self._stopping:  # the way to zero is told as what it is
-            self._states.step(self._processes.latest())
-        self._forecast.step(self._processes.record, self._processes.latest())
+            self._states.step(latest)
+        self._forecast.step(self._processes.record, latest)
         if self._processes.watch():
             self._pending.refuse_all("the control process died; see the log")
             self._end_probe("the control process died")

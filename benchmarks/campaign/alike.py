@@ -10,11 +10,12 @@ import numpy as np
 from scipy.signal import lfilter
 
 from benchmarks.campaign import line as short
-from benchmarks.campaign.cases import IDLERS, LIBRARY, LINES, Case
+from benchmarks.campaign.cases import IDLERS, LIBRARY, Case
 from benchmarks.campaign.contact import Array
 from benchmarks.campaign.effects import CELLS, DRIVES, Fault
 from benchmarks.campaign.make import JUDGED_FROM_S, SIZED_BY, Stage, stage, tolerances
 from benchmarks.campaign.record import simulate
+from benchmarks.campaign.score import STATIC
 
 SAME_LINE = 0.003
 """Wavenumbers closer than this (relative) are one line in a record of 60 s."""
@@ -22,8 +23,6 @@ MARGIN = 10.0
 """Chi-square by which the true effect must fit better than another to be told from it."""
 FIRST = round(JUDGED_FROM_S / short.SAMPLE_S)
 ORDER = 30
-NO_TOLERANCE = (*LINES, "unbalanced_measuring_roller", "dancer_swing", "hidden_nip", "web_wave")
-"""Effects with lines of their own: no declared number answers like them."""
 
 
 def wavenumber(fault: Fault) -> float:
@@ -142,7 +141,7 @@ def told(case: Case, faults: tuple[Fault, ...]) -> dict[str, list[object]]:
     """
     kept = [c for c in SIZED_BY if not case.channels or c in case.channels]
     record = Quiet.of(stage(case, "a"), kept)
-    hidden = [f.effect not in NO_TOLERANCE for f in faults]
+    hidden = [f.effect in STATIC for f in faults]
     columns = tolerated(case, record, tolerances(case)) if any(hidden) else np.zeros((1, 0))
     shown = []
     for fault, hides in zip(faults, hidden, strict=True):

@@ -23,6 +23,7 @@ NEEDED, NEEDED_STATIC = 100.0, 150.0
 STATIC = ("bearing_drag", "web_modulus", "wound_in_strain", "thermal_strain", "slip",
           "load_cell_filter", "loop_delay", "stiffening_web", "gusty_drive",
           "drifting_cell")  # fmt: skip
+"""Effects without a line of their own: a declared number within its tolerance may hide them."""
 OUTCOMES = ("exact", "wrong", "unknown", "not identifiable", "missed", "part", "failed")
 
 
