@@ -14,7 +14,7 @@ from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.effects.phasor import angle, component, phasor
 from sim_plant.effects.shape_rows import add_heavy, add_mean, add_shape
 from sim_plant.geometry.roll_profiles import asymmetric, bulge, flat_spot, flattened_bulge
-from sim_plant.geometry.shapes import Shape, circle, ellipse, orders, require_convex
+from sim_plant.geometry.shapes import MAX_ORDER, Shape, circle, ellipse, orders, require_convex
 from sim_plant.geometry.wound_mass import wound_mass
 
 GRAVITY_M_S2 = 9.80665
@@ -52,13 +52,15 @@ def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
     """Return the named profile, rounded, plus h = sum cos_n cos(n psi) + sin_n sin(n psi).
 
     Winding and unwinding lead to parallel curves: a profile formed at another radius keeps its
-    deviations from the round part.
+    deviations from the round part. A profile of a finite ``finest_order`` ripples beside its
+    corners; web that is laid and taken off there passes twice (``elements/span``).
     """
     kind, size_m = str(parameters["shape"]), float(parameters["size_m"])
-    formed_m = float(parameters["formed_radius_m"]) or radius_m
+    formed_m = float(parameters["formed_radius_m"]) or radius_m + float(parameters["unwound_m"])
     angle_rad, flat_width_m = float(parameters["angle_rad"]), float(parameters["flat_width_m"])
     shape = named(kind, size_m, formed_m, angle_rad, flat_width_m)
     shape = shape.at_radius(shape.mean_radius_m + radius_m - formed_m)
+    shape = shape.up_to(int(parameters["finest_order"]))
     if float(parameters["smoothing_rad"]) != 0.0:
         shape = shape.smoothed(float(parameters["smoothing_rad"]))
     rows = []
@@ -118,6 +120,17 @@ EFFECT = Effect(
         ),
         "formed_radius_m": Parameter(  # 0: the radius of the roll at the start
             default=0.0, unit="m", typical=0.2, low=0.0, high=5.0, role="shape"
+        ),
+        "unwound_m": Parameter(  # by this much the radius has fallen since; below 0: wound over
+            default=0.0, unit="m", typical=0.01, low=-0.05, high=0.05, role="shape", step=0.002
+        ),
+        "finest_order": Parameter(
+            default=float(MAX_ORDER),
+            unit="1",
+            typical=64.0,
+            low=1.0,
+            high=float(MAX_ORDER),
+            role="option",
         ),
         "flat_width_m": Parameter(  # of a flattened bulge; 0: six times its size
             default=0.0, unit="m", typical=0.03, low=0.0, high=0.3, role="shape"

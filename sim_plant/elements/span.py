@@ -19,9 +19,10 @@ def strain_rate(
     Equation: L deps/(1+eps) = p_B w_B - p_A w_A - ldot_A (eps - eps_up)/(1+eps_up)
     [source 2.20, 3.1, 4.46 in one exact identity: span-length rate and material flow collapse to
     the moment arms p]. ``length_rate_*`` = p w of the entry and exit body, ``contact_flow_in``
-    = ldot_A, the stretched length that leaves body A per second. Never raises.
+    = ldot_A, the stretched length that leaves body A per second. Where a profile is not convex
+    it changes its sign: the length along the curve, |h + h''| dpsi, counts. Never raises.
     """
-    transport = contact_flow_in_m_s * (strain - strain_upstream) / (1.0 + strain_upstream)
+    transport = abs(contact_flow_in_m_s) * (strain - strain_upstream) / (1.0 + strain_upstream)
     return (1.0 + strain) / length_m * (length_rate_out_m_s - length_rate_in_m_s - transport)
 
 

@@ -99,6 +99,10 @@ class Shape:
             deviation_m=self.deviation_m * np.exp(-0.5 * (order * std_rad) ** 2),
         )
 
+    def up_to(self, order: int) -> Shape:
+        """Return the shape without orders above ``order``; beside a corner it is not convex."""
+        return Shape(mean_radius_m=self.mean_radius_m, deviation_m=self.deviation_m[:order])
+
     @property
     def perimeter_m(self) -> float:
         """Length of web that one turn delivers, m (Cauchy: 2 pi times the mean support)."""

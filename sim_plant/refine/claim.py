@@ -30,6 +30,8 @@ MOST_LOOKS = 5
 RUNNERS = 4
 DISCREPANCY = 0.006
 """A further effect must explain more than this share of what was explained: no model is exact."""
+IMPERFECT = 0.001
+"""The same of what free terms took up: they leave about this much, at coordinates of their own."""
 
 Say = Callable[[str], None]
 Rival = tuple[float, Fit, Hypothesis]
@@ -53,7 +55,8 @@ class Trace:
     """Everything the search found.
 
     ``corrections`` are the declared numbers as re-estimated with the effects, by path: none where
-    structure is left that is no line, for they may then have imitated it.
+    structure is left that is no line, for they may then have imitated it. ``aside`` is the cost
+    that free terms took up before the search.
     """
 
     nominal: Fit
@@ -64,6 +67,7 @@ class Trace:
     steps: list[Step] = field(default_factory=list)
     unknown: list[Unknown] = field(default_factory=list)
     corrections: dict[str, float] = field(default_factory=dict)
+    aside: float = 0.0
     first_look: list[Scored] = field(default_factory=list)
 
 
@@ -114,7 +118,8 @@ def claim(
 
 def _least(found: Trace, h: Hypothesis) -> float:
     explained = found.nominal.cost - found.fit.cost
-    return max(LINE_SCORE if is_line(h, found) else SCORE_THRESHOLD, DISCREPANCY * explained)
+    least = LINE_SCORE if is_line(h, found) else SCORE_THRESHOLD
+    return max(least, DISCREPANCY * explained, IMPERFECT * found.aside)
 
 
 def _shortlist(ranked: Sequence[Scored]) -> list[Scored]:

@@ -11,13 +11,16 @@ from sim_plant.base.arrays import Array
 from sim_plant.effects.out_of_round_roll import PAIRS
 from sim_plant.refine.fit import Fit, jacobian, refine_fit
 from sim_plant.refine.hypotheses import hypothesis
+from sim_plant.refine.in_step import in_step
 from sim_plant.refine.problem import Problem
 from sim_plant.refine.screen import price
 from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
 
-DETAILS: tuple[tuple[str, ...], ...] = (
-    tuple(name for pair in PAIRS for name in (pair.cos, pair.sin)),
-)
+ORDERS: tuple[str, ...] = tuple(name for pair in PAIRS for name in (pair.cos, pair.sin))
+UNWOUND = "unwound_m"
+UNWOUND_START_M = 0.006
+SURE = 3.0
+"""Standard deviations of a chi-square cost by which what is left surely exceeds noise."""
 
 
 def polished(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
@@ -55,33 +58,56 @@ def shaped(fit: Fit) -> list[int]:
 
 
 def refined_profiles(problem: Problem, fit: Fit) -> Fit:
-    """Return the fit with details of its named profiles: its low orders.
+    """Return the fit with details of its named profiles: when they were formed, and low orders.
 
-    A detail is kept when numbers from either half of the record explain the other half better
+    Orders are kept when numbers from either half of the record explain the other half better
     than none, and when they pay their price.
     """
     for at in shaped(fit):
-        for names in DETAILS:
-            fit = _tried(problem, fit, at, names)
+        fit = _formed(problem, fit, at)
+        fit = _tried(problem, fit, at, ORDERS)
     return fit
 
 
-def _tried(problem: Problem, fit: Fit, at: int, names: tuple[str, ...]) -> Fit:
+def _formed(problem: Problem, fit: Fit, at: int) -> Fit:
+    """Return the fit with the profile formed at another radius, where the record says so.
+
+    A strong profile alone tells: its corners stand closer together on a larger roll. Declared
+    numbers that have imitated this (they change the length of a turn) start anew.
+    """
+    unsure = SURE * np.sqrt(2.0 * problem.expected_cost)
     old = fit.hypotheses[at]
-    line = problem.bench.twins[0].declaration
-    new = hypothesis(old.effect, old.location, old.fixed, (*old.names, *names), line)
-    known = dict(zip(old.names, fit.values[at], strict=True))
-    start = tuple(known.get(n, a) for n, a in zip(new.names, new.absent, strict=True))
-    wider = replace(
-        fit, hypotheses=(*fit.hypotheses[:at], new, *fit.hypotheses[at + 1 :]),
-        values=(*fit.values[:at], start, *fit.values[at + 1 :]),
-    )  # fmt: skip
+    if UNWOUND in old.names or fit.cost - problem.expected_cost < unsure:
+        return fit
+    wider = _wider(problem, fit, at, (UNWOUND,), {UNWOUND: UNWOUND_START_M})
+    shifts = in_step(problem, {}, wider.hypotheses, wider.values)
+    better = refine_fit(problem, wider.hypotheses, wider.values, shifts, rounds=8, coarse=False)
+    return better if better.cost < fit.cost - price(problem, 1) else fit
+
+
+def _tried(problem: Problem, fit: Fit, at: int, names: tuple[str, ...]) -> Fit:
+    wider = _wider(problem, fit, at, names, {})
     if not bears_out(problem, wider, at, names):
         return fit
     better = refine_fit(
         problem, wider.hypotheses, wider.values, fit.shifts, rounds=4, coarse=False
     )
     return better if better.cost < fit.cost - price(problem, len(names)) else fit
+
+
+def _wider(
+    problem: Problem, fit: Fit, at: int, names: tuple[str, ...], start: dict[str, float]
+) -> Fit:
+    """Return the fit with more numbers of effect ``at`` free, at ``start`` or absent."""
+    old = fit.hypotheses[at]
+    line = problem.bench.twins[0].declaration
+    new = hypothesis(old.effect, old.location, old.fixed, (*old.names, *names), line)
+    known = {**start, **dict(zip(old.names, fit.values[at], strict=True))}
+    values = tuple(known.get(n, a) for n, a in zip(new.names, new.absent, strict=True))
+    return replace(
+        fit, hypotheses=(*fit.hypotheses[:at], new, *fit.hypotheses[at + 1 :]),
+        values=(*fit.values[:at], values, *fit.values[at + 1 :]),
+    )  # fmt: skip
 
 
 def bears_out(problem: Problem, fit: Fit, at: int, names: Sequence[str]) -> bool:

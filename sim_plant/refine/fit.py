@@ -62,29 +62,6 @@ def empty_fit(problem: Problem, shifts: dict[str, float] | None = None) -> Fit:
     return refine_fit(problem, (), (), shifts or {}, rounds=3)
 
 
-def felt_radii(problem: Problem) -> dict[str, float]:
-    """Return effective-radius shifts that bring simulated roll angles onto measured ones.
-
-    A radius wrong by 0.05 % turns a roll a quarter radian out of step in 80 turns: enough to lose
-    every harmonic. Only rolls whose angle is recorded are put right.
-    """
-    names = {n.name for n in problem.nuisances}
-    found = {}
-    for twin, measured, run, noise in zip(
-        problem.bench.twins, problem.measured, problem.fine, problem.noise, strict=True
-    ):
-        for c, channel in enumerate(twin.channels):
-            roller = channel.removesuffix("_angle_rad")
-            name = f"rollers.{roller}.effective_radius"
-            if roller == channel or name not in names:
-                continue
-            theirs, ours = measured[c, noise.first :], run[c, noise.first :]
-            slope = float(np.polyfit(theirs - theirs[0], ours - ours[0], 1)[0])
-            if abs(slope - 1.0) * float(np.ptp(theirs)) > 0.05:
-                found[name] = slope - 1.0
-    return found
-
-
 def jacobian(
     problem: Problem, hypotheses: Sequence[Hypothesis], values: Sequence[tuple[float, ...]],
     shifts: dict[str, float],

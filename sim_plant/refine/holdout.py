@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import minimize
 
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
@@ -18,6 +19,7 @@ from sim_plant.refine.twin import Added, Case
 Shifts = tuple[tuple[str, float], ...]
 COARSE_ANGLES = 24
 ZOOMS = 3
+UNWOUND = "unwound_m"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -30,7 +32,9 @@ class Judgement:
     before, after, floor : rms per channel; ``floor`` is what noise alone leaves.
     measured, declared, amended : channels (channels, samples), for the overlay.
     effects : with the start angles of this record.
-    angles_rad : start angles estimated on this record, per location; all else is as fitted.
+    angles_rad, unwound_m : states of rolls estimated on this record, per location: start angles,
+        and of a profile how much web has left the roll since it was formed; all else is as
+        fitted.
     first : first judged sample.
     travel_m : length of web that has passed, from the speed reference (samples,).
     """
@@ -44,6 +48,7 @@ class Judgement:
     amended: Array
     effects: tuple[Added, ...]
     angles_rad: dict[str, float]
+    unwound_m: dict[str, float]
     first: int
     travel_m: Array
 
@@ -73,16 +78,18 @@ def judge(
     model = declared_noise(twin, (noisy - declared)[None])
     first = model.first
     angles: dict[str, float] = {}
+    unwound: dict[str, float] = {}
     final = tuple(effects)
     if find_angles:
         final, angles = _start_angles(bench, measured, Case(effects=final, shifts=shifts), model)
+        final, unwound = _formed(bench, measured, Case(effects=final, shifts=shifts), model)
     changed = Case(effects=final, shifts=shifts, coarse=False)
     amended = bench.one(changed)[0] if final or shifts else declared
     return Judgement(
         channels=twin.channels, before=rms(twin.channels, measured - declared, first),
         after=rms(twin.channels, measured - amended, first), floor=model.floor,
         measured=measured, declared=declared, amended=amended, effects=final,
-        angles_rad=angles, first=first,
+        angles_rad=angles, unwound_m=unwound, first=first,
         travel_m=np.cumsum(np.abs(twin.speed_m_s)) * twin.declaration.sample_time_s,
     )  # fmt: skip
 
@@ -138,6 +145,45 @@ def _start_angles(
         angles[location] = math.remainder(best, 2.0 * math.pi)
         case = replace(case, effects=_with_turned(case.effects, location, best))
     return case.effects, angles
+
+
+def _formed(
+    bench: Bench, measured: Array, case: Case, model: NoiseModel
+) -> tuple[tuple[Added, ...], dict[str, float]]:
+    """Return the effects with this record's roll as it is: how far it was unwound since formed.
+
+    Only where the fit has that number. It changes the length of a turn, so the angle goes with it.
+    """
+    found: dict[str, float] = {}
+    for effect in case.effects:
+        if UNWOUND in dict(effect.parameters):
+            best = _as_it_is(bench, measured, case, model, effect)
+            found[effect.location] = float(dict(best.parameters)[UNWOUND])
+            case = replace(
+                case, effects=tuple(best if e is effect else e for e in case.effects)
+            )  # fmt: skip
+    return case.effects, found
+
+
+def _as_it_is(
+    bench: Bench, measured: Array, case: Case, model: NoiseModel, effect: Added
+) -> Added:  # fmt: skip
+    """Return a profile with the angle and the unwound length (rad, cm) that fit best."""
+    others = tuple(e for e in case.effects if e is not effect)
+    values = dict(effect.parameters)
+
+    def moved(x: Array) -> Added:
+        more = {**values, UNWOUND: 0.01 * float(x[1])}
+        return _turned(Added(effect.effect, effect.location, tuple(more.items())), float(x[0]))
+
+    def cost(x: Array) -> float:
+        there = replace(case, effects=(*others, moved(x)))
+        return float(_costs(bench, measured, model, there, "", np.zeros(1))[0])
+
+    start = np.array([0.0, 100.0 * float(values[UNWOUND])])
+    corners = start + np.array([[0.0, 0.0], [0.05, 0.0], [0.08, 0.5]])
+    options = {"initial_simplex": corners, "xatol": 2e-3, "fatol": 5.0, "maxfev": 60}
+    return moved(minimize(cost, start, method="Nelder-Mead", options=options).x)
 
 
 def _lowest(grid: Array, values: Array) -> float:

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.equivalents import within_tolerance
-from sim_plant.refine.fit import Fit, refine_fit
-from sim_plant.refine.hypotheses import Hypothesis
+from sim_plant.refine.fit import Fit, case_of, refine_fit
+from sim_plant.refine.hypotheses import Hypothesis, hypothesis
+from sim_plant.refine.in_step import in_step
 from sim_plant.refine.problem import Problem
 from sim_plant.refine.screen import Scored, price
 from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
 from sim_plant.refine.shapes import profile_starts
+
+T = TypeVar("T")
 
 
 def fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
@@ -22,11 +26,11 @@ def fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
     h = scored.hypothesis
     if h.effect.name != OUT_OF_ROUND:
         return fitted(problem, fit, h, scored.start, fit.shifts)
-    own = f"rollers.{h.location}.effective_radius"  # a profile brings its own mean radius
-    shifts = {name: value for name, value in fit.shifts.items() if name != own}
+    shifts = {name: value for name, value in fit.shifts.items() if name != _own(h)}
     best: Fit | None = None
     for hyp, start in _profiles(problem, fit, h):
-        new = fitted(problem, fit, hyp, start, shifts)
+        there = (*fit.hypotheses, hyp), (*fit.values, start)
+        new = fitted(problem, fit, hyp, start, in_step(problem, shifts, *there))
         if new is not None and (best is None or _worth(problem, new) < _worth(problem, best)):
             best = new
     excess = fit.cost - problem.expected_cost
@@ -51,6 +55,40 @@ def fitted(
     return None if within_tolerance(line, problem.nuisances, h, found) else new
 
 
+def reseated(problem: Problem, fit: Fit) -> Fit:
+    """Return the fit with its profiles found anew beside all else, where that explains more.
+
+    A second effect (a delay, a filter) changes how the line answers a shape: angles that were
+    found without it are off by its phase, more than a step can mend.
+    """
+    line = problem.bench.twins[0].declaration
+    for k, h in enumerate(fit.hypotheses):
+        if h.effect.name != OUT_OF_ROUND:
+            continue
+        rest = replace(
+            fit, hypotheses=_but(fit.hypotheses, k), values=_but(fit.values, k),
+            shifts={n: v for n, v in fit.shifts.items() if n != _own(h)},
+        )  # fmt: skip
+        for hyp, start in _profiles(problem, rest, hypothesis(h.effect, h.location, line=line)):
+            there = _with(fit.hypotheses, k, hyp), _with(fit.values, k, start)
+            new = refine_fit(problem, *there, in_step(problem, rest.shifts, *there))
+            if np.isfinite(new.cost) and new.cost < fit.cost:
+                fit = new
+    return fit
+
+
+def _own(h: Hypothesis) -> str:
+    return f"rollers.{h.location}.effective_radius"  # a profile brings its own mean radius
+
+
+def _but(row: tuple[T, ...], k: int) -> tuple[T, ...]:
+    return (*row[:k], *row[k + 1 :])
+
+
+def _with(row: tuple[T, ...], k: int, item: T) -> tuple[T, ...]:
+    return (*row[:k], item, *row[k + 1 :])
+
+
 def _worth(problem: Problem, fit: Fit) -> float:
     return fit.cost + price(problem, len(fit.hypotheses[-1].names))
 
@@ -58,12 +96,13 @@ def _worth(problem: Problem, fit: Fit) -> float:
 def _profiles(
     problem: Problem, fit: Fit, h: Hypothesis
 ) -> list[tuple[Hypothesis, tuple[float, ...]]]:
-    case = fit.case
+    shifts = in_step(problem, fit.shifts, fit.hypotheses, fit.values)
+    case = case_of(fit.hypotheses, fit.values, shifts)
     runs = problem.bench.run(
         [case, *(replace(case, effects=(*case.effects, a)) for a in h.probes())]
     )
     columns = np.stack([problem.column(r, runs[0], 1.0) for r in runs[1:]], axis=1)
-    residual = problem.residual(runs[0], fit.shifts)
+    residual = problem.residual(runs[0], shifts)
     cut = problem.projector.project(columns)
     line = problem.bench.twins[0].declaration
     radius = line.rollers[line.body(h.location)].radius_m

@@ -100,7 +100,7 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         next_step=next_step(outcome.verdict, block is not None),
         verdict=outcome.verdict, rows=rows, command=command,
         limits=outcome.limits, records=outcome.records, held=outcome.plan.holdout,
-        steps=trace.steps, angles=judged.angles_rad,
+        steps=trace.steps, angles=judged.angles_rad, unwound=judged.unwound_m,
         shifts=sorted(trace.corrections.items(), key=lambda row: row[0]),
         block=block.read_text(encoding="utf-8") if block else "",
         amended=amended.name if amended else "",

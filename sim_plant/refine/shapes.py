@@ -15,6 +15,8 @@ SIZES_M = (0.001, 0.002, 0.004, 0.006, 0.009, 0.012, 0.016)
 PROFILE_NUMBERS = ("size_m", "angle_rad", "smoothing_rad")
 FLATTENED = "flattened_bulge"
 EFFECT = "out_of_round_roll"
+FINEST_ORDER = 64.0
+"""A profile that is traced has no finer orders: drives and cells do not answer to them."""
 
 
 def profile_starts(
@@ -57,4 +59,5 @@ def _start(
     wide = kind == FLATTENED
     names = (*PROFILE_NUMBERS, *(("flat_width_m",) if wide else ()))
     start = (size_m, angle_rad, 0.02, *((6.0 * size_m,) if wide else ()))
-    return hypothesis(BY_NAME[EFFECT], location, (("shape", kind),), names), start
+    choice = (("shape", kind), ("finest_order", FINEST_ORDER))
+    return hypothesis(BY_NAME[EFFECT], location, choice, names), start

@@ -12,9 +12,10 @@ from sim_plant.refine.claim import DISCREPANCY, Rival, Say, Step, Trace, claim, 
 from sim_plant.refine.completeness import SURE, complete, lines_left
 from sim_plant.refine.coordinates import travel_of
 from sim_plant.refine.details import polished
-from sim_plant.refine.fit import Fit, empty_fit, felt_radii, refine_fit
+from sim_plant.refine.fit import Fit, empty_fit, refine_fit
 from sim_plant.refine.hypotheses import Hypothesis
-from sim_plant.refine.one_effect import fitted
+from sim_plant.refine.in_step import in_step, stepped
+from sim_plant.refine.one_effect import fitted, reseated
 from sim_plant.refine.problem import Problem
 from sim_plant.refine.pulled import pulled_starts, shifts_in_force
 from sim_plant.refine.screen import neighbours, price, screen, thinned, worth_trying
@@ -42,17 +43,23 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
         say(f"no effect explains {', '.join(u.text for u in fresh)}: searching beside a free term")
         beside = problem.beside([free_lines(boxes, travel) for travel in found.travels])
         travel = found.travels[0]
-        found = _pursue(beside, [h for h in library if not taken_up(h, boxes, travel)], say)
+        rest = [h for h in library if not taken_up(h, boxes, travel)]
+        found = _pursue(beside, rest, say, sum(box.strength for box in boxes))
         more = [u for u in found.unknown if not any(u.like(box) for box in boxes)]
         found.unknown = [*boxes, *more]
         found.before = before  # with the line that is now a free term, for the report
     return found
 
 
-def _pursue(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
-    """Return the effects found one after another, and what is left then."""
-    nominal = empty_fit(problem, felt_radii(problem))
-    problem, nominal = polished(problem, nominal)
+def _pursue(
+    problem: Problem, library: Sequence[Hypothesis], say: Say, aside: float = 0.0
+) -> Trace:  # fmt: skip
+    """Return the effects found one after another, and what is left then.
+
+    ``aside`` is what free terms have taken up already.
+    """
+    problem, nominal = polished(problem, empty_fit(problem, in_step(problem, {})))
+    nominal = stepped(problem, nominal)
     travels = [
         travel_of(twin, measured, nominal.case, noise.first)
         for twin, measured, noise in zip(
@@ -60,7 +67,8 @@ def _pursue(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
         )
     ]
     before = lines_left(problem, nominal, travels)
-    found = Trace(nominal=nominal, fit=nominal, travels=travels, before=before, after=before)
+    found = Trace(nominal=nominal, fit=nominal, travels=travels, before=before, after=before,
+                  aside=aside)  # fmt: skip
     for _ in range(MOST_EFFECTS):
         accepted = _search(problem, found, library, say)
         if accepted is None:
@@ -132,7 +140,7 @@ def _search(
             continue
         if half is None or accepted[1].cost < half[1].cost:
             half = accepted
-    if full is not None:
+    if full is not None and (half is None or full[1].cost < half[1].cost):
         return [full[0]], full[1]
     if half is None:
         return None
@@ -153,8 +161,11 @@ def _beside(
     base = replace(found, fit=half[1], after=lines_left(problem, half[1], found.travels))
     for group in (others, [h for h in lines if h.effect.name == name]):
         second = _best_of(problem, base, group, say)
-        if second and complete(problem, found.fit, found.after, found.travels, second[1]):
-            return second
+        if second is None:
+            continue
+        step, fit = second[0], reseated(problem, second[1])
+        if complete(problem, found.fit, found.after, found.travels, fit):
+            return step, fit
     return None
 
 

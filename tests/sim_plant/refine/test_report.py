@@ -26,7 +26,7 @@ def judged(wavenumber_1_m=4.0):
         channels=CHANNELS, before=np.array([3.0, 900.0, 90.0, 2.0]),
         after=np.array([0.26, 1.0, 1.0, 1.0]), floor=np.array([0.25, 1.0, 1.0, 1.0]),
         measured=measured, declared=declared, amended=amended, effects=(), angles_rad={},
-        first=100, travel_m=travel,
+        unwound_m={}, first=100, travel_m=travel,
     )  # fmt: skip
 
 

@@ -17,7 +17,8 @@ COST = 41_000.0
 
 def found():
     fit = SimpleNamespace(cost=COST, hypotheses=())
-    return SimpleNamespace(nominal=fit, fit=fit, before=[[]], travels=[None], steps=[])
+    return SimpleNamespace(nominal=fit, fit=fit, before=[[]], travels=[None], steps=[],
+                           aside=0.0)  # fmt: skip
 
 
 def rival(h, score):
@@ -74,6 +75,15 @@ def test_the_least_of_a_large_explanation_grows_with_it(missed):
     large = found()
     large.nominal = SimpleNamespace(cost=COST + 1e5)
     assert claim.claim(PROBLEM, large, [], lambda _: None, [rival(DRAG, 500.0)]) is None
+
+
+def test_what_a_strong_free_term_leaves_is_no_effect(missed):
+    beside = found()
+    beside.aside = 5e5  # a flat spot that no effect explains; 0.1 % of it is 500
+    missed |= {DRAG.key: 450.0}
+    assert claim.claim(PROBLEM, beside, [], lambda _: None, [rival(DRAG, 450.0)]) is None
+    missed |= {DRAG.key: 550.0}
+    assert claim.claim(PROBLEM, beside, [], lambda _: None, [rival(DRAG, 550.0)]) is not None
 
 
 @pytest.mark.parametrize(
