@@ -39,6 +39,22 @@ def test_a_profile_formed_at_another_radius_keeps_its_deviations() -> None:
     assert 0.15 - formed.mean_radius_m == pytest.approx(0.2 - fresh.mean_radius_m)
 
 
+def test_a_profile_is_formed_on_the_roll_as_large_as_it_was_then() -> None:
+    told = profile(0.15, {**EFFECT.parameters, "size_m": 0.01, "unwound_m": 0.05})
+    named = profile(0.15, {**EFFECT.parameters, "size_m": 0.01, "formed_radius_m": 0.2})
+    assert told.deviation_m == pytest.approx(named.deviation_m)
+    assert told.mean_radius_m == pytest.approx(named.mean_radius_m)
+
+
+def test_a_profile_ends_at_its_finest_order() -> None:
+    coarse = profile(0.2, {**EFFECT.parameters, "size_m": 0.012, "finest_order": 64.0})
+    full = profile(0.2, {**EFFECT.parameters, "size_m": 0.012})
+    assert coarse.deviation_m.size == 64
+    assert coarse.deviation_m == pytest.approx(full.deviation_m[:64])
+    assert coarse.mean_radius_m == full.mean_radius_m
+    assert not coarse.is_convex  # it ripples beside its corners
+
+
 def test_an_unknown_shape_is_refused_by_its_name() -> None:
     with pytest.raises(PlantError, match="read 'oval'"):
         run(effect("out_of_round_roll", "unwind", shape="oval", size_m=0.001))

@@ -148,3 +148,10 @@ def test_tangent_of_two_circles_is_the_closed_form():
 def test_a_true_circle_needs_no_table():
     none = np.zeros((1, 9))
     assert body_at(0.2, -1.0, -1, none, none, none, 1.0, 2.0) == (0.2, 0.0, 0.2)
+
+
+@pytest.mark.parametrize("flow_m_s", [0.8, -0.8])
+def test_web_that_passes_a_contact_takes_its_strain_along_either_way(flow_m_s):
+    """L deps/(1+eps) = -|ldot| (eps - eps_up)/(1+eps_up): the span nears what passes into it."""
+    found = strain_rate(1.5, 0.004, 0.001, 1.0, 1.0, flow_m_s)
+    assert found == pytest.approx(1.004 / 1.5 * -0.8 * 0.003 / 1.001)

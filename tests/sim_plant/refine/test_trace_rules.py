@@ -100,3 +100,30 @@ def test_the_search_ends_when_what_is_left_is_surely_no_effect(explained, left, 
         fit=SimpleNamespace(cost=cost), nominal=SimpleNamespace(cost=cost + explained)
     )
     assert trace._at_floor(PROBLEM, state) is ended
+
+
+def test_an_effect_that_explains_less_than_half_of_a_pair_does_not_take_its_place(monkeypatch):
+    """Roll bounce, complete at its one line, against a flat spot that a delay has turned."""
+    flat = hypothesis(BY_NAME["out_of_round_roll"], "unwind")
+    bounce = hypothesis(BY_NAME["roll_bounce"], "unwind")
+    state = SimpleNamespace(cost=1e6, hypotheses=())
+    now = SimpleNamespace(fit=state, after=[[]], travels=[None], steps=[], nominal=state)
+
+    def fit_of(*hypotheses, cost):
+        return SimpleNamespace(cost=cost, hypotheses=hypotheses)
+
+    best = {
+        flat.key: (SimpleNamespace(hypothesis=flat), fit_of(flat, cost=2e5)),
+        bounce.key: (SimpleNamespace(hypothesis=bounce), fit_of(bounce, cost=6e5)),
+    }
+    monkeypatch.setattr(trace, "worth_trying", lambda *_: ([flat, bounce], []))
+    monkeypatch.setattr(trace, "_beyond_tolerance", lambda *_: [])
+    monkeypatch.setattr(trace, "is_line", lambda *_: True)
+    monkeypatch.setattr(
+        trace, "_best_of", lambda _p, _f, group, *_: best[group[0].key] if group else None
+    )
+    monkeypatch.setattr(trace, "complete", lambda _p, _b, _a, _t, fit: flat not in fit.hypotheses)
+    tried = []
+    monkeypatch.setattr(trace, "_beside", lambda _p, _f, half, *_: tried.append(half))
+    assert trace._search(PROBLEM, now, [flat, bounce], lambda _: None) is None
+    assert tried == [best[flat.key]]
