@@ -21,8 +21,10 @@ from sim_plant.refine.verdict import aff_blocks, declared_entries
 FILE = "line_amended.yaml"
 BLOCK_FILE = "aff_block.yaml"
 HIGHEST_START = 16
-BLOCK_HEAD = """# put it in the place of `blocks` of the actuator in the site file, four spaces in;
-# a roller that has an actuator of its own belongs there
+BLOCK_HEAD = """\
+# for the site file: each entry (from `- roll` on) goes into the list `blocks` of an actuator,
+# indented as here; it replaces the entry with the same `roll` if there is one, all others stay;
+# a roller that has an actuator of its own belongs there; then run `aff-runtime check` on the file
 # start: moment arm of each order for `law: shape`, tried on the roll before it is used; with
 # `law: blocks` remove start and all orders but the first four
 """
@@ -93,9 +95,16 @@ def write_block(
     head = BLOCK_HEAD + "".join(_as_roll(block["roll"], declaration) for block in blocks)
     for block in blocks:
         block["roll"] = site_name(block["roll"])
-    path.write_text(head + yaml.safe_dump({"blocks": plain(blocks)}, sort_keys=False),
-                    encoding="utf-8")  # fmt: skip
+    entries = "".join(_entry(plain(block)) for block in blocks)
+    path.write_text(f"{head}    blocks:\n{entries}", encoding="utf-8")
     return path
+
+
+def _entry(block: dict[str, Any]) -> str:
+    """Return one entry of a site file's list ``blocks``, as far in as it stands there."""
+    text = yaml.safe_dump(block, sort_keys=False, default_flow_style=None, width=88)
+    first, *rest = text.splitlines()
+    return "".join(f"{line}\n" for line in [f"      - {first}", *(f"        {x}" for x in rest)])
 
 
 def site_name(roller: str) -> str:
@@ -108,10 +117,16 @@ def _as_roll(name: str, declaration: Declaration | None) -> str:
     """Return the comment that says how an idler comes into the site file; none for a drive's."""
     if declaration is None or name in {drive.roller for drive in declaration.control.drives}:
         return ""
-    radius_m = declaration.rollers[declaration.body(name)].radius_m
+    at = declaration.body(name)
+    radius_m = declaration.rollers[at].radius_m
+    driven = sorted(declaration.body(drive.roller) for drive in declaration.control.drives)
+    ends = [max((k for k in driven if k < at), default=None),
+            min((k for k in driven if k > at), default=None)]  # fmt: skip
+    beside = " or ".join(declaration.rollers[k].name for k in ends if k is not None)
     return (
-        f"# {name} has no drive; under `rolls` of the site file, with its angle channel if it has "
-        f"one:\n#   {site_name(name)}: {{ radius_m: {radius_m:.6g} }}\n"
+        f"# {name} has no drive: its entry goes to the actuator of {beside}, the drives before "
+        f"and after it;\n# under `rolls` of the site file, with its angle channel if it has one:\n"
+        f"#   {site_name(name)}: {{ radius_m: {radius_m:.6g} }}\n"
     )
 
 

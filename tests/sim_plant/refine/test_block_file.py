@@ -20,9 +20,8 @@ def block_of(folder, roller):
 def test_an_idlers_block_says_how_the_idler_comes_into_the_site_file(tmp_path):
     text = block_of(tmp_path, "R6")
     (said,) = [x.removeprefix("#   ") for x in text.splitlines() if x.startswith("#   ")]
-    (block,) = yaml.safe_load(text)["blocks"]
     site = (CONFIG / "euclid.yaml").read_text()
-    ours = f"      - {yaml.safe_dump(block, default_flow_style=True, width=200).strip()}\n"
+    ours = text[text.index("      - roll") :]  # as it stands: nothing is moved in or out
     site = site.replace("\nrolls:\n", f"\nrolls:\n  {said}\n", 1)
     site = site.replace(
         "      - { roll: swrap_follower", f"{ours}      - {{ roll: swrap_follower", 1
@@ -35,6 +34,27 @@ def test_an_idlers_block_says_how_the_idler_comes_into_the_site_file(tmp_path):
         "r6",
         "swrap_follower",
     ]
+
+
+@pytest.mark.parametrize(
+    ("roller", "drives"),
+    [("R6", "unwind or swrap_lead"), ("R13", "swrap_follower or pull_roll")],
+)
+def test_an_idlers_block_names_the_drives_on_both_sides(tmp_path, roller, drives):
+    assert f"goes to the actuator of {drives}," in block_of(tmp_path, roller)
+
+
+def test_a_driven_rollers_block_replaces_its_entry_as_it_stands(tmp_path):
+    text = block_of(tmp_path, "swrap_follower")
+    (block,) = yaml.safe_load(text)["blocks"]
+    assert [row["order"] for row in block["start"]] == block["orders"] == [1]
+    site = (CONFIG / "euclid.yaml").read_text()
+    old = "      - { roll: swrap_follower, orders: [1], settle_s: 10, amp_limit_m_s: 0.01 }\n"
+    assert old in site
+    (tmp_path / "site.yaml").write_text(site.replace(old, text[text.index("      - roll") :]))
+    blocks = load_site(tmp_path / "site.yaml").actuators["unwind"].blocks
+    assert [b.roll for b in blocks] == ["unwind", "swrap_follower"]
+    assert blocks[1].start[0].deviation_m == pytest.approx(block["start"][0]["deviation_m"])
 
 
 @pytest.mark.parametrize(
