@@ -3,9 +3,9 @@
 SI with units in the key names; angles in degrees where the key says so. ``tolerances`` and
 ``origins`` map a dotted path (``web.EA_N``, ``rollers.R6.inertia_kg_m2``, wildcards allowed) to a
 relative tolerance and to where the number comes from. ``corrections`` maps such a
-path to what measured data add to the number (relative; offsets in N; a true radius leaves what the
-drive divides by as declared). ``effects`` lists what is known to be wrong with the line. The
-nominal line is the one without them.
+path to what measured data add to the number (relative; offsets in N, the pull-roll draw as the
+ratio itself; a true radius leaves what the drive divides by as declared). ``effects`` lists what
+is known to be wrong with the line. The nominal line is the one without them.
 """
 
 from __future__ import annotations

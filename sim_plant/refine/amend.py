@@ -68,7 +68,8 @@ def write_amended(
         "note": "angles are those of the first record at its first row",
     })  # fmt: skip
     text = "# amended by sim-plant refine: effects, provenance and corrections are new (what is\n"
-    text += "# added to a declared number, relative; offsets in N), all else as declared\n"
+    text += "# added to a declared number: a share of it; for offsets N, for the draw the\n"
+    text += "# ratio itself), all else as declared\n"
     text += yaml.safe_dump(data, sort_keys=False, width=110)
     path.write_text(text, encoding="utf-8")
     load_declaration(path)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from sim_plant.base.svg import svg
 from sim_plant.refine.generic import LineSpectrum
@@ -17,21 +18,47 @@ HIGHEST_HZ = 15.0
 
 
 def overlay(judged: Judgement, sample_time_s: float, seconds: float = 8.0) -> str:
-    """Return measured against declared and amended, on the channels that gained most."""
-    show = told_by(judged)[:3]
-    figure = Figure(figsize=(11, 2.4 * len(show)))
-    axes = np.atleast_1d(figure.subplots(len(show), 1, sharex=True))
-    part = slice(judged.first, judged.first + round(seconds / sample_time_s))
+    """Return measured against declared and amended, and the error of both, where it is worst.
+
+    The channels that gained most, and at least one tension where there is one.
+    """
+    ranked = told_by(judged)
+    show = ranked[:3]
+    tensions = [k for k in ranked if judged.channels[k].endswith("_N")]
+    if tensions and not set(tensions) & set(show):
+        show = [*show[:2], tensions[0]]
+    figure = Figure(figsize=(12, 2.3 * len(show)))
+    axes = figure.subplots(len(show), 2, sharex=True, squeeze=False)
+    part = worst_part(judged, show[0], max(1, round(seconds / sample_time_s)))
     time_s = np.arange(judged.measured.shape[1]) * sample_time_s
-    for axis, k in zip(axes, show, strict=True):
-        axis.plot(time_s[part], judged.measured[k, part], color=MEASURED, lw=0.8, label="measured")
-        axis.plot(time_s[part], judged.declared[k, part], color=BEFORE, lw=0.9, label="declared")
-        axis.plot(time_s[part], judged.amended[k, part], color=AFTER, lw=0.9, label="amended")
-        axis.set_ylabel(judged.channels[k], fontsize=8)
-        axis.grid(alpha=0.3)
-    axes[0].legend(loc="upper right", fontsize=8, ncols=3)
-    axes[-1].set_xlabel("time [s]")
+    for row, k in zip(axes, show, strict=True):
+        measured = judged.measured[k, part]
+        row[0].plot(time_s[part], measured, color=MEASURED, lw=2.0, label="measured")
+        for model, colour, label in (
+            (judged.declared, BEFORE, "declared"), (judged.amended, AFTER, "amended")
+        ):  # fmt: skip
+            row[0].plot(time_s[part], model[k, part], color=colour, lw=0.9, label=label)
+            row[1].plot(time_s[part], measured - model[k, part], color=colour, lw=0.8,
+                        label=f"error as {label}")  # fmt: skip
+        row[0].set_ylabel(judged.channels[k], fontsize=8)
+        for axis in row:
+            axis.grid(alpha=0.3)
+    for axis in axes[0]:
+        axis.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=8, ncols=3,
+                    frameon=False)  # fmt: skip
+    for axis in axes[-1]:
+        axis.set_xlabel("time [s]")
+    figure.tight_layout()
     return svg(figure)
+
+
+def worst_part(judged: Judgement, channel: int, samples: int) -> slice:
+    """Return so many judged samples in which the declared line is furthest off the measured."""
+    squared = (judged.measured[channel] - judged.declared[channel])[judged.first :] ** 2
+    samples = min(samples, squared.size)
+    total = np.concatenate(([0.0], np.cumsum(squared)))
+    start = judged.first + int(np.argmax(total[samples:] - total[:-samples]))
+    return slice(start, start + samples)
 
 
 def spectrum(
@@ -40,7 +67,7 @@ def spectrum(
     """Return what a free line explains in time, travel and roll angle, with the threshold."""
     figure = Figure(figsize=(11, 2.6 * len(before)))
     axes = np.atleast_1d(figure.subplots(len(before), 1))
-    labels = {"time": "Hz", "travel": "1/m", "angle": "order of "}
+    labels = {"time": "Hz", "travel": "1/m of web", "angle": "times per turn of "}
     for axis, first, last in zip(axes, before, after, strict=True):
         for drawn, colour, label in ((first, BEFORE, "before"), (last, AFTER, "after")):
             thin = max(1, drawn.drop.size // POINTS)
@@ -50,8 +77,9 @@ def spectrum(
                           color=colour, label=label)  # fmt: skip
         axis.axhline(threshold, color="black", lw=0.7, ls=":")
         axis.set_xlabel(labels[first.kind] + first.roll)
-        axis.set_ylabel("chi-square gain")
+        axis.set_ylabel("error explained", fontsize=8)
         axis.grid(alpha=0.3)
+        axis.yaxis.set_minor_formatter(NullFormatter())
     axes[0].legend(fontsize=8)
     figure.tight_layout()
     return svg(figure)

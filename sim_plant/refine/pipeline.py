@@ -17,7 +17,8 @@ from sim_plant.refine.claim import Trace
 from sim_plant.refine.folder import check_apart, check_folder, publish
 from sim_plant.refine.holdout import judge
 from sim_plant.refine.hypotheses import library
-from sim_plant.refine.match import limits, twin_of
+from sim_plant.refine.match import declaration_for, limits, twin_of
+from sim_plant.refine.nuisances import declared_nuisances
 from sim_plant.refine.outcome import Outcome, Plan
 from sim_plant.refine.problem import Problem
 from sim_plant.refine.read import read_record
@@ -103,14 +104,14 @@ def command_of(plan: Plan) -> str:
 
 def write_all(outcome: Outcome, command: str) -> None:
     """Write verdict, amended line, AFF block and report into the plan's folder."""
-    plan = outcome.plan
+    plan, line = outcome.plan, load_declaration(outcome.plan.line)
     amended = None
     if outcome.trace.steps:
         amended = write_amended(plan.line, plan.out, outcome.trace, outcome.records, command,
                                 outcome.verdict)  # fmt: skip
-    block = write_block(
-        plan.out, outcome.verdict["effects"], load_declaration(plan.line), outcome.records[0]
-    )
+    block = write_block(plan.out, outcome.verdict["effects"], line, outcome.records[0])
     text = json.dumps(plain(outcome.verdict), indent=1) + "\n"
     (plan.out / "verdict.json").write_text(text, encoding="utf-8")
-    write_report(outcome, command, amended, block)
+    own = declaration_for(line, outcome.records[0])
+    tolerances = {n.name: n.tolerance for n in declared_nuisances(own)}
+    write_report(outcome, command, amended, block, tolerances)
