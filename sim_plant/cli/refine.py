@@ -18,12 +18,19 @@ Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhe
 
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     """Add the subcommand."""
-    parser = subparsers.add_parser("refine", help="trace what a line model lacks in records")
+    parser = subparsers.add_parser(
+        "refine",
+        help="trace what a line model lacks in records",
+        description="Compare records with the declared line; name the effect, place and "
+        "size that explain what is left. docs/refine.md",
+    )
     parser.add_argument(
         "line", type=Path, metavar="LINE.yaml",
         help="line declaration, or a record declaration where there is no line",
     )  # fmt: skip
-    parser.add_argument("records", type=Path, nargs="*", metavar="RECORD")
+    parser.add_argument("records", type=Path, nargs="*", metavar="RECORD",
+                        help="records to fit: .csv, .csv.gz, .txt, .parquet, .mf4; columns are "
+                        "time_s, both references and the channels the line declares")  # fmt: skip
     parser.add_argument(
         "--example",
         action="store_true",
@@ -31,10 +38,13 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     )
     parser.add_argument("--holdout", type=Path, action="append", default=[], metavar="RECORD",
                         help="record to judge on, not to fit")  # fmt: skip
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR",
+                        help="folder for report.html, verdict.json, line_amended.yaml and "
+                        "aff_block.yaml")  # fmt: skip
     parser.add_argument("--without", action="append", default=[], metavar="EFFECT",
-                        help="leave an effect out of the library")  # fmt: skip
-    parser.add_argument("--workers", type=int, default=min(2, os.cpu_count() or 1))
+                        help="leave an effect out of the library; may be given again")  # fmt: skip
+    parser.add_argument("--workers", type=int, default=min(2, os.cpu_count() or 1), metavar="N",
+                        help="processes that simulate (default: 2, on one core 1)")  # fmt: skip
     parser.set_defaults(run=run)
 
 
@@ -58,6 +68,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise PlantError(f"--workers {arguments.workers}: give at least 1")
     if arguments.example and (records or holdout):
         raise PlantError("--example makes its own records; leave RECORD and --holdout out")
+    if arguments.example and is_record_declaration(arguments.line):
+        raise PlantError(f"{arguments.line}: declares records; --example needs a line, such as "
+                         "config/lines/euclid.yaml")  # fmt: skip
     if not records and not arguments.example:
         raise PlantError("give at least one RECORD, or --example")
     plan = Plan(
@@ -73,44 +86,51 @@ def run(arguments: argparse.Namespace) -> int:
             raise PlantError(f"--out {arguments.out}: cannot be written ({error})") from error
         plan = replace(plan, records=(first,), holdout=(second,))
     if is_record_declaration(plan.line):
-        print(record_summary(refine_records(plan, lambda text: print(text, flush=True)), plan.out))
+        found = refine_records(plan, lambda text: print(text, flush=True))
+        print(record_summary(found, plan.out, held=bool(holdout)))
         return 0
     outcome = refine(plan, lambda text: print(text, flush=True))
     print(summary(outcome))
     return 0
 
 
-def record_summary(result: dict[str, Any], out: Path) -> str:
+def record_summary(result: dict[str, Any], out: Path, *, held: bool) -> str:
     """Return the verdict on records without a line as text."""
+    from sim_plant.refine.wording import coordinate_text  # noqa: PLC0415 - heavy imports
+
     lines = [f"\nverdict: {result['verdict']}"]
     for u in result["unknown"]:
-        where = ", ".join(f"{k} {v:.6g}" for k, v in u["coordinate"].items())
-        lines.append(f"  unknown, class {u['class']}: {where}")
+        lines.append(f"  {u['class']}: {coordinate_text(u['class'], u['coordinate'])}")
     for u in result["clocks"]:
         lines.append(f"  no effect: {u['coordinate']['frequency_Hz']:.4g} Hz {u['why']}")
     for name, row in result["residual_rms"].items():
         lines.append(f"{name}: rms {row['before']:.5g} with the declared filter alone, "
                      f"{row['after']:.5g} with the lines")  # fmt: skip
-    return "\n".join([*lines, f"judged on {result['holdout']}; written to {out}"])
+    return "\n".join([*lines, _last(result, out, held=held)])
+
+
+def _last(result: dict[str, Any], out: Path, *, held: bool) -> str:
+    """Return what was judged on, and the page to open."""
+    proof = "judged on the held-out" if held else "no proof, judged on the fitted"
+    return f"{proof} {result['holdout']}; open {out / 'report.html'}"
 
 
 def summary(outcome: Outcome) -> str:
     """Return the verdict and the error table as text."""
+    from sim_plant.refine.wording import coordinate_text, size_of  # noqa: PLC0415
+
     result: dict[str, Any] = outcome.verdict
     lines = [f"\nverdict: {result['verdict']}"]
     for e in result["effects"]:
-        numbers = ", ".join(
-            f"{k} {v:.6g}" if isinstance(v, float) else f"{k} {v}"
-            for k, v in e["parameters"].items()
-        )
-        lines.append(f"  {e['effect']} at {e['location']}: {numbers}")
+        lines.append(f"  {e['effect']} at {e['location']}: {size_of(e)}")
         lines.append(f"    score {e['score']:.0f}, runner-up {e['runner_up']}, "
                      f"margin {e['margin']:.0f}")  # fmt: skip
     for a in result["ambiguous"]:
         lines.append(f"  not identifiable: {a['effect']} or {', '.join(a['with'])}")
         lines += [f"    to tell: {what}" for what in a["experiments"]]
     for u in result["unknown"]:
-        lines.append(f"  unknown, class {u['class']}: {u['coordinate']}")
+        lines.append(f"  unknown, class {u['class']}: "
+                     f"{coordinate_text(u['class'], u['coordinate'])}")  # fmt: skip
     lines.append(
         f"{'channel':28s} {'before':>10s} {'after':>10s} {'floor':>10s} {'after/floor':>11s}"
     )
@@ -118,5 +138,5 @@ def summary(outcome: Outcome) -> str:
         share = row["after"] / row["noise_floor"] if row["noise_floor"] else 0.0
         lines.append(f"{name:28s} {row['before']:10.4g} {row['after']:10.4g} "
                      f"{row['noise_floor']:10.4g} {share:11.3f}")  # fmt: skip
-    lines.append(f"judged on {result['holdout']}; written to {outcome.plan.out}")
+    lines.append(_last(result, outcome.plan.out, held=bool(outcome.plan.holdout)))
     return "\n".join(lines)

@@ -164,5 +164,5 @@ def limits(twin: Twin) -> list[str]:
         found.append("one speed only: a line in time and a line in travel look the same")
     if len([c for c in twin.channels if c.endswith("_N")]) < 2:
         found.append("one tension only: where an effect sits rests on the drive speeds")
-    found.append("load-cell scale and zero hide behind the tension loop's integral")
+    found.append("a wrong scale or zero of a load cell: the tension loop's integral hides it")
     return found

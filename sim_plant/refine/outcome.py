@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ class Plan:
     ----------
     line : declaration.
     records : to fit.
-    holdout : to judge; empty: the last record fitted is shown, and said to be no proof.
+    holdout : the first is judged; empty: the first record fitted is, and said to be no proof.
     out : folder to write.
     without : effects left out of the library.
     workers : processes.
@@ -31,6 +32,16 @@ class Plan:
     out: Path
     without: tuple[str, ...] = ()
     workers: int = 2
+
+    @property
+    def command(self) -> str:
+        """The command that repeats this run."""
+        parts = ["sim-plant", "refine", str(self.line), *map(str, self.records)]
+        for path in self.holdout:
+            parts += ["--holdout", str(path)]
+        for name in self.without:
+            parts += ["--without", name]
+        return shlex.join([*parts, "--out", str(self.out)])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

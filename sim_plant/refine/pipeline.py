@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shlex
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import Any
@@ -68,6 +67,8 @@ def refine(plan: Plan, say: Say) -> Outcome:
     said = list(dict.fromkeys(text for t in twins for text in limits(t)))
     if not held:
         said.append("no held-out record: the error after is that of the record fitted")
+    if len(held) > 1:
+        said.append(f"more than one held-out record: the errors are those of {held[0].path.name}")
     for text in said:
         say(f"cannot be claimed: {text}")
     for record in (*records, *held):
@@ -88,18 +89,8 @@ def refine(plan: Plan, say: Say) -> Outcome:
         plan=plan, records=(*records, *held), limits=tuple(said), trace=found, judgement=judged,
         verdict=result,
     )  # fmt: skip
-    publish(plan, lambda into: write_all(replace(outcome, plan=into), command_of(plan)))
+    publish(plan, lambda into: write_all(replace(outcome, plan=into), plan.command))
     return outcome
-
-
-def command_of(plan: Plan) -> str:
-    """Return the command that repeats this run."""
-    parts = ["sim-plant", "refine", str(plan.line), *map(str, plan.records)]
-    for path in plan.holdout:
-        parts += ["--holdout", str(path)]
-    for name in plan.without:
-        parts += ["--without", name]
-    return shlex.join([*parts, "--out", str(plan.out)])
 
 
 def write_all(outcome: Outcome, command: str) -> None:

@@ -169,7 +169,7 @@ def _clock(items: Sequence[Explained], kind: str, coordinate: float) -> str:
                 / coordinate)  # fmt: skip
     reasons = []
     if abs(divisor - round(divisor)) < width * divisor and round(divisor) <= 20:
-        reasons.append(f"is exactly 1/{round(divisor)} of the sample rate")
+        reasons.append(f"is 1/{round(divisor)} of the sample rate")
     for item in items:
         white = np.stack([whiten(row) for row in item.inputs])
         time_s = _phase(item, "time")

@@ -24,6 +24,7 @@ from sim_plant.refine.record_only import (
     load_record_declaration,
     read_for,
 )
+from sim_plant.refine.wording import record_headline, record_next
 
 if TYPE_CHECKING:
     from sim_plant.refine.outcome import Plan
@@ -58,6 +59,8 @@ def refine_records(plan: Plan, say: Callable[[str], None]) -> dict[str, Any]:
     held = [read_for(declaration, p) for p in plan.holdout]
     check_apart(records, held)
     said = limits_of(declaration, bool(held))
+    if len(held) > 1:
+        said.append(f"more than one held-out record: the errors are those of {held[0].path.name}")
     for text in said:
         say(f"cannot be claimed: {text}")
     weights = fit_filter(declaration, records)
@@ -81,7 +84,7 @@ def refine_records(plan: Plan, say: Callable[[str], None]) -> dict[str, Any]:
         "holdout": str((plan.holdout or plan.records)[0]),
     }
     hashes = [(r.path.name, r.sha256) for r in (*records, *held)]
-    publish(plan, lambda into: _write(into, declaration, result, hashes))
+    publish(plan, lambda into: _write(into, declaration, result, hashes, plan.command))
     return result
 
 
@@ -157,12 +160,16 @@ def _complex(fitted: Array) -> Any:
 
 def _write(
     plan: Plan, declaration: RecordDeclaration, result: dict[str, Any],
-    records: Sequence[tuple[str, str]],
+    records: Sequence[tuple[str, str]], command: str,
 ) -> None:  # fmt: skip
     text = json.dumps(plain(result), indent=1) + "\n"
     (plan.out / "verdict.json").write_text(text, encoding="utf-8")
     template = Environment(
         loader=PackageLoader("sim_plant.refine", "."), autoescape=True
     ).get_template("record_report.html.j2")
-    page = template.render(note=declaration.note, verdict=result, records=records)
+    page = template.render(
+        note=declaration.note, verdict=result, records=records, command=command,
+        headline=record_headline(result), held=bool(plan.holdout),
+        next_step=record_next(result, travel=declaration.travel_speed is not None),
+    )  # fmt: skip
     (plan.out / "report.html").write_text(page, encoding="utf-8")

@@ -10,6 +10,7 @@ from scipy.ndimage import median_filter
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
+from sim_plant.refine.units import suffix_of
 
 LONGEST_GAP_SAMPLES = 1.7
 JITTER_SHARE = 0.02
@@ -77,22 +78,22 @@ def oddities(columns: Mapping[str, Array]) -> list[str]:
         if np.ptp(values) == 0.0:
             found.append(f"{name} stands still at {values[0]:g}")
             continue
-        levels = np.unique(values)
+        levels, unit = np.unique(values), suffix_of(name).replace("_s", "/s")
         smallest = float(np.min(np.diff(levels))) if levels.size > 1 else 0.0
-        if levels.size < 0.2 * values.size and smallest > 0.0:
-            found.append(f"{name} is read in steps of {smallest:.3g}")
+        if levels.size < 0.2 * values.size and smallest > 0.0 and "_ref_" not in name:
+            found.append(f"{name} is read in steps of {smallest:.3g} {unit}".rstrip())
         for level, side in ((levels[-1], "top"), (levels[0], "bottom")):
             stuck = float(np.mean(values == level))
             if stuck > 0.05 and levels.size > 20 and "_ref_" not in name:
                 found.append(f"{name} sits at its {side} {level:g} for {100 * stuck:.0f} %")
         spikes = count_spikes(values)
         if spikes:
-            found.append(f"{name} has {spikes} spikes")
+            found.append(f"{name} has {spikes} spike{'s' * (spikes > 1)}")
     return found
 
 
 def count_spikes(values: Array) -> int:
     """Return how many single samples stand far off their neighbours (Hampel)."""
-    off = values - median_filter(values, 7)
+    off = (values - median_filter(values, 7))[3:-3]  # at its ends a ramp looks like a spike
     spread = max(1.4826 * float(np.median(np.abs(off - np.median(off)))), 0.5 * float(np.std(off)))
     return 0 if spread == 0.0 else int(np.sum(np.abs(off) > SPIKE_SIGMA * spread))

@@ -80,6 +80,25 @@ def size_of(row: Mapping[str, Any]) -> str:
     return ", ".join(found)
 
 
+def record_headline(result: Mapping[str, Any]) -> str:
+    """Return the verdict on records without a line declaration as sentences."""
+    if not result["unknown"]:
+        return "Nothing found: what the declared filter leaves of the outputs holds no line."
+    said = [coordinate_text(u["class"], u["coordinate"]) for u in result["unknown"]]
+    return f"Unknown, strongest first: {'; '.join(said)}."
+
+
+def record_next(result: Mapping[str, Any], *, travel: bool) -> str:
+    """Return what the reader may do now; ``travel``: a column is the web's absolute speed."""
+    if result["unknown"]:
+        return (
+            "Look for what turns or swings so; the rms below says what it is worth. A line "
+            "declaration (config/lines/euclid.yaml) would name the place."
+        )
+    more = "" if travel else "a column with the web's absolute speed (travel_speed), or "
+    return f"Nothing to do. To have rollers looked for, give {more}a line declaration."
+
+
 def coordinate_text(kind: str, where: Mapping[str, Any]) -> str:
     """Return what is known of an unknown as words."""
     if kind == "time":

@@ -60,13 +60,36 @@ def test_a_travel_line_is_found_with_its_radius_and_judged_held_out(plan):
     assert row["before"] == pytest.approx(np.sqrt(1.0 + 0.08), rel=0.02)
     assert row["after"] == pytest.approx(1.0, rel=0.02)
     assert json.loads((plan.out / "verdict.json").read_text())["verdict"] == "unknown"
-    assert "equivalent_radius_m" in (plan.out / "report.html").read_text()
+    page = (plan.out / "report.html").read_text()
+    assert "equivalent_radius_m" in page
+    assert "Unknown, strongest first: something that repeats every 62" in page  # 1 / 1.6 m
+    assert f"Command: <code>sim-plant refine {plan.line} {plan.records[0]}" in page
+    assert "on the held-out record" in page
 
 
 def test_no_line_no_claim(plan, tmp_path):
     quiet = [write_belt(tmp_path / f"q{k}.csv", 10 + k, 1.3, amplitude=0.0) for k in (0, 1)]
     still = Plan(line=plan.line, records=tuple(quiet), holdout=(), out=tmp_path / "quiet")
     assert refine_records(still, lambda _: None)["verdict"] == "nothing"
+    page = (still.out / "report.html").read_text()
+    assert "Nothing found: what the declared filter leaves" in page
+    assert "no proof" in page
+    assert "travel_speed" not in page  # it is declared
+
+
+def test_the_example_needs_a_line(plan, tmp_path, capsys):
+    assert main(["refine", str(plan.line), "--example", "--out", str(tmp_path / "x")]) == 2
+    assert "declares records; --example needs a line" in capsys.readouterr().err
+    assert not (tmp_path / "x").exists()
+
+
+def test_of_two_held_out_records_the_first_is_judged_and_that_is_said(plan, tmp_path):
+    held = tuple(write_belt(tmp_path / f"h{k}.csv", 20 + k, 1.3, amplitude=0.0) for k in (0, 1))
+    two = Plan(line=plan.line, records=plan.records, holdout=held, out=tmp_path / "two")
+    result = refine_records(two, lambda _: None)
+    assert result["holdout"] == str(held[0])
+    said = "more than one held-out record: the errors are those of h0.csv"
+    assert said in result["not_claimed"]
 
 
 def test_a_missing_column_is_refused_and_nothing_written(plan, tmp_path, capsys):

@@ -38,6 +38,18 @@ def test_spikes_are_counted_and_noise_is_not():
     assert count_spikes(values) == 3
 
 
+def test_the_ends_of_a_ramp_are_no_spikes():
+    """An angle that goes on and on: a median of fewer neighbours is off at both ends."""
+    assert count_spikes(6.0 * np.arange(2000) * 0.01) == 0
+
+
+def test_a_stepped_reference_is_no_coarse_reading():
+    values = np.where(np.arange(2000) < 1500, 88.96, 95.0)
+    assert oddities({"tension_ref_N": values}) == []
+    said = oddities({"unwind_tension_N": np.round(values + np.sin(np.arange(2000)), 1)})
+    assert said[0] == "unwind_tension_N is read in steps of 0.1 N"
+
+
 def test_steps_and_stops_are_said():
     time_s = np.arange(2000) * 0.01
     said = " ".join(oddities({
