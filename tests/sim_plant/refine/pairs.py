@@ -2,7 +2,8 @@
 
 python -m tests.sim_plant.refine.pairs [--out DIR] [--only TEXT] [--swapped]
 
-``--swapped`` fits on record b and judges on a, with the whole library. Results are kept in DIR, one folder a run; a run that is there is not made again.
+``--swapped`` fits on record b and judges on a, with the whole library.
+Results are kept in DIR, one folder a run; a run that is there is not made again.
 """
 
 import argparse
