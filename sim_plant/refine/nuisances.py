@@ -26,7 +26,7 @@ DEFAULT_TOLERANCE = {
     "loop": 0.005,
     "drive": 0.005,
 }
-"""Assumed where a declaration gives none: two standard deviations, relative (offset in N)."""
+"""Assumed where a declaration gives none: two standard deviations, relative (offset in N, draw as it is)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
