@@ -1,7 +1,8 @@
 """All pairs of shared/data/lines, and each with its true effect taken out, as one table.
 
-python -m tests.sim_plant.refine.pairs [--out DIR] [--only TEXT]
+python -m tests.sim_plant.refine.pairs [--out DIR] [--only TEXT] [--swapped]
 
+``--swapped`` fits on record b and judges on a, with the whole library.
 Results are kept in DIR, one folder a run; a run that is there is not made again.
 """
 
@@ -22,14 +23,23 @@ NO_LINE = ("web_modulus", "load_cell_filter", "loop_delay")
 
 @dataclass(frozen=True)
 class Run:
-    """One pair, with some effects taken out of the library."""
+    """One pair, with some effects taken out of the library; ``fit`` is the record fitted."""
 
     case: str
     without: tuple[str, ...] = ()
+    fit: str = "a"
 
     @property
     def name(self):
-        return "-".join([self.case, *(f"without_{n}" for n in self.without)])
+        first = self.case if self.fit == "a" else f"{self.case}_{self.fit}"
+        return "-".join([first, *(f"without_{n}" for n in self.without)])
+
+    @property
+    def files(self):
+        """Line file, record to fit and record to judge on, as names."""
+        held = "b" if self.fit == "a" else "a"
+        return (f"{self.case}_{self.fit}.yaml", f"{self.case}_{self.fit}.csv.gz",
+                f"{self.case}_{held}.csv.gz")  # fmt: skip
 
 
 def labels():
@@ -40,8 +50,10 @@ def labels():
     return {c["case"]: [(e["effect_class"], e["location"]) for e in c["effects"]] for c in cases}
 
 
-def plan():
+def plan(swapped=False):
     """Return every pair as it is, without each of its effects, and without all of them."""
+    if swapped:
+        return [Run(case, fit="b") for case in labels()]
     runs = []
     for case, effects in labels().items():
         names = [name for name, _ in effects]
@@ -56,9 +68,7 @@ def verdict(run, out):
     """Return the verdict of a run, made now if it is not in ``out``."""
     path = out / run.name / "verdict.json"
     if not path.exists():
-        line, fit, held = (
-            str(FOLDER / f"{run.case}_{end}") for end in ("a.yaml", "a.csv.gz", "b.csv.gz")
-        )
+        line, fit, held = (str(FOLDER / name) for name in run.files)
         taken = [part for name in run.without for part in ("--without", name)]
         done = sim_plant(
             ["refine", line, fit, "--holdout", held, "--out", str(path.parent), *taken]
@@ -128,11 +138,11 @@ def row(run, result):
     )
 
 
-def table(out, only=""):
+def table(out, only="", swapped=False):
     """Print the table; return how many rows are wrong."""
     wrong = 0
     rows = []
-    for run in plan():
+    for run in plan(swapped):
         if only in run.name:
             result = verdict(run, out)
             rows.append(row(run, result))
@@ -147,7 +157,8 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("out/refine-pairs"))
     parser.add_argument("--only", default="")
+    parser.add_argument("--swapped", action="store_true")
     arguments = parser.parse_args()
     if FOLDER is None:
         raise SystemExit(f"no line records: looked for {PLACES[0]} and {PLACES[1]}")
-    raise SystemExit(1 if table(arguments.out, arguments.only) else 0)
+    raise SystemExit(1 if table(arguments.out, arguments.only, arguments.swapped) else 0)
