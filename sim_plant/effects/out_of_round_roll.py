@@ -18,6 +18,7 @@ from sim_plant.geometry.shapes import MAX_ORDER, Shape, circle, ellipse, orders,
 from sim_plant.geometry.wound_mass import wound_mass
 
 GRAVITY_M_S2 = 9.80665
+LARGEST_ROLL_M = 5.0
 KINDS = ("flat", "bulge", "asym", "flattened_bulge", "ellipse", "orders")
 HIGHEST_ORDER = 6
 PAIRS = tuple(Quadrature(cos=f"cos{n}_m", sin=f"sin{n}_m") for n in range(1, HIGHEST_ORDER + 1))
@@ -54,13 +55,21 @@ def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
     Winding and unwinding lead to parallel curves: a profile formed at another radius keeps its
     deviations from the round part. A profile of a finite ``finest_order`` ripples beside its
     corners; web that is laid and taken off there passes twice (``elements/span``).
+
+    Raises
+    ------
+    PlantError
+        On numbers that no roll has.
     """
     kind, size_m = str(parameters["shape"]), float(parameters["size_m"])
-    formed_m = float(parameters["formed_radius_m"]) or radius_m + float(parameters["unwound_m"])
+    formed_m = _formed_m(radius_m, parameters)
     angle_rad, flat_width_m = float(parameters["angle_rad"]), float(parameters["flat_width_m"])
+    for name in ("size_m", "flat_width_m", "smoothing_rad"):
+        if float(parameters[name]) < 0.0:
+            raise PlantError(f"out_of_round_roll.{name}: read {parameters[name]}; expected >= 0")
     shape = named(kind, size_m, formed_m, angle_rad, flat_width_m)
     shape = shape.at_radius(shape.mean_radius_m + radius_m - formed_m)
-    shape = shape.up_to(int(parameters["finest_order"]))
+    shape = shape.up_to(_finest(float(parameters["finest_order"])))
     if float(parameters["smoothing_rad"]) != 0.0:
         shape = shape.smoothed(float(parameters["smoothing_rad"]))
     rows = []
@@ -76,6 +85,33 @@ def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
     total[: low_orders.size] += low_orders
     total[: shape.deviation_m.size] += shape.deviation_m
     return require_convex(Shape(mean_radius_m=shape.mean_radius_m, deviation_m=total))
+
+
+def _formed_m(radius_m: float, parameters: Mapping[str, Value]) -> float:
+    """Return the radius at which the profile was formed, however it is told."""
+    given_m, unwound_m = float(parameters["formed_radius_m"]), float(parameters["unwound_m"])
+    if given_m != 0.0 and unwound_m != 0.0:
+        raise PlantError(
+            f"out_of_round_roll: formed_radius_m ({given_m:g}) and unwound_m ({unwound_m:g}) say "
+            "the same thing; give one of them"
+        )
+    formed_m = given_m or radius_m + unwound_m
+    if not 0.0 < formed_m <= LARGEST_ROLL_M:
+        name, value = ("formed_radius_m", given_m) if given_m else ("unwound_m", unwound_m)
+        raise PlantError(
+            f"out_of_round_roll.{name}: read {value:g}; a roll of {radius_m:g} m would have been "
+            f"formed at {formed_m:g} m, expected more than 0 and at most {LARGEST_ROLL_M:g} m"
+        )
+    return formed_m
+
+
+def _finest(order: float) -> int:
+    if order != int(order) or not 1 <= order <= MAX_ORDER:
+        raise PlantError(
+            f"out_of_round_roll.finest_order: read {order:g}; expected a whole number, "
+            f"1 to {MAX_ORDER}"
+        )
+    return int(order)
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -96,7 +132,13 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
         )  # fmt: skip
         heavy = mass.mass_kg * GRAVITY_M_S2 * mass.offset_m * float(parameters["gravity"])
         add_heavy(arrays, place, heavy, mass.offset_angle_rad)
-    return add_mean(add_shape(arrays, place, shape), place, float(parameters["mean_m"]))
+    mean_m = float(parameters["mean_m"])
+    if shape.mean_radius_m + mean_m <= 0.0:
+        raise PlantError(
+            f"out_of_round_roll.mean_m: read {mean_m:g}; it leaves nothing of a mean radius of "
+            f"{shape.mean_radius_m:g} m"
+        )
+    return add_mean(add_shape(arrays, place, shape), place, mean_m)
 
 
 def _components() -> dict[str, Parameter]:
@@ -119,7 +161,7 @@ EFFECT = Effect(
             default=0.0, unit="rad", typical=0.03, low=0.0, high=0.5, role="shape"
         ),
         "formed_radius_m": Parameter(  # 0: the radius of the roll at the start
-            default=0.0, unit="m", typical=0.2, low=0.0, high=5.0, role="shape"
+            default=0.0, unit="m", typical=0.2, low=0.0, high=LARGEST_ROLL_M, role="shape"
         ),
         "unwound_m": Parameter(  # by this much the radius has fallen since; below 0: wound over
             default=0.0, unit="m", typical=0.01, low=-0.05, high=0.05, role="shape", step=0.002

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import numbers
 from collections.abc import Iterable, Mapping
-
-import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import LineArrays
@@ -49,8 +49,17 @@ def merged(effect: Effect, given: Mapping[str, Value], where: str) -> dict[str, 
             raise PlantError(f"{where}.parameters: unknown key {key!r}{meant(key, values)}")
         if isinstance(values[key], str):
             values[key] = str(value)
-        elif isinstance(value, str | bool) or not np.isfinite(float(value)):
-            raise PlantError(f"{where}.parameters.{key}: read {value!r}; expected a number")
         else:
-            values[key] = float(value)
+            values[key] = _number(value, f"{where}.parameters.{key}")
     return values
+
+
+def _number(value: object, where: str) -> float:
+    """Return a finite number; PlantError on anything else that YAML may hold."""
+    try:
+        found = float(value) if isinstance(value, numbers.Real) else math.nan
+    except OverflowError:  # a whole number of hundreds of digits
+        found = math.inf
+    if isinstance(value, bool) or not math.isfinite(found):
+        raise PlantError(f"{where}: read {value!r:.60}; expected a number")
+    return found

@@ -15,7 +15,7 @@ def read_places(text: str) -> tuple[Any, dict[Place, tuple[int, int]], list[str]
     Raises
     ------
     yaml.YAMLError
-        When the text is not YAML.
+        When the text is not YAML, a value is none (a 13th month), or nesting has no end.
     """
     loader = yaml.SafeLoader(text)
     try:
@@ -26,6 +26,10 @@ def read_places(text: str) -> tuple[Any, dict[Place, tuple[int, int]], list[str]
             return None, places, repeated
         _walk(root, (), places, repeated)
         return loader.construct_document(root), places, repeated
+    except ValueError as error:  # of a date, or of a number that a tag asks for
+        raise yaml.YAMLError(f"a value cannot be read ({error})") from error
+    except RecursionError as error:
+        raise yaml.YAMLError("is nested without end, or far too deep") from error
     finally:
         loader.dispose()
 

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
+import itertools
 import os
+import shutil
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from aff_runtime.base.errors import PlantError
+from sim_plant.refine.match import sidecar_of
 from sim_plant.refine.outcome import Plan
 from sim_plant.refine.record import Record
 
+FRESH = ".refine-"
 FILES = ("verdict.json", "report.html", "line_amended.yaml", "aff_block.yaml")
 
 
@@ -30,9 +38,15 @@ def check_folder(plan: Plan) -> None:
         raise PlantError(f"--out {plan.out}: {there} is no folder; choose another --out")
     if not os.access(there, os.W_OK | os.X_OK):
         raise PlantError(f"--out {plan.out}: {there} may not be written; choose another --out")
-    ours = {(plan.out / name).resolve() for name in FILES}
-    for path in (plan.line, *plan.records, *plan.holdout):
-        if path.resolve() in ours:
+    for name in FILES:
+        if os.path.isdir(plan.out / name):  # Path's own raises on a long name
+            raise PlantError(
+                f"--out {plan.out}: its {name} is a folder; take it away, or choose another --out"
+            )
+    ours = {os.path.realpath(plan.out / name) for name in FILES}
+    records = (*plan.records, *plan.holdout)
+    for path in (plan.line, *records, *(sidecar_of(path) for path in records if path.name)):
+        if os.path.realpath(path) in ours:  # unlike resolve, no error on links in a circle
             raise PlantError(f"{path}: would be overwritten; choose another --out")
 
 
@@ -42,16 +56,35 @@ def check_apart(records: Sequence[Record], held: Sequence[Record]) -> None:
     Raises
     ------
     PlantError
-        When two files hold the same bytes.
+        When two files hold the same readings, packed in another way or not.
     """
-    known: dict[str, Record] = {}
-    for record in (*records, *held):
-        other = known.setdefault(record.sha256, record)
-        if other is not record:
+    for first, second in itertools.combinations((*records, *held), 2):
+        if _same(first, second):
             raise PlantError(
-                f"{record.path}: is the same record as {other.path}; "
+                f"{second.path}: is the same record as {first.path}; "
                 "fit and judge on different records, or leave this one out"
             )
+
+
+def _same(first: Record, second: Record) -> bool:
+    if first.sha256 == second.sha256:
+        return True
+    return first.columns.keys() == second.columns.keys() and all(
+        np.array_equal(values, second.columns[name]) for name, values in first.columns.items()
+    )
+
+
+@contextlib.contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Keep other runs from the folder meanwhile; take away what a killed one has left there."""
+    held = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(held, fcntl.LOCK_EX)  # the kernel lets go of it when this process ends
+        for left in folder.glob(FRESH + "*"):
+            shutil.rmtree(left, ignore_errors=True)
+        yield
+    finally:
+        os.close(held)
 
 
 def publish(plan: Plan, write: Callable[[Plan], None]) -> None:
@@ -67,7 +100,7 @@ def publish(plan: Plan, write: Callable[[Plan], None]) -> None:
     """
     try:
         plan.out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".refine-", dir=plan.out) as name:
+        with _alone(plan.out), tempfile.TemporaryDirectory(prefix=FRESH, dir=plan.out) as name:
             fresh = Path(name)
             write(replace(plan, out=fresh))
             for file in FILES:

@@ -72,7 +72,7 @@ def line_spectrum(
     cells = 1 << int(np.ceil(np.log2(max(16.0, 2.0 * OVERSAMPLING * highest * extent))))
     # pad to twice the extent: bins at half the resolution
     step = 2.0 * extent / cells
-    at = np.minimum((start / step + 0.5).astype(np.int64), cells - 1)
+    at = np.clip((start / step + 0.5).astype(np.int64), 0, cells - 1)
     drop = np.zeros(cells // 2 + 1)
     samples = whitened.shape[1]
     for row in whitened:

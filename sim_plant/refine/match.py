@@ -11,11 +11,15 @@ from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.record import Record
-from sim_plant.refine.twin import REFERENCES, Twin, modelled_channels
+from sim_plant.refine.sanity import place_of
+from sim_plant.refine.twin import REFERENCES, Case, Twin, modelled_channels
 
 SPEED_MISMATCH = 0.2
-TENSION_RANGE = (0.2, 5.0)
+TENSION_RANGE = (0.3, 3.3)
+"""Narrower than a pound taken for a newton, either way."""
 HIGHEST_STRAIN = 0.2
+LEAST_RUNNING = 0.1
+"""Share of the rows in which the line has to run."""
 
 
 def sidecar_of(path: Path) -> Path:
@@ -40,10 +44,11 @@ def declaration_for(line: Declaration, record: Record) -> Declaration:
     own = load_declaration(path)
     if [r.name for r in own.rollers] != [r.name for r in line.rollers]:
         raise PlantError(f"{path}: declares other rollers than the line it is to be judged by")
-    effects = own.effects or line.effects
-    tolerances = {**line.tolerances, **own.tolerances}
-    return own.model_copy(update={"effects": effects,
-                                  "tolerances": tolerances})  # fmt: skip
+    return own.model_copy(update={
+        "effects": own.effects or line.effects,
+        "corrections": {**line.corrections, **own.corrections},
+        "tolerances": {**line.tolerances, **own.tolerances},
+    })  # fmt: skip
 
 
 def twin_of(line: Declaration, record: Record) -> Twin:
@@ -81,11 +86,16 @@ def twin_of(line: Declaration, record: Record) -> Twin:
     for name, values in record.columns.items():
         if name == "aff_correction_m_s" and np.any(values):
             aff["unwind"] = values
-    return Twin(
+    twin = Twin(
         declaration=own, channels=modelled_channels(own, list(record.columns)),
         speed_m_s=record.columns[REFERENCES[0]], tension_N=record.columns[REFERENCES[1]],
         aff_m_s=aff,
     )  # fmt: skip
+    try:
+        twin.line(Case(coarse=False))
+    except PlantError as error:
+        raise PlantError(f"{record.path}: its line cannot be built: {error}") from error
+    return twin
 
 
 def _plausible(line: Declaration, record: Record) -> None:
@@ -95,6 +105,7 @@ def _plausible(line: Declaration, record: Record) -> None:
         if not np.any(record.columns[name]):
             raise PlantError(f"{record.path}: column {name} is 0 throughout; "
                              "give a record of the running line")  # fmt: skip
+    _runs(record, speed)
     strain = float(np.median(tension)) / line.web.EA_N
     if not 0.0 < strain < HIGHEST_STRAIN:
         raise PlantError(
@@ -102,6 +113,10 @@ def _plausible(line: Declaration, record: Record) -> None:
             f"declared web (EA {line.web.EA_N:g} N) by {100 * strain:.3g} %; a unit in the header "
             "is wrong, or the line file is another line's"
         )
+    _within(record, "tension_ref_N", 0.0, HIGHEST_STRAIN * line.web.EA_N)
+    if "aff_correction_m_s" in record.columns:
+        fastest = float(np.max(np.abs(speed)))
+        _within(record, "aff_correction_m_s", -fastest, fastest)
     for sensor in line.sensors:
         values = record.columns[sensor.channel]
         if sensor.scale_radius_m is not None:
@@ -119,6 +134,8 @@ def _plausible(line: Declaration, record: Record) -> None:
                     f"{record.path}: column {sensor.channel}: {ratio:.3g} times the tension "
                     "reference; its unit in the header, or the reference's, is wrong"
                 )
+            highest = HIGHEST_STRAIN * line.web.EA_N
+            _within(record, sensor.channel, -highest, highest)
         elif sensor.lsb_m is not None:
             declared = line.rollers[line.body(sensor.roller)].radius_m
             if abs(values[0] / declared - 1.0) > 0.02:
@@ -126,6 +143,35 @@ def _plausible(line: Declaration, record: Record) -> None:
                     f"{record.path}: column {sensor.channel} starts at {values[0]:g} m, the line "
                     f"file declares {declared:g} m: not this record's line file, or another unit"
                 )
+
+
+def _runs(record: Record, speed: Array) -> None:
+    """Refuse a line that hardly runs, or runs backwards."""
+    fastest = float(np.max(np.abs(speed)))
+    running = np.abs(speed) > 0.1 * fastest
+    if float(np.mean(running)) < LEAST_RUNNING:
+        raise PlantError(
+            f"{record.path}: column line_speed_ref_m_s: the line stands, or creeps below a tenth "
+            f"of its {fastest:.4g} m/s, in {100 * float(np.mean(~running)):.1f} % of the rows; "
+            "give a record of the running line"
+        )
+    if float(np.median(speed[running])) < 0.0:
+        raise PlantError(
+            f"{record.path}: column line_speed_ref_m_s: the line runs backwards; give a record "
+            "from unwind to rewind, speeds counted that way"
+        )
+
+
+def _within(record: Record, name: str, low: float, high: float) -> None:
+    """Refuse a value that this line cannot have: a marker of a lost reading, or another unit."""
+    values = record.columns[name]
+    bad = np.flatnonzero((values < low) | (values > high))
+    if bad.size:
+        raise PlantError(
+            f"{record.path}: {place_of(record.path, int(bad[0]))}: column {name}: read "
+            f"{values[bad[0]]:.6g}; this line can have {low:.4g} to {high:.4g} ({bad.size} rows "
+            "are beyond); cut the record there, or correct the unit in the header"
+        )
 
 
 def _compare(path: Path, name: str, values, expected, share: float) -> None:  # type: ignore[no-untyped-def]
@@ -142,8 +188,13 @@ def _compare_angle(record: Record, name: str, expected: Array) -> None:
     """Refuse an angle whose steps belong to another unit; steps back: the count starts over."""
     steps = np.diff(record.columns[name])
     onward = steps * np.sign(np.median(steps)) >= 0.0
-    turned = abs(float(np.mean(steps[onward]))) / record.sample_time_s
-    wanted = abs(float(np.mean(expected[1:][onward])))
+    turned = float(np.mean(steps[onward])) / record.sample_time_s
+    wanted = float(np.mean(expected[1:][onward]))
+    if turned < 0.0:
+        raise PlantError(
+            f"{record.path}: column {name}: counts backwards while the web runs forwards; "
+            "change its sign"
+        )
     if not abs(turned / wanted - 1.0) < 2.0 * SPEED_MISMATCH:
         raise PlantError(
             f"{record.path}: column {name}: turns {turned / wanted:.4g} times as fast as the "

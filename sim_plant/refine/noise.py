@@ -10,6 +10,7 @@ import numpy as np
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
 
+from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.refine.twin import Twin
 from sim_plant.refine.wander import steadied, wander
@@ -165,7 +166,13 @@ def noise_model(
 
 
 def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
-    """Return the noise model of a twin from its noise realisations (runs, channels, samples)."""
+    """Return the noise model of a twin from its noise realisations (runs, channels, samples).
+
+    Raises
+    ------
+    PlantError
+        When a channel has no noise at all.
+    """
     line = twin.declaration
     steps = {s.channel: s.lsb_m or 0.0 for s in line.sensors}
     words = {s.channel for s in line.sensors if s.lsb_rad is not None}
@@ -173,6 +180,12 @@ def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
         runs, first_judged(runs.shape[2], line.sample_time_s),
         np.array([steps[c] for c in twin.channels]), [c in words for c in twin.channels],
     )  # fmt: skip
+    silent = [name for name, rms in zip(twin.channels, found.floor, strict=True) if not rms > 0.0]
+    if silent:
+        raise PlantError(
+            f"sensors.{silent[0]}: the line file declares no noise that reaches this channel: no "
+            "difference can be weighed; give its noise_sd or lsb"
+        )
     return replace(found, slow=wander(np.stack([found.whiten(run) for run in runs])))
 
 

@@ -26,7 +26,8 @@ DEFAULT_TOLERANCE = {
     "loop": 0.005,
     "drive": 0.005,
 }
-"""Assumed where a declaration gives none: two standard deviations, relative (offset in N, draw as it is)."""
+"""Assumed where a declaration gives none: two standard deviations, relative (offset in N, draw a
+ratio itself)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from aff_runtime.base.errors import PlantError
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.amend import plain, write_amended, write_block
 from sim_plant.refine.bench import Bench
@@ -24,7 +25,7 @@ from sim_plant.refine.read import read_record
 from sim_plant.refine.record import Record
 from sim_plant.refine.report import write_report
 from sim_plant.refine.trace import trace
-from sim_plant.refine.twin import Twin
+from sim_plant.refine.twin import Case, Twin
 from sim_plant.refine.verdict import verdict
 
 Say = Callable[[str], None]
@@ -43,10 +44,29 @@ def find(
     with Bench(twins, workers) as bench:
         say("simulating the declared line, its noise and its tolerances")
         measured = [measured_of(t, r) for t, r in zip(twins, records, strict=True)]
+        check_runs(bench, records)
         problem = Problem(bench, measured)
         found = trace(problem, library(twins[0].declaration, without), say)
         say(f"{bench.simulations} simulations")
     return found
+
+
+def check_runs(bench: Bench, records: Sequence[Record]) -> None:
+    """Refuse a declared line that does not run under the references of its record.
+
+    Raises
+    ------
+    PlantError
+        When a simulation of it, at the quick or at the declared drive tick, comes to no end.
+    """
+    for runs in bench.run([Case(), Case(coarse=False)]):
+        for record, run in zip(records, runs, strict=True):
+            if not np.isfinite(run).all():
+                raise PlantError(
+                    f"{record.path}: the declared line does not run under this record's "
+                    "references, its simulation diverges; look for a number of the line file "
+                    "that is far off (inertia, EA_N, gains, corrections, effects)"
+                )
 
 
 def refine(plan: Plan, say: Say) -> Outcome:
@@ -64,6 +84,8 @@ def refine(plan: Plan, say: Say) -> Outcome:
     held = [read_record(p) for p in plan.holdout]
     held_twins = [twin_of(line, r) for r in held]
     check_apart(records, held)
+    if held:
+        check_runs(Bench(held_twins[:1], workers=1), held[:1])
     said = list(dict.fromkeys(text for t in twins for text in limits(t)))
     if not held:
         said.append("no held-out record: the error after is that of the record fitted")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import gzip
 import hashlib
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +14,12 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.refine.read_binary import Table, mdf_table, parquet_table
 from sim_plant.refine.record import Record
-from sim_plant.refine.sanity import even_grid, oddities, place_of
+from sim_plant.refine.sanity import counted_on, even_grid, oddities, place_of
 from sim_plant.refine.units import TO_SI, canonical, split_header
 
 TIME_NAMES = ("time", "t", "timestamp")
+LARGEST = 1e30
+"""No sensor reads more in any SI unit; its square still is a number."""
 
 
 def read_record(path: str | Path) -> Record:
@@ -47,10 +50,11 @@ def read_record(path: str | Path) -> Record:
     _finite(path, time_name, time_s)
     for name, values in columns.items():
         _finite(path, name, values)
+    columns, counted = counted_on(columns)
     sample_time_s, columns, findings = even_grid(path, time_s, columns)
     return Record(
         path=path, sha256=hashlib.sha256(payload).hexdigest(), sample_time_s=sample_time_s,
-        columns=columns, findings=(*said, *findings, *oddities(columns)),
+        columns=columns, findings=(*said, *counted, *findings, *oddities(columns)),
     )  # fmt: skip
 
 
@@ -72,10 +76,12 @@ def si_name(header: str, path: Path) -> tuple[str, float]:
 
 
 def _finite(path: Path, name: str, values: Array) -> None:
-    bad = np.flatnonzero(~np.isfinite(values))
+    bad = np.flatnonzero(~(np.abs(values) < LARGEST))
     if bad.size:
+        finite = bool(np.isfinite(values[bad]).all())
+        said = "are too large for a reading" if finite else "are missing or not numbers"
         raise PlantError(
-            f"{path}: column {name}: {bad.size} values are missing or not numbers, the first in "
+            f"{path}: column {name}: {bad.size} values {said}, the first in "
             f"{place_of(path, int(bad[0]))}; cut the record there or record it again"
         )
 
@@ -86,7 +92,7 @@ def _table(path: Path, payload: bytes) -> Table:
         try:
             plain = gzip.decompress(payload) if name.endswith(".gz") else payload
             return _csv(path, plain.decode("utf-8-sig")), []
-        except (OSError, EOFError, UnicodeDecodeError) as error:
+        except (OSError, EOFError, zlib.error, UnicodeDecodeError, csv.Error) as error:
             raise PlantError(f"{path}: not a readable CSV file ({error})") from error
     if name.endswith(".parquet"):
         return parquet_table(path, payload)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,11 +16,16 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
+from sim_plant.line.yaml_places import read_places
 from sim_plant.refine.noise import whitening_filter
-from sim_plant.refine.read import read_record
+from sim_plant.refine.read import LARGEST, read_record
 from sim_plant.refine.record import Record
+from sim_plant.refine.sanity import oddities
 
 SCHEMA = "record-declaration/1"
+LEAST_ROWS = 100
+"""Rows that are left to judge when the filter has taken its taps off both ends."""
+RUNS_ONWARD = 0.9
 
 
 class RecordDeclaration(BaseModel):
@@ -80,7 +86,7 @@ def whiten(row: Array) -> Array:
 def is_record_declaration(path: Path) -> bool:
     """Return whether a file declares records instead of a line."""
     try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+        data, _, _ = read_places(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError):
         return False
     return isinstance(data, dict) and data.get("schema") == SCHEMA
@@ -88,8 +94,11 @@ def is_record_declaration(path: Path) -> bool:
 
 def load_record_declaration(path: Path) -> RecordDeclaration:
     """Return the declaration; PlantError with key and reason when it is wrong."""
+    data, _, repeated = read_places(path.read_text(encoding="utf-8"))
+    if repeated:
+        raise PlantError("\n".join(f"{path}:{finding}" for finding in repeated))
     try:
-        return RecordDeclaration.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+        return RecordDeclaration.model_validate(data)
     except ValidationError as error:
         lines = [
             f"{path}: {'.'.join(map(str, e['loc']))}: read {e.get('input')!r}; {e['msg']}"
@@ -104,7 +113,7 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
     Raises
     ------
     PlantError
-        When a declared column is missing or the record cannot be read.
+        When a declared column is missing, or the record cannot be read or is too short.
     """
     plain = declaration.columns is None
     record = read_record(path) if plain else _headerless(declaration, path)
@@ -116,6 +125,20 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
         raise PlantError(
             f"{path}: column {absent[0]} is missing; there are {sorted(record.columns)}"
         )
+    least = 2 * declaration.taps + LEAST_ROWS
+    if record.samples < least:
+        raise PlantError(
+            f"{path}: {record.samples} rows are too few for a filter of {declaration.taps} taps "
+            f"on both sides; give at least {least}, or fewer taps"
+        )
+    if declaration.travel_speed:
+        onward = float(np.mean(record.columns[declaration.travel_speed] > 0.0))
+        if onward < RUNS_ONWARD:
+            raise PlantError(
+                f"{path}: column {declaration.travel_speed} is above 0 in {100 * onward:.0f} % of "
+                "the rows; travel_speed is the speed of a web that runs, counted forwards: "
+                "correct it, or leave travel_speed empty"
+            )
     if abs(record.sample_time_s - declaration.sample_time_s) > 0.02 * declaration.sample_time_s:
         raise PlantError(
             f"{path}: sampled every {record.sample_time_s:.5g} s, declared "
@@ -130,17 +153,18 @@ def _headerless(declaration: RecordDeclaration, path: Path) -> Record:
         payload = path.read_bytes()
         plain = gzip.decompress(payload) if path.name.endswith(".gz") else payload
         table = np.array([line.split() for line in plain.decode().splitlines()], dtype=np.float64)
-    except (OSError, EOFError, UnicodeDecodeError, ValueError) as error:
+    except (OSError, EOFError, zlib.error, ValueError) as error:
         raise PlantError(f"{path}: not a table of numbers ({error})") from error
     if table.ndim != 2 or table.shape[1] != len(names):
         raise PlantError(f"{path}: has {table.shape[-1]} columns, declared are {len(names)}")
-    bad = np.argwhere(~np.isfinite(table))
+    bad = np.argwhere(~(np.abs(table) < LARGEST))
     if bad.size:
-        raise PlantError(f"{path}: column {names[bad[0][1]]}: no number in line {bad[0][0] + 1}")
+        raise PlantError(f"{path}: column {names[bad[0][1]]}: no reading in line {bad[0][0] + 1}")
+    columns = {n: table[:, k].copy() for k, n in enumerate(names)}
     return Record(
         path=path, sha256=hashlib.sha256(payload).hexdigest(),
-        sample_time_s=declaration.sample_time_s,
-        columns={n: table[:, k].copy() for k, n in enumerate(names)},
+        sample_time_s=declaration.sample_time_s, columns=columns,
+        findings=tuple(oddities(columns)),
     )  # fmt: skip
 
 

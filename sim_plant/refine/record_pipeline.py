@@ -63,6 +63,9 @@ def refine_records(plan: Plan, say: Callable[[str], None]) -> dict[str, Any]:
         said.append(f"more than one held-out record: the errors are those of {held[0].path.name}")
     for text in said:
         say(f"cannot be claimed: {text}")
+    for record in (*records, *held):
+        for text in record.findings:
+            say(f"{record.path.name}: {text}")
     weights = fit_filter(declaration, records)
     items = [explain(declaration, r, weights) for r in records]
     say("searching lines in time and travel")

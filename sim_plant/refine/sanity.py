@@ -65,6 +65,23 @@ def place_of(path: Path, row: int) -> str:
     return f"line {row + 2}" if text else f"row {row + 1}"
 
 
+def counted_on(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str]]:
+    """Return columns with angles that start over (each turn, or each few) counted on, and say so.
+
+    A step of more than half a turn against the way the roll turns is taken for a start over.
+    """
+    found, said = dict(columns), []
+    for name, values in columns.items():
+        if not name.endswith("_angle_rad"):
+            continue
+        steps = np.diff(values)
+        over = int(np.sum(steps * np.sign(np.median(steps)) < -np.pi))
+        if over:
+            found[name] = np.unwrap(values)
+            said.append(f"{name} starts over {over} times: counted on")
+    return found, said
+
+
 def _one_stamp_off(steps: Array, at: int, step: float) -> bool:
     """Return whether an odd step is one misplaced stamp: with a neighbour it makes two."""
     pairs = [steps[at] + steps[k] for k in (at - 1, at + 1) if 0 <= k < steps.size]

@@ -86,7 +86,14 @@ class Twin:
         """Return channels (channels, samples) and the angles of all bodies (bodies, samples)."""
         return self._outputs(case)
 
-    def _outputs(self, case: Case) -> tuple[Array, Array]:
+    def line(self, case: Case) -> LineSimulation:
+        """Return the line of one case, not settled yet.
+
+        Raises
+        ------
+        PlantError
+            When an effect or a correction cannot be put on this line.
+        """
         line = self.declaration
         if case.coarse:
             sample = line.sample_time_s
@@ -109,10 +116,13 @@ class Twin:
             arrays = add_shape(arrays, body, shape)
         if case.seed is None:
             arrays.cells["lsb_N"] = 0.0  # mean of a dithered word; the steps only add chaos
-        run = LineSimulation(
+        return LineSimulation(
             line, seed=case.seed, arrays=arrays,
             line_speed_m_s=float(self.speed_m_s[0]), tension_N=float(self.tension_N[0]),
         )  # fmt: skip
+
+    def _outputs(self, case: Case) -> tuple[Array, Array]:
+        run = self.line(case)
         # a line that runs has its noise before a record begins as well
         run.settle(COARSE_SETTLE_S if case.coarse else FINE_SETTLE_S, quiet=case.seed is None)
         out = run.simulate(self.speed_m_s, self.tension_N, self.aff_m_s)

@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 
@@ -63,3 +65,28 @@ def test_an_unknown_shape_is_refused_by_its_name() -> None:
 def test_a_round_roll_named_flat_is_the_nominal_line() -> None:
     same = run(effect("out_of_round_roll", "unwind", shape="flat", size_m=0.0))
     assert np.array_equal(same["span_tension_N"], run()["span_tension_N"])
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"finest_order": 0}, "finest_order: read 0; expected a whole number, 1 to 256"),
+        ({"finest_order": -3}, "finest_order: read -3"),
+        ({"finest_order": 1e9}, "finest_order: read 1e.09"),
+        ({"finest_order": 1.5}, "finest_order: read 1.5"),
+        ({"finest_order": math.nan}, "finest_order: read nan; expected a number"),
+        ({"finest_order": None}, "finest_order: read None; expected a number"),
+        ({"finest_order": [8]}, r"finest_order: read \[8\]; expected a number"),
+        ({"finest_order": 10**400}, "finest_order: read 10000.*; expected a number"),
+        ({"unwound_m": -0.3}, "unwound_m: read -0.3; a roll of .* formed at -0.0968 m"),
+        ({"unwound_m": 100.0}, "unwound_m: read 100; .* expected more than 0 and at most 5 m"),
+        ({"formed_radius_m": -1.0}, "formed_radius_m: read -1"),
+        ({"formed_radius_m": 0.2, "unwound_m": 0.01}, "say the same thing; give one of them"),
+        ({"smoothing_rad": -0.1}, "smoothing_rad: read -0.1; expected >= 0"),
+        ({"size_m": -0.01, "shape": "bulge"}, "size_m: read -0.01; expected >= 0"),
+        ({"mean_m": -1.0}, "mean_m: read -1; it leaves nothing"),
+    ],
+)
+def test_numbers_that_no_roll_has_are_refused_by_their_name(given, said) -> None:
+    with pytest.raises(PlantError, match=said):
+        run(effect("out_of_round_roll", "unwind", **({"shape": "flat", "size_m": 0.005} | given)))

@@ -91,6 +91,10 @@ def test_a_repeated_key_is_refused_with_both_places(tmp_path):
         ("a: [1, 2", "not YAML"),
         ("version: 1\ngateway: {}\n", "is a site file, which aff-runtime reads"),
         ("a: !!python/object:os.system {}", "not YAML"),
+        ("note: 2020-13-45\n", "not YAML: a value cannot be read (month must be in 1..12)"),
+        ("a: !!int foo\n", "not YAML: a value cannot be read"),
+        ("a: &x [*x]\n", "not YAML: is nested without end"),
+        ("a: " + "[" * 3000 + "]" * 3000, "not YAML: is nested without end"),
     ],
 )
 def test_what_is_no_declaration_is_refused(tmp_path, text, said):

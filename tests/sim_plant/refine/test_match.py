@@ -1,12 +1,14 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import main
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.match import limits, sidecar_of, twin_of
+from sim_plant.refine.match import declaration_for, limits, sidecar_of, twin_of
 from sim_plant.refine.record import Record
 
 LINE_FILE = Path(__file__).parents[3] / "config/lines/euclid.yaml"
@@ -67,10 +69,79 @@ def test_a_unit_that_every_column_gets_wrong_alike_is_refused_all_the_same(chang
         twin_of(LINE, record(changed))
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
-def test_an_angle_that_starts_over_each_turn_is_accepted(way):
-    angle = np.mod(way * columns()["unwind_angle_rad"], 2.0 * np.pi)
+def test_an_angle_that_starts_over_each_turn_is_accepted():
+    angle = np.mod(columns()["unwind_angle_rad"], 2.0 * np.pi)
     assert twin_of(LINE, record({"unwind_angle_rad": angle}))
+
+
+def one_row(name, value):
+    values = columns()[name]
+    values[300] = value
+    return {name: values}
+
+
+def backwards():
+    return {k: -v for k, v in columns().items() if k.endswith(("_m_s", "_rad_s", "_angle_rad"))}
+
+
+def stopped():
+    speed = np.zeros(SAMPLES)
+    speed[0] = 1.0
+    return {"line_speed_ref_m_s": speed}
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (
+            {"unwind_angle_rad": -columns()["unwind_angle_rad"]},
+            "unwind_angle_rad: counts back",
+        ),
+        (stopped(), "line_speed_ref_m_s: the line stands, .* in 99.8 % of the rows"),
+        (backwards(), "the line runs backwards"),
+        (one_row("tension_ref_N", 1e9), r"line 302: column tension_ref_N: read 1e\+09"),
+        (one_row("tension_ref_N", -5.0), "line 302: column tension_ref_N: read -5"),
+        (one_row("unwind_tension_N", 99999.0), "line 302: column unwind_tension_N: read 99999"),
+        (
+            {"aff_correction_m_s": np.full(SAMPLES, 5.0)},
+            "line 2: column aff_correction_m_s",
+        ),
+    ],
+)
+def test_what_this_line_cannot_do_is_refused_with_its_place(changed, said):
+    with pytest.raises(PlantError, match=said):
+        twin_of(LINE, record(changed))
+
+
+def own_file(tmp_path, **more):
+    data = yaml.safe_load(LINE_FILE.read_text())
+    (tmp_path / "r.yaml").write_text(yaml.safe_dump(data | more))
+    return replace(record(), path=tmp_path / "r.csv")
+
+
+def test_a_sidecar_leaves_what_was_put_right_before(tmp_path):
+    """Else numbers that an earlier run put right would be found, and added, once more."""
+    line = LINE.model_copy(update={"corrections": {"web.EA_N": 0.05, "web.thickness_m": 0.01}})
+    beside = own_file(tmp_path, corrections={"web.EA_N": 0.02})
+    found = declaration_for(line, beside).corrections
+    assert found == {"web.EA_N": 0.02, "web.thickness_m": 0.01}
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"effects": [{"effect": "gremlin", "location": "R6"}]}, "effects.0.effect: read"),
+        ({"corrections": {"web.colour": 1.0}}, "corrections.web.colour: this line declares no"),
+        (
+            {"effects": [{"effect": "eccentric_roller", "location": "R6",
+                          "parameters": {"eccentricity_m": None}}]},
+            "effects.0.parameters.eccentricity_m: read None; expected a number",
+        ),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_put_on_the_line_is_refused_before_the_search(tmp_path, more, said):
+    with pytest.raises(PlantError, match=r"r\.csv: its line cannot be built: " + said):
+        twin_of(LINE, own_file(tmp_path, **more))
 
 
 def test_one_speed_only_is_said():
@@ -85,7 +156,13 @@ def test_a_missing_column_is_named(name):
 
 @pytest.mark.parametrize(
     ("name", "factor"),
-    [("unwind_tension_N", 1000.0), ("line_speed_m_s", 196.85), ("unwind_speed_rad_s", 9.55)],
+    [
+        ("unwind_tension_N", 1000.0),
+        ("unwind_tension_N", 4.448),
+        ("rewind_tension_N", 1 / 4.448),
+        ("line_speed_m_s", 196.85),
+        ("unwind_speed_rad_s", 9.55),
+    ],
 )
 def test_a_wrong_unit_is_noticed(name, factor):
     with pytest.raises(PlantError, match=name):

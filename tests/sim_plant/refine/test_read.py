@@ -108,3 +108,34 @@ def test_two_columns_of_one_name_are_refused(tmp_path):
 def test_a_file_that_is_not_there_is_refused(tmp_path):
     with pytest.raises(PlantError, match="cannot be read"):
         read_record(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda plain: plain.replace(b"0.01,", b'0.01,"', 1) + b"1," * 70_000,  # an open quote
+        lambda plain: plain + b"3.0,1.0," + b"1" * 200_000 + b"\n",
+    ],
+)
+def test_a_value_without_end_is_refused(tmp_path, spoil):
+    path = tmp_path / "r.csv"
+    path.write_bytes(spoil(text().encode()))
+    with pytest.raises(PlantError, match=r"r\.csv: "):
+        read_record(path)
+
+
+def test_every_flipped_bit_of_a_packed_file_is_refused(tmp_path):
+    """Some end in the checksum, some in the unpacking itself: two kinds of error."""
+    path = tmp_path / "r.csv.gz"
+    whole = gzip.compress(text().encode())
+    for at in range(12, len(whole) - 8, 7):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 0x55]) + whole[at + 1 :])
+        with pytest.raises(PlantError, match="not a readable CSV file"):
+            read_record(path)
+
+
+def test_a_number_that_no_sensor_reads_is_refused(tmp_path):
+    path = tmp_path / "r.csv"
+    path.write_text(text(change=lambda k, row: [*row[:2], "1e300"] if k == 30 else row))
+    with pytest.raises(PlantError, match=r"1 values are too large for a reading, .* line 32"):
+        read_record(path)

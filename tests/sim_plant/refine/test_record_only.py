@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -134,3 +135,26 @@ def test_the_belt_has_the_same_travel_lines_fast_and_slow(tmp_path):
         assert slow == pytest.approx(fast, rel=3e-4)
     row = result["residual_rms"]["Pitch_Moment_N_m"]
     assert row["after"] < row["before"]
+
+
+@pytest.mark.parametrize("at", ["records", "holdout"])
+def test_a_record_too_short_for_its_filter_is_refused(plan, tmp_path, at):
+    short = write_belt(tmp_path / "short.csv", 5, 1.2, size=119)
+    with pytest.raises(PlantError, match=r"short\.csv: 119 rows .* of 10 taps .* at least 120"):
+        refine_records(replace(plan, **{at: (short,)}), lambda _: None)
+    assert not plan.out.exists()
+
+
+@pytest.mark.parametrize("speed", [0.0, -1.0])
+def test_a_web_that_stands_or_runs_backwards_has_no_travel(plan, tmp_path, speed):
+    table = np.column_stack([np.arange(400) * 0.01, np.sin(np.arange(400)), np.full(400, speed)])
+    np.savetxt(tmp_path / "still.csv", table, "%.6f", ",", header="time_s,moment_N_m,belt_m_s",
+               comments="")  # fmt: skip
+    with pytest.raises(PlantError, match="column belt_m_s is above 0 in 0 % of the rows"):
+        refine_records(replace(plan, records=(tmp_path / "still.csv",)), lambda _: None)
+
+
+def test_a_repeated_key_of_the_declaration_is_refused(plan):
+    plan.line.write_text(DECLARATION + "taps: 4\n")
+    with pytest.raises(PlantError, match="taps: is given twice"):
+        refine_records(plan, lambda _: None)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.refine.sanity import count_spikes, even_grid, oddities
+from sim_plant.refine.sanity import count_spikes, counted_on, even_grid, oddities
 
 HERE = Path("record.csv")
 
@@ -59,3 +59,20 @@ def test_steps_and_stops_are_said():
     assert "coarse is read in steps of 0.1" in said
     assert "still stands still at 3" in said
     assert "clipped sits at its top 0.5" in said
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_an_angle_that_starts_over_is_counted_on_and_said(way):
+    angle = way * (0.3 + 0.07 * np.arange(500))
+    found, said = counted_on({"x_angle_rad": np.mod(angle, 2.0 * np.pi), "y_N": angle})
+    np.testing.assert_allclose(np.diff(found["x_angle_rad"]), np.diff(angle), atol=1e-9)
+    assert found["y_N"] is angle
+    assert said == ["x_angle_rad starts over 5 times: counted on"]
+
+
+def test_an_angle_that_goes_on_stays_as_it_is():
+    angle = 0.07 * np.arange(500)
+    angle[100:] -= 0.2  # a jerk is no start over
+    found, said = counted_on({"x_angle_rad": angle})
+    assert found["x_angle_rad"] is angle
+    assert said == []
