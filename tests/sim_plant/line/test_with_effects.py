@@ -38,7 +38,10 @@ def at(place):
         (entry(eccentricity_m=True), "read True; expected a number"),
         (entry(eccentricity_m=float("nan")), "read nan; expected a number"),
         (entry("out_of_round_roll", "unwind", shape="square", size_m=1e-3), "read 'square'"),
-        (entry("out_of_round_roll", "unwind", size_m=-0.001), "size_m: read -0.001; expected >= 0"),
+        (
+            entry("out_of_round_roll", "unwind", size_m=-0.001),
+            "size_m: read -0.001; expected >= 0",
+        ),
     ],
 )
 def test_a_wrong_entry_is_refused_by_its_number_and_key(bad, said):
