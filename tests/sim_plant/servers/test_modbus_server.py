@@ -164,6 +164,7 @@ def test_lasting_drop_ends_every_connection_at_its_first_request(plant, client):
 
 @pytest.mark.parametrize("fault", ["refuse:60", "restart:60"])
 def test_an_absent_plc_refuses_connections_until_it_is_back(plant, client, fault):
+    assert ask(client, READ_ROLL_ID, 11) == ROLL_ID_IS_1  # taken in, not only in the queue
     plant.fault(fault)
     assert closed(client)
     with pytest.raises(ConnectionRefusedError):
