@@ -19,6 +19,11 @@ SURE = 3.0
 """Standard deviations of a chi-square cost by which what is left surely exceeds noise."""
 
 
+def unsure(problem: Problem) -> float:
+    """Return the cost to which noise alone is known."""
+    return SURE * math.sqrt(2.0 * problem.expected_cost)
+
+
 def lines_left(
     problem: Problem, fit: Fit, travels: Sequence[Travel]
 ) -> list[list[LineSpectrum]]:  # fmt: skip
@@ -48,7 +53,7 @@ def complete(
     fresh = fit.hypotheses[len(base.hypotheses) :]
     locked = [h for h in fresh if line_support(h, travels[0], before[0]) is not None]
     if not locked:
-        sure = base.cost - problem.expected_cost - SURE * math.sqrt(2.0 * problem.expected_cost)
+        sure = base.cost - problem.expected_cost - unsure(problem)
         line = strongest(before)[2] - LINE_THRESHOLD
         return drop > max(COMPLETENESS * line, FAIR_SHARE * sure)
     left = lines_left(problem, fit, travels)

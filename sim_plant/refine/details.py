@@ -9,18 +9,17 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.effects.out_of_round_roll import PAIRS
+from sim_plant.refine.completeness import unsure
 from sim_plant.refine.fit import Fit, jacobian, refine_fit
 from sim_plant.refine.hypotheses import hypothesis
 from sim_plant.refine.in_step import in_step
 from sim_plant.refine.problem import Problem
 from sim_plant.refine.screen import price
 from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
+from sim_plant.refine.shapes import UNWOUND
 
 ORDERS: tuple[str, ...] = tuple(name for pair in PAIRS for name in (pair.cos, pair.sin))
-UNWOUND = "unwound_m"
 UNWOUND_START_M = 0.006
-SURE = 3.0
-"""Standard deviations of a chi-square cost by which what is left surely exceeds noise."""
 
 
 def polished(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
@@ -75,9 +74,8 @@ def _formed(problem: Problem, fit: Fit, at: int) -> Fit:
     A strong profile alone tells: its corners stand closer together on a larger roll. Declared
     numbers that have imitated this (they change the length of a turn) start anew.
     """
-    unsure = SURE * np.sqrt(2.0 * problem.expected_cost)
     old = fit.hypotheses[at]
-    if UNWOUND in old.names or fit.cost - problem.expected_cost < unsure:
+    if UNWOUND in old.names or fit.cost - problem.expected_cost < unsure(problem):
         return fit
     wider = _wider(problem, fit, at, (UNWOUND,), {UNWOUND: UNWOUND_START_M})
     shifts = in_step(problem, {}, wider.hypotheses, wider.values)
@@ -103,11 +101,8 @@ def _wider(
     line = problem.bench.twins[0].declaration
     new = hypothesis(old.effect, old.location, old.fixed, (*old.names, *names), line)
     known = {**start, **dict(zip(old.names, fit.values[at], strict=True))}
-    values = tuple(known.get(n, a) for n, a in zip(new.names, new.absent, strict=True))
-    return replace(
-        fit, hypotheses=(*fit.hypotheses[:at], new, *fit.hypotheses[at + 1 :]),
-        values=(*fit.values[:at], values, *fit.values[at + 1 :]),
-    )  # fmt: skip
+    values = [known.get(n, a) for n, a in zip(new.names, new.absent, strict=True)]
+    return fit.put(at, new, values)
 
 
 def bears_out(problem: Problem, fit: Fit, at: int, names: Sequence[str]) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -41,6 +41,13 @@ class Fit:
     def case(self) -> Case:
         """The simulation of this fit."""
         return case_of(self.hypotheses, self.values, self.shifts)
+
+    def put(self, at: int, h: Hypothesis, values: Sequence[float]) -> Fit:
+        """Return the fit with another effect in place ``at``, not fitted yet."""
+        return replace(
+            self, hypotheses=(*self.hypotheses[:at], h, *self.hypotheses[at + 1 :]),
+            values=(*self.values[:at], tuple(values), *self.values[at + 1 :]),
+        )  # fmt: skip
 
     @property
     def effects(self) -> tuple[Added, ...]:

@@ -14,12 +14,12 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.bench import Bench
 from sim_plant.refine.hypotheses import turned
 from sim_plant.refine.noise import NoiseModel, declared_noise
+from sim_plant.refine.shapes import UNWOUND
 from sim_plant.refine.twin import Added, Case
 
 Shifts = tuple[tuple[str, float], ...]
 COARSE_ANGLES = 24
 ZOOMS = 3
-UNWOUND = "unwound_m"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -113,11 +113,10 @@ def _with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) ->
 
 
 def _costs(
-    bench: Bench, measured: Array, model: NoiseModel, case: Case, location: str, tries: Array,
+    bench: Bench, measured: Array, model: NoiseModel, cases: Sequence[Case]
 ) -> Array:  # fmt: skip
-    """Return the weighted squared error with the effects at ``location`` turned by each try."""
+    """Return the weighted squared error of every case."""
     zero = np.array([name.endswith("_angle_rad") for name in bench.twins[0].channels])
-    cases = [replace(case, effects=_with_turned(case.effects, location, float(a))) for a in tries]
     found = []
     for run in bench.run(cases, keep=False):
         residual = measured - run[0]
@@ -128,6 +127,11 @@ def _costs(
     return np.array(found)
 
 
+def _turns(case: Case, location: str, tries: Array) -> list[Case]:
+    """Return the case with the effects at ``location`` turned by each try."""
+    return [replace(case, effects=_with_turned(case.effects, location, float(a))) for a in tries]
+
+
 def _start_angles(
     bench: Bench, measured: Array, case: Case, model: NoiseModel
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
@@ -136,11 +140,11 @@ def _start_angles(
     for location in dict.fromkeys(e.location for e in case.effects if _phased(e)):
         width = 2.0 * math.pi / COARSE_ANGLES
         grid: Array = np.arange(COARSE_ANGLES, dtype=np.float64) * width
-        costs = _costs(bench, measured, model, case, location, grid)
+        costs = _costs(bench, measured, model, _turns(case, location, grid))
         best = float(grid[int(np.argmin(costs))])
         for _ in range(ZOOMS):
             grid = best + width * np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
-            best = _lowest(grid, _costs(bench, measured, model, case, location, grid))
+            best = _lowest(grid, _costs(bench, measured, model, _turns(case, location, grid)))
             width *= 0.3
         angles[location] = math.remainder(best, 2.0 * math.pi)
         case = replace(case, effects=_with_turned(case.effects, location, best))
@@ -178,7 +182,7 @@ def _as_it_is(
 
     def cost(x: Array) -> float:
         there = replace(case, effects=(*others, moved(x)))
-        return float(_costs(bench, measured, model, there, "", np.zeros(1))[0])
+        return float(_costs(bench, measured, model, [there])[0])
 
     start = np.array([0.0, 100.0 * float(values[UNWOUND])])
     corners = start + np.array([[0.0, 0.0], [0.05, 0.0], [0.08, 0.5]])

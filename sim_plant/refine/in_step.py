@@ -32,14 +32,15 @@ def in_step(
     """
     found = dict(shifts)
     known = {n.name for n in problem.nuisances}
+    told = [turns(t, m) for t, m in zip(problem.bench.twins, problem.measured, strict=True)]
     for _ in range(ROUNDS):
         runs = problem.bench.one(case_of(hypotheses, values, found))
         ahead: dict[str, list[float]] = {}
-        for run, fine, coarse, twin, measured, noise in zip(
-            runs, problem.fine, problem.coarse, problem.bench.twins, problem.measured,
-            problem.noise, strict=True,
+        for run, fine, coarse, twin, theirs, noise in zip(
+            runs, problem.fine, problem.coarse, problem.bench.twins, told, problem.noise,
+            strict=True,
         ):  # fmt: skip
-            ours, theirs = turns(twin, run + fine - coarse), turns(twin, measured)
+            ours = turns(twin, run + fine - coarse)
             for name in known & set(ours):
                 ahead.setdefault(name, []).append(
                     _ahead(ours[name][noise.first :], theirs[name][noise.first :])
@@ -60,6 +61,11 @@ def stepped(problem: Problem, fit: Fit) -> Fit:
     return refine_fit(problem, fit.hypotheses, fit.values, shifts, rounds=0, coarse=False)
 
 
+def felt_radius(roller: str) -> str:
+    """Return the name under which a roller's effective radius is a nuisance."""
+    return f"rollers.{roller}.effective_radius"
+
+
 def turns(twin: Twin, channels: Array) -> dict[str, Array]:
     """Return the angle (samples,), rad, of every roller that is recorded, by its effective radius.
 
@@ -68,10 +74,10 @@ def turns(twin: Twin, channels: Array) -> dict[str, Array]:
     found: dict[str, Array] = {}
     for name, values in zip(twin.channels, channels, strict=True):
         if name.endswith("_angle_rad"):
-            found[f"rollers.{name.removesuffix('_angle_rad')}.effective_radius"] = values
+            found[felt_radius(name.removesuffix("_angle_rad"))] = values
     for name, values in zip(twin.channels, channels, strict=True):
         if name.endswith("_speed_rad_s"):
-            roller = f"rollers.{name.removesuffix('_speed_rad_s')}.effective_radius"
+            roller = felt_radius(name.removesuffix("_speed_rad_s"))
             found.setdefault(roller, np.cumsum(values) * twin.declaration.sample_time_s)
     return found
 

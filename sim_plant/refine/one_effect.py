@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TypeVar
 
 import numpy as np
 
@@ -12,13 +11,11 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.equivalents import within_tolerance
 from sim_plant.refine.fit import Fit, case_of, refine_fit
 from sim_plant.refine.hypotheses import Hypothesis, hypothesis
-from sim_plant.refine.in_step import in_step
+from sim_plant.refine.in_step import felt_radius, in_step
 from sim_plant.refine.problem import Problem
 from sim_plant.refine.screen import Scored, price
 from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
 from sim_plant.refine.shapes import profile_starts
-
-T = TypeVar("T")
 
 
 def fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
@@ -26,7 +23,8 @@ def fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
     h = scored.hypothesis
     if h.effect.name != OUT_OF_ROUND:
         return fitted(problem, fit, h, scored.start, fit.shifts)
-    shifts = {name: value for name, value in fit.shifts.items() if name != _own(h)}
+    # a profile brings its own mean radius
+    shifts = {name: value for name, value in fit.shifts.items() if name != felt_radius(h.location)}
     best: Fit | None = None
     for hyp, start in _profiles(problem, fit, h):
         there = (*fit.hypotheses, hyp), (*fit.values, start)
@@ -66,27 +64,17 @@ def reseated(problem: Problem, fit: Fit) -> Fit:
         if h.effect.name != OUT_OF_ROUND:
             continue
         rest = replace(
-            fit, hypotheses=_but(fit.hypotheses, k), values=_but(fit.values, k),
-            shifts={n: v for n, v in fit.shifts.items() if n != _own(h)},
+            fit, hypotheses=(*fit.hypotheses[:k], *fit.hypotheses[k + 1 :]),
+            values=(*fit.values[:k], *fit.values[k + 1 :]),
+            shifts={n: v for n, v in fit.shifts.items() if n != felt_radius(h.location)},
         )  # fmt: skip
         for hyp, start in _profiles(problem, rest, hypothesis(h.effect, h.location, line=line)):
-            there = _with(fit.hypotheses, k, hyp), _with(fit.values, k, start)
-            new = refine_fit(problem, *there, in_step(problem, rest.shifts, *there))
+            there = fit.put(k, hyp, start)
+            shifts = in_step(problem, rest.shifts, there.hypotheses, there.values)
+            new = refine_fit(problem, there.hypotheses, there.values, shifts)
             if np.isfinite(new.cost) and new.cost < fit.cost:
                 fit = new
     return fit
-
-
-def _own(h: Hypothesis) -> str:
-    return f"rollers.{h.location}.effective_radius"  # a profile brings its own mean radius
-
-
-def _but(row: tuple[T, ...], k: int) -> tuple[T, ...]:
-    return (*row[:k], *row[k + 1 :])
-
-
-def _with(row: tuple[T, ...], k: int, item: T) -> tuple[T, ...]:
-    return (*row[:k], item, *row[k + 1 :])
 
 
 def _worth(problem: Problem, fit: Fit) -> float:

@@ -15,6 +15,7 @@ SIZES_M = (0.001, 0.002, 0.004, 0.006, 0.009, 0.012, 0.016)
 PROFILE_NUMBERS = ("size_m", "angle_rad", "smoothing_rad")
 FLATTENED = "flattened_bulge"
 EFFECT = "out_of_round_roll"
+UNWOUND = "unwound_m"
 FINEST_ORDER = 64.0
 """A profile that is traced has no finer orders: drives and cells do not answer to them."""
 

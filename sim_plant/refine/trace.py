@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.blackbox import LINE_KINDS, free_lines, taken_up
 from sim_plant.refine.claim import DISCREPANCY, Rival, Say, Step, Trace, claim, is_line
-from sim_plant.refine.completeness import SURE, complete, lines_left
+from sim_plant.refine.completeness import complete, lines_left, unsure
 from sim_plant.refine.coordinates import travel_of
 from sim_plant.refine.details import polished
 from sim_plant.refine.fit import Fit, empty_fit, refine_fit
@@ -215,5 +214,4 @@ def _at_floor(problem: Problem, found: Trace) -> bool:
     is less than what noise is known to.
     """
     excess = found.fit.cost - problem.expected_cost
-    unsure = SURE * math.sqrt(2.0 * problem.expected_cost)
-    return excess + unsure < DISCREPANCY * (found.nominal.cost - found.fit.cost)
+    return excess + unsure(problem) < DISCREPANCY * (found.nominal.cost - found.fit.cost)
