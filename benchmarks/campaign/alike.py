@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.signal import lfilter
@@ -13,9 +14,9 @@ from benchmarks.campaign import line as short
 from benchmarks.campaign.cases import IDLERS, LIBRARY, Case
 from benchmarks.campaign.contact import Array
 from benchmarks.campaign.effects import CELLS, DRIVES, Fault
-from benchmarks.campaign.make import JUDGED_FROM_S, SIZED_BY, Stage, stage, tolerances
 from benchmarks.campaign.record import simulate
 from benchmarks.campaign.score import STATIC
+from benchmarks.campaign.stage import JUDGED_FROM_S, SIZED_BY, Stage, stage, tolerances
 
 SAME_LINE = 0.003
 """Wavenumbers closer than this (relative) are one line in a record of 60 s."""
@@ -117,6 +118,27 @@ def alike(record: Quiet, fault: Fault) -> list[tuple[str, str]]:
     return found
 
 
+def merged(record: Quiet, faults: Sequence[Fault]) -> list[list[tuple[str, str]]]:
+    """Return per fault which single (effect, location) answers like it and its like together.
+
+    Two rollers of one radius, both a little wrong, may answer as a third one does; the simpler
+    story then has two numbers less to pay for, ln(N/4) each.
+    """
+    at = [wavenumber(f) for f in faults]
+    found: list[list[tuple[str, str]]] = [[] for _ in faults]
+    for k, fault in enumerate(faults):
+        same = [j for j, w in enumerate(at) if at[k] and abs(w / at[k] - 1.0) < SAME_LINE]
+        if len(same) < 2:
+            continue
+        true = np.sum([record.response(faults[j]) for j in same], axis=0)
+        least = MARGIN + 2.0 * (len(same) - 1) * math.log(true.size / 4.0)
+        for other in rivals(fault):
+            turned = [record.response(replace(other, angle=a)) for a in (0.0, 0.5 * math.pi)]
+            if apart(true, np.stack(turned, axis=1)) < least:
+                found[k].append((other.effect, other.location))
+    return found
+
+
 def beside(true: Array, columns: Array) -> float:
     """Return the chi-square of ``true`` (rows,) that tolerances cannot take up.
 
@@ -134,18 +156,31 @@ def tolerated(case: Case, record: Quiet, draws: Sequence[int]) -> Array:
     return np.stack([record.apart_from(s.quiet()) for s in stages], axis=1)
 
 
+@lru_cache(maxsize=1)
+def beside_tolerances(case: Case) -> tuple[Quiet, Array]:
+    """Return the healthy record ``a`` of a case, and what tolerances do to what is kept of it."""
+    kept = [c for c in SIZED_BY if not case.channels or c in case.channels]
+    record = Quiet.of(stage(case, "a"), kept)
+    return record, tolerated(case, record, tolerances(case))
+
+
 def told(case: Case, faults: tuple[Fault, ...]) -> dict[str, list[object]]:
     """Return per fault what cannot be told from it, and the chi-square by which it shows.
 
     What has no line of its own shows beside all that the tolerances may take up.
     """
-    kept = [c for c in SIZED_BY if not case.channels or c in case.channels]
-    record = Quiet.of(stage(case, "a"), kept)
     hidden = [f.effect in STATIC for f in faults]
-    columns = tolerated(case, record, tolerances(case)) if any(hidden) else np.zeros((1, 0))
+    columns = np.zeros((1, 0))
+    if any(hidden):
+        record, columns = beside_tolerances(case)
+    else:
+        kept = [c for c in SIZED_BY if not case.channels or c in case.channels]
+        record = Quiet.of(stage(case, "a"), kept)
     shown = []
     for fault, hides in zip(faults, hidden, strict=True):
         true = record.response(fault)
         shown.append(beside(true, columns) if hides else float(true @ true))
     same = [[] if case.classes else alike(record, f) for f in faults]
-    return {"alike": list(same), "evidence": list(shown)}
+    together = [[] for _ in faults] if case.classes else merged(record, faults)
+    known = [[*dict.fromkeys([*a, *b])] for a, b in zip(same, together, strict=True)]
+    return {"alike": list(known), "evidence": list(shown)}

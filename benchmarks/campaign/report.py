@@ -41,13 +41,14 @@ three speeds, a tension step. In every case every declared number lies anywhere 
 tolerance (drawn evenly over two standard deviations), and beside that: axes 0.3 mm off, every
 roller eccentric by up to half a micrometre, scans up to 0.5 ms late, 5 % of the load cells' noise
 power coloured. SNR: rms of the effect over rms of the noise in its strongest tension or speed,
-single effects 0.4 and 0.2, all others 0.6. An effect that a tolerance of its own would hide is
-made as large as four standard deviations of it. "Where the record tells" leaves out cases that
+single effects 0.4 and 0.2, all others 0.6. Of an effect without a line of its own only what the
+declared tolerances cannot take up counts (root of that share of its chi-square in whitened
+tensions and speeds, each number moving at the price of its prior), up to a size that speaks for
+itself (`LARGEST`). "Where the record tells" leaves out cases that
 this generator itself shows to be undecided, whatever the tool: another effect or place answers
 to within a chi-square of 10 (eccentric idlers of one radius in one zone; at a drive, an unbalance
-and a torque ripple of order 1), or the effect's chi-square in whitened tensions and speeds is
-below 100; for effects that are no lines 150, beside all declared numbers (each moves within its
-tolerance at the price of its prior; four standard deviations of a tolerance have 16). Held-out
+and a torque ripple of order 1; two rollers of one radius like one between them), or the effect's
+chi-square is below 100; for effects that are no lines 150, beside all declared numbers. Held-out
 error: against this generator's own noise, not the tool's. Bounds are Wilson's, 95 %; where one
 holds both sides of a target, this many cases do not decide it. Not drawn: viscoelastic web, cell
 calibration and resonance, rate limit, splice, roll bounce, shaft compliance, radius error. Rules

@@ -14,6 +14,7 @@ from sim_plant.refine.hypotheses import Hypothesis
 from sim_plant.refine.one_effect import fit_one
 from sim_plant.refine.problem import Problem
 from sim_plant.refine.screen import Scored, price
+from sim_plant.refine.two_places import two_instead
 from sim_plant.refine.unknown import Unknown
 
 SCORE_THRESHOLD = 120.0
@@ -107,11 +108,17 @@ def claim(
             f"{runner.effect.name} at {runner.location}")  # fmt: skip
         return None
     say(f"  best: {h.effect.name} at {h.location}, score {score:.0f}")
+    two: tuple[tuple[str, str], ...] = ()
+    if score < BEYOND_DOUBT:  # above this, two places only mend what the model has wrong
+        two = two_instead(problem, found.fit, found.travels[0], h, ranked)
+    if two:
+        say(f"  as well told by {' and '.join(' at '.join(key) for key in two)} together")
+    alike = [k.key for s, k in others if score - s < MARGIN]
     step = Step(
         hypothesis=h, score=score, runner_up=" at ".join(runner.key) if runner else "",
         margin=score - max(second, 0.0),
         rejected=tuple((k.effect.name, k.location, s) for s, k in others[:12]),
-        ambiguous=tuple(k.key for s, k in others if score - s < MARGIN),
+        ambiguous=tuple(dict.fromkeys([*alike, *two])),
     )  # fmt: skip
     return step, fit
 

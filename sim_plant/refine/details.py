@@ -10,7 +10,7 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.effects.out_of_round_roll import PAIRS
 from sim_plant.refine.completeness import unsure
-from sim_plant.refine.fit import Fit, jacobian, refine_fit
+from sim_plant.refine.fit import Fit, case_of, jacobian, refine_fit
 from sim_plant.refine.hypotheses import hypothesis
 from sim_plant.refine.in_step import in_step
 from sim_plant.refine.problem import Problem
@@ -20,6 +20,8 @@ from sim_plant.refine.shapes import UNWOUND
 
 ORDERS: tuple[str, ...] = tuple(name for pair in PAIRS for name in (pair.cos, pair.sin))
 UNWOUND_START_M = 0.006
+WEAK = 1e4
+"""Cost explained up to which the second order of effects and tolerances is less than noise."""
 
 
 def polished(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
@@ -33,11 +35,12 @@ def polished(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
     exact = refine_fit(problem, hypotheses, fit.values, fit.shifts, rounds=4, coarse=False)
     if not np.isfinite(exact.cost):
         return problem, fit
-    near = problem.anchored(exact.case)
+    weak = _weak(problem, exact)
+    near = problem.anchored(exact.case, weak=weak)
     exact = refine_fit(near, hypotheses, exact.values, exact.shifts, rounds=3, coarse=False)
     better = refined_profiles(near, exact)
     if better is not exact:
-        near = near.anchored(better.case)
+        near = near.anchored(better.case, weak=weak)
     line = near.bench.twins[0].declaration
     bodies = [line.body(better.hypotheses[k].location) for k in shaped(better)]
     if bodies:
@@ -46,6 +49,18 @@ def polished(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
         near, better.hypotheses, better.values, better.shifts, rounds=0, coarse=False
     )
     return near, replace(better, cost=rest.cost, residual=rest.residual)
+
+
+def _weak(problem: Problem, fit: Fit) -> bool:
+    """Return whether the effects leave the responses to declared numbers as they are.
+
+    What an effect and a shift within tolerance do together is some percent of what either does.
+    """
+    if not all(h.effect.order_locked for h in fit.hypotheses):
+        return False
+    bare = problem.bench.one(case_of((), (), fit.shifts))
+    explained = problem.projector.cost(problem.residual(bare, fit.shifts)) - fit.cost
+    return explained < WEAK
 
 
 def shaped(fit: Fit) -> list[int]:

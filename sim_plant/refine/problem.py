@@ -34,6 +34,7 @@ class Problem:
         self.nuisances: list[Nuisance] = declared_nuisances(bench.twins[0].declaration)
         self.anchor = NOMINAL
         self.loose: tuple[int, ...] = ()
+        self.changes: list[list[Array]] = []
         self.coarse, self.fine = bench.run([NOMINAL, replace(NOMINAL, coarse=False)])
         self.simulate_noise()
         self.basis: list[Array | None] = [None] * len(self.measured)
@@ -48,8 +49,9 @@ class Problem:
         cases = [replace(self.anchor, coarse=False, seed=seed) for seed in range(NOISE_RUNS)]
         runs = self.bench.run(cases, keep=False)
         noisy = [np.stack([run[t] for run in runs]) for t in range(len(self.bench.twins))]
-        rows = zip(self.bench.twins, noisy, self.fine, strict=True)
-        self.quiet = [declared_noise(twin, noise - fine[None]) for twin, noise, fine in rows]
+        self.noisy = [noise - fine[None] for noise, fine in zip(noisy, self.fine, strict=True)]
+        rows = zip(self.bench.twins, self.noisy, strict=True)
+        self.quiet = [declared_noise(twin, noise) for twin, noise in rows]
         self.noise = self.quiet
 
     def weigh(self) -> None:
@@ -92,19 +94,26 @@ class Problem:
         return np.concatenate([self.whiten(change), np.zeros(len(self.nuisances))])
 
     def _nuisance_columns(self) -> Array:
+        columns = []
+        for at, change in enumerate(self.changes or self._take_changes()):
+            column = np.concatenate([self.whiten(change), np.zeros(len(self.nuisances))])
+            column[self.rows + at] = 1.0 / self.sd[at]
+            columns.append(column)
+        return np.stack([*columns, *self._zero_columns(), *self._loose_columns()], axis=1)
+
+    def _take_changes(self) -> list[list[Array]]:
+        """Simulate and keep what a unit of every declared number changes, per record."""
         put = dict(self.anchor.shifts)
         cases = [
             replace(self.anchor, shifts=tuple(sorted(
                 {**put, n.name: put.get(n.name, 0.0) + n.tolerance}.items())))
             for n in self.nuisances
         ]  # fmt: skip
-        runs = self.bench.run(cases)
-        columns = []
-        for at, (row, run) in enumerate(zip(self.nuisances, runs, strict=True)):
-            column = self.column(run, self.coarse, row.tolerance)
-            column[self.rows + at] = 1.0 / self.sd[at]
-            columns.append(column)
-        return np.stack([*columns, *self._zero_columns(), *self._loose_columns()], axis=1)
+        self.changes = [
+            [(y - b) / n.tolerance for y, b in zip(run, self.coarse, strict=True)]
+            for n, run in zip(self.nuisances, self.bench.run(cases), strict=True)
+        ]
+        return self.changes
 
     def _loose_columns(self) -> list[Array]:
         """Return what one typical ripple of each order of each loose shape does, cos and sin."""
@@ -126,12 +135,16 @@ class Problem:
                     columns.append(np.concatenate([self.whiten(ones), np.zeros(self.sd.size)]))
         return columns
 
-    def anchored(self, case: Case) -> Problem:
+    def anchored(self, case: Case, *, weak: bool = False) -> Problem:
         """Return the same problem with coarse runs put right at ``case``, not at the declaration.
 
         A coarse tick is some percent off in what an effect does; from here on only changes are.
+        Responses to declared numbers are taken anew there, unless what is on the line is too
+        ``weak`` to change them.
         """
         near = copy(self)
+        if not weak:
+            near.changes = []
         self.bench.forget()
         near.anchor = replace(case, coarse=True)
         near.coarse, near.fine = self.bench.run([near.anchor, replace(case, coarse=False)])

@@ -85,18 +85,25 @@ def worth_trying(
 def screen(problem: Problem, fit: Fit, hypotheses: Sequence[Hypothesis], residual: Array,
            base: Fit) -> list[Scored]:  # fmt: skip
     """Return all hypotheses, best score first; sensitivities are taken at ``base``."""
-    case = base.case
-    probes = [(h, added) for h in hypotheses for added in h.probes()]
-    cases = [replace(case, effects=(*case.effects, added)) for _, added in probes]
-    runs = problem.bench.run([case, *cases])
-    start = runs[0]
-    columns: dict[int, list[Array]] = {}
-    for (h, _), run in zip(probes, runs[1:], strict=True):
-        columns.setdefault(id(h), []).append(problem.column(run, start, 1.0))
+    columns = columns_of(problem, base, hypotheses)
     scored = [
-        score_one(problem, h, residual, np.stack(columns[id(h)], axis=1)) for h in hypotheses
+        score_one(problem, h, residual, column)
+        for h, column in zip(hypotheses, columns, strict=True)
     ]
     return sorted(scored, key=lambda s: -s.score)
+
+
+def columns_of(problem: Problem, base: Fit, hypotheses: Sequence[Hypothesis]) -> list[Array]:
+    """Return, per hypothesis, what its probes change at ``base`` (rows, numbers), whitened."""
+    case = base.case
+    probes = [added for h in hypotheses for added in h.probes()]
+    cases = [replace(case, effects=(*case.effects, added)) for added in probes]
+    start, *runs = problem.bench.run([case, *cases])
+    rest = iter(runs)
+    return [
+        np.stack([problem.column(next(rest), start, 1.0) for _ in h.probes()], axis=1)
+        for h in hypotheses
+    ]
 
 
 def thinned(hypotheses: Sequence[Hypothesis], rollers: Sequence[str]) -> list[Hypothesis]:

@@ -9,7 +9,7 @@ from typing import Any
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.units import suffix_of
 
-HIDDEN = ("cos", "sin", "angle_rad", "phase_rad", "smoothing_rad")
+HIDDEN = ("cos", "sin", "angle_rad", "phase_rad", "smoothing_rad", "finest_order")
 """How the parameters begin that do not say how much of an effect there is."""
 SMALL_M, SMALL_S = 0.1, 1.0
 
@@ -115,5 +115,11 @@ def coordinate_text(kind: str, where: Mapping[str, Any]) -> str:
         return (
             f"declared number {where['declared']} fits only {where['standard_deviations']:+.3g} "
             "standard deviations from where it is declared, so the cause lies there or imitates it"
+        )
+    if "channels" in where:
+        band = f"{where['from_Hz']:.3g} to {where['to_Hz']:.3g} Hz"
+        return (
+            f"something irregular that pushes the line: at {band} {where['channels']} do not move "
+            "together as the declared noise does; look at the drive and the web between them"
         )
     return "noise above the line's own, at no frequency in particular"

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from benchmarks.campaign import alike as told_by
 from benchmarks.campaign.alike import (
     Quiet,
     alike,
     apart,
     beside,
+    merged,
     rivals,
     tolerated,
     wavenumber,
@@ -18,7 +20,7 @@ from benchmarks.campaign.alike import (
 )
 from benchmarks.campaign.cases import Case
 from benchmarks.campaign.effects import Fault
-from benchmarks.campaign.make import stage, tolerances
+from benchmarks.campaign.stage import stage, tolerances
 
 pytestmark = pytest.mark.timeout(300)
 
@@ -36,6 +38,30 @@ def sized(record, fault, chi_square=1000.0):
 def test_an_unbalance_at_a_drive_is_a_ripple_of_order_1(record):
     fault = sized(record, Fault(effect="unbalanced_roller", location="swrap", size=5e-3))
     assert ("torque_ripple", "swrap") in alike(record, fault)
+
+
+def unbalanced(record, place, chi_square):
+    fault = Fault(effect="unbalanced_roller", location=place, size=5e-3, angle=0.4)
+    return sized(record, fault, chi_square)
+
+
+@pytest.mark.parametrize(("chi_square", "hidden"), [(300.0, True), (30_000.0, False)])
+def test_two_weak_rollers_of_one_radius_answer_like_one_between_them(
+    record, monkeypatch, chi_square, hidden
+):
+    between = Fault(effect="unbalanced_roller", location="R2", size=5e-3)
+    monkeypatch.setattr(told_by, "rivals", lambda _: [between])
+    one, other = (unbalanced(record, place, chi_square) for place in ("R1", "R3"))
+    cos, sin = (record.response(replace(other, angle=a)) for a in (0.0, 0.5 * np.pi))
+    true = record.response(one)
+    in_phase = replace(other, angle=float(np.arctan2(true @ sin, true @ cos)))
+    expected = [("unbalanced_roller", "R2")] if hidden else []
+    assert merged(record, [one, in_phase]) == [expected, expected]
+
+
+def test_rollers_of_different_radius_are_not_merged(record):
+    faults = [unbalanced(record, "R1", 300.0), unbalanced(record, "swrap", 300.0)]
+    assert merged(record, faults) == [[], []]
 
 
 def test_an_idler_alone_in_its_zone_is_told_by_its_line(record):

@@ -7,8 +7,10 @@ import pytest
 
 from benchmarks.campaign.cases import GROUPS, case_number
 from benchmarks.campaign.effects import CHANGES, flat_outline, outline
-from benchmarks.campaign.make import SIZED_BY, floors, rms, snr_of, stage, write_case
+from benchmarks.campaign.make import floors, write_case
 from benchmarks.campaign.record import simulate
+from benchmarks.campaign.sizes import snr_of
+from benchmarks.campaign.stage import SIZED_BY, rms, stage
 from benchmarks.campaign.work import coordinate_of
 
 pytestmark = pytest.mark.timeout(300)

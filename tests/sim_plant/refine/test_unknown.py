@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from sim_plant.refine import completeness, unknown
-from sim_plant.refine.unknown import LOUD, loudest
+from sim_plant.refine.coupling import Coupling
+from sim_plant.refine.unknown import COUPLED, LOUD, loudest
 
 ANALOGUE = np.array([True, False, True])
 
@@ -33,7 +34,23 @@ def test_broadband_is_claimed_for_a_channel_that_is_clearly_loud(monkeypatch, si
     problem, fit = left(1.0, 1.0, size)
     monkeypatch.setattr(unknown, "strongest", lambda _: (None, 1.0, 0.0))
     monkeypatch.setattr(unknown, "improbable", lambda *_: None)
+    monkeypatch.setattr(unknown, "oddest_pair", lambda *_: SimpleNamespace(score=0.0))
     assert [u.kind for u in unknown.unknowns(problem, fit, fit, [])] == kinds
+
+
+@pytest.mark.parametrize(("share", "kinds"), [(0.9, []), (1.1, ["broadband"])])
+def test_channels_that_move_together_as_no_noise_does_are_broadband(monkeypatch, share, kinds):
+    problem, fit = left(1.0, 1.0, 1.0)
+    pair = Coupling(
+        channels=("rewind_tension_N", "rewind_speed_rad_s"), from_Hz=1.25, to_Hz=2.5,
+        score=share * COUPLED,
+    )  # fmt: skip
+    monkeypatch.setattr(unknown, "strongest", lambda _: (None, 1.0, 0.0))
+    monkeypatch.setattr(unknown, "improbable", lambda *_: None)
+    monkeypatch.setattr(unknown, "oddest_pair", lambda *_: pair)
+    found = unknown.unknowns(problem, fit, fit, [])
+    assert [u.kind for u in found] == kinds
+    assert all("rewind_tension_N and rewind_speed_rad_s" in u.text for u in found)
 
 
 def test_free_lines_are_sought_in_channels_with_noise_of_their_own(monkeypatch):

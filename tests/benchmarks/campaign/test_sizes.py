@@ -1,0 +1,71 @@
+"""Faults have the size at which their ratio is the wanted one, beside what tolerances take up."""
+
+import numpy as np
+import pytest
+
+from benchmarks.campaign import alike as told_by
+from benchmarks.campaign import sizes
+from benchmarks.campaign.alike import beside, beside_tolerances
+from benchmarks.campaign.cases import LARGEST, Case
+from benchmarks.campaign.effects import Fault
+from benchmarks.campaign.make import floors
+from benchmarks.campaign.motion import TICK_S
+from benchmarks.campaign.record import simulate
+from benchmarks.campaign.sizes import sized, snr_of
+from benchmarks.campaign.stage import stage
+
+pytestmark = pytest.mark.timeout(300)
+CASE = Case(number=0, group="single 0.4", seed=3, snr=0.4)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_tolerances():
+    """Let six declared numbers be uncertain, the modulus among them: each is a simulation."""
+    draws = told_by.tolerances(CASE)[:6]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(told_by, "tolerances", lambda _: draws)
+        beside_tolerances.cache_clear()
+        yield
+    beside_tolerances.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def healthy():
+    at = stage(CASE, "a")
+    quiet = at.quiet()
+    noisy = simulate(at.machine, at.told, at.angles, at.seed, colour=CASE.colour).even()
+    return at, quiet, floors(noisy, quiet)
+
+
+def test_what_a_tolerance_takes_up_does_not_count(healthy):
+    at, quiet, floor = healthy
+    fault, reached = sized(CASE, at, Fault(effect="web_modulus", location="web", size=0.1),
+                           quiet, floor)  # fmt: skip
+    assert reached == pytest.approx(0.4, rel=0.06)
+    record, columns = beside_tolerances(CASE)
+    true = record.response(fault)
+    share = np.sqrt(beside(true, columns) / (true @ true))
+    raw = snr_of(at.quiet((fault,)), quiet, floor)
+    assert raw * share == pytest.approx(0.4, rel=0.1)
+    assert raw > 0.5
+
+
+def test_what_tolerances_take_up_whole_ends_at_a_size_that_speaks_for_itself(healthy, monkeypatch):
+    monkeypatch.setattr(sizes, "visible", lambda *_: 1e-3)
+    fault = Fault(effect="bearing_drag", location="R1", size=0.01)
+    made, reached = sized(CASE, *healthy[:1], fault, *healthy[1:])
+    assert made.size == LARGEST["bearing_drag"]
+    assert reached < 0.2
+
+
+def test_a_delay_is_a_whole_number_of_drive_ticks(healthy):
+    fault = Fault(effect="loop_delay", location="rewind", size=0.03)
+    made, reached = sized(CASE, *healthy[:1], fault, *healthy[1:])
+    assert made.size / TICK_S == pytest.approx(round(made.size / TICK_S), abs=1e-9)
+    assert reached == pytest.approx(0.4, rel=0.1)
+
+
+def test_a_case_without_a_ratio_keeps_its_size(healthy):
+    fault = Fault(effect="eccentric_roller", location="R2", size=1e-5)
+    case = Case(number=0, group="single", seed=3)
+    assert sized(case, *healthy[:1], fault, *healthy[1:])[0] == fault
