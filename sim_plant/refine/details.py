@@ -9,7 +9,6 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.effects.out_of_round_roll import PAIRS
-from sim_plant.refine.completeness import unsure
 from sim_plant.refine.fit import Fit, case_of, jacobian, refine_fit
 from sim_plant.refine.hypotheses import hypothesis
 from sim_plant.refine.in_step import in_step
@@ -19,7 +18,9 @@ from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
 from sim_plant.refine.shapes import UNWOUND
 
 ORDERS: tuple[str, ...] = tuple(name for pair in PAIRS for name in (pair.cos, pair.sin))
-UNWOUND_START_M = 0.006
+UNWOUND_STARTS_M = (0.006, 0.012)
+STRONG = 1e5
+"""Cost explained from which a profile is looked at for where it was formed."""
 WEAK = 1e4
 """Cost explained up to which the second order of effects and tolerances is less than noise."""
 
@@ -56,11 +57,14 @@ def _weak(problem: Problem, fit: Fit) -> bool:
 
     What an effect and a shift within tolerance do together is some percent of what either does.
     """
-    if not all(h.effect.order_locked for h in fit.hypotheses):
-        return False
+    locked = all(h.effect.order_locked for h in fit.hypotheses)
+    return locked and _explained(problem, fit) < WEAK
+
+
+def _explained(problem: Problem, fit: Fit) -> float:
+    """Return by how much the cost is higher without any effect."""
     bare = problem.bench.one(case_of((), (), fit.shifts))
-    explained = problem.projector.cost(problem.residual(bare, fit.shifts)) - fit.cost
-    return explained < WEAK
+    return problem.projector.cost(problem.residual(bare, fit.shifts)) - fit.cost
 
 
 def shaped(fit: Fit) -> list[int]:
@@ -87,15 +91,19 @@ def _formed(problem: Problem, fit: Fit, at: int) -> Fit:
     """Return the fit with the profile formed at another radius, where the record says so.
 
     A strong profile alone tells: its corners stand closer together on a larger roll. Declared
-    numbers that have imitated this (they change the length of a turn) start anew.
+    numbers that have imitated this (they change the length of a turn) start anew; they may have
+    done so down to the noise.
     """
-    old = fit.hypotheses[at]
-    if UNWOUND in old.names or fit.cost - problem.expected_cost < unsure(problem):
+    if UNWOUND in fit.hypotheses[at].names or _explained(problem, fit) < STRONG:
         return fit
-    wider = _wider(problem, fit, at, (UNWOUND,), {UNWOUND: UNWOUND_START_M})
-    shifts = in_step(problem, {}, wider.hypotheses, wider.values)
-    better = refine_fit(problem, wider.hypotheses, wider.values, shifts, rounds=8, coarse=False)
-    return better if better.cost < fit.cost - price(problem, 1) else fit
+    best, least = fit, fit.cost - price(problem, 1)
+    for start_m in UNWOUND_STARTS_M:
+        wider = _wider(problem, fit, at, (UNWOUND,), {UNWOUND: start_m})
+        shifts = in_step(problem, {}, wider.hypotheses, wider.values)
+        new = refine_fit(problem, wider.hypotheses, wider.values, shifts, rounds=8, coarse=False)
+        if new.cost < least:
+            best, least = new, new.cost
+    return best
 
 
 def _tried(problem: Problem, fit: Fit, at: int, names: tuple[str, ...]) -> Fit:

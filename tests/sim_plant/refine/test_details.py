@@ -45,3 +45,34 @@ def test_a_detail_that_fits_one_half_only_is_not(problem, monkeypatch):
     residual = noise() + 2.0 * np.abs(TIME < 0.5) * fluke - 1.0 * (TIME >= 0.5) * fluke * 0.5
     residual = np.where(TIME < 0.5, residual, noise() - 2.0 * fluke)
     assert not details.bears_out(problem, fit_of(residual), 0, ["gravity"])
+
+
+def formed(monkeypatch, *, explained, costs, plain=1000.0):
+    """Return the fit that is kept: its ``unwound_m``, None where it has none."""
+    old = SimpleNamespace(hypotheses=(SimpleNamespace(names=("size_m",)),), cost=plain, start=None)
+    monkeypatch.setattr(details, "_explained", lambda *_: explained)
+    monkeypatch.setattr(details, "in_step", lambda *_: {})
+    monkeypatch.setattr(
+        details, "_wider",
+        lambda _p, _f, _a, names, start: SimpleNamespace(hypotheses=(), values=start[names[0]]),
+    )  # fmt: skip
+    monkeypatch.setattr(
+        details, "refine_fit",
+        lambda _p, _h, start, *_, **__: SimpleNamespace(cost=costs[start], start=start),
+    )  # fmt: skip
+    return details._formed(SimpleNamespace(rows=40_000), old, 0).start
+
+
+@pytest.mark.parametrize(("costs", "kept"), [
+    ((900.0, 800.0), 0.012), ((800.0, 900.0), 0.006),
+    ((995.0, 996.0), None), ((1200.0, 1100.0), None),
+])  # fmt: skip
+def test_a_strong_profile_is_known_from_where_it_was_formed_when_that_pays(
+    monkeypatch, costs, kept
+):
+    table = dict(zip(details.UNWOUND_STARTS_M, costs, strict=True))
+    assert formed(monkeypatch, explained=2e5, costs=table) == kept
+
+
+def test_a_weak_profile_is_not_asked_where_it_was_formed(monkeypatch):
+    assert formed(monkeypatch, explained=5e4, costs={}) is None
