@@ -39,9 +39,11 @@ def wavenumber(fault: Fault) -> float:
 
 
 def rivals(fault: Fault) -> list[Fault]:
-    """Return other effects and places that may answer like ``fault``: same line, or a drag."""
-    if fault.effect == "bearing_drag":
-        return [replace(fault, location=k) for k in IDLERS if k != fault.location]
+    """Return other effects and places that may answer like ``fault``: same line, or standing."""
+    if fault.effect in ("bearing_drag", "thermal_strain"):
+        others = [Fault(effect="bearing_drag", location=k, size=0.01) for k in IDLERS]
+        others.append(Fault(effect="thermal_strain", location="pull_roll_zone", size=5e-5))
+        return [f for f in others if (f.effect, f.location) != (fault.effect, fault.location)]
     at = wavenumber(fault)
     if at == 0.0:
         return []
@@ -80,6 +82,11 @@ class Quiet:
         """Return the answer of all tensions and speeds to a fault, in units of white noise."""
         return self.apart_from(self.stage.quiet((fault,)))
 
+    def zero_off(self, channel: str) -> Array:
+        """Return what a wrong zero of one cell does (rows, 1), in units of white noise."""
+        off = {c: self.healthy[c] + float(c == channel) for c in self.taps}
+        return self.apart_from(off)[:, None]
+
     def apart_from(self, quiet: dict[str, Array]) -> Array:
         """Return what another record without noise has more, in units of white noise (rows,)."""
         return np.concatenate(
@@ -106,12 +113,17 @@ def apart(true: Array, columns: Array) -> float:
 def alike(record: Quiet, fault: Fault) -> list[tuple[str, str]]:
     """Return (effect, location) of what cannot be told from ``fault`` in this record."""
     others = rivals(fault)
-    if not others:
+    standing = fault.effect in STATIC
+    if not others and not standing:
         return []
     true = record.response(fault)
-    found = []
+    found = [
+        ("load_cell_calibration", place)
+        for channel, place in short.CELLS.items()
+        if standing and channel in record.taps and apart(true, record.zero_off(channel)) < MARGIN
+    ]
     for other in others:
-        turns = (other.angle,) if fault.effect == "bearing_drag" else (0.0, 0.5 * math.pi)
+        turns = (other.angle,) if standing else (0.0, 0.5 * math.pi)
         columns = [record.response(replace(other, angle=a)) for a in turns]
         if apart(true, np.stack(columns, axis=1)) < MARGIN:
             found.append((other.effect, other.location))

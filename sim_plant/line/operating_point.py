@@ -1,4 +1,4 @@
-"""Where a declared line rests: speeds and strains of its steady state, from the declaration alone.
+"""Where a line rests: speeds and strains of its steady state, from its numbers alone.
 
 Written apart from the kernel, so that the frequency model that stands on it checks the kernel.
 """
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.base.arrays import Array
+from sim_plant.base.arrays import Array, IntArray
 from sim_plant.line.declaration import Declaration
 
 STICTION_SPEED_RAD_S = 0.3  # of the declaration's friction_law
@@ -32,6 +32,57 @@ class SteadyLine:
     strain: Array
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RestingLine:
+    """The numbers that decide where a line rests; n bodies, n - 1 spans, d drives, l loops.
+
+    Attributes
+    ----------
+    radius_m : moment arm of the web on every body, mean over a turn (n,).
+    friction_constant_N_m, friction_viscous_N_m_s : of every body (n,).
+    slip_s_m, slip_speed_m_s : share of speed the web loses above a speed (n,).
+    EA_N, free_strain : of every span (n - 1,); what is free pulls nothing.
+    wound_in_strain : of the web on the unwind.
+    driven, ratio : bodies of the drives (d,) and their surface speed over the line's (d,).
+    cell, acts_on, gain, offset_N : per tension loop, body of its cell, driven body, and what the
+        cell makes of the tension (l,).
+    """
+
+    radius_m: Array
+    friction_constant_N_m: Array
+    friction_viscous_N_m_s: Array
+    slip_s_m: Array
+    slip_speed_m_s: Array
+    EA_N: Array
+    free_strain: Array
+    wound_in_strain: float
+    driven: IntArray
+    ratio: Array
+    cell: IntArray
+    acts_on: IntArray
+    gain: Array
+    offset_N: Array
+
+
+def declared_line(line: Declaration) -> RestingLine:
+    """Return the numbers of the declaration, without corrections and effects."""
+    n, loops, drives = len(line.rollers), line.control.tension_pi, line.control.drives
+    draw = line.control.pull_roll_draw
+    return RestingLine(
+        radius_m=radii_of(line),
+        friction_constant_N_m=np.array([r.friction_constant_N_m for r in line.rollers]),
+        friction_viscous_N_m_s=np.array([r.friction_viscous_N_m_s for r in line.rollers]),
+        slip_s_m=np.zeros(n), slip_speed_m_s=np.zeros(n),
+        EA_N=np.full(n - 1, line.web.EA_N), free_strain=np.zeros(n - 1),
+        wound_in_strain=line.web.wound_in_tension_N / line.web.EA_N,
+        driven=np.array([line.body(d.roller) for d in drives], dtype=np.int64),
+        ratio=np.array([1.0 + (draw if "draw" in d.speed_reference else 0.0) for d in drives]),
+        cell=np.array([line.body(loop.load_cell) for loop in loops], dtype=np.int64),
+        acts_on=np.array([line.body(loop.acts_on) for loop in loops], dtype=np.int64),
+        gain=np.ones(len(loops)), offset_N=np.zeros(len(loops)),
+    )  # fmt: skip
+
+
 def radii_of(line: Declaration) -> Array:
     """Return the radius of every body at the start, m, shape (n,)."""
     radius = np.array([roller.radius_m for roller in line.rollers])
@@ -43,6 +94,11 @@ def friction_of(line: Declaration, omega_rad_s: Array) -> tuple[Array, Array]:
     """Return friction torque (N m) and its slope over speed (N m s) of every body."""
     constant = np.array([roller.friction_constant_N_m for roller in line.rollers])
     viscous = np.array([roller.friction_viscous_N_m_s for roller in line.rollers])
+    return friction_at(constant, viscous, omega_rad_s)
+
+
+def friction_at(constant: Array, viscous: Array, omega_rad_s: Array) -> tuple[Array, Array]:
+    """Return friction torque (N m) and its slope over speed (N m s): c tanh(w / 0.3) + b w."""
     level = np.tanh(omega_rad_s / STICTION_SPEED_RAD_S)
     slope = constant * (1.0 - level**2) / STICTION_SPEED_RAD_S + viscous
     return constant * level + viscous * omega_rad_s, slope
@@ -60,6 +116,11 @@ def inertias_of(line: Declaration, rest: SteadyLine) -> Array:
 
 
 def steady_line(line: Declaration, line_speed_m_s: float, tension_N: float) -> SteadyLine:
+    """Return the steady state of the declaration; see ``steady_state``."""
+    return steady_state(declared_line(line), line_speed_m_s, tension_N)
+
+
+def steady_state(line: RestingLine, line_speed_m_s: float, tension_N: float) -> SteadyLine:
     """Return the steady state at this line speed and tension reference.
 
     Equations: v_k / (1 + eps_k-1) is the same at every body (mass, source 2.20 at rest);
@@ -72,16 +133,16 @@ def steady_line(line: Declaration, line_speed_m_s: float, tension_N: float) -> S
     PlantError
         When there is no single steady state.
     """
-    n, radius = len(line.rollers), radii_of(line)
-    wound_in = line.web.wound_in_tension_N / line.web.EA_N
-    x = np.concatenate((np.full(n, line_speed_m_s), np.full(n - 1, tension_N / line.web.EA_N)))
+    n = line.radius_m.size
+    strain = tension_N / line.EA_N + line.free_strain
+    x = np.concatenate((np.full(n, line_speed_m_s), strain))
     scale = np.concatenate((np.full(n, 1e-6), np.full(n - 1, 1e-8)))
     for _ in range(30):
-        residual = _imbalance(line, radius, wound_in, line_speed_m_s, tension_N, x)
+        residual = _imbalance(line, line_speed_m_s, tension_N, x)
         if np.max(np.abs(residual)) < 1e-12:
-            return SteadyLine(radius_m=radius, speed_m_s=x[:n], strain=x[n:])
+            return SteadyLine(radius_m=line.radius_m, speed_m_s=x[:n], strain=x[n:])
         columns = [
-            (_imbalance(line, radius, wound_in, line_speed_m_s, tension_N, x + step) - residual)
+            (_imbalance(line, line_speed_m_s, tension_N, x + step) - residual)
             for step in np.diag(scale)
         ]
         try:
@@ -89,33 +150,25 @@ def steady_line(line: Declaration, line_speed_m_s: float, tension_N: float) -> S
         except np.linalg.LinAlgError as error:
             raise PlantError(f"no single steady state at {line_speed_m_s} m/s") from error
     if np.max(np.abs(residual)) < 1e-9:
-        return SteadyLine(radius_m=radius, speed_m_s=x[:n], strain=x[n:])
+        return SteadyLine(radius_m=line.radius_m, speed_m_s=x[:n], strain=x[n:])
     raise PlantError(f"no steady state at {line_speed_m_s} m/s and {tension_N} N")
 
 
-def _imbalance(
-    line: Declaration,
-    radius_m: Array,
-    wound_in_strain: float,
-    line_speed_m_s: float,
-    tension_N: float,
-    x: Array,
-) -> Array:
+def _imbalance(line: RestingLine, line_speed_m_s: float, tension_N: float, x: Array) -> Array:
     """Return what is missing from balance, (2 n - 1,): mass, then one equation per body."""
-    n = radius_m.size
+    n = line.radius_m.size
     speed, strain = x[:n], x[n:]
-    upstream = np.concatenate(([wound_in_strain], strain[:-1]))
-    mass = speed[1:] * (1.0 + upstream) - speed[:-1] * (1.0 + strain)
-    EA_N = line.web.EA_N
-    friction, _slope = friction_of(line, speed / radius_m)
+    over = np.maximum(np.abs(speed) - line.slip_speed_m_s, 0.0)
+    web = speed * (1.0 - line.slip_s_m * over)
+    upstream = np.concatenate(([line.wound_in_strain], strain[:-1]))
+    mass = web[1:] * (1.0 + upstream) - web[:-1] * (1.0 + strain)
+    pull_N = line.EA_N * (strain - line.free_strain)
+    friction, _slope = friction_at(
+        line.friction_constant_N_m, line.friction_viscous_N_m_s, speed / line.radius_m
+    )
     bodies = np.zeros(n)
-    bodies[1:-1] = EA_N * (strain[1:] - strain[:-1]) * radius_m[1:-1] - friction[1:-1]
-    draw = line.control.pull_roll_draw
-    for drive in line.control.drives:
-        wanted = line_speed_m_s * (1.0 + (draw if "draw" in drive.speed_reference else 0.0))
-        bodies[line.body(drive.roller)] = speed[line.body(drive.roller)] - wanted
-    for loop in line.control.tension_pi:
-        cell = line.body(loop.load_cell)
-        mean_N = 0.5 * EA_N * (strain[cell - 1] + strain[cell])
-        bodies[line.body(loop.acts_on)] = (mean_N - tension_N) / EA_N
+    bodies[1:-1] = (pull_N[1:] - pull_N[:-1]) * line.radius_m[1:-1] - friction[1:-1]
+    bodies[line.driven] = speed[line.driven] - line_speed_m_s * line.ratio
+    mean_N = 0.5 * (pull_N[line.cell - 1] + pull_N[line.cell])
+    bodies[line.acts_on] = (line.gain * mean_N + line.offset_N - tension_N) / line.EA_N[0]
     return np.concatenate((mass, bodies))

@@ -90,7 +90,7 @@ class LineSimulation:
         self._aff = np.zeros(self.arrays.drives.size)
         directions = [span.direction_deg for span in declaration.spans]
         self.layout, self.state = start_state(self.arrays, directions, self._speed, start_N)
-        start_at_rest(declaration, self.arrays, self.layout, self.state, self._speed, start_N)
+        start_at_rest(self.arrays, self.layout, self.state, self._speed, start_N)
         self.work = make_work(self.arrays, self.layout, self.state)
         self._rng = None if seed is None else np.random.default_rng(seed)
         self._row = np.zeros(self._columns())

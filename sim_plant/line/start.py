@@ -1,41 +1,41 @@
-"""A start state near equilibrium, so that the slow pull-roll zone need not be waited for."""
+"""A start state at equilibrium, so that the slow pull-roll zone need not be waited for."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.base.arrays import LineArrays, LineState
-from sim_plant.line.declaration import Declaration
+from sim_plant.base.arrays import UNWIND, Array, LineArrays, LineState
 from sim_plant.line.layout import Layout
-from sim_plant.line.operating_point import friction_of, inertias_of, steady_line
+from sim_plant.line.operating_point import RestingLine, friction_at, steady_state
 
 
 def start_at_rest(
-    line: Declaration,
-    p: LineArrays,
-    lay: Layout,
-    state: LineState,
-    line_speed_m_s: float,
-    tension_N: float,
+    p: LineArrays, lay: Layout, state: LineState, line_speed_m_s: float, tension_N: float
 ) -> None:
-    """Put speeds, strains and controller integrals of the declared steady state into ``state``.
+    """Put speeds, strains and controller integrals of the steady state into ``state``.
 
-    Effects are not known here: they are left to ``LineSimulation.settle``. The state of a line
-    without a single steady state stays as it is.
+    With all that corrections and effects have put into ``p`` and that stands still; what turns or
+    relaxes is left to ``LineSimulation.settle``. The state of a line without a single steady
+    state stays as it is.
     """
+    line = resting_line(p, lay, state)
     try:
-        rest = steady_line(line, line_speed_m_s, tension_N)
+        rest = steady_state(line, line_speed_m_s, tension_N)
     except PlantError:
         return
     n, y = lay.n, state.y
     omega = rest.speed_m_s / rest.radius_m
     y[lay.omega : lay.omega + n] = omega
-    y[lay.strain : lay.strain + n - 1] = rest.strain + p.spans["free_strain"]
-    pull_N = np.concatenate(([0.0], line.web.EA_N * rest.strain, [0.0]))
-    friction, _slope = friction_of(line, omega)
+    y[lay.strain : lay.strain + n - 1] = rest.strain
+    pull_N = np.concatenate(([0.0], line.EA_N * (rest.strain - line.free_strain), [0.0]))
+    friction, _slope = friction_at(
+        line.friction_constant_N_m, line.friction_viscous_N_m_s, omega
+    )  # fmt: skip
     load = friction - rest.radius_m * (pull_N[1:] - pull_N[:-1])
-    inertia = inertias_of(line, rest)
+    inertia = _inertias(p, lay, state)
     for d, drive in enumerate(p.drives):
         k = int(drive["body"])
         corner = drive["gain_rad_s"] / (4.0 * drive["damping"] ** 2)
@@ -45,11 +45,53 @@ def start_at_rest(
         loop = int(drive["loop"])
         if loop >= 0:
             law = p.loops[loop]
-            wanted = rest.speed_m_s[k] - line_speed_m_s * (1.0 + drive["draw"])
+            told = omega[k] * _radii(p, lay, state)[k] * drive["radius_ratio"]
+            wanted = told - line_speed_m_s * (1.0 + drive["draw"])
             scale = law["sign"] * law["gain_m_s_N"] * law["corner_rad_s"]
             state.loop_integral[loop] = wanted / scale
             state.loop_correction_m_s[loop] = wanted
     for c, cell in enumerate(p.cells):
         force = 0.5 * (pull_N[int(cell["body"])] + pull_N[int(cell["body"]) + 1])
         y[lay.cell + c] = y[lay.resonance + 2 * c] = force
-        state.measured_N[c] = state.true_N[c] = force
+        state.true_N[c] = state.measured_N[c] = cell["gain"] * force + cell["offset_N"]
+
+
+def resting_line(p: LineArrays, lay: Layout, state: LineState) -> RestingLine:
+    """Return the numbers that decide where the line of these arrays rests."""
+    told = _radii(p, lay, state)
+    felt = told.copy()
+    for k, row in enumerate(p.bodies["shape_row"]):
+        if row >= 0:
+            felt[k] += float(np.mean(p.shape_h_m[row, :-1]))
+    driven, ratio = p.drives["body"].copy(), 1.0 + p.drives["draw"]
+    acts_on = [int(d["body"]) for loop in range(p.loops.size)
+               for d in p.drives if d["loop"] == loop]  # fmt: skip
+    cells = p.cells[p.loops["cell"]]
+    return RestingLine(
+        radius_m=felt,
+        friction_constant_N_m=p.bodies["friction_constant_N_m"].copy(),
+        friction_viscous_N_m_s=p.bodies["friction_viscous_N_m_s"].copy(),
+        slip_s_m=p.bodies["slip_s_m"].copy(), slip_speed_m_s=p.bodies["slip_speed_m_s"].copy(),
+        EA_N=p.spans["EA_N"].copy(), free_strain=p.spans["free_strain"].copy(),
+        wound_in_strain=float(p.web["wound_in_strain"][0]),
+        driven=driven, ratio=ratio * felt[driven] / (told[driven] * p.drives["radius_ratio"]),
+        cell=cells["body"].copy(), acts_on=np.array(acts_on, dtype=np.int64),
+        gain=cells["gain"].copy(), offset_N=cells["offset_N"].copy(),
+    )  # fmt: skip
+
+
+def _radii(p: LineArrays, lay: Layout, state: LineState) -> Array:
+    """Return the mean radius that every drive goes by, m (n,)."""
+    radius: Array = p.bodies["radius_m"].copy()
+    radius[0], radius[-1] = state.y[lay.radius : lay.radius + 2]
+    return radius
+
+
+def _inertias(p: LineArrays, lay: Layout, state: LineState) -> Array:
+    """Return the inertia that every drive reckons with, wound web included, kg m2."""
+    web, radius = p.web[0], _radii(p, lay, state)
+    ring = 0.5 * math.pi * web["density_kg_m3"] * web["width_m"]
+    inertia: Array = p.bodies["inertia_kg_m2"].copy()
+    rolls = p.bodies["kind"] >= UNWIND
+    inertia[rolls] += ring * (radius[rolls] ** 4 - web["core_radius_m"] ** 4)
+    return inertia

@@ -102,3 +102,10 @@ def test_a_modulus_within_four_standard_deviations_hardly_shows(record):
     fault = Fault(effect="web_modulus", location="web", size=4.0 * 0.5 * 0.02)
     true = record.response(fault)
     assert beside(true, tolerated(case, record, [modulus])) < 16.5 < 0.1 * float(true @ true)
+
+
+def test_web_warm_between_two_speeds_is_a_wrong_zero_of_the_cell_there(record):
+    fault = Fault(effect="thermal_strain", location="pull_roll_zone", size=5e-4)
+    assert set(alike(record, fault)) == {("load_cell_calibration", "R5"), ("bearing_drag", "R5")}
+    slow = Fault(effect="load_cell_filter", location="R5", size=0.1)
+    assert alike(record, slow) == []
