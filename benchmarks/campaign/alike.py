@@ -103,29 +103,38 @@ def whitener(noise: Array) -> Array:
     return found
 
 
-def apart(true: Array, columns: Array) -> float:
-    """Return the chi-square that the best mix of ``columns`` (rows, k) leaves of ``true``."""
-    best = np.linalg.lstsq(columns, true, rcond=None)[0]
-    left = true - columns @ best
-    return float(left @ left)
+def apart(true: Array, columns: Array, hiding: Array | None = None) -> float:
+    """Return the chi-square that the best mix of ``columns`` (rows, k) leaves of ``true``.
+
+    ``hiding`` (rows, n) may take up the rest at the price of its priors, see ``beside``.
+    """
+    size = float(np.linalg.norm(columns))
+    free = columns * (1e6 / size if size else 1.0)  # so large a prior is none
+    return beside(true, free if hiding is None else np.concatenate([free, hiding], axis=1))
 
 
-def alike(record: Quiet, fault: Fault) -> list[tuple[str, str]]:
-    """Return (effect, location) of what cannot be told from ``fault`` in this record."""
+def alike(
+    record: Quiet, fault: Fault, hiding: Array | None = None
+) -> list[tuple[str, str]]:  # fmt: skip
+    """Return (effect, location) of what cannot be told from ``fault`` in this record.
+
+    ``hiding`` are the answers to declared numbers, for a fault without a line of its own.
+    """
     others = rivals(fault)
     standing = fault.effect in STATIC
     if not others and not standing:
         return []
     true = record.response(fault)
+    read = {c: place for c, place in short.CELLS.items() if standing and c in record.taps}
     found = [
         ("load_cell_calibration", place)
-        for channel, place in short.CELLS.items()
-        if standing and channel in record.taps and apart(true, record.zero_off(channel)) < MARGIN
+        for channel, place in read.items()
+        if apart(true, record.zero_off(channel), hiding) < MARGIN
     ]
     for other in others:
         turns = (other.angle,) if standing else (0.0, 0.5 * math.pi)
         columns = [record.response(replace(other, angle=a)) for a in turns]
-        if apart(true, np.stack(columns, axis=1)) < MARGIN:
+        if apart(true, np.stack(columns, axis=1), hiding) < MARGIN:
             found.append((other.effect, other.location))
     return found
 
@@ -192,7 +201,10 @@ def told(case: Case, faults: tuple[Fault, ...]) -> dict[str, list[object]]:
     for fault, hides in zip(faults, hidden, strict=True):
         true = record.response(fault)
         shown.append(beside(true, columns) if hides else float(true @ true))
-    same = [[] if case.classes else alike(record, f) for f in faults]
+    same = [
+        [] if case.classes else alike(record, f, columns if hides else None)
+        for f, hides in zip(faults, hidden, strict=True)
+    ]
     together = [[] for _ in faults] if case.classes else merged(record, faults)
     known = [[*dict.fromkeys([*a, *b])] for a, b in zip(same, together, strict=True)]
     return {"alike": list(known), "evidence": list(shown)}
