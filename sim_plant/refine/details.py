@@ -9,6 +9,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.effects.out_of_round_roll import PAIRS
+from sim_plant.refine.completeness import unsure
 from sim_plant.refine.fit import Fit, case_of, jacobian, refine_fit
 from sim_plant.refine.hypotheses import hypothesis
 from sim_plant.refine.in_step import in_step
@@ -92,11 +93,13 @@ def _formed(problem: Problem, fit: Fit, at: int) -> Fit:
 
     A strong profile alone tells: its corners stand closer together on a larger roll. Declared
     numbers that have imitated this (they change the length of a turn) start anew; they may have
-    done so down to the noise.
+    done so down to the noise. That a profile is as old as its record is no better known than any
+    other age, so it need not pay: one that is as good as noise is known to is kept, with its
+    interval, and found anew where the effects are judged.
     """
     if UNWOUND in fit.hypotheses[at].names or _explained(problem, fit) < STRONG:
         return fit
-    best, least = fit, fit.cost - price(problem, 1)
+    best, least = fit, fit.cost + unsure(problem)
     for start_m in UNWOUND_STARTS_M:
         wider = _wider(problem, fit, at, (UNWOUND,), {UNWOUND: start_m})
         shifts = in_step(problem, {}, wider.hypotheses, wider.values)

@@ -52,6 +52,7 @@ def formed(monkeypatch, *, explained, costs, plain=1000.0):
     old = SimpleNamespace(hypotheses=(SimpleNamespace(names=("size_m",)),), cost=plain, start=None)
     monkeypatch.setattr(details, "_explained", lambda *_: explained)
     monkeypatch.setattr(details, "in_step", lambda *_: {})
+    monkeypatch.setattr(details, "unsure", lambda _: 100.0)
     monkeypatch.setattr(
         details, "_wider",
         lambda _p, _f, _a, names, start: SimpleNamespace(hypotheses=(), values=start[names[0]]),
@@ -65,9 +66,9 @@ def formed(monkeypatch, *, explained, costs, plain=1000.0):
 
 @pytest.mark.parametrize(("costs", "kept"), [
     ((900.0, 800.0), 0.012), ((800.0, 900.0), 0.006),
-    ((995.0, 996.0), None), ((1200.0, 1100.0), None),
+    ((1099.0, 1098.0), 0.012), ((1200.0, 1101.0), None),
 ])  # fmt: skip
-def test_a_strong_profile_is_known_from_where_it_was_formed_when_that_pays(
+def test_a_strong_profile_is_as_old_as_fits_best_unless_that_is_clearly_worse(
     monkeypatch, costs, kept
 ):
     table = dict(zip(details.UNWOUND_STARTS_M, costs, strict=True))
