@@ -29,7 +29,8 @@ def support_at(h: Floats, dh: Floats, rho: Floats, psi_rad: float) -> tuple[floa
     step = _TWO_PI / cells
     turn = psi_rad / _TWO_PI
     position = (turn - floor(turn)) * cells
-    i = min(int(position), cells - 1)
+    # an angle that is no number (a run that diverges) has no cell: any will do, the result is none
+    i = min(int(position), cells - 1) if position >= 0.0 else 0
     t = position - i
     f0, f1 = h[i], h[i + 1]
     d0, d1 = dh[i] * step, dh[i + 1] * step

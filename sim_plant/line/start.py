@@ -11,6 +11,8 @@ from sim_plant.base.arrays import UNWIND, Array, LineArrays, LineState
 from sim_plant.line.layout import Layout
 from sim_plant.line.operating_point import RestingLine, friction_at, steady_state
 
+LARGEST_STRAIN = 0.1
+
 
 def start_at_rest(
     p: LineArrays, lay: Layout, state: LineState, line_speed_m_s: float, tension_N: float
@@ -19,12 +21,14 @@ def start_at_rest(
 
     With all that corrections and effects have put into ``p`` and that stands still; what turns or
     relaxes is left to ``LineSimulation.settle``. The state of a line without a single steady
-    state stays as it is.
+    state, or with one that no web survives, stays as it is.
     """
     line = resting_line(p, lay, state)
     try:
         rest = steady_state(line, line_speed_m_s, tension_N)
     except PlantError:
+        return
+    if not np.max(np.abs(rest.strain)) < LARGEST_STRAIN:
         return
     n, y = lay.n, state.y
     omega = rest.speed_m_s / rest.radius_m

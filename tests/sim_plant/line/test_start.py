@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from aff_runtime.base.errors import PlantError
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.corrections import apply_corrections
 from sim_plant.line.declaration import EffectEntry
@@ -69,3 +70,13 @@ def test_web_that_is_warm_between_two_speeds_pulls_less_by_its_free_strain(healt
     zone = np.flatnonzero(warm.arrays.spans["free_strain"])
     assert fall[zone] == pytest.approx(warm.arrays.spans["EA_N"][zone] * 7e-4, rel=1e-6)
     assert np.abs(np.delete(fall, zone)).max() < 1e-6
+
+
+def test_numbers_that_no_line_has_end_in_a_refusal_and_nothing_else():
+    """A fit that goes astray tries such numbers: negative radii and stiffness, inertia of -112."""
+    line = started(corrections={
+        "web.EA_N": -55.5, "rollers.unwind.effective_radius": -1.08, "web.thickness_m": 10.8,
+        "idlers.inertia_kg_m2": -112.0, "control.drives.swrap_lead.K_ref_rad_s": -114.0,
+    })  # fmt: skip
+    with pytest.raises(PlantError, match="diverged"):
+        line.settle(10.0)
