@@ -97,6 +97,12 @@ def _coordinate(spectrum: LineSpectrum, at: float) -> dict[str, float | str]:
 
 
 def _coupled(problem: Problem, fit: Fit) -> list[Unknown]:
+    """Return a broadband unknown where channels are coupled otherwise than by their noise.
+
+    Not beside free terms: what they leave of a line is coupled as the line is.
+    """
+    if any(terms is not None for terms in problem.basis):
+        return []
     pair = oddest_pair(problem, fit)
     if pair.score <= COUPLED:
         return []

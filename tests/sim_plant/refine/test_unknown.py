@@ -17,7 +17,9 @@ def left(*sizes, seed=1):
     rng = np.random.default_rng(seed)
     part = np.asarray(sizes)[:, None] * rng.standard_normal((3, 4000))
     noise = SimpleNamespace(analogue=ANALOGUE)
-    problem = SimpleNamespace(noise=[noise], expected_cost=12_000.0, split=lambda _: [part])
+    problem = SimpleNamespace(
+        noise=[noise], expected_cost=12_000.0, split=lambda _: [part], basis=[None]
+    )  # fmt: skip
     cost = float(np.sum(part**2))
     return problem, SimpleNamespace(residual=part, cost=cost, hypotheses=())
 
@@ -51,6 +53,8 @@ def test_channels_that_move_together_as_no_noise_does_are_broadband(monkeypatch,
     found = unknown.unknowns(problem, fit, fit, [])
     assert [u.kind for u in found] == kinds
     assert all("rewind_tension_N and rewind_speed_rad_s" in u.text for u in found)
+    problem.basis = [np.zeros((4000, 2))]  # beside a free line, what it leaves is coupled
+    assert unknown.unknowns(problem, fit, fit, []) == []
 
 
 def test_free_lines_are_sought_in_channels_with_noise_of_their_own(monkeypatch):
