@@ -80,7 +80,12 @@ class Quiet:
 
     def response(self, fault: Fault) -> Array:
         """Return the answer of all tensions and speeds to a fault, in units of white noise."""
-        return self.apart_from(self.stage.quiet((fault,)))
+        return answer(self, fault)
+
+    def turned(self, fault: Fault) -> Array:
+        """Return the answers (rows, 2) to a fault with a line, at two angles."""
+        turns = (0.0, 0.5 * math.pi)
+        return np.stack([self.response(replace(fault, angle=a)) for a in turns], axis=1)
 
     def zero_off(self, channel: str) -> Array:
         """Return what a wrong zero of one cell does (rows, 1), in units of white noise."""
@@ -92,6 +97,12 @@ class Quiet:
         return np.concatenate(
             [lfilter(self.taps[c], [1.0], quiet[c] - self.healthy[c])[FIRST:] for c in self.taps]
         )
+
+
+@lru_cache(maxsize=64)
+def answer(record: Quiet, fault: Fault) -> Array:
+    """Return ``record.response(fault)``: rivals are asked for more than one fault of a case."""
+    return record.apart_from(record.stage.quiet((fault,)))
 
 
 def whitener(noise: Array) -> Array:
@@ -132,9 +143,8 @@ def alike(
         if apart(true, record.zero_off(channel), hiding) < MARGIN
     ]
     for other in others:
-        turns = (other.angle,) if standing else (0.0, 0.5 * math.pi)
-        columns = [record.response(replace(other, angle=a)) for a in turns]
-        if apart(true, np.stack(columns, axis=1), hiding) < MARGIN:
+        columns = record.response(other)[:, None] if standing else record.turned(other)
+        if apart(true, columns, hiding) < MARGIN:
             found.append((other.effect, other.location))
     return found
 
@@ -154,8 +164,7 @@ def merged(record: Quiet, faults: Sequence[Fault]) -> list[list[tuple[str, str]]
         true = np.sum([record.response(faults[j]) for j in same], axis=0)
         least = MARGIN + 2.0 * (len(same) - 1) * math.log(true.size / 4.0)
         for other in rivals(fault):
-            turned = [record.response(replace(other, angle=a)) for a in (0.0, 0.5 * math.pi)]
-            if apart(true, np.stack(turned, axis=1)) < least:
+            if apart(true, record.turned(other)) < least:
                 found[k].append((other.effect, other.location))
     return found
 
@@ -177,11 +186,16 @@ def tolerated(case: Case, record: Quiet, draws: Sequence[int]) -> Array:
     return np.stack([record.apart_from(s.quiet()) for s in stages], axis=1)
 
 
+def healthy_record(case: Case) -> Quiet:
+    """Return the healthy record ``a`` of a case, of what is kept of its tensions and speeds."""
+    kept = [c for c in SIZED_BY if not case.channels or c in case.channels]
+    return Quiet.of(stage(case, "a"), kept)
+
+
 @lru_cache(maxsize=1)
 def beside_tolerances(case: Case) -> tuple[Quiet, Array]:
     """Return the healthy record ``a`` of a case, and what tolerances do to what is kept of it."""
-    kept = [c for c in SIZED_BY if not case.channels or c in case.channels]
-    record = Quiet.of(stage(case, "a"), kept)
+    record = healthy_record(case)
     return record, tolerated(case, record, tolerances(case))
 
 
@@ -191,12 +205,10 @@ def told(case: Case, faults: tuple[Fault, ...]) -> dict[str, list[object]]:
     What has no line of its own shows beside all that the tolerances may take up.
     """
     hidden = [f.effect in STATIC for f in faults]
-    columns = np.zeros((1, 0))
     if any(hidden):
         record, columns = beside_tolerances(case)
     else:
-        kept = [c for c in SIZED_BY if not case.channels or c in case.channels]
-        record = Quiet.of(stage(case, "a"), kept)
+        record, columns = healthy_record(case), np.zeros((1, 0))
     shown = []
     for fault, hides in zip(faults, hidden, strict=True):
         true = record.response(fault)

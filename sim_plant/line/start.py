@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import UNWIND, Array, LineArrays, LineState
+from sim_plant.elements.material_roll import wound_inertia
 from sim_plant.line.layout import Layout
 from sim_plant.line.operating_point import RestingLine, friction_at, steady_state
 
@@ -39,18 +38,19 @@ def start_at_rest(
         line.friction_constant_N_m, line.friction_viscous_N_m_s, omega
     )  # fmt: skip
     load = friction - rest.radius_m * (pull_N[1:] - pull_N[:-1])
-    inertia = _inertias(p, lay, state)
+    told = _radii(p, lay, state)
     for d, drive in enumerate(p.drives):
         k = int(drive["body"])
         corner = drive["gain_rad_s"] / (4.0 * drive["damping"] ** 2)
         state.torque_N_m[d] = load[k]
-        state.drive_integral[d] = load[k] / (inertia[k] * drive["gain_rad_s"] * corner)
+        inertia = _inertia(p, k, told[k])
+        state.drive_integral[d] = load[k] / (inertia * drive["gain_rad_s"] * corner)
         y[lay.motor + d] = omega[k]
         loop = int(drive["loop"])
         if loop >= 0:
             law = p.loops[loop]
-            told = omega[k] * _radii(p, lay, state)[k] * drive["radius_ratio"]
-            wanted = told - line_speed_m_s * (1.0 + drive["draw"])
+            reference = omega[k] * told[k] * drive["radius_ratio"]
+            wanted = reference - line_speed_m_s * (1.0 + drive["draw"])
             scale = law["sign"] * law["gain_m_s_N"] * law["corner_rad_s"]
             state.loop_integral[loop] = wanted / scale
             state.loop_correction_m_s[loop] = wanted
@@ -91,11 +91,11 @@ def _radii(p: LineArrays, lay: Layout, state: LineState) -> Array:
     return radius
 
 
-def _inertias(p: LineArrays, lay: Layout, state: LineState) -> Array:
-    """Return the inertia that every drive reckons with, wound web included, kg m2."""
-    web, radius = p.web[0], _radii(p, lay, state)
-    ring = 0.5 * math.pi * web["density_kg_m3"] * web["width_m"]
-    inertia: Array = p.bodies["inertia_kg_m2"].copy()
-    rolls = p.bodies["kind"] >= UNWIND
-    inertia[rolls] += ring * (radius[rolls] ** 4 - web["core_radius_m"] ** 4)
-    return inertia
+def _inertia(p: LineArrays, k: int, radius_m: float) -> float:
+    """Return the inertia that the drive of body ``k`` reckons with, wound web included, kg m2."""
+    body, web = p.bodies[k], p.web[0]
+    fixed = float(body["inertia_kg_m2"])
+    if body["kind"] < UNWIND:
+        return fixed
+    wound = (web["density_kg_m3"], web["width_m"], radius_m, web["core_radius_m"])
+    return fixed + wound_inertia(*(float(x) for x in wound))

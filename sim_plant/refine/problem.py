@@ -91,12 +91,16 @@ class Problem:
     def column(self, run: Sequence[Array], base: Sequence[Array], step: float) -> Array:
         """Return the whitened derivative between two coarse runs."""
         change = [(y - b) / step for y, b in zip(run, base, strict=True)]
+        return self._whole(change)
+
+    def _whole(self, change: Sequence[Array]) -> Array:
+        """Return a per-record change as a column, whitened, nothing in the rows of tolerances."""
         return np.concatenate([self.whiten(change), np.zeros(len(self.nuisances))])
 
     def _nuisance_columns(self) -> Array:
         columns = []
         for at, change in enumerate(self.changes or self._take_changes()):
-            column = np.concatenate([self.whiten(change), np.zeros(len(self.nuisances))])
+            column = self._whole(change)
             column[self.rows + at] = 1.0 / self.sd[at]
             columns.append(column)
         return np.stack([*columns, *self._zero_columns(), *self._loose_columns()], axis=1)

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.coordinates import Travel, is_periodic, wavenumbers_1_m
+from sim_plant.refine.coordinates import Travel, wavenumbers_1_m
 from sim_plant.refine.fit import Fit
 from sim_plant.refine.hypotheses import Hypothesis
 from sim_plant.refine.problem import Problem
@@ -47,9 +47,9 @@ def _same_line(travel: Travel, chosen: Hypothesis, h: Hypothesis) -> bool:
     """Return whether ``h`` is the effect at another place with the same line of travel."""
     if h.effect.name != chosen.effect.name or h.location == chosen.location:
         return False
-    if not h.effect.order_locked or not is_periodic(h) or len(h.names) != NUMBERS:
-        return False
-    if "all" in (h.location, chosen.location):
+    if not h.effect.order_locked or len(h.names) != NUMBERS or "all" in (
+        h.location, chosen.location,
+    ):  # fmt: skip
         return False
     ours, theirs = (np.array(wavenumbers_1_m(x, travel)) for x in (chosen, h))
     return ours.shape == theirs.shape and bool(np.all(abs(theirs / ours - 1.0) < SAME_LINE))
