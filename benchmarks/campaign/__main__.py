@@ -7,6 +7,7 @@ import json
 import multiprocessing
 import os
 import sys
+import threading
 import time
 from collections.abc import Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
@@ -18,13 +19,29 @@ from benchmarks.campaign.work import do, tell_again
 ROOT = Path(__file__).resolve().parents[2]
 
 
+def pool_of(workers: int) -> ProcessPoolExecutor:
+    """Return processes that end with this one, killed too: a case takes minutes."""
+    return ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _watch_parent)
+
+
+def _watch_parent() -> None:
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
 def run(seed: int, numbers: Sequence[int], workers: int, out: Path, until_s: float) -> None:
     """Run the cases that have no row yet; stop handing out new ones after ``until_s``."""
     rows = out / "rows"
     rows.mkdir(parents=True, exist_ok=True)
     todo = [n for n in numbers if not (rows / f"{n:05d}.json").exists()]
     begun = time.monotonic()  # noqa: TID251
-    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
+    with pool_of(workers) as pool:
         running: dict[Future[dict[str, Any]], int] = {}
         while todo or running:
             late = time.monotonic() - begun > until_s  # noqa: TID251
@@ -52,7 +69,7 @@ def run(seed: int, numbers: Sequence[int], workers: int, out: Path, until_s: flo
 def tell_all_again(paths: Sequence[Path], workers: int) -> None:
     """Tell anew what the record of every row can show."""
     rows = [json.loads(p.read_text(encoding="utf-8")) for p in paths]
-    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
+    with pool_of(workers) as pool:
         for path, row in zip(paths, pool.map(tell_again, rows), strict=True):
             path.write_text(json.dumps(row, indent=1, default=float) + "\n", encoding="utf-8")
 

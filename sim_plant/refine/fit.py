@@ -15,6 +15,9 @@ from sim_plant.refine.twin import Added, Case
 
 STRONG = 30.0
 """A nuisance whose shift moves the residual by more than this (norm) is simulated, not linear."""
+ASTRAY = 50.0
+"""A step that moves a declared number by this many standard deviations is not tried: that far no
+slope holds, and such a line is slow to simulate or none at all."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -96,6 +99,13 @@ def _moved_shifts(problem: Problem, shifts: dict[str, float], change: Array) -> 
     return found
 
 
+def _astray(problem: Problem, shifts: dict[str, float], trial: dict[str, float]) -> bool:
+    rows = zip(problem.nuisances, problem.sd, strict=True)
+    return any(
+        abs(trial.get(n.name, 0.0) - shifts.get(n.name, 0.0)) > ASTRAY * sd for n, sd in rows
+    )
+
+
 def refine_fit(
     problem: Problem, hypotheses: Sequence[Hypothesis], start: Sequence[Sequence[float]],
     shifts: dict[str, float], rounds: int = 6, coarse: bool = True,
@@ -158,6 +168,8 @@ def _search(
         trial = _moved_shifts(problem, shifts, share * nuisance_step)
         if moved == list(values) and trial == shifts:
             return None
+        if _astray(problem, shifts, trial):
+            continue
         try:
             run = problem.bench.one(case_of(hypotheses, moved, trial, coarse))
         except PlantError:

@@ -1,8 +1,4 @@
-import os
 import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,6 +8,7 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.refine.noise import declared_noise
 from sim_plant.refine.pipeline import check_runs
+from tests.orphans import outlived
 
 KEEPER = """
 import os, time
@@ -22,38 +19,12 @@ if __name__ == "__main__":
         print(*sorted({job.result() for job in jobs}), flush=True)
         time.sleep(600)
 """
-PATIENCE_S = 60.0
-
-
-def runs(pid):
-    """Return whether a process is there and no zombie."""
-    try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except OSError:
-        return False
-    return state != "Z"
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
 def test_workers_end_with_a_parent_that_was_killed(tmp_path, how):
     (tmp_path / "keeper.py").write_text(KEEPER)
-    parent = subprocess.Popen(
-        [sys.executable, tmp_path / "keeper.py"], stdout=subprocess.PIPE, text=True,
-        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])},
-    )  # fmt: skip
-    workers = [int(word) for word in parent.stdout.readline().split()]
-    assert workers
-    parent.send_signal(how)
-    parent.wait()
-    parent.stdout.close()
-    end = time.monotonic() + PATIENCE_S
-    try:
-        while any(map(runs, workers)) and time.monotonic() < end:
-            time.sleep(0.05)
-        assert not any(map(runs, workers))
-    finally:
-        for pid in filter(runs, workers):
-            os.kill(pid, signal.SIGKILL)
+    assert not outlived(tmp_path / "keeper.py", how)
 
 
 def test_a_declared_line_that_does_not_run_is_refused_with_its_record():
