@@ -20,6 +20,7 @@ from sim_plant.geometry.wound_mass import wound_mass
 GRAVITY_M_S2 = 9.80665
 LARGEST_ROLL_M = 5.0
 KINDS = ("flat", "bulge", "asym", "flattened_bulge", "ellipse", "orders")
+MOST_UNWOUND_M = 0.05
 HIGHEST_ORDER = 6
 PAIRS = tuple(Quadrature(cos=f"cos{n}_m", sin=f"sin{n}_m") for n in range(1, HIGHEST_ORDER + 1))
 
@@ -141,6 +142,14 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return add_mean(add_shape(arrays, place, shape), place, mean_m)
 
 
+def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
+    """Return that a roll which unwinds was never smaller, and one which winds up never larger."""
+    kind = int(arrays.bodies[place]["kind"])
+    if kind == UNWIND:
+        return {"unwound_m": (0.0, MOST_UNWOUND_M)}
+    return {"unwound_m": (-MOST_UNWOUND_M, 0.0)} if kind == REWIND else {}
+
+
 def _components() -> dict[str, Parameter]:
     found = {}
     for order, pair in enumerate(PAIRS, start=1):
@@ -164,7 +173,13 @@ EFFECT = Effect(
             default=0.0, unit="m", typical=0.2, low=0.0, high=LARGEST_ROLL_M, role="shape"
         ),
         "unwound_m": Parameter(  # by this much the radius has fallen since; below 0: wound over
-            default=0.0, unit="m", typical=0.01, low=-0.05, high=0.05, role="shape", step=0.002
+            default=0.0,
+            unit="m",
+            typical=0.01,
+            low=-MOST_UNWOUND_M,
+            high=MOST_UNWOUND_M,
+            role="shape",
+            step=0.002,
         ),
         "finest_order": Parameter(
             default=float(MAX_ORDER),
@@ -188,6 +203,7 @@ EFFECT = Effect(
     traced=tuple(name for pair in PAIRS for name in (pair.cos, pair.sin)),
     quadratures=PAIRS,
     apply=apply,
+    limits=limits,
     text="the roll is not round: ripple at its turning frequency and several harmonics",
     order_locked=True,
 )

@@ -19,7 +19,7 @@ from sim_plant.refine.shapes import EFFECT as OUT_OF_ROUND
 from sim_plant.refine.shapes import UNWOUND
 
 ORDERS: tuple[str, ...] = tuple(name for pair in PAIRS for name in (pair.cos, pair.sin))
-UNWOUND_STARTS_M = (0.006, 0.012)
+UNWOUND_STARTS_M = (0.006, 0.012, -0.006, -0.012)
 STRONG = 1e5
 """Cost explained from which a profile is looked at for where it was formed."""
 WEAK = 1e4
@@ -102,6 +102,8 @@ def _formed(problem: Problem, fit: Fit, at: int) -> Fit:
     best, least = fit, fit.cost + unsure(problem)
     for start_m in UNWOUND_STARTS_M:
         wider = _wider(problem, fit, at, (UNWOUND,), {UNWOUND: start_m})
+        if not wider.hypotheses[at].within(wider.values[at]):
+            continue
         shifts = in_step(problem, {}, wider.hypotheses, wider.values)
         new = refine_fit(problem, wider.hypotheses, wider.values, shifts, rounds=8, coarse=False)
         if new.cost < least:

@@ -55,6 +55,11 @@ class Hypothesis:
         pairs = zip(self.names, clipped, strict=True)
         return Added(self.effect.name, self.location, (*self.fixed, *pairs))
 
+    def within(self, values: Sequence[float]) -> bool:
+        """Return whether all numbers are within their bounds."""
+        rows = zip(values, self.low, self.high, strict=True)
+        return all(low <= value <= high for value, low, high in rows)
+
     def at_bound(self, values: Sequence[float]) -> bool:
         """Return whether a number sits at a bound that is not its absence: no estimate."""
         rows = zip(values, self.low, self.high, self.absent, strict=True)

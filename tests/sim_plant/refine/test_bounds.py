@@ -71,6 +71,12 @@ def test_a_bearing_drags_no_more_than_the_web_at_its_tension_can_turn():
     assert h.high[at] == pytest.approx(LINE.web.wound_in_tension_N * radius)
 
 
+@pytest.mark.parametrize(("roll", "low", "high"), [("unwind", 0.0, 0.05), ("rewind", -0.05, 0.0)])
+def test_a_roll_that_unwinds_was_never_smaller_and_one_that_winds_up_never_larger(roll, low, high):
+    h = hypothesis(BY_NAME["out_of_round_roll"], roll, traced=("unwound_m",), line=LINE)
+    assert (h.low, h.high) == ((low,), (high,))
+
+
 def test_a_roll_is_not_wound_with_less_than_no_strain():
     h = hypothesis(BY_NAME["wound_in_strain"], "web", line=LINE)
     strain = LINE.web.wound_in_tension_N / LINE.web.EA_N

@@ -1,14 +1,17 @@
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.line.load import load_declaration
 from sim_plant.refine import details
 from sim_plant.refine.fit import Fit
 from sim_plant.refine.hypotheses import hypothesis
 from sim_plant.refine.linear import Projector
 
+LINE = load_declaration(Path(__file__).parents[3] / "config/lines/euclid.yaml")
 ROWS = 400
 TIME = np.linspace(0.0, 1.0, ROWS)
 SIZE, GROWTH = np.sin(40.0 * TIME), TIME * np.sin(40.0 * TIME)
@@ -47,19 +50,22 @@ def test_a_detail_that_fits_one_half_only_is_not(problem, monkeypatch):
     assert not details.bears_out(problem, fit_of(residual), 0, ["gravity"])
 
 
-def formed(monkeypatch, *, explained, costs, plain=1000.0):
+def formed(monkeypatch, *, explained, costs, plain=1000.0, roll="unwind"):
     """Return the fit that is kept: its ``unwound_m``, None where it has none."""
+    wider = hypothesis(BY_NAME["out_of_round_roll"], roll, traced=("unwound_m",), line=LINE)
     old = SimpleNamespace(hypotheses=(SimpleNamespace(names=("size_m",)),), cost=plain, start=None)
     monkeypatch.setattr(details, "_explained", lambda *_: explained)
     monkeypatch.setattr(details, "in_step", lambda *_: {})
     monkeypatch.setattr(details, "unsure", lambda _: 100.0)
     monkeypatch.setattr(
         details, "_wider",
-        lambda _p, _f, _a, names, start: SimpleNamespace(hypotheses=(), values=start[names[0]]),
+        lambda _p, _f, _a, names, start: SimpleNamespace(
+            hypotheses=(wider,), values=((start[names[0]],),)
+        ),
     )  # fmt: skip
     monkeypatch.setattr(
         details, "refine_fit",
-        lambda _p, _h, start, *_, **__: SimpleNamespace(cost=costs[start], start=start),
+        lambda _p, _h, at, *_, **__: SimpleNamespace(cost=costs[at[0][0]], start=at[0][0]),
     )  # fmt: skip
     return details._formed(SimpleNamespace(rows=40_000), old, 0).start
 
@@ -71,8 +77,13 @@ def formed(monkeypatch, *, explained, costs, plain=1000.0):
 def test_a_strong_profile_is_as_old_as_fits_best_unless_that_is_clearly_worse(
     monkeypatch, costs, kept
 ):
-    table = dict(zip(details.UNWOUND_STARTS_M, costs, strict=True))
+    table = dict(zip((0.006, 0.012), costs, strict=True))
     assert formed(monkeypatch, explained=2e5, costs=table) == kept
+
+
+def test_a_roll_that_winds_up_was_smaller_when_its_profile_was_formed(monkeypatch):
+    costs = {-0.006: 900.0, -0.012: 800.0}
+    assert formed(monkeypatch, explained=2e5, costs=costs, roll="rewind") == -0.012
 
 
 def test_a_weak_profile_is_not_asked_where_it_was_formed(monkeypatch):
