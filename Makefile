@@ -34,7 +34,7 @@ refine-pairs: setup
 
 # everything that decides whether a change may land
 test: setup check
-	$(BIN)/python -m pytest -q
+	$(BIN)/python -m pytest -q -n 2 --dist loadfile
 
 # style, types, floors
 check: setup
