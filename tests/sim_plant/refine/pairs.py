@@ -122,20 +122,35 @@ def shows(run, name, place, unknown):
 def row(run, result):
     """Return one line of the table."""
     what = [f"{e['effect']} at {e['location']}" for e in result["effects"]]
-    what += [
-        f"unknown: {u['class']} "
-        + ", ".join(f"{k} {v:.5g}" if isinstance(v, float) else f"{k} {v}"
-                    for k, v in u["coordinate"].items())
-        for u in result["unknown"]
-    ]  # fmt: skip
-    ratio = [r["after"] / r["noise_floor"] for n, r in result["residual_rms"].items()
-             if not n.endswith("_angle_rad")]  # fmt: skip
-    right = "; ".join(faults(run, result)) or "yes"
-    taken = ", ".join(run.without) or "-"
-    text = "; ".join(what) or "nothing"
-    return (
-        f"| {run.case} | {taken} | {text} | {right} | {np.median(ratio):.2f} | {max(ratio):.2f} |"
+    what += [f"unknown: {u['class']}, {coordinate(u['coordinate'])}" for u in result["unknown"]]
+    judged = {n: r for n, r in result["residual_rms"].items() if not n.endswith("_angle_rad")}
+    before, after = (
+        [r[when] / r["noise_floor"] for r in judged.values()] for when in ("before", "after")
     )
+    tension = judged["unwind_tension_N"]
+    cells = [
+        run.case,
+        "; ".join(f"{name} at {place}" for name, place in labels()[run.case]) or "healthy",
+        ", ".join(run.without) or "-",
+        "; ".join(what) or "nothing",
+        "; ".join(faults(run, result)) or "yes",
+        " / ".join(f"{tension[k]:.3f}" for k in ("before", "after", "noise_floor")),
+        *(f"{x:.2f}" for x in (np.median(before), np.median(after), max(after))),
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+def coordinate(where):
+    """Return a coordinate as words."""
+    return ", ".join(
+        f"{k} {v:.5g}" if isinstance(v, float) else f"{k} {v}" for k, v in where.items()
+    )
+
+
+HEAD = (
+    "pair", "label", "taken out", "found", "right", "unwind tension held out, N: before / after / "
+    "floor", "all held-out channels over floor, before: median", "after: median", "after: worst",
+)  # fmt: skip
 
 
 def table(out, only="", swapped=False):
@@ -147,8 +162,8 @@ def table(out, only="", swapped=False):
             result = verdict(run, out)
             rows.append(row(run, result))
             wrong += bool(faults(run, result))
-    print("| pair | taken out | found | right | held out, after / floor: median | worst |")
-    print("|---|---|---|---|---|---|")
+    print(f"| {' | '.join(HEAD)} |")
+    print("|---" * len(HEAD) + "|")
     print("\n".join(rows))
     return wrong
 
