@@ -17,13 +17,24 @@ def outlived(script: Path, how: signal.Signals) -> list[int]:
 
     What stays is killed.
     """
-    parent = subprocess.Popen(
-        [sys.executable, script], stdout=subprocess.PIPE, text=True,
-        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])},
-    )  # fmt: skip
+    parent = begun([str(script)])
     assert parent.stdout is not None
     workers = [int(word) for word in parent.stdout.readline().split()]
     assert workers
+    return left_by(parent, workers, how)
+
+
+def begun(arguments: list[str]) -> subprocess.Popen[str]:
+    """Start Python on ``arguments`` with this tree's packages."""
+    return subprocess.Popen(
+        [sys.executable, *arguments], stdout=subprocess.PIPE, text=True,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])},
+    )  # fmt: skip
+
+
+def left_by(parent: subprocess.Popen[str], workers: list[int], how: signal.Signals) -> list[int]:
+    """End ``parent``; return which of its workers stay, and kill them."""
+    assert parent.stdout is not None
     parent.send_signal(how)
     parent.wait()
     parent.stdout.close()
@@ -34,6 +45,14 @@ def outlived(script: Path, how: signal.Signals) -> list[int]:
     for pid in left:
         os.kill(pid, signal.SIGKILL)
     return left
+
+
+def children(pid: int) -> list[int]:
+    """Return the processes that a process has begun and not ended."""
+    try:
+        return [int(c) for c in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+    except OSError:
+        return []
 
 
 def _runs(pid: int) -> bool:

@@ -4,35 +4,18 @@ from __future__ import annotations
 
 import argparse
 import json
-import multiprocessing
 import os
 import sys
-import threading
 import time
 from collections.abc import Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, as_completed
 from pathlib import Path
 from typing import Any
 
+from benchmarks.campaign.pool import pool_of
 from benchmarks.campaign.work import do, tell_again
 
 ROOT = Path(__file__).resolve().parents[2]
-
-
-def pool_of(workers: int) -> ProcessPoolExecutor:
-    """Return processes that end with this one, killed too: a case takes minutes."""
-    return ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _watch_parent)
-
-
-def _watch_parent() -> None:
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 def run(seed: int, numbers: Sequence[int], workers: int, out: Path, until_s: float) -> None:

@@ -1,18 +1,23 @@
 import signal
+import time
 
-from tests.orphans import outlived
+from tests.orphans import PATIENCE_S, begun, children, left_by
 
-KEEPER = """
-import os, time
-from benchmarks.campaign.__main__ import pool_of
-if __name__ == "__main__":
-    with pool_of(2) as pool:
-        jobs = [pool.submit(os.getpid) for _ in range(8)]
-        print(*sorted({job.result() for job in jobs}), flush=True)
-        time.sleep(600)
-"""
+WORKERS = 2
+
+
+def busy(parent, scratch):
+    """Wait until a campaign has its workers, and they their first cases."""
+    end = time.monotonic() + PATIENCE_S
+    while len(list(scratch.glob("work/*"))) < WORKERS and time.monotonic() < end:
+        assert parent.poll() is None
+        time.sleep(0.05)
+    return children(parent.pid)
 
 
 def test_workers_end_with_a_campaign_that_was_killed(tmp_path):
-    (tmp_path / "keeper.py").write_text(KEEPER)
-    assert not outlived(tmp_path / "keeper.py", signal.SIGKILL)
+    parent = begun(["-m", "benchmarks.campaign", "--seed", "1", "--cases", "2",
+                    "--workers", str(WORKERS), "--out", str(tmp_path)])  # fmt: skip
+    workers = busy(parent, tmp_path)
+    assert len(workers) >= WORKERS
+    assert not left_by(parent, workers, signal.SIGKILL)
