@@ -15,6 +15,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
+Tick = Annotated[float, Field(ge=1e-5, allow_inf_nan=False, strict=True)]
+"""A drive's; the line is simulated at each, and faster ones only take longer."""
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, strict=True)]
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 
@@ -102,7 +104,7 @@ class Control(Section):
 
     drives: tuple[Drive, ...]
     drive_law: str
-    drive_sample_time_s: Positive
+    drive_sample_time_s: Tick
     drive_torque_limit_N_m: Positive
     pull_roll_draw: Finite = 0.0
     tension_pi: tuple[TensionPi, ...]
@@ -145,7 +147,7 @@ class Declaration(Section):
     """A whole line."""
 
     schema_: Literal["web-line-declaration/1"] = Field(alias="schema")
-    sample_time_s: Positive
+    sample_time_s: Tick
     samples: int | None = None
     note: str = ""
     units: str = ""

@@ -43,9 +43,12 @@ def plain(value: Any) -> Any:
 
 def write_amended(
     source: Path, out: Path, trace: Trace, records: Sequence[Record], command: str,
-    verdict: dict[str, Any],
+    verdict: dict[str, Any], stated: Sequence[EffectEntry] | None = None,
 ) -> Path:  # fmt: skip
     """Write the declaration with its effects and provenance; return its path.
+
+    ``stated`` are the declared effects as they stood when the first record began, if not as the
+    file says.
 
     Raises
     ------
@@ -60,7 +63,9 @@ def write_amended(
     for name, amount in trace.corrections.items():
         fitted[name] = fitted.get(name, 0.0) + amount
     data["corrections"] = plain(fitted)
-    data["effects"] = [*data.get("effects", []), *plain(declared_entries(trace.fit))]
+    if stated is not None:
+        data["effects"] = [e.model_dump() for e in stated]
+    data["effects"] = plain([*data.get("effects", []), *declared_entries(trace.fit)])
     data["provenance"] = plain({
         "made_by": command, "amends": source.name,
         "records": [{"path": r.path.name, "sha256": r.sha256} for r in records],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -10,16 +9,13 @@ import numpy as np
 from scipy.optimize import minimize
 
 from sim_plant.base.arrays import Array
-from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.bench import Bench
-from sim_plant.refine.hypotheses import turned
 from sim_plant.refine.noise import NoiseModel, declared_noise
 from sim_plant.refine.shapes import UNWOUND
+from sim_plant.refine.start_angles import costs_of, start_angles, turned_effect
 from sim_plant.refine.twin import Added, Case
 
 Shifts = tuple[tuple[str, float], ...]
-COARSE_ANGLES = 24
-ZOOMS = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -81,7 +77,7 @@ def judge(
     unwound: dict[str, float] = {}
     final = tuple(effects)
     if find_angles:
-        final, angles = _start_angles(bench, measured, Case(effects=final, shifts=shifts), model)
+        final, angles = start_angles(bench, measured, Case(effects=final, shifts=shifts), model)
         final, unwound = _formed(bench, measured, Case(effects=final, shifts=shifts), model)
     changed = Case(effects=final, shifts=shifts, coarse=False)
     amended = bench.one(changed)[0] if final or shifts else declared
@@ -92,63 +88,6 @@ def judge(
         angles_rad=angles, unwound_m=unwound, first=first,
         travel_m=np.cumsum(np.abs(twin.speed_m_s)) * twin.declaration.sample_time_s,
     )  # fmt: skip
-
-
-def _phased(effect: Added) -> bool:
-    record = BY_NAME[effect.effect]
-    return bool(record.quadratures) or any(
-        record.accepts[name].role == "angle" for name, _ in effect.parameters
-    )
-
-
-def _turned(effect: Added, angle_rad: float) -> Added:
-    values = turned(BY_NAME[effect.effect], dict(effect.parameters), angle_rad)
-    return Added(effect.effect, effect.location, tuple(values.items()))
-
-
-def _with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) -> tuple[Added, ...]:
-    return tuple(
-        _turned(e, angle_rad) if e.location == location and _phased(e) else e for e in effects
-    )
-
-
-def _costs(
-    bench: Bench, measured: Array, model: NoiseModel, cases: Sequence[Case]
-) -> Array:  # fmt: skip
-    """Return the weighted squared error of every case."""
-    zero = np.array([name.endswith("_angle_rad") for name in bench.twins[0].channels])
-    found = []
-    for run in bench.run(cases, keep=False):
-        residual = measured - run[0]
-        residual[zero] -= residual[zero, model.first :].mean(axis=1, keepdims=True)
-        white = model.whiten(residual)
-        white -= white.mean(axis=1, keepdims=True)
-        found.append(float(np.sum(white**2)))
-    return np.array(found)
-
-
-def _turns(case: Case, location: str, tries: Array) -> list[Case]:
-    """Return the case with the effects at ``location`` turned by each try."""
-    return [replace(case, effects=_with_turned(case.effects, location, float(a))) for a in tries]
-
-
-def _start_angles(
-    bench: Bench, measured: Array, case: Case, model: NoiseModel
-) -> tuple[tuple[Added, ...], dict[str, float]]:
-    """Return the effects at this record's start angles, found by search, and the angles."""
-    angles: dict[str, float] = {}
-    for location in dict.fromkeys(e.location for e in case.effects if _phased(e)):
-        width = 2.0 * math.pi / COARSE_ANGLES
-        grid: Array = np.arange(COARSE_ANGLES, dtype=np.float64) * width
-        costs = _costs(bench, measured, model, _turns(case, location, grid))
-        best = float(grid[int(np.argmin(costs))])
-        for _ in range(ZOOMS):
-            grid = best + width * np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
-            best = _lowest(grid, _costs(bench, measured, model, _turns(case, location, grid)))
-            width *= 0.3
-        angles[location] = math.remainder(best, 2.0 * math.pi)
-        case = replace(case, effects=_with_turned(case.effects, location, best))
-    return case.effects, angles
 
 
 def _formed(
@@ -178,22 +117,15 @@ def _as_it_is(
 
     def moved(x: Array) -> Added:
         more = {**values, UNWOUND: 0.01 * float(x[1])}
-        return _turned(Added(effect.effect, effect.location, tuple(more.items())), float(x[0]))
+        return turned_effect(
+            Added(effect.effect, effect.location, tuple(more.items())), float(x[0])
+        )
 
     def cost(x: Array) -> float:
         there = replace(case, effects=(*others, moved(x)))
-        return float(_costs(bench, measured, model, [there])[0])
+        return float(costs_of(bench, measured, model, [there])[0])
 
     start = np.array([0.0, 100.0 * float(values[UNWOUND])])
     corners = start + np.array([[0.0, 0.0], [0.05, 0.0], [0.08, 0.5]])
     options = {"initial_simplex": corners, "xatol": 2e-3, "fatol": 5.0, "maxfev": 60}
     return moved(minimize(cost, start, method="Nelder-Mead", options=options).x)
-
-
-def _lowest(grid: Array, values: Array) -> float:
-    """Return the minimum of a parabola through the points, kept inside the grid."""
-    centre = grid[len(grid) // 2]
-    fit = np.polyfit(grid - centre, values, 2)
-    if fit[0] <= 0.0:
-        return float(grid[int(np.argmin(values))])
-    return float(np.clip(centre - fit[1] / (2.0 * fit[0]), grid[0], grid[-1]))

@@ -180,8 +180,15 @@ def _compare(path: Path, name: str, values, expected, share: float) -> None:  # 
     if abs(ratio - 1.0) > share:
         raise PlantError(
             f"{path}: column {name}: {ratio:.4g} times what the speed reference and the declared "
-            "radius give; a unit in the header is wrong, or the line file is another line's"
+            f"radius give; {_causes(path)}"
         )
+
+
+def _causes(path: Path) -> str:
+    return (
+        "a unit in the header is wrong, the line file is another line's, or a roll had another "
+        f"radius (then declare the line as it was in {sidecar_of(path).name} beside the record)"
+    )
 
 
 def _compare_angle(record: Record, name: str, expected: Array) -> None:
@@ -198,8 +205,7 @@ def _compare_angle(record: Record, name: str, expected: Array) -> None:
     if not abs(turned / wanted - 1.0) < 2.0 * SPEED_MISMATCH:
         raise PlantError(
             f"{record.path}: column {name}: turns {turned / wanted:.4g} times as fast as the "
-            "speed reference and the declared radius give; a unit in the header is wrong, or the "
-            "line file is another line's"
+            f"speed reference and the declared radius give; {_causes(record.path)}"
         )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sim_plant.line.declaration import EffectEntry
 from sim_plant.refine.claim import Trace
 from sim_plant.refine.holdout import Judgement
 from sim_plant.refine.record import Record
@@ -46,7 +47,10 @@ class Plan:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outcome:
-    """What came out, with everything the report shows."""
+    """What came out, with everything the report shows.
+
+    ``stated`` are the declared effects as they stood when the first record fitted began.
+    """
 
     plan: Plan
     records: tuple[Record, ...]
@@ -54,3 +58,4 @@ class Outcome:
     trace: Trace
     judgement: Judgement
     verdict: dict[str, Any]
+    stated: tuple[EffectEntry, ...] = ()

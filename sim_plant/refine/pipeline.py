@@ -24,6 +24,7 @@ from sim_plant.refine.problem import Problem
 from sim_plant.refine.read import read_record
 from sim_plant.refine.record import Record
 from sim_plant.refine.report import write_report
+from sim_plant.refine.start_angles import in_phase
 from sim_plant.refine.trace import trace
 from sim_plant.refine.twin import Case, Twin
 from sim_plant.refine.verdict import verdict
@@ -84,6 +85,8 @@ def refine(plan: Plan, say: Say) -> Outcome:
     held = [read_record(p) for p in plan.holdout]
     held_twins = [twin_of(line, r) for r in held]
     check_apart(records, held)
+    twins, records = in_step_with(twins, records)
+    held_twins, held = in_step_with(held_twins, held)
     if held:
         check_runs(Bench(held_twins[:1], workers=1), held[:1])
     said = list(dict.fromkeys(text for t in twins for text in limits(t)))
@@ -109,10 +112,26 @@ def refine(plan: Plan, say: Say) -> Outcome:
     result = verdict(found, judged, str(shown.path))
     outcome = Outcome(
         plan=plan, records=(*records, *held), limits=tuple(said), trace=found, judgement=judged,
-        verdict=result,
+        verdict=result, stated=twins[0].declaration.effects,
     )  # fmt: skip
     publish(plan, lambda into: write_all(replace(outcome, plan=into), plan.command))
     return outcome
+
+
+def in_step_with(
+    twins: Sequence[Twin], records: Sequence[Record]
+) -> tuple[list[Twin], list[Record]]:
+    """Return twins whose declared effects begin where their record does, and records saying so."""
+    found, told = [], []
+    for twin, record in zip(twins, records, strict=True):
+        turned, angles = in_phase(twin, measured_of(twin, record))
+        text = tuple(
+            f"what is declared at {place} begins {angle_rad:+.3g} rad further on than declared"
+            for place, angle_rad in angles.items()
+        )
+        found.append(turned)
+        told.append(replace(record, findings=(*record.findings, *text)))
+    return found, told
 
 
 def write_all(outcome: Outcome, command: str) -> None:
@@ -121,7 +140,7 @@ def write_all(outcome: Outcome, command: str) -> None:
     amended = None
     if outcome.trace.steps:
         amended = write_amended(plan.line, plan.out, outcome.trace, outcome.records, command,
-                                outcome.verdict)  # fmt: skip
+                                outcome.verdict, outcome.stated)  # fmt: skip
     block = write_block(plan.out, outcome.verdict["effects"], line, outcome.records[0])
     text = json.dumps(plain(outcome.verdict), indent=1) + "\n"
     (plan.out / "verdict.json").write_text(text, encoding="utf-8")

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.bench import Bench
@@ -106,16 +107,30 @@ class Problem:
         return np.stack([*columns, *self._zero_columns(), *self._loose_columns()], axis=1)
 
     def _take_changes(self) -> list[list[Array]]:
-        """Simulate and keep what a unit of every declared number changes, per record."""
+        """Simulate and keep what a unit of every declared number changes, per record.
+
+        Raises
+        ------
+        PlantError
+            When the line does not run at the end of a tolerance.
+        """
         put = dict(self.anchor.shifts)
         cases = [
             replace(self.anchor, shifts=tuple(sorted(
                 {**put, n.name: put.get(n.name, 0.0) + n.tolerance}.items())))
             for n in self.nuisances
         ]  # fmt: skip
+        runs = self.bench.run(cases)
+        for n, run in zip(self.nuisances, runs, strict=True):
+            if not all(np.isfinite(y).all() for y in run):
+                raise PlantError(
+                    f"tolerances: {n.name} may be {n.tolerance:g} off, and there the line does "
+                    "not run; a tolerance is two standard deviations, mostly a share of the "
+                    f"number (0.02 is 2 %): give {n.name} a smaller one"
+                )
         self.changes = [
             [(y - b) / n.tolerance for y, b in zip(run, self.coarse, strict=True)]
-            for n, run in zip(self.nuisances, self.bench.run(cases), strict=True)
+            for n, run in zip(self.nuisances, runs, strict=True)
         ]
         return self.changes
 

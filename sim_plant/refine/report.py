@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +28,7 @@ def headline(result: dict[str, Any]) -> str:
     """Return the verdict in a few sentences: what, where, how large."""
     names = [name_of(e) + (f", {size_of(e)}" if size_of(e) else "") for e in result["effects"]]
     if result["verdict"] == "nothing":
-        return "Nothing found: the declared line explains the record to its noise."
+        return "Nothing found: the declared line explains the record fitted to its noise."
     text = "Traced: " + "; ".join(names) + "." if names else ""
     for item in result["unknown"]:
         said = coordinate_text(item["class"], item["coordinate"])
@@ -55,7 +55,9 @@ def confidence(result: dict[str, Any]) -> str:
                 f"({_words(e['runner_up'])}) {e['score'] - e['margin']:.0f}"
             )
         elif "score" in e:
-            told.append(f"{name_of(e)} scores {e['score']:.0f}, nothing else explains anything")
+            told.append(
+                f"{name_of(e)} scores {e['score']:.0f}, no other explains the record as well"
+            )
     return "; ".join(told) + ". A difference of 10 decides." if told else ""
 
 
@@ -77,17 +79,23 @@ def gain(judged: Judgement, held: bool) -> str:
 
 def _left(judged: Judgement, ranked: Sequence[int]) -> str:
     """Return which tensions and speeds hold more than noise as amended."""
-    above = [
-        f"{judged.channels[k]} (x {judged.after[k] / judged.floor[k]:.2f})"
-        for k in ranked if judged.after[k] >= ABOVE_NOISE * judged.floor[k]
-    ]  # fmt: skip
+    above = above_noise(judged, ranked)
     if not above:
         return "As amended, all tensions and speeds are within 10 % of noise."
-    return f"As amended, more than 10 % above noise: {', '.join(above)}."
+    told = ", ".join(f"{name} (x {ratio:.2f})" for name, ratio in above.items())
+    return f"As amended, more than 10 % above noise: {told}."
 
 
-def next_step(result: dict[str, Any], block: bool) -> str:
-    """Return what the reader may do now."""
+def above_noise(judged: Judgement, ranked: Sequence[int]) -> dict[str, float]:
+    """Return the tensions and speeds that hold more than noise as amended, after over floor."""
+    return {
+        judged.channels[k]: float(judged.after[k] / judged.floor[k])
+        for k in ranked if judged.after[k] >= ABOVE_NOISE * judged.floor[k]
+    }  # fmt: skip
+
+
+def next_step(result: dict[str, Any], block: bool, above: Collection[str] = ()) -> str:
+    """Return what the reader may do now; ``above``: channels that hold more than noise."""
     if result["ambiguous"]:
         return "Make the record that tells the candidates apart before anything is changed."
     what = [remedy(e["effect"], place_of(e["location"])) for e in result["effects"]]
@@ -106,7 +114,14 @@ def next_step(result: dict[str, Any], block: bool) -> str:
             if result["unknown"][0]["class"] in ("time", "travel", "angle")
             else "Record again with more speeds and a tension step, and more channels."
         )
-    return " ".join(said) or "Nothing to do: the declaration stands."
+    if said:
+        return " ".join(said)
+    if above:
+        return (
+            f"Do not take the declaration for right: {', '.join(above)} above noise on the record "
+            "judged. Fit that record and judge on the other."
+        )
+    return "Nothing to do: the declaration stands."
 
 
 def best_each(rejected: Sequence[tuple[str, str, float]]) -> list[tuple[str, str, float]]:
@@ -155,7 +170,9 @@ def write_report(
     page = template.render(
         headline=headline(outcome.verdict), sure=confidence(outcome.verdict),
         gain=gain(judged, bool(outcome.plan.holdout)),
-        next_step=next_step(outcome.verdict, block is not None),
+        next_step=next_step(
+            outcome.verdict, block is not None, above_noise(judged, told_by(judged))
+        ),
         verdict=outcome.verdict, rows=rows, command=command,
         limits=outcome.limits, records=outcome.records, held=outcome.plan.holdout,
         steps=trace.steps, angles=judged.angles_rad, unwound=judged.unwound_m,

@@ -66,6 +66,13 @@ def number_rows(row: Mapping[str, Any]) -> list[dict[str, str]]:
     return found
 
 
+def assumed(effect: str, parameter: str) -> bool:
+    """Return whether a number of a finding was set by the library, not found on the record."""
+    known = BY_NAME.get(effect)
+    row = known.accepts.get(parameter) if known is not None else None
+    return row is not None and row.role == "option" and len(row.tries) == 1
+
+
 def size_of(row: Mapping[str, Any]) -> str:
     """Return how much of an effect there is, with units and 95 % intervals."""
     found = []
@@ -74,6 +81,8 @@ def size_of(row: Mapping[str, Any]) -> str:
             continue
         name = "" if isinstance(row["parameters"][number["key"]], str) else f"{number['name']} "
         text = f"{name}{number['value']} {number['unit']}".rstrip()
+        if assumed(row["effect"], number["key"]):
+            text += " (assumed; the others hold for it)"
         if number["low"]:
             text += f" (95 %: {number['low']} to {number['high']})"
         found.append(text)

@@ -46,13 +46,19 @@ def test_shipped_lines_load(name):
     [
         ("  EA_N:", "  EA_lbf:", "web.EA_lbf", "Extra inputs are not permitted"),
         ("  thickness_m: ", "  thickness_m: -", "web.thickness_m", "greater than 0"),
+        (
+            "  drive_sample_time_s: 0.001",
+            "  drive_sample_time_s: 1.0e-9",
+            "control.drive_sample_time_s",
+            "greater than or equal to 0.00001",
+        ),
         ("  width_m: ", "  width_m: .nan #", "web.width_m", "read nan"),
         ("  width_m: ", "  width_m: .inf #", "web.width_m", "read inf"),
         ("  width_m: ", "  width_m: true #", "web.width_m", "valid number"),
         ("  width_m: ", "  width_m: 1e-1 #", "web.width_m", "write 0.1 without quotes"),
         ("  width_m: ", "  width_m: 6 in #", "web.width_m", "read '6 in'"),
         ("schema: ", "schema: v", "schema", "web-line-declaration/1"),
-        ("sample_time_s: ", "sample_time_s: 0 #", "sample_time_s", "greater than 0"),
+        ("sample_time_s: ", "sample_time_s: 0 #", "sample_time_s", "equal to 0.00001"),
     ],
 )
 def test_a_wrong_value_is_refused_at_its_line_and_column(tmp_path, old, new, key, said):

@@ -78,6 +78,11 @@ def test_the_next_step_fits_the_verdict(found, block, word):
     assert word in next_step(found, block)
 
 
+def test_a_declaration_does_not_stand_that_is_wrong_on_the_record_judged():
+    said = next_step(result(), False, ["unwind_tension_N"])
+    assert "Do not take the declaration for right: unwind_tension_N above noise" in said
+
+
 def test_how_sure_names_the_next_best_and_by_how_much_it_is_behind():
     row = {"effect": "load_cell_filter", "location": "all", "score": 16173.2,
            "runner_up": "load_cell_filter at R19", "margin": 10200.4,

@@ -34,6 +34,16 @@ def test_interval_and_value_share_a_unit_also_where_they_lie_on_both_sides_of_it
     assert size_of(row) == "at length 90 mm (95 %: 50 to 130)"
 
 
+def test_a_number_that_the_library_set_is_not_told_as_found():
+    row = {"effect": "roll_bounce", "location": "unwind",
+           "parameters": {"mass_kg": 20.0, "order": 4.0, "frequency_Hz": 3.4},
+           "interval95": {"frequency_Hz": [3.39, 3.41]}}  # fmt: skip
+    assert size_of(row) == (
+        "mass 20 kg (assumed; the others hold for it), order 4, "
+        "frequency 3.4 Hz (95 %: 3.39 to 3.41)"
+    )
+
+
 def test_components_and_angles_are_no_size():
     row = {"effect": "eccentric_roller", "location": "R6",
            "parameters": {"cos_m": 3e-4, "sin_m": 4e-4, "eccentricity_m": 5e-4,
