@@ -119,7 +119,7 @@ def test_random_values_give_a_finite_site_or_a_config_error(data, tmp_path_facto
             name = data.draw(st.sampled_from(places))
             inner = node[name]
             if not isinstance(inner, dict | list) or data.draw(st.integers(0, 4)) == 0:
-                node[name] = data.draw(_VALUES)
+                node[name] = deepcopy(data.draw(_VALUES))  # it may be changed in turn
                 break
             node = inner
     path = tmp_path_factory.mktemp("fuzz") / "site.yaml"
