@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
+
+from tests.processes import is_running, kill, until
 
 PATIENCE_S = 60.0
 
@@ -38,12 +40,11 @@ def left_by(parent: subprocess.Popen[str], workers: list[int], how: signal.Signa
     parent.send_signal(how)
     parent.wait()
     parent.stdout.close()
-    end = time.monotonic() + PATIENCE_S
-    while any(map(_runs, workers)) and time.monotonic() < end:
-        time.sleep(0.05)
-    left = [pid for pid in workers if _runs(pid)]
+    with contextlib.suppress(AssertionError):  # who stays is told by name
+        until("the workers end", lambda: not any(map(is_running, workers)), PATIENCE_S)
+    left = [pid for pid in workers if is_running(pid)]
     for pid in left:
-        os.kill(pid, signal.SIGKILL)
+        kill(pid)
     return left
 
 
@@ -53,12 +54,3 @@ def children(pid: int) -> list[int]:
         return [int(c) for c in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
     except OSError:
         return []
-
-
-def _runs(pid: int) -> bool:
-    """Return whether a process is there and no zombie."""
-    try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except OSError:
-        return False
-    return state != "Z"

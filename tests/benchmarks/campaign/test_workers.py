@@ -1,17 +1,19 @@
 import signal
-import time
 
 from tests.orphans import PATIENCE_S, begun, children, left_by
+from tests.processes import until
 
 WORKERS = 2
 
 
 def busy(parent, scratch):
     """Wait until a campaign has its workers, and they their first cases."""
-    end = time.monotonic() + PATIENCE_S
-    while len(list(scratch.glob("work/*"))) < WORKERS and time.monotonic() < end:
+
+    def at_work():
         assert parent.poll() is None
-        time.sleep(0.05)
+        return len(list(scratch.glob("work/*"))) >= WORKERS
+
+    until("the workers have cases", at_work, PATIENCE_S)
     return children(parent.pid)
 
 
