@@ -29,9 +29,11 @@ def outlived(script: Path, how: signal.Signals) -> list[int]:
 def begun(arguments: list[str]) -> subprocess.Popen[str]:
     """Start Python on ``arguments`` with this tree's packages."""
     return subprocess.Popen(
-        [sys.executable, *arguments], stdout=subprocess.PIPE, text=True,
+        [sys.executable, *arguments],
+        stdout=subprocess.PIPE,
+        text=True,
         env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])},
-    )  # fmt: skip
+    )
 
 
 def left_by(parent: subprocess.Popen[str], workers: list[int], how: signal.Signals) -> list[int]:

@@ -59,9 +59,7 @@ class RecordedLaw:
         if self.probe is None:
             return self.controller.step(snapshot, dt_s, permission)
         still = Permission(
-            adapt=False,
-            applied_ratio=permission.applied_ratio,
-            limit_ratio=permission.limit_ratio,
+            adapt=False, applied_ratio=permission.applied_ratio, limit_ratio=permission.limit_ratio
         )
         self.controller.step(snapshot, dt_s, still)
         return self.probe.step(snapshot, dt_s, self._bridged(permission, dt_s))
@@ -76,9 +74,7 @@ class RecordedLaw:
         if permission.adapt or not self._was_permitted or self._withheld_s > BRIDGED_S:
             return permission
         return Permission(
-            adapt=True,
-            applied_ratio=permission.applied_ratio,
-            limit_ratio=permission.limit_ratio,
+            adapt=True, applied_ratio=permission.applied_ratio, limit_ratio=permission.limit_ratio
         )
 
     def law_telemetry(self) -> tuple[float, ...]:

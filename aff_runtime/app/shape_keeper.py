@@ -250,9 +250,14 @@ class ShapeKeeper:
     # --- when an output has closed --------------------------------------------------------------
 
     def watch(
-        self, controller: Controller, *, active: bool, quiet: bool, wrong: frozenset[str],
+        self,
+        controller: Controller,
+        *,
+        active: bool,
+        quiet: bool,
+        wrong: frozenset[str],
         elapsed_s: float,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Count turns with a correction; hand the shapes on once it is zero again."""
         self._see_roll(controller)
         if active:

@@ -15,13 +15,7 @@ from aff_runtime.fieldbus.codec import WordCodec
 from aff_runtime.fieldbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus_frames import WireFunction
 from aff_runtime.fieldbus.modbus_tcp import ModbusTcpTransport
-from aff_runtime.fieldbus.registers import (
-    Correction,
-    Register,
-    RegisterMap,
-    WordOrder,
-    WordType,
-)
+from aff_runtime.fieldbus.registers import Correction, Register, RegisterMap, WordOrder, WordType
 from aff_runtime.fieldbus.tcp_wire import Wire
 from aff_runtime.fieldbus.tls_wire import client_context
 

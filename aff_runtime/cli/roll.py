@@ -20,9 +20,12 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     text = "draw the rolls as they are known now, in mm, with what each order gains: one page"
     parser = commands.add_parser("roll", parents=[service], help=text)
     parser.add_argument(
-        "--out", type=Path, default=Path("roll.html"), metavar="FILE.html",
+        "--out",
+        type=Path,
+        default=Path("roll.html"),
+        metavar="FILE.html",
         help="page to write (default roll.html)",
-    )  # fmt: skip
+    )
     parser.set_defaults(command=roll)
 
 

@@ -76,10 +76,5 @@ def _crossing(site: Site, one: tuple[str, int], other: tuple[str, int]) -> Cross
     ):
         return None
     return Crossing(
-        roll=name,
-        order=n,
-        other_roll=other_name,
-        other_order=m,
-        radius_m=meeting_m,
-        always=always,
+        roll=name, order=n, other_roll=other_name, other_order=m, radius_m=meeting_m, always=always
     )

@@ -28,9 +28,19 @@ class _Slot:
     """One block with its roll, its monitor and what is known about its present frequency."""
 
     __slots__ = (
-        "at", "block", "bound_rad", "fade", "heard", "monitor", "phase", "rate_1_s", "response",
-        "roll", "scale", "share",
-    )  # fmt: skip
+        "at",
+        "block",
+        "bound_rad",
+        "fade",
+        "heard",
+        "monitor",
+        "phase",
+        "rate_1_s",
+        "response",
+        "roll",
+        "scale",
+        "share",
+    )
 
     def __init__(
         self, roll: str, at: int, phases: Mapping[str, RollPhase], block: HarmonicBlock
@@ -97,10 +107,7 @@ class Bank:
             for slot in self._slots:
                 slot.block.scale_weights(inputs.limit_ratio)
         error = self._residual.step(
-            signal=inputs.signal,
-            reference=inputs.reference,
-            dt_s=inputs.dt_s,
-            fresh=inputs.fresh,
+            signal=inputs.signal, reference=inputs.reference, dt_s=inputs.dt_s, fresh=inputs.fresh
         )
         gate = self._gate.step(self._speed_m_s(inputs.line_speed_m_s), inputs.dt_s)
         self._turn()

@@ -85,9 +85,13 @@ class Controller:
                 response, cycle_s=self._site.cycle_s, memory_s=params.shape.response_s
             )
             return ShapeLaw(
-                params, drive=params.drive, phases=phases, loop=loop, response=response,
+                params,
+                drive=params.drive,
+                phases=phases,
+                loop=loop,
+                response=response,
                 cycle_s=self._site.cycle_s,
-            )  # fmt: skip
+            )
         return Bank(params, phases=phases, response=response, cycle_s=self._site.cycle_s)
 
     def step(

@@ -47,12 +47,36 @@ class RollPhase:
     """
 
     __slots__ = (
-        "_agreeing", "_angle", "_candidate", "_candidate_gap_s", "_candidate_span_rad",
-        "_candidate_span_s", "_encoder_ok", "_encoder_sum_rad", "_encoder_turn_rad", "_gap_s",
-        "_last_model", "_line_speed", "_model_sum_rad", "_model_turn_rad", "_modulus", "_p",
-        "_radius", "_raw", "_raw_gap_s", "_seeded", "_speed", "_theta_at_raw", "_tracked",
-        "encoder_ratio", "omega_rad_s", "quality", "radius_m", "source", "theta_rad",
-    )  # fmt: skip
+        "_agreeing",
+        "_angle",
+        "_candidate",
+        "_candidate_gap_s",
+        "_candidate_span_rad",
+        "_candidate_span_s",
+        "_encoder_ok",
+        "_encoder_sum_rad",
+        "_encoder_turn_rad",
+        "_gap_s",
+        "_last_model",
+        "_line_speed",
+        "_model_sum_rad",
+        "_model_turn_rad",
+        "_modulus",
+        "_p",
+        "_radius",
+        "_raw",
+        "_raw_gap_s",
+        "_seeded",
+        "_speed",
+        "_theta_at_raw",
+        "_tracked",
+        "encoder_ratio",
+        "omega_rad_s",
+        "quality",
+        "radius_m",
+        "source",
+        "theta_rad",
+    )
 
     def __init__(self, params: RollParams, channels: Mapping[str, int]) -> None:
         self._p = params

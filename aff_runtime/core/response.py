@@ -20,9 +20,7 @@ MIN_COHERENCE = 0.8
 BAND_SLACK = 1.02
 GAIN_RANGE = (1e-9, 1e12)  # signal unit per output unit; far outside what any line does
 COHERENCE_ROUNDING = 1e-6
-_UNREADABLE = (
-    KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
-)  # fmt: skip
+_UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,8 +62,15 @@ class Response:
     """
 
     __slots__ = (
-        "_f", "_log_gain", "_memory_s", "_noise_rad", "_phase", "delay_s", "points", "provenance",
-    )  # fmt: skip
+        "_f",
+        "_log_gain",
+        "_memory_s",
+        "_noise_rad",
+        "_phase",
+        "delay_s",
+        "points",
+        "provenance",
+    )
 
     def __init__(
         self, *, points: Iterable[ResponsePoint], delay_s: float, provenance: Provenance

@@ -65,11 +65,35 @@ class ShapeBasis:
     """
 
     __slots__ = (
-        "_arm", "_before", "_core", "_drive", "_heaves", "_imbalance", "_index", "_known",
-        "_lead_s", "_low", "_now", "_own", "_owns", "_phases", "_pull", "_rolls", "_span",
-        "_track", "_turns", "_work", "b", "fade", "frequency_Hz", "names", "omega_rad_s", "order",
-        "rolls", "turn_s",
-    )  # fmt: skip
+        "_arm",
+        "_before",
+        "_core",
+        "_drive",
+        "_heaves",
+        "_imbalance",
+        "_index",
+        "_known",
+        "_lead_s",
+        "_low",
+        "_now",
+        "_own",
+        "_owns",
+        "_phases",
+        "_pull",
+        "_rolls",
+        "_span",
+        "_track",
+        "_turns",
+        "_work",
+        "b",
+        "fade",
+        "frequency_Hz",
+        "names",
+        "omega_rad_s",
+        "order",
+        "rolls",
+        "turn_s",
+    )
 
     def __init__(
         self,
@@ -170,9 +194,13 @@ class ShapeBasis:
                 angle = omega = 0.0
             size = abs(omega)
             rolls[:, i] = (
-                angle, omega, omega - (c * omega - alpha) / K, omega * omega / K,
-                math.tau / max(size, 1e-6), size / math.tau,
-            )  # fmt: skip
+                angle,
+                omega,
+                omega - (c * omega - alpha) / K,
+                omega * omega / K,
+                math.tau / max(size, 1e-6),
+                size / math.tau,
+            )
 
     def _torque(self, tension_N: float, K: float) -> Complexes:
         """Return R/(J K) times a metre's torque per column, s.

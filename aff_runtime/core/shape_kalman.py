@@ -41,10 +41,28 @@ class ShapeFilter:
     """
 
     __slots__ = (
-        "_diagonal", "_drift", "_fresh", "_gain", "_h", "_memory_turns", "_noise", "_none",
-        "_passed_s", "_sd", "_seen", "_start", "_ticks", "_turn_s", "_work", "count", "covariance",
-        "deviation", "gain", "innovation", "state",
-    )  # fmt: skip
+        "_diagonal",
+        "_drift",
+        "_fresh",
+        "_gain",
+        "_h",
+        "_memory_turns",
+        "_noise",
+        "_none",
+        "_passed_s",
+        "_sd",
+        "_seen",
+        "_start",
+        "_ticks",
+        "_turn_s",
+        "_work",
+        "count",
+        "covariance",
+        "deviation",
+        "gain",
+        "innovation",
+        "state",
+    )
 
     def __init__(
         self, count: int, memory_turns: float, signal_sd: float, drift: Floats | None = None

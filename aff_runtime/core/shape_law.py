@@ -369,8 +369,14 @@ class ShapeLaw:
     def telemetry_names(self) -> tuple[str, ...]:
         """Return seven columns per order; a shape is in millimetres, as a technician reads it."""
         columns = (
-            "shape_mm", "phase_deg", "state", "ripple_before", "ripple", "gain_of_P", "share",
-        )  # fmt: skip
+            "shape_mm",
+            "phase_deg",
+            "state",
+            "ripple_before",
+            "ripple",
+            "gain_of_P",
+            "share",
+        )
         return tuple(f"{name}.{column}" for name in self.basis.names for column in columns)
 
     def _state(self, at: int) -> Trend:

@@ -50,10 +50,29 @@ class ShapeMonitor:
     """
 
     __slots__ = (
-        "_age", "_astray", "_bad", "_judged", "_lost", "_noise", "_others", "_passed_s",
-        "_phasor", "_pull", "_rest", "_size", "_slow", "_ticks", "_twins", "_work", "calm",
-        "dropped", "meets", "now", "share", "without",
-    )  # fmt: skip
+        "_age",
+        "_astray",
+        "_bad",
+        "_judged",
+        "_lost",
+        "_noise",
+        "_others",
+        "_passed_s",
+        "_phasor",
+        "_pull",
+        "_rest",
+        "_size",
+        "_slow",
+        "_ticks",
+        "_twins",
+        "_work",
+        "calm",
+        "dropped",
+        "meets",
+        "now",
+        "share",
+        "without",
+    )
 
     def __init__(
         self, roll_of: Sequence[str], signal_sd: float, twins: tuple[int, int] = (-1, -1)
@@ -174,9 +193,21 @@ class ShapeMonitor:
     def adopt(self, old: ShapeMonitor, both: Common) -> None:
         """Go on where ``old`` stands; other columns are heard from now on."""
         for name in (
-            "_phasor", "_pull", "_slow", "_age", "_bad", "_lost", "_astray", "_judged", "_rest",
-            "now", "without", "share", "meets", "dropped",
-        ):  # fmt: skip
+            "_phasor",
+            "_pull",
+            "_slow",
+            "_age",
+            "_bad",
+            "_lost",
+            "_astray",
+            "_judged",
+            "_rest",
+            "now",
+            "without",
+            "share",
+            "meets",
+            "dropped",
+        ):
             both.take(getattr(self, name), getattr(old, name))
         self._ticks, self._passed_s = old._ticks, old._passed_s
         self.calm = not self._rest.any() and bool((self.share == 1.0).all())

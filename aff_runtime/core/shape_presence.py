@@ -20,8 +20,16 @@ class Presence:
     """
 
     __slots__ = (
-        "_calm", "_index", "_leaving", "_phases", "_roll_of", "fade_s", "known", "moving", "share",
-    )  # fmt: skip
+        "_calm",
+        "_index",
+        "_leaving",
+        "_phases",
+        "_roll_of",
+        "fade_s",
+        "known",
+        "moving",
+        "share",
+    )
 
     def __init__(self, roll_of: Sequence[str], phases: Mapping[str, RollPhase]) -> None:
         rolls = list(dict.fromkeys(roll_of))

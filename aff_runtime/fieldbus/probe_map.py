@@ -56,12 +56,7 @@ class MapProbe:
 
 
 def open_read_only(
-    *,
-    device_id: int,
-    read_start: int,
-    read_count: int,
-    clock: Clock,
-    wire: Wire,
+    *, device_id: int, read_start: int, read_count: int, clock: Clock, wire: Wire
 ) -> ModbusTcpTransport:
     """Return a transport on ``wire`` that can only ask FC3.
 
@@ -71,12 +66,7 @@ def open_read_only(
         When a number does not fit the protocol.
     """
     frames = ModbusFrames(device_id=device_id, read_start=read_start, read_count=read_count)
-    return ModbusTcpTransport(
-        frames=frames,
-        wire=wire,
-        clock=clock,
-        function=WireFunction.FC3,
-    )
+    return ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=WireFunction.FC3)
 
 
 def probe_map(

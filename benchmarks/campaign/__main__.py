@@ -45,8 +45,9 @@ def run(seed: int, numbers: Sequence[int], workers: int, out: Path, until_s: flo
                 for e in row["refine"]["verdict"].get("effects", ())
             )
             true = ", ".join(f"{f['effect']} at {f['location']}" for f in row["faults"])
-            sys.stderr.write(f"{number} {row['group']} [{true}]: {said} [{names}] "
-                             f"{row['refine_s']:.0f} s\n")  # fmt: skip
+            sys.stderr.write(
+                f"{number} {row['group']} [{true}]: {said} [{names}] {row['refine_s']:.0f} s\n"
+            )
 
 
 def tell_all_again(paths: Sequence[Path], workers: int) -> None:
@@ -73,8 +74,13 @@ def main() -> int:
         help="tell anew what the rows' records can show, then report",
     )
     parser.add_argument("--note", default="", help="a sentence under the page's head")
-    parser.add_argument("--write-case", type=int, default=None, metavar="NUMBER",
-                        help="only write the files of one case into --out")  # fmt: skip
+    parser.add_argument(
+        "--write-case",
+        type=int,
+        default=None,
+        metavar="NUMBER",
+        help="only write the files of one case into --out",
+    )
     given = parser.parse_args()
     if given.write_case is not None:
         from benchmarks.campaign.cases import case_number

@@ -28,8 +28,13 @@ ORDER = 30
 
 def wavenumber(fault: Fault) -> float:
     """Return cycles per metre of web of a fault with one line; 0 where it has none or many."""
-    single = ("eccentric_roller", "unbalanced_roller", "unbalanced_measuring_roller",
-              "torque_ripple", "encoder_eccentricity")  # fmt: skip
+    single = (
+        "eccentric_roller",
+        "unbalanced_roller",
+        "unbalanced_measuring_roller",
+        "torque_ripple",
+        "encoder_eccentricity",
+    )
     if fault.effect not in single:
         return 0.0
     names = [b[0] for b in short.BODIES]
@@ -48,8 +53,11 @@ def rivals(fault: Fault) -> list[Fault]:
     if at == 0.0:
         return []
     found = []
-    rolls = [(e, p) for e in ("eccentric_roller", "unbalanced_roller")
-             for p in (*IDLERS, "swrap", "pull_roll")]  # fmt: skip
+    rolls = [
+        (e, p)
+        for e in ("eccentric_roller", "unbalanced_roller")
+        for p in (*IDLERS, "swrap", "pull_roll")
+    ]
     rolls += [("unbalanced_measuring_roller", p) for p in CELLS]
     rolls += [(e, p) for e in ("torque_ripple", "encoder_eccentricity") for p in DRIVES]
     for effect, place in rolls:
@@ -124,9 +132,7 @@ def apart(true: Array, columns: Array, hiding: Array | None = None) -> float:
     return beside(true, free if hiding is None else np.concatenate([free, hiding], axis=1))
 
 
-def alike(
-    record: Quiet, fault: Fault, hiding: Array | None = None
-) -> list[tuple[str, str]]:  # fmt: skip
+def alike(record: Quiet, fault: Fault, hiding: Array | None = None) -> list[tuple[str, str]]:
     """Return (effect, location) of what cannot be told from ``fault`` in this record.
 
     ``hiding`` are the answers to declared numbers, for a fault without a line of its own.

@@ -61,17 +61,40 @@ LIBRARY: dict[str, tuple[tuple[str, ...], float, tuple[float, ...]]] = {
     "encoder_eccentricity": (tuple(DRIVES), 2e-4, (0.0, 1.0)),
 }
 OFTEN = ("eccentric_roller", "out_of_round_roll", "torque_ripple")
-LINES = ("eccentric_roller", "out_of_round_roll", "torque_ripple", "unbalanced_roller",
-         "mains_hum", "encoder_eccentricity")  # fmt: skip
+LINES = (
+    "eccentric_roller",
+    "out_of_round_roll",
+    "torque_ripple",
+    "unbalanced_roller",
+    "mains_hum",
+    "encoder_eccentricity",
+)
 LARGEST = {  # of effects without a line: beyond this nobody would ask why
-    "bearing_drag": 0.2, "web_modulus": 0.5, "wound_in_strain": 5e-3, "thermal_strain": 2e-3,
-    "slip": 5e-3, "load_cell_filter": 0.2, "loop_delay": 0.2,
-}  # fmt: skip
+    "bearing_drag": 0.2,
+    "web_modulus": 0.5,
+    "wound_in_strain": 5e-3,
+    "thermal_strain": 2e-3,
+    "slip": 5e-3,
+    "load_cell_filter": 0.2,
+    "loop_delay": 0.2,
+}
 
 GROUPS = (
-    "single 0.4", "no effect", "pair", "outside", "single 0.2", "ablation", "triple",
-    "single 0.4", "no effect", "pair", "removed", "single 0.2", "no effect", "triple",
-)  # fmt: skip
+    "single 0.4",
+    "no effect",
+    "pair",
+    "outside",
+    "single 0.2",
+    "ablation",
+    "triple",
+    "single 0.4",
+    "no effect",
+    "pair",
+    "removed",
+    "single 0.2",
+    "no effect",
+    "triple",
+)
 """Fourteen cases in a row: any stretch of the campaign is a small campaign."""
 SEVERAL = {"pair": 2, "triple": 3}
 ABLATIONS = ("one speed", "loop cells alone", "no encoder", "commensurate", "strong colour")
@@ -83,36 +106,60 @@ def draw_fault(rng: np.random.Generator, names: tuple[str, ...]) -> Fault:
     places, size, shapes = LIBRARY[effect]
     sign = rng.choice([-1.0, 1.0]) if effect in ("web_modulus", "wound_in_strain") else 1.0
     return Fault(
-        effect=effect, location=str(rng.choice(places)), size=size * float(sign),
-        angle=float(rng.uniform(0.0, 2.0 * np.pi)), shape=float(rng.choice(shapes)),
-    )  # fmt: skip
+        effect=effect,
+        location=str(rng.choice(places)),
+        size=size * float(sign),
+        angle=float(rng.uniform(0.0, 2.0 * np.pi)),
+        shape=float(rng.choice(shapes)),
+    )
 
 
 def draw_outside(rng: np.random.Generator) -> tuple[Fault, tuple[str, ...]]:
     """Return something that no library has, and the classes that say so rightly."""
     angle = float(rng.uniform(0.0, 2.0 * np.pi))
     span = str(rng.choice(["unwind", "R2", "swrap", "pull_roll", "R7"]))
-    what = str(rng.choice(["dancer_swing", "hidden_nip", "web_wave", "stiffening_web",
-                           "gusty_drive", "drifting_cell"]))  # fmt: skip
+    what = str(
+        rng.choice(
+            [
+                "dancer_swing",
+                "hidden_nip",
+                "web_wave",
+                "stiffening_web",
+                "gusty_drive",
+                "drifting_cell",
+            ]
+        )
+    )
     if what == "dancer_swing":
         hertz = float(rng.uniform(0.6, 5.0))
-        return Fault(effect=what, location=span, size=2e-5, angle=angle, shape=hertz,
-                     kind=TIME), (TIME,)  # fmt: skip
+        return Fault(effect=what, location=span, size=2e-5, angle=angle, shape=hertz, kind=TIME), (
+            TIME,
+        )
     if what == "hidden_nip":
         radius_m = float(rng.uniform(0.028, 0.1))
-        return Fault(effect=what, location=span, size=2e-5, angle=angle,
-                     shape=1.0 / (2.0 * np.pi * radius_m), kind=TRAVEL), (TRAVEL,)  # fmt: skip
+        return Fault(
+            effect=what,
+            location=span,
+            size=2e-5,
+            angle=angle,
+            shape=1.0 / (2.0 * np.pi * radius_m),
+            kind=TRAVEL,
+        ), (TRAVEL,)
     if what == "web_wave":
-        return Fault(effect=what, location="web", size=3e-3, shape=float(rng.uniform(0.35, 1.6)),
-                     kind=TRAVEL), (TRAVEL,)  # fmt: skip
+        return Fault(
+            effect=what,
+            location="web",
+            size=3e-3,
+            shape=float(rng.uniform(0.35, 1.6)),
+            kind=TRAVEL,
+        ), (TRAVEL,)
     if what == "stiffening_web":
         return Fault(effect=what, location="web", size=0.3, kind="state"), ("state",)
     if what == "gusty_drive":
         drive = str(rng.choice(DRIVES))
         return Fault(effect=what, location=drive, size=0.05, kind="broadband"), ("broadband",)
     cell = str(rng.choice(CELLS))
-    return Fault(effect=what, location=cell, size=0.01, kind="drift"), (
-        "broadband", "state", TIME)  # fmt: skip
+    return Fault(effect=what, location=cell, size=0.01, kind="drift"), ("broadband", "state", TIME)
 
 
 def draw_several(rng: np.random.Generator, count: int) -> tuple[Fault, ...]:
@@ -130,10 +177,18 @@ def removed(rng: np.random.Generator) -> tuple[Fault, tuple[str, ...], tuple[str
 
     Effects that make the same line at the same roller are left out with it.
     """
-    fault = draw_fault(rng, ("eccentric_roller", "out_of_round_roll", "torque_ripple",
-                             "mains_hum"))  # fmt: skip
-    same = ("eccentric_roller", "out_of_round_roll", "unbalanced_roller", "torque_ripple",
-            "unbalanced_measuring_roller", "encoder_eccentricity", "roll_bounce")  # fmt: skip
+    fault = draw_fault(
+        rng, ("eccentric_roller", "out_of_round_roll", "torque_ripple", "mains_hum")
+    )
+    same = (
+        "eccentric_roller",
+        "out_of_round_roll",
+        "unbalanced_roller",
+        "torque_ripple",
+        "unbalanced_measuring_roller",
+        "encoder_eccentricity",
+        "roll_bounce",
+    )
     rolls = fault.location in ("unwind", "rewind")
     if fault.effect == "mains_hum":
         return replace(fault, kind=TIME), ("mains_hum",), (TIME,)
@@ -164,17 +219,26 @@ def case_number(seed: int, number: int) -> Case:
 
 def _ablated(rng: np.random.Generator, number: int, base: dict[str, Any]) -> Case:
     what = ABLATIONS[number // len(GROUPS) % len(ABLATIONS)]
-    fault = draw_fault(rng, ("eccentric_roller", "out_of_round_roll", "torque_ripple",
-                             "unbalanced_roller"))  # fmt: skip
+    fault = draw_fault(
+        rng, ("eccentric_roller", "out_of_round_roll", "torque_ripple", "unbalanced_roller")
+    )
     more: dict[str, Any] = {}
     if what == "one speed":
         more = {"speeds": 1}
     elif what == "loop cells alone":  # a declared loop needs its cell, so two are the least
         more = {"channels": ("unwind_tension_N", "rewind_tension_N")}
     elif what == "no encoder":
-        more = {"channels": ("unwind_tension_N", "pullroll_tension_N", "rewind_tension_N",
-                             "unwind_speed_rad_s", "line_speed_m_s", "pull_roll_speed_m_s",
-                             "rewind_speed_rad_s")}  # fmt: skip
+        more = {
+            "channels": (
+                "unwind_tension_N",
+                "pullroll_tension_N",
+                "rewind_tension_N",
+                "unwind_speed_rad_s",
+                "line_speed_m_s",
+                "pull_roll_speed_m_s",
+                "rewind_speed_rad_s",
+            )
+        }
     elif what == "commensurate":
         more = {"commensurate": True}
     else:

@@ -59,8 +59,10 @@ def placed(sense: float, theta: float, px: float, py: float) -> tuple[float, flo
 def vertex(b: Bodies, k: int, at: int, out_m: float) -> tuple[float, float]:
     """Return vertex ``at`` of polygon body ``k``, pushed out by ``out_m``, in the body."""
     row = b.polygon[k]
-    return (b.points[row, at, 0] + out_m * b.normals[row, at, 0],
-            b.points[row, at, 1] + out_m * b.normals[row, at, 1])  # fmt: skip
+    return (
+        b.points[row, at, 0] + out_m * b.normals[row, at, 0],
+        b.points[row, at, 1] + out_m * b.normals[row, at, 1],
+    )
 
 
 @compiled
@@ -116,9 +118,15 @@ def touch(b: Bodies, k: int, theta: float, out_m: float, at: int) -> tuple[float
 
 @compiled
 def span_between(
-    b: Bodies, k: int, radius: Array, out_m: Array, theta: Array, phi: Array, vertices: IntArray,
+    b: Bodies,
+    k: int,
+    radius: Array,
+    out_m: Array,
+    theta: Array,
+    phi: Array,
+    vertices: IntArray,
     result: Array,
-) -> None:  # fmt: skip
+) -> None:
     """Lay the string from body ``k`` to ``k + 1``; ``phi`` and ``vertices`` are kept up to date.
 
     ``result``: length, edges passed at the exit and at the entry polygon, lever arms of both.

@@ -84,8 +84,7 @@ def flat_outline(
     turn = np.exp(1j * (place + angle))
     look = np.exp(1j * (facing + angle))
     points = inner * turn + (radius_m - inner) * look
-    return (np.stack([points.real, points.imag], axis=1),
-            np.stack([look.real, look.imag], axis=1))  # fmt: skip
+    return (np.stack([points.real, points.imag], axis=1), np.stack([look.real, look.imag], axis=1))
 
 
 def _out_of_round(m: Machine, f: Fault) -> Machine:
@@ -101,9 +100,12 @@ def _out_of_round(m: Machine, f: Fault) -> Machine:
     b.polygon[k] = b.points.shape[0]
     stack = b.points[:, :VERTICES] if b.points.shape[1] == VERTICES else np.zeros((0, VERTICES, 2))
     other = b.normals if b.normals.shape[1] == VERTICES else np.zeros((0, VERTICES, 2))
-    return m._replace(bodies=b._replace(
-        points=np.concatenate([stack, points[None]]),
-        normals=np.concatenate([other, normals[None]])))  # fmt: skip
+    return m._replace(
+        bodies=b._replace(
+            points=np.concatenate([stack, points[None]]),
+            normals=np.concatenate([other, normals[None]]),
+        )
+    )
 
 
 def _unbalanced(m: Machine, f: Fault) -> Machine:
@@ -119,8 +121,12 @@ def _unbalanced_cell(m: Machine, f: Fault) -> Machine:
 
 
 def _ripple(m: Machine, f: Fault) -> Machine:
-    row = [DRIVES.index(f.location), f.shape, f.size * math.cos(f.angle),
-           f.size * math.sin(f.angle)]  # fmt: skip
+    row = [
+        DRIVES.index(f.location),
+        f.shape,
+        f.size * math.cos(f.angle),
+        f.size * math.sin(f.angle),
+    ]
     return m._replace(ripple=np.concatenate([m.ripple, [row]]))
 
 
@@ -142,8 +148,11 @@ def _wound_in(m: Machine, f: Fault) -> Machine:
 
 def _thermal(m: Machine, f: Fault) -> Machine:
     first, second = NAMES.index("swrap"), NAMES.index("pull_roll")
-    spans = {"unwind_zone": slice(0, first), "pull_roll_zone": slice(first, second),
-             "rewind_zone": slice(second, None)}  # fmt: skip
+    spans = {
+        "unwind_zone": slice(0, first),
+        "pull_roll_zone": slice(first, second),
+        "rewind_zone": slice(second, None),
+    }
     m.free[spans[f.location]] += f.size
     return m
 
@@ -211,16 +220,29 @@ def _gusty_drive(m: Machine, f: Fault) -> Machine:
 
 
 CHANGES: dict[str, Change] = {
-    "eccentric_roller": _eccentric, "out_of_round_roll": _out_of_round,
-    "unbalanced_roller": _unbalanced, "unbalanced_measuring_roller": _unbalanced_cell,
-    "torque_ripple": _ripple, "bearing_drag": _drag, "web_modulus": _modulus,
-    "wound_in_strain": _wound_in, "thermal_strain": _thermal, "slip": _slip,
-    "load_cell_filter": _slow_cell, "mains_hum": _hum, "loop_delay": _delay,
-    "encoder_eccentricity": _encoder, "radius_error": _believed_radius,
+    "eccentric_roller": _eccentric,
+    "out_of_round_roll": _out_of_round,
+    "unbalanced_roller": _unbalanced,
+    "unbalanced_measuring_roller": _unbalanced_cell,
+    "torque_ripple": _ripple,
+    "bearing_drag": _drag,
+    "web_modulus": _modulus,
+    "wound_in_strain": _wound_in,
+    "thermal_strain": _thermal,
+    "slip": _slip,
+    "load_cell_filter": _slow_cell,
+    "mains_hum": _hum,
+    "loop_delay": _delay,
+    "encoder_eccentricity": _encoder,
+    "radius_error": _believed_radius,
     # beyond any library
-    "dancer_swing": _shaken, "hidden_nip": _shaken, "drifting_cell": _drifting_cell,
-    "web_wave": _web_wave, "stiffening_web": _stiffening, "gusty_drive": _gusty_drive,
-}  # fmt: skip
+    "dancer_swing": _shaken,
+    "hidden_nip": _shaken,
+    "drifting_cell": _drifting_cell,
+    "web_wave": _web_wave,
+    "stiffening_web": _stiffening,
+    "gusty_drive": _gusty_drive,
+}
 
 
 def copied(m: Machine) -> Machine:

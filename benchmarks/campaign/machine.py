@@ -13,10 +13,22 @@ from benchmarks.campaign.state import Machine
 
 # two standard deviations, as the owner of a line knows it; relative unless a unit is named
 TOLERANCE = {
-    "EA_N": 0.02, "eta": 0.2, "density": 0.01, "thickness": 0.005, "wound_in": 0.01,
-    "idler_inertia": 0.02, "friction": 0.05, "inertia": 0.01, "radius": 5e-5, "draw": 1e-5,
-    "gain": 0.001, "offset_N": 0.1, "corner": 0.03, "loop": 0.005, "drive": 0.005,
-}  # fmt: skip
+    "EA_N": 0.02,
+    "eta": 0.2,
+    "density": 0.01,
+    "thickness": 0.005,
+    "wound_in": 0.01,
+    "idler_inertia": 0.02,
+    "friction": 0.05,
+    "inertia": 0.01,
+    "radius": 5e-5,
+    "draw": 1e-5,
+    "gain": 0.001,
+    "offset_N": 0.1,
+    "corner": 0.03,
+    "loop": 0.005,
+    "drive": 0.005,
+}
 IDLER_ECCENTRICITY_M = 5e-7
 CENTRE_M = 3e-4
 
@@ -52,12 +64,15 @@ def round_bodies(line: dict[str, Any], scatter: Scatter) -> Bodies:
     off = np.array([[scatter.spread(IDLER_ECCENTRICITY_M)] * 2 for _ in rollers])
     off[:, 1] = [scatter.spread(IDLER_ECCENTRICITY_M) for _ in rollers]
     return Bodies(
-        x=axes[:, 0].copy(), y=axes[:, 1].copy(),
+        x=axes[:, 0].copy(),
+        y=axes[:, 1].copy(),
         sense=np.array([1.0 if r["rotation"] == "ccw" else -1.0 for r in rollers]),
-        off_x=off[:, 0].copy(), off_y=off[:, 1].copy(),
+        off_x=off[:, 0].copy(),
+        off_y=off[:, 1].copy(),
         polygon=np.full(count, -1, dtype=np.int64),
-        points=np.zeros((0, 1, 2)), normals=np.zeros((0, 1, 2)),
-    )  # fmt: skip
+        points=np.zeros((0, 1, 2)),
+        normals=np.zeros((0, 1, 2)),
+    )
 
 
 def machine_of(line: dict[str, Any], rng: np.random.Generator, size: float = 1.0) -> Machine:
@@ -76,10 +91,11 @@ def scattered(line: dict[str, Any], s: Scatter) -> Machine:
     modulus_N = s.near(web["EA_N"], "EA_N")
     wound_N = s.near(web["wound_in_tension_N"], "wound_in")
     inertia = [
-        r["inertia_kg_m2"] * (1.0 + idlers_share) if r["kind"] == "idler"
+        r["inertia_kg_m2"] * (1.0 + idlers_share)
+        if r["kind"] == "idler"
         else s.near(r["inertia_kg_m2"], "inertia")
         for r in rollers
-    ]  # fmt: skip
+    ]
     acts = [t["acts_on"] for t in loops]
     radius = _of(s.near(r["radius_m"], "radius") for r in rollers)
     driven = [names.index(d["roller"]) for d in drives]
@@ -96,42 +112,64 @@ def scattered(line: dict[str, Any], s: Scatter) -> Machine:
         inertia=np.array(inertia),
         drag=_of(s.near(r["friction_constant_N_m"], "friction") for r in rollers),
         viscous=_of(s.near(r["friction_viscous_N_m_s"], "friction") for r in rollers),
-        heavy=np.zeros(len(rollers)), heavy_angle=np.zeros(len(rollers)),
-        web=np.array([
-            s.near(web["kelvin_voigt_eta_s"], "eta"), s.near(web["density_kg_m3"], "density"),
-            s.near(web["thickness_m"], "thickness"), web["width_m"], wound_N / modulus_N, CORE_M,
-            0.0, 1.0, 0.0,
-        ]),
-        modulus=np.full(len(rollers) - 1, modulus_N), free=np.zeros(len(rollers) - 1),
+        heavy=np.zeros(len(rollers)),
+        heavy_angle=np.zeros(len(rollers)),
+        web=np.array(
+            [
+                s.near(web["kelvin_voigt_eta_s"], "eta"),
+                s.near(web["density_kg_m3"], "density"),
+                s.near(web["thickness_m"], "thickness"),
+                web["width_m"],
+                wound_N / modulus_N,
+                CORE_M,
+                0.0,
+                1.0,
+                0.0,
+            ]
+        ),
+        modulus=np.full(len(rollers) - 1, modulus_N),
+        free=np.zeros(len(rollers) - 1),
         drive_body=_at(names, [d["roller"] for d in drives]),
         drive_inertia=_of(rollers[names.index(d["roller"])]["inertia_kg_m2"] for d in drives),
         drive_gain=_of(s.near(d["K_ref_rad_s"], "drive") for d in drives),
         drive_zeta=_of(s.near(d["zeta"], "drive") for d in drives),
         drive_draw=_of(
             control["pull_roll_draw"] + s.spread(TOLERANCE["draw"])
-            if "draw" in d["speed_reference"] else 0.0 for d in drives
+            if "draw" in d["speed_reference"]
+            else 0.0
+            for d in drives
         ),
         drive_loop=np.array(
             [acts.index(d["roller"]) if d["roller"] in acts else -1 for d in drives]
         ),
-        drive_ratio=np.array(believed), drive_delay=np.zeros(len(drives), dtype=np.int64),
-        drive_slew=none.copy(), encoder=none.copy(), encoder_angle=none.copy(),
+        drive_ratio=np.array(believed),
+        drive_delay=np.zeros(len(drives), dtype=np.int64),
+        drive_slew=none.copy(),
+        encoder=none.copy(),
+        encoder_angle=none.copy(),
         encoder_share=none.copy(),
-        slip=np.zeros(len(rollers)), slip_speed=np.zeros(len(rollers)),
+        slip=np.zeros(len(rollers)),
+        slip_speed=np.zeros(len(rollers)),
         ripple=np.zeros((0, 4)),
         cell_body=_at(names, cell_names),
         cell_Hz=_of(s.near(c["low_pass_Hz"], "corner") for c in cells),
         cell_gain=_of(s.near(1.0, "gain") for c in cells),
         cell_offset=_of(s.spread(TOLERANCE["offset_N"]) for c in cells),
-        cell_ring_Hz=flat.copy(), cell_ring_damping=flat + 0.05, cell_unbalance=flat.copy(),
-        cell_unbalance_angle=flat.copy(), cell_hum=flat.copy(), cell_hum_Hz=flat.copy(),
-        cell_hum_phase=flat.copy(), cell_drift=flat.copy(),
+        cell_ring_Hz=flat.copy(),
+        cell_ring_damping=flat + 0.05,
+        cell_unbalance=flat.copy(),
+        cell_unbalance_angle=flat.copy(),
+        cell_hum=flat.copy(),
+        cell_hum_Hz=flat.copy(),
+        cell_hum_phase=flat.copy(),
+        cell_drift=flat.copy(),
         loop_cell=_at(cell_names, [t["load_cell"] for t in loops]),
         loop_gain=_of(s.near(t["gain_m_s_per_N"], "loop") for t in loops),
         loop_corner=_of(s.near(t["corner_rad_s"], "loop") for t in loops),
         loop_sign=_of(LOOP_SIGNS[t["loop"]] for t in loops),
-        shake=np.zeros((0, 5)), gust=np.array([-1.0, 0.0]),
-    )  # fmt: skip
+        shake=np.zeros((0, 5)),
+        gust=np.array([-1.0, 0.0]),
+    )
 
 
 def _of(values: Any) -> Array:

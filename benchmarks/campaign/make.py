@@ -50,9 +50,10 @@ def declared_for(case: Case, which: str) -> dict[str, Any]:
     if case.channels:
         looped = {t["load_cell"] for t in declared["control"]["tension_pi"]}
         declared["sensors"] = [
-            s for s in declared["sensors"]
+            s
+            for s in declared["sensors"]
             if s["channel"] in case.channels or (s["roller"] in looped and "noise_sd_N" in s)
-        ]  # fmt: skip
+        ]
     return declared
 
 

@@ -21,8 +21,9 @@ TICK_S = 0.001
 TRAVEL_BODY = 4  # the S-wrap
 
 
-def start(m: Machine, theta: Array, phi: Array, vertices: IntArray, speed: float,
-          tension: float) -> State:  # fmt: skip
+def start(
+    m: Machine, theta: Array, phi: Array, vertices: IntArray, speed: float, tension: float
+) -> State:
     """Return a state near the steady one at this speed (m/s) and tension (N)."""
     n, cells, drives = m.radius.size, m.cell_body.size, m.drive_body.size
     pull = resting_tensions(m, speed, tension)
@@ -30,15 +31,30 @@ def start(m: Machine, theta: Array, phi: Array, vertices: IntArray, speed: float
     cell = np.zeros((cells, 3))
     cell[:, :2] = tension
     s = State(
-        theta=theta.copy(), omega=speed / m.radius, rate=np.zeros(n), turn=np.zeros(n),
-        radius=m.radius.copy(), out_m=np.zeros(n), zero=theta.copy(), phi=phi,
-        swing=np.zeros(n - 1), strain=strain, held=np.zeros(n - 1),
-        pull=pull, vertices=vertices, geometry=np.zeros((n - 1, 5)),
-        cell=cell, words=np.full(cells, tension), motor=np.zeros(drives),
-        integral=np.zeros(drives), reference=np.full(drives, speed),
-        past=np.zeros((drives, 512)), correction=np.zeros(m.loop_cell.size),
-        error_N_s=np.zeros(m.loop_cell.size), passed=np.zeros(2),
-    )  # fmt: skip
+        theta=theta.copy(),
+        omega=speed / m.radius,
+        rate=np.zeros(n),
+        turn=np.zeros(n),
+        radius=m.radius.copy(),
+        out_m=np.zeros(n),
+        zero=theta.copy(),
+        phi=phi,
+        swing=np.zeros(n - 1),
+        strain=strain,
+        held=np.zeros(n - 1),
+        pull=pull,
+        vertices=vertices,
+        geometry=np.zeros((n - 1, 5)),
+        cell=cell,
+        words=np.full(cells, tension),
+        motor=np.zeros(drives),
+        integral=np.zeros(drives),
+        reference=np.full(drives, speed),
+        past=np.zeros((drives, 512)),
+        correction=np.zeros(m.loop_cell.size),
+        error_N_s=np.zeros(m.loop_cell.size),
+        passed=np.zeros(2),
+    )
     loads = m.drag + m.viscous * s.omega - m.radius * np.diff(pull, prepend=0.0, append=0.0)
     for d, k in enumerate(m.drive_body):
         inertia = roll_inertia(m, int(k), m.radius[k], m.drive_inertia[d])
@@ -278,10 +294,19 @@ def step_machine(m: Machine, s: State, time_s: float, step_s: float) -> None:
 
 @compiled
 def run(
-    m: Machine, s: State, speed: Array, tension: Array, late: IntArray, cell_noise: Array,
-    speed_noise: Array, loop_noise: Array, gust: Array, steps: Array, settle_scans: int,
+    m: Machine,
+    s: State,
+    speed: Array,
+    tension: Array,
+    late: IntArray,
+    cell_noise: Array,
+    speed_noise: Array,
+    loop_noise: Array,
+    gust: Array,
+    steps: Array,
+    settle_scans: int,
     out: Array,
-) -> None:  # fmt: skip
+) -> None:
     """Run ``settle_scans`` at the first references, then the record.
 
     Inputs: speed (rows + 1,), tension (rows,), late (rows,) steps after the scan is due,

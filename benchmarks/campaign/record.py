@@ -71,16 +71,22 @@ class Columns:
 def coloured(rng: np.random.Generator, shape: tuple[int, int], share: float) -> Array:
     """Return noise of unit size, ``share`` of its power from a first-order filter (rows, k)."""
     white = rng.standard_normal(shape)
-    slow = lfilter([np.sqrt(1.0 - COLOUR_POLE**2)], [1.0, -COLOUR_POLE],
-                   rng.standard_normal(shape), axis=0)  # fmt: skip
+    slow = lfilter(
+        [np.sqrt(1.0 - COLOUR_POLE**2)], [1.0, -COLOUR_POLE], rng.standard_normal(shape), axis=0
+    )
     found: Array = np.sqrt(1.0 - share) * white + np.sqrt(share) * slow
     return found
 
 
 def simulate(
-    m: Machine, told: References, angles: Array, seed: int, *, noise: bool = True,
+    m: Machine,
+    told: References,
+    angles: Array,
+    seed: int,
+    *,
+    noise: bool = True,
     colour: float = COLOUR_SHARE,
-) -> Columns:  # fmt: skip
+) -> Columns:
     """Return one record; without noise sensors are exact, with the same late scans."""
     rng = np.random.default_rng(seed)
     rows = told.tension_N.size
@@ -102,17 +108,30 @@ def simulate(
     state = start(m, angles, phi, vertices, *begin)
     out = np.empty((rows, cells + drives + n + 2))
     speed = np.append(told.speed_m_s, told.speed_m_s[-1])
-    run(m, state, speed, told.tension_N, late, cell_noise, speed_noise, loop_noise, gust, steps,
-        settling, out)  # fmt: skip
+    run(
+        m,
+        state,
+        speed,
+        told.tension_N,
+        late,
+        cell_noise,
+        speed_noise,
+        loop_noise,
+        gust,
+        steps,
+        settling,
+        out,
+    )
     due = np.arange(rows) * short.SAMPLE_S
     stamp = due + late * TICK_S / STEPS_PER_TICK
     # a late scan logs the reference that is in force by then
     logged = replace(told, speed_m_s=np.interp(stamp, due, told.speed_m_s))
     angles_at = cells + drives
     return Columns(
-        time_s=stamp, values=_channels(m, out, logged, exact=not noise),
+        time_s=stamp,
+        values=_channels(m, out, logged, exact=not noise),
         start_rad=out[0, angles_at : angles_at + n].copy(),
-    )  # fmt: skip
+    )
 
 
 def _lay(m: Machine, theta: Array, phi: Array, vertices: IntArray) -> None:

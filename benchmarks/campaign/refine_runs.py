@@ -18,9 +18,17 @@ def refine_files(folder: Path, without: tuple[str, ...] = ()) -> dict[str, Any]:
     """
     from sim_plant.cli.main import main
 
-    command = ["refine", str(folder / "a.yaml"), str(folder / "a.csv"),
-               "--holdout", str(folder / "b.csv"), "--out", str(folder / "out"),
-               "--workers", "1"]  # fmt: skip
+    command = [
+        "refine",
+        str(folder / "a.yaml"),
+        str(folder / "a.csv"),
+        "--holdout",
+        str(folder / "b.csv"),
+        "--out",
+        str(folder / "out"),
+        "--workers",
+        "1",
+    ]
     for name in without:
         command += ["--without", name]
     said = io.StringIO()

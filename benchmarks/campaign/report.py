@@ -68,8 +68,10 @@ def share(name: str, hits: int, runs: int, least: float = 0.0, most: float = 1.0
     said = "yes" if least <= hits / runs <= most else "**missed**"
     if low <= most and high >= least and not (least <= low and high <= most):
         said += ", not decided"
-    return (f"| {name} | {asked} | {100 * hits / runs:.1f} % ({hits} of {runs}) | "
-            f"{100 * low:.1f} to {100 * high:.1f} % | {said} |")  # fmt: skip
+    return (
+        f"| {name} | {asked} | {100 * hits / runs:.1f} % ({hits} of {runs}) | "
+        f"{100 * low:.1f} to {100 * high:.1f} % | {said} |"
+    )
 
 
 def number(name: str, target: str, value: float, count: int, met: bool) -> str:
@@ -93,8 +95,10 @@ def targets(rows: Sequence[Row]) -> list[str]:
     inside = [r for g in EXACT for r in by.get(g, [])]
     equals = [r for r in inside if any(r.get("alike", ()))]
     said = sum(alike_said(r) for r in equals)
-    lines.append(f"| said to be not identifiable, where another answers alike | | {said} of "
-                 f"{len(equals)} | | |")  # fmt: skip
+    lines.append(
+        f"| said to be not identifiable, where another answers alike | | {said} of "
+        f"{len(equals)} | | |"
+    )
     wrong = sum(outcome(r) == "wrong" for r in inside)
     lines.append(share("wrong attribution", wrong, len(inside), most=0.01))
     outside = by.get("outside", []) + by.get("removed", [])
@@ -118,21 +122,36 @@ def figures(inside: Sequence[Row], outside: Sequence[Row]) -> list[str]:
     right = [r for r in inside if outcome(r) == "exact"]
     ratios = [x for r in right for x in held_out(r, MOVING)]
     middle, high = quantile(ratios, 0.5), quantile(ratios, 0.95)
-    waves = [abs(e) for r in outside if class_right(r) and "wavenumber_1_m" in r["coordinate"]
-             and (e := coordinate_error(r)) is not None]  # fmt: skip
+    waves = [
+        abs(e)
+        for r in outside
+        if class_right(r)
+        and "wavenumber_1_m" in r["coordinate"]
+        and (e := coordinate_error(r)) is not None
+    ]
     inside_interval = [x for r in right for x in covered(r)]
     hits, runs = sum(inside_interval), len(inside_interval)
     everyone = [x for r in inside for x in held_out(r, MOVING)]
     return [
-        number("held-out error over floor, median, rightly traced", "<= 1.05", middle,
-               len(ratios), middle <= 1.05),
+        number(
+            "held-out error over floor, median, rightly traced",
+            "<= 1.05",
+            middle,
+            len(ratios),
+            middle <= 1.05,
+        ),
         number("the same, 95th percentile", "<= 1.10", high, len(ratios), high <= 1.10),
         f"| the same of all with effects | | {quantile(everyone, 0.95):.4g} "
         f"({len(everyone)}) | | |",
-        number("equivalent radius, largest error, %", "<= 0.3", 100.0 * max(waves, default=0.0),
-               len(waves), max(waves, default=0.0) <= 0.003),
+        number(
+            "equivalent radius, largest error, %",
+            "<= 0.3",
+            100.0 * max(waves, default=0.0),
+            len(waves),
+            max(waves, default=0.0) <= 0.003,
+        ),
         share("95 % intervals that hold the true size", hits, runs, least=0.90, most=0.98),
-    ]  # fmt: skip
+    ]
 
 
 def outcomes(rows: Sequence[Row]) -> list[str]:
@@ -143,16 +162,19 @@ def outcomes(rows: Sequence[Row]) -> list[str]:
     for group in groups:
         own = [outcome(r) for r in rows if r["group"] == group]
         count = Counter(own)
-        lines.append(f"| {group} | {len(own)} | " + " | ".join(str(count[o]) for o in OUTCOMES)
-                     + " |")  # fmt: skip
+        lines.append(
+            f"| {group} | {len(own)} | " + " | ".join(str(count[o]) for o in OUTCOMES) + " |"
+        )
     return lines
 
 
 def by_effect(rows: Sequence[Row]) -> list[str]:
     """Return outcomes of single effects, effect by effect."""
     own = [r for r in rows if r["group"].startswith("single")]
-    lines = ["| single effect | SNR 0.4: exact | SNR 0.2: exact | wrong | others |",
-             "|---|---|---|---|---|"]  # fmt: skip
+    lines = [
+        "| single effect | SNR 0.4: exact | SNR 0.2: exact | wrong | others |",
+        "|---|---|---|---|---|",
+    ]
     for effect in sorted({r["faults"][0]["effect"] for r in own}):
         these = [r for r in own if r["faults"][0]["effect"] == effect]
         cells = []
@@ -230,17 +252,31 @@ def page(rows: Sequence[Row], note: str = "") -> str:
     failed = [r["number"] for r in rows if not r["refine"]["verdict"]]
     seeds = sorted({r["seed"] for r in rows})
     parts = [
-        HEAD, *([note, ""] if note else []),
+        HEAD,
+        *([note, ""] if note else []),
         f"{len(rows)} cases of seed {', '.join(map(str, seeds))}; refine took "
         f"{quantile(spent, 0.5):.1f} s in the median, {quantile(spent, 0.95):.1f} s at the 95th "
         f"percentile (one worker each, other loads on the machine), "
         f"{burnt / 60.0:.0f} minutes of one core in all. "
         f"Runs that ended with an error: {len(failed)}{' ' + str(failed) if failed else ''}.\n",
-        "## Targets\n", *targets(rows), "", "## Outcomes\n",
+        "## Targets\n",
+        *targets(rows),
+        "",
+        "## Outcomes\n",
         "`wrong` names an effect or a place that is not there, also beside right ones; `part` "
         "leaves one out or adds an unknown.\n",
-        *outcomes(rows), "", *by_effect(rows), "", "## Wrong attributions\n", *confusion(rows),
-        "", "## Outside the library\n", *outside_table(rows), "", "## Without an effect\n",
-        *claims(rows), "",
-    ]  # fmt: skip
+        *outcomes(rows),
+        "",
+        *by_effect(rows),
+        "",
+        "## Wrong attributions\n",
+        *confusion(rows),
+        "",
+        "## Outside the library\n",
+        *outside_table(rows),
+        "",
+        "## Without an effect\n",
+        *claims(rows),
+        "",
+    ]
     return "\n".join(parts)

@@ -10,19 +10,34 @@ NORMAL95 = 1.959964
 SAID_AS = {"unbalanced_measuring_roller": "unbalanced_roller"}
 """Names that a version 1 verdict does not have."""
 STRENGTH = {  # parameter of a verdict that says the size of a fault, and what size 0 is there
-    "eccentric_roller": ("eccentricity_m", 0.0), "unbalanced_roller": ("unbalance_kg_m", 0.0),
+    "eccentric_roller": ("eccentricity_m", 0.0),
+    "unbalanced_roller": ("unbalance_kg_m", 0.0),
     "unbalanced_measuring_roller": ("unbalance_kg_m", 0.0),
-    "torque_ripple": ("amplitude_N_m", 0.0), "bearing_drag": ("constant_N_m", 0.0),
-    "web_modulus": ("factor", 1.0), "wound_in_strain": ("strain", 0.0),
-    "thermal_strain": ("strain", 0.0), "load_cell_filter": ("lag_s", 0.0),
-    "mains_hum": ("amplitude_N", 0.0), "loop_delay": ("delay_s", 0.0),
-    "encoder_eccentricity": ("eccentricity", 0.0), "slip": ("slope_s_m", 0.0),
-}  # fmt: skip
+    "torque_ripple": ("amplitude_N_m", 0.0),
+    "bearing_drag": ("constant_N_m", 0.0),
+    "web_modulus": ("factor", 1.0),
+    "wound_in_strain": ("strain", 0.0),
+    "thermal_strain": ("strain", 0.0),
+    "load_cell_filter": ("lag_s", 0.0),
+    "mains_hum": ("amplitude_N", 0.0),
+    "loop_delay": ("delay_s", 0.0),
+    "encoder_eccentricity": ("eccentricity", 0.0),
+    "slip": ("slope_s_m", 0.0),
+}
 NEEDED, NEEDED_STATIC = 100.0, 150.0
 """Chi-square above which an effect (with a line, without) pays its price and beats all chance."""
-STATIC = ("bearing_drag", "web_modulus", "wound_in_strain", "thermal_strain", "slip",
-          "load_cell_filter", "loop_delay", "stiffening_web", "gusty_drive",
-          "drifting_cell")  # fmt: skip
+STATIC = (
+    "bearing_drag",
+    "web_modulus",
+    "wound_in_strain",
+    "thermal_strain",
+    "slip",
+    "load_cell_filter",
+    "loop_delay",
+    "stiffening_web",
+    "gusty_drive",
+    "drifting_cell",
+)
 """Effects without a line of their own: a declared number within its tolerance may hide them."""
 OUTCOMES = ("exact", "wrong", "unknown", "not identifiable", "missed", "part", "failed")
 

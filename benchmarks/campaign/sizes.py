@@ -12,10 +12,22 @@ from benchmarks.campaign.effects import Fault
 from benchmarks.campaign.motion import TICK_S
 from benchmarks.campaign.stage import SIZED_BY, Stage, rms
 
-PROPORTIONAL = ("eccentric_roller", "unbalanced_roller", "unbalanced_measuring_roller",
-                "torque_ripple", "bearing_drag", "mains_hum", "encoder_eccentricity",
-                "wound_in_strain", "thermal_strain", "dancer_swing", "hidden_nip",
-                "drifting_cell", "gusty_drive", "web_wave")  # fmt: skip
+PROPORTIONAL = (
+    "eccentric_roller",
+    "unbalanced_roller",
+    "unbalanced_measuring_roller",
+    "torque_ripple",
+    "bearing_drag",
+    "mains_hum",
+    "encoder_eccentricity",
+    "wound_in_strain",
+    "thermal_strain",
+    "dancer_swing",
+    "hidden_nip",
+    "drifting_cell",
+    "gusty_drive",
+    "web_wave",
+)
 """Effects whose response grows with their size: one run tells the size that is wanted."""
 ROUNDS = 5
 
@@ -36,8 +48,9 @@ def visible(case: Case, fault: Fault) -> float:
     return math.sqrt(max(left, 0.0) / max(float(true @ true), 1e-300))
 
 
-def sized(case: Case, at: Stage, fault: Fault, healthy: dict[str, Array],
-          floor: dict[str, float]) -> tuple[Fault, float]:  # fmt: skip
+def sized(
+    case: Case, at: Stage, fault: Fault, healthy: dict[str, Array], floor: dict[str, float]
+) -> tuple[Fault, float]:
     """Return the fault at the size that has the case's ratio, and the ratio it reaches.
 
     Of a fault without a line of its own only what tolerances cannot take up counts; ``LARGEST``

@@ -46,8 +46,13 @@ def stage(case: Case, which: str, nudged: int = -1) -> Stage:
     told = references(ROWS, rng, speeds=case.speeds, commensurate=case.commensurate)
     machine = scattered(declared, Scatter(np.random.default_rng([case.seed, 7]), 1.0, nudged))
     angles = rng.uniform(0.0, 2.0 * np.pi, size=machine.radius.size)
-    return Stage(machine=machine, told=told, angles=angles, seed=int(rng.integers(1 << 31)),
-                 colour=case.colour)  # fmt: skip
+    return Stage(
+        machine=machine,
+        told=told,
+        angles=angles,
+        seed=int(rng.integers(1 << 31)),
+        colour=case.colour,
+    )
 
 
 def tolerances(case: Case) -> list[int]:

@@ -48,13 +48,22 @@ def do(seed: int, number: int, folder: Path) -> dict[str, Any]:
     faults = [asdict(f) for f in made.faults]
     known = told(case, made.faults) if made.faults else {}
     row = {
-        "number": number, "group": case.group, "seed": seed, "faults": faults,
-        "snr": list(made.snr), "snr_wanted": case.snr, "floor": made.floor,
-        "classes": list(case.classes), "without": list(case.without),
+        "number": number,
+        "group": case.group,
+        "seed": seed,
+        "faults": faults,
+        "snr": list(made.snr),
+        "snr_wanted": case.snr,
+        "floor": made.floor,
+        "classes": list(case.classes),
+        "without": list(case.without),
         "coordinate": coordinate_of(faults[0]) if case.classes else {},
-        "made_s": between - begun, "refine_s": after - between,
-        "refine_cpu_s": spent, "refine": found, **known,
-    }  # fmt: skip
+        "made_s": between - begun,
+        "refine_s": after - between,
+        "refine_cpu_s": spent,
+        "refine": found,
+        **known,
+    }
     shutil.rmtree(folder, ignore_errors=True)
     return row
 

@@ -52,8 +52,10 @@ class Case:
         """Return the line with its faults of shape; the hidden ones are put in by ``run``."""
         return spoilt(
             nominal(self.material, self.radius_in * INCH_M),
-            shape=self.shape, lead_m=self.lead_m, follower_m=self.follower_m,
-        )  # fmt: skip
+            shape=self.shape,
+            lead_m=self.lead_m,
+            follower_m=self.follower_m,
+        )
 
     def profile(self) -> npt.NDArray[np.float64]:
         """Return the speed of a constant run: 35 s or 30 turns after the start."""
@@ -172,9 +174,12 @@ def transient(case: Case) -> Plan:
         enabled &= (time_s < event_s) | (time_s >= back_s)
     changed = (time_s >= event_s) & (case.note == "roll change")
     return Plan(
-        speed_m_s=np.asarray(speed, dtype=np.float64), roll_id=1 + changed.astype(np.int64),
-        enabled=enabled, event_s=event_s, back_s=back_s,
-    )  # fmt: skip
+        speed_m_s=np.asarray(speed, dtype=np.float64),
+        roll_id=1 + changed.astype(np.int64),
+        enabled=enabled,
+        event_s=event_s,
+        back_s=back_s,
+    )
 
 
 def roll_duration_s(case: Case, end_in: float = 2.5) -> float:

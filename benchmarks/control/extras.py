@@ -30,11 +30,14 @@ def timing(ticks: int = 3000) -> list[Row]:
         times = tick_times_us(build(), ticks)
         found.append(
             {
-                "section": "timing", "case": name, "law": name, "at": time.strftime("%Y-%m-%d"),
+                "section": "timing",
+                "case": name,
+                "law": name,
+                "at": time.strftime("%Y-%m-%d"),
                 "p50_us": float(np.percentile(times, 50)),
                 "p99_us": float(np.percentile(times, 99)),
             }
-        )  # fmt: skip
+        )
     return found
 
 

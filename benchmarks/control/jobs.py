@@ -134,21 +134,27 @@ def _constant(job: Job) -> dict[str, Any]:
     record, plain = _with(job, profile), _without(job)
     v = judge.judge_constant(record, plain, cases.ON_S)
     return {
-        "late_dB": v.late_dB, "middle_dB": v.middle_dB, "reference_dB": v.reference_dB,
-        "settle_turns": v.settle_20_turns, "first_turns": v.first_20_turns,
+        "late_dB": v.late_dB,
+        "middle_dB": v.middle_dB,
+        "reference_dB": v.reference_dB,
+        "settle_turns": v.settle_20_turns,
+        "first_turns": v.first_20_turns,
         "turn_s": job.case.turn_s,
-        "ripple": v.ripple_ratio, "peak": v.peak_ratio,
+        "ripple": v.ripple_ratio,
+        "peak": v.peak_ratio,
         "largest_m_s": float(np.abs(record.correction_m_s).max()),
-    }  # fmt: skip
+    }
 
 
 def _ramp(job: Job) -> dict[str, Any]:
     record, plain = _with(job, _profile(job)), _without(job)
     first, second = (judge.judge_moving(record, plain, a, b, 2) for a, b in cases.RAMPS_S)
     return {
-        "first_dB": first.mean_dB, "second_dB": second.mean_dB,
-        "first_ripple": first.ripple_ratio, "second_ripple": second.ripple_ratio,
-    }  # fmt: skip
+        "first_dB": first.mean_dB,
+        "second_dB": second.mean_dB,
+        "first_ripple": first.ripple_ratio,
+        "second_ripple": second.ripple_ratio,
+    }
 
 
 def _roll(job: Job) -> dict[str, Any]:
@@ -161,10 +167,15 @@ def _roll(job: Job) -> dict[str, Any]:
     trace = [judge.rms(record.tension_N[p]) / judge.rms(plain.tension_N[p]) for p in parts]
     radius_m = np.interp(starts_s + 2.5, record.time_s, record.radius_m)
     return {
-        "mean_dB": v.mean_dB, "worst_dB": v.worst_dB, "ripple": v.ripple_ratio,
-        "worst_5s": v.worst_5s, "worse_share": v.worse_share, "trace": np.array(trace),
-        "radius_in": radius_m / 0.0254, "largest_m_s": float(np.abs(record.correction_m_s).max()),
-    }  # fmt: skip
+        "mean_dB": v.mean_dB,
+        "worst_dB": v.worst_dB,
+        "ripple": v.ripple_ratio,
+        "worst_5s": v.worst_5s,
+        "worse_share": v.worse_share,
+        "trace": np.array(trace),
+        "radius_in": radius_m / 0.0254,
+        "largest_m_s": float(np.abs(record.correction_m_s).max()),
+    }
 
 
 def _follower(job: Job) -> dict[str, Any]:
@@ -189,9 +200,10 @@ def _follower(job: Job) -> dict[str, Any]:
 
     return {
         "pullroll_1x_dB": float(judge.ratio_dB(first(plain), first(record))[0]),
-        "pullroll": ratio("pullroll_N"), "unwind": ratio("tension_N"),
+        "pullroll": ratio("pullroll_N"),
+        "unwind": ratio("tension_N"),
         "follower_speed": ratio("follower_m_s"),
-    }  # fmt: skip
+    }
 
 
 def _transient(job: Job) -> dict[str, Any]:

@@ -14,13 +14,7 @@ import numpy as np
 from aff_runtime.core.bank import Bank
 from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import ActuatorLaw, Inputs
-from aff_runtime.core.params import (
-    ActuatorParams,
-    BlockParams,
-    DriveParams,
-    LawKind,
-    ShapeParams,
-)
+from aff_runtime.core.params import ActuatorParams, BlockParams, DriveParams, LawKind, ShapeParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.printed import PrintedLaw
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
@@ -38,9 +32,7 @@ ORDERS = 24
 SHAPE = ShapeParams()
 OWN = "shape-KF"
 TUNED = json.loads((Path(__file__).parent / "tuned.json").read_text())
-RIVALS = (
-    "plain blocks", "printed (5.14)", "angle, no phase", "resonators", "FxLMS", "repetitive",
-)  # fmt: skip
+RIVALS = ("plain blocks", "printed (5.14)", "angle, no phase", "resonators", "FxLMS", "repetitive")
 
 
 def tuning(law: str) -> str:
@@ -89,10 +81,15 @@ def unwind_params(
             BlockParams(roll="swrap_follower", orders=(1,), settle_s=6.0, amp_limit=LIMIT_M_S)
         )
     return ActuatorParams(
-        name="unwind", signal="unwind_tension_N", reference="tension_ref_N",
-        transport_s=cycle_s, law=LawKind.SHAPE, drive=drive_of(material), shape=SHAPE,
+        name="unwind",
+        signal="unwind_tension_N",
+        reference="tension_ref_N",
+        transport_s=cycle_s,
+        law=LawKind.SHAPE,
+        drive=drive_of(material),
+        shape=SHAPE,
         blocks=tuple(blocks),
-    )  # fmt: skip
+    )
 
 
 def shape_law(
@@ -181,13 +178,16 @@ def plain_blocks(material: str, cycle_s: float, orders: int, settle_s: float) ->
 
 def _plain(cycle_s: float, orders: int, settle_s: float = 6.0) -> ActuatorParams:
     return ActuatorParams(
-        name="unwind", signal="unwind_tension_N", reference="tension_ref_N", transport_s=cycle_s,
+        name="unwind",
+        signal="unwind_tension_N",
+        reference="tension_ref_N",
+        transport_s=cycle_s,
         blocks=(
             BlockParams(
                 roll="unwind", orders=tuple(range(1, orders + 1)), settle_s=settle_s, amp_limit=0.1
             ),
         ),
-    )  # fmt: skip
+    )
 
 
 def measured(loop: LoopModel, cycle_s: float) -> Response:
@@ -212,23 +212,31 @@ def follower_law(material: str, cycle_s: float = 0.005, *, velocity: bool = Fals
     """Return the shape law on the S-wrap follower: pull-roll tension, or its own speed (5.10)."""
     line = nominal(material, 0.2032)
     drive = DriveParams(
-        roll="swrap_follower", K_ref_rad_s=20.0, zeta=1.1, inertia_kg_m2=0.35,
+        roll="swrap_follower",
+        K_ref_rad_s=20.0,
+        zeta=1.1,
+        inertia_kg_m2=0.35,
         tension_N=1.016 if velocity else line.operating_point.tension_N,
-        torque_term=False, imbalance=False,
-    )  # fmt: skip
+        torque_term=False,
+        imbalance=False,
+    )
     channel = "swrap_follower_speed_m_s" if velocity else "pullroll_tension_N"
     loop = nominal_loop(
         material, "swrap_follower", channel, cycle_s, 4.0 if velocity else 12.0, (0.2032,)
     )
     params = ActuatorParams(
-        name="swrap_follower", signal=channel, transport_s=cycle_s, law=LawKind.SHAPE, drive=drive,
+        name="swrap_follower",
+        signal=channel,
+        transport_s=cycle_s,
+        law=LawKind.SHAPE,
+        drive=drive,
         shape=ShapeParams(signal_sd=2e-4 if velocity else 0.6),
         blocks=(
             BlockParams(
                 roll="swrap_follower", orders=(1, 2, 3, 4), settle_s=6.0, amp_limit=LIMIT_M_S
             ),
         ),
-    )  # fmt: skip
+    )
     return lambda phases, cycle: ShapeLaw(
         params, drive=drive, phases=phases, loop=loop, cycle_s=cycle
     )

@@ -77,12 +77,7 @@ def nominal(material: str, radius_m: float) -> Declaration:
 
 
 def spoilt(
-    line: Declaration,
-    *,
-    shape: str | None,
-    lead_m: float,
-    follower_m: float,
-    gravity: float = 1.0,
+    line: Declaration, *, shape: str | None, lead_m: float, follower_m: float, gravity: float = 1.0
 ) -> Declaration:
     """Return the line with an out-of-round unwind roll and eccentric S-wrap rollers."""
     effects: list[EffectEntry] = []
@@ -92,11 +87,13 @@ def spoilt(
                 effect="out_of_round_roll",
                 location="unwind",
                 parameters={
-                    "shape": shape, "size_m": SHAPES[shape], "angle_rad": SHAPE_ANGLE_RAD,
+                    "shape": shape,
+                    "size_m": SHAPES[shape],
+                    "angle_rad": SHAPE_ANGLE_RAD,
                     "gravity": gravity,
                 },
             )
-        )  # fmt: skip
+        )
     turned = (
         ("swrap_lead", lead_m, LEAD_ANGLE_RAD),
         ("swrap_follower", follower_m, FOLLOWER_ANGLE_RAD),

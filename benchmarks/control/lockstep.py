@@ -160,9 +160,16 @@ def run(
             values = (*values[:5], values[5] + NEW_ROLL_RAD * (int(roll_id[k]) - 1), *values[6:])
         on = k * cycle_s >= on_s if enabled is None else bool(enabled[k])
         snapshot = Snapshot(
-            tick=k, t_ns=0, outcome=Outcome.OK, fresh=True, age_s=0.0, plc_heartbeat=k,
-            status=255, roll_id=1 if roll_id is None else int(roll_id[k]), values=values,
-        )  # fmt: skip
+            tick=k,
+            t_ns=0,
+            outcome=Outcome.OK,
+            fresh=True,
+            age_s=0.0,
+            plc_heartbeat=k,
+            status=255,
+            roll_id=1 if roll_id is None else int(roll_id[k]),
+            values=values,
+        )
         if phases.step(snapshot, cycle_s):
             for actuator in actuators.values():
                 for roll in phases.spliced:
@@ -181,9 +188,17 @@ def run(
             )
         row = log[k + 1]
         step_frame(
-            arrays, lay, state, work, speed_m_s[k], speed_m_s[k + 1], tension_ref, aff,
-            noise[k % CHUNK], row,
-        )  # fmt: skip
+            arrays,
+            lay,
+            state,
+            work,
+            speed_m_s[k],
+            speed_m_s[k + 1],
+            tension_ref,
+            aff,
+            noise[k % CHUNK],
+            row,
+        )
     return columns.record(log, theta0, corrections, speed_m_s, cycle_s)
 
 
@@ -220,10 +235,16 @@ def _alone(
         noise = rng.standard_normal((CHUNK, width)) if seed is not None else np.zeros((1, width))
         ends = np.lib.stride_tricks.sliding_window_view(speed_m_s[first : first + frames + 1], 2)
         run_frames(
-            arrays, lay, state, work, np.ascontiguousarray(ends),
-            np.full((frames, arrays.loops.size), tension_N), np.zeros((frames, d)), noise,
+            arrays,
+            lay,
+            state,
+            work,
+            np.ascontiguousarray(ends),
+            np.full((frames, arrays.loops.size), tension_N),
+            np.zeros((frames, d)),
+            noise,
             log[first + 1 : first + 1 + frames],
-        )  # fmt: skip
+        )
     columns = _Columns(line.declaration, cells, d, n, hidden)
     return columns.record(log, theta0, np.zeros((1, count)), speed_m_s, cycle_s)
 

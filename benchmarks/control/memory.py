@@ -46,9 +46,16 @@ class Eventful(Steady):
         tension = 88.96 + float(np.sin(theta)) + 0.25 * float(self._noise[k % 4096])
         values = (tension, 88.96, speed, 0.2032, 90.0, theta, self._turned_m / 0.15367, speed)
         snapshot = Snapshot(
-            tick=k, t_ns=0, outcome=Outcome.OK, fresh=fresh, age_s=0.0, plc_heartbeat=k,
-            status=255, roll_id=1 + k // ROUND_TICKS, values=values,
-        )  # fmt: skip
+            tick=k,
+            t_ns=0,
+            outcome=Outcome.OK,
+            fresh=fresh,
+            age_s=0.0,
+            plc_heartbeat=k,
+            status=255,
+            roll_id=1 + k // ROUND_TICKS,
+            values=values,
+        )
         if self._phases.step(snapshot, PERIOD_S):
             for roll in self._phases.spliced:
                 self.law.reset_roll(roll)
@@ -107,8 +114,13 @@ def watch_memory(duration_s: float) -> dict[str, Any]:
     first, last = found[0], found[-1]
     return {
         "case": "24 orders and S-wrap 1x; events every 10 s",
-        "ticks": ticks, "week_ticks": WEEK_TICKS,
-        "objects": last[1], "objects_grown": last[1] - first[1], "bytes": last[2],
-        "bytes_grown": last[2] - first[2], "blocks_grown": last[3] - first[3],
-        "resident_kB": last[4], "resident_grown_kB": last[4] - first[4],
-    }  # fmt: skip
+        "ticks": ticks,
+        "week_ticks": WEEK_TICKS,
+        "objects": last[1],
+        "objects_grown": last[1] - first[1],
+        "bytes": last[2],
+        "bytes_grown": last[2] - first[2],
+        "blocks_grown": last[3] - first[3],
+        "resident_kB": last[4],
+        "resident_grown_kB": last[4] - first[4],
+    }

@@ -113,10 +113,7 @@ def line(row: Row) -> str:
 
 def _table(section: str, rows: Iterable[Row]) -> list[str]:
     heads = [head for head, _ in COLUMNS[section]]
-    out = [
-        "| case | law | seed | " + " | ".join(heads) + " |",
-        "|" + "---|" * (3 + len(heads)),
-    ]
+    out = ["| case | law | seed | " + " | ".join(heads) + " |", "|" + "---|" * (3 + len(heads))]
     for row in rows:
         cells = " | ".join(show(row) for _, show in COLUMNS[section])
         out.append(f"| {row['case']} | {row['law']} | {row.get('seed', '')} | {cells} |")

@@ -23,7 +23,7 @@ COMMON = (
     *(CORE / f"{n}.py" for n in ("phase", "impulse")),
     *(p for room in ROOMS for p in (PLANT / room).glob("*.py")),
     EUCLID,
-)  # fmt: skip
+)
 SHAPE = (*sorted(CORE.glob("shape_*.py")), CORE / "gate.py", CORE / "params.py", BENCH / "laws.py")
 OF_LAW: dict[str, tuple[Path, ...]] = {
     "plain blocks": tuple(CORE / f"{n}.py" for n in ("bank", "block", "residual", "sharing")),

@@ -32,11 +32,12 @@ GRIDS: dict[str, dict[str, list[Any]]] = {
     "angle, no phase": {"orders": [1, 2, 4], "gain": [1e-4, 2.5e-4, 5e-4, 1e-3]},
     "resonators": {"orders": [4, 8, 16], "gain": [0.05, 0.1, 0.2, 0.3]},
     "FxLMS": {
-        "orders": [16, 24], "turns": [3.0, 5.0, 8.0, 15.0],
+        "orders": [16, 24],
+        "turns": [3.0, 5.0, 8.0, 15.0],
         "fade_Hz": [(14.0, 16.0), (17.0, 19.0)],
     },
     "repetitive": {"gain": [0.1, 0.2, 0.4], "q_Hz": [4.0, 6.0, 8.0, 10.0], "bins": [48]},
-}  # fmt: skip
+}
 SUBSET = (
     "constant Tyvek 200 FPM 8 in flat, Tyvek 300 FPM 4.75 in asym, PE 200 FPM 6.375 in bulge; "
     "first ramp Tyvek 8 in flat; all five hidden, Tyvek 200 FPM 8 in flat; 6.3 to 5.9 in of "
@@ -69,8 +70,11 @@ def score(job: tuple[str, dict[str, Any]]) -> tuple[str, dict[str, Any], float, 
     found = []
     for name, case, profile, from_s in _rows():
         common: dict[str, Any] = {
-            "seed": SEED, "on_s": cases.ON_S, "cycle_s": case.cycle_s, "hidden": case.hidden,
-        }  # fmt: skip
+            "seed": SEED,
+            "on_s": cases.ON_S,
+            "cycle_s": case.cycle_s,
+            "hidden": case.hidden,
+        }
         if name not in _PLAIN:
             _PLAIN[name] = run(case.line(), {}, profile, **common)
         builder = rival(law, case.material, case.cycle_s, setting)
@@ -106,9 +110,11 @@ def main() -> int:
     for law, all_of in tried.items():
         mean, setting, rows = min(all_of, key=lambda t: t[0])
         best[law] = {
-            "setting": setting, "score": mean, "tried": len(all_of),
+            "setting": setting,
+            "score": mean,
+            "tried": len(all_of),
             "rows": [round(r, 4) for r in rows],
-        }  # fmt: skip
+        }
     given.out.write_text(json.dumps(best, indent=1) + "\n")
     return 0
 

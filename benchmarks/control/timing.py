@@ -45,9 +45,16 @@ class Steady:
         tension = 88.96 + float(np.sin(theta)) + 0.25 * float(self._noise[k % 4096])
         values = (tension, 88.96, 1.016, 0.2032, 90.0, theta, 0.033 * k, 1.0)
         snapshot = Snapshot(
-            tick=k, t_ns=0, outcome=Outcome.OK, fresh=True, age_s=0.0, plc_heartbeat=k,
-            status=255, roll_id=1, values=values,
-        )  # fmt: skip
+            tick=k,
+            t_ns=0,
+            outcome=Outcome.OK,
+            fresh=True,
+            age_s=0.0,
+            plc_heartbeat=k,
+            status=255,
+            roll_id=1,
+            values=values,
+        )
         self._phases.step(snapshot, PERIOD_S)
         given = self._given
         given.signal, given.reference, given.line_speed_m_s = values[0], values[1], values[2]

@@ -66,33 +66,87 @@ def targets(rows: Sequence[Row]) -> list[Target]:
     return [
         *_constant(rows),
         *_ramp(rows),
-        *_each("3 whole roll, mean of 1x-4x", ">= 30 dB", (min(r["mean_dB"][:4]) for r in rolls),
-               lambda x: x >= 30),
-        *_each("3 whole roll, ripple", "<= 0.045", (r["ripple"] for r in rolls),
-               lambda x: x <= 0.045, 3),
-        *_each("3 whole roll, worst 5 s", "<= 0.1", (r["worst_5s"] for r in rolls),
-               lambda x: x <= 0.1, 3),
-        *_each("4 follower, pull-roll 1x", ">= 33 dB", (r["pullroll_1x_dB"] for r in both),
-               lambda x: x >= 33),
-        *_each("4 unwind tension meanwhile", "<= 1.0", (r["unwind"] for r in both),
-               lambda x: x <= 1, 3),
-        *_each("5 mismatch, 1x-2x", ">= 30 dB", (min(r["late_dB"][:2]) for r in hidden),
-               lambda x: x >= 30),
-        *_each("5 mismatch, 3x-4x", ">= 25 dB", (min(r["late_dB"][2:4]) for r in hidden),
-               lambda x: x >= 25),
-        *_each("5 mismatch, no divergence", "ripple < 1", (r["ripple"] for r in hidden),
-               lambda x: x < 1, 3),
-        *_each("5 ramp, all five, 1x-2x", ">= 18 dB",
-               (min(r["first_dB"][:2]) for r in of("ramp") if "all5" in r["case"]),
-               lambda x: x >= 18),
-        *_each("5 whole roll, all five, ripple", "<= 0.1", (r["ripple"] for r in spoilt),
-               lambda x: x <= 0.1, 3),
-        *_each("6 start-up peak, constant speed", "<= 1.0", (r["peak"] for r in of("constant")),
-               lambda x: x <= 1.0, 3),
-        *_each("6 start-up peak, mismatch", "<= 1.0", (r["peak"] for r in hidden),
-               lambda x: x <= 1.0, 3),
+        *_each(
+            "3 whole roll, mean of 1x-4x",
+            ">= 30 dB",
+            (min(r["mean_dB"][:4]) for r in rolls),
+            lambda x: x >= 30,
+        ),
+        *_each(
+            "3 whole roll, ripple",
+            "<= 0.045",
+            (r["ripple"] for r in rolls),
+            lambda x: x <= 0.045,
+            3,
+        ),
+        *_each(
+            "3 whole roll, worst 5 s",
+            "<= 0.1",
+            (r["worst_5s"] for r in rolls),
+            lambda x: x <= 0.1,
+            3,
+        ),
+        *_each(
+            "4 follower, pull-roll 1x",
+            ">= 33 dB",
+            (r["pullroll_1x_dB"] for r in both),
+            lambda x: x >= 33,
+        ),
+        *_each(
+            "4 unwind tension meanwhile",
+            "<= 1.0",
+            (r["unwind"] for r in both),
+            lambda x: x <= 1,
+            3,
+        ),
+        *_each(
+            "5 mismatch, 1x-2x",
+            ">= 30 dB",
+            (min(r["late_dB"][:2]) for r in hidden),
+            lambda x: x >= 30,
+        ),
+        *_each(
+            "5 mismatch, 3x-4x",
+            ">= 25 dB",
+            (min(r["late_dB"][2:4]) for r in hidden),
+            lambda x: x >= 25,
+        ),
+        *_each(
+            "5 mismatch, no divergence",
+            "ripple < 1",
+            (r["ripple"] for r in hidden),
+            lambda x: x < 1,
+            3,
+        ),
+        *_each(
+            "5 ramp, all five, 1x-2x",
+            ">= 18 dB",
+            (min(r["first_dB"][:2]) for r in of("ramp") if "all5" in r["case"]),
+            lambda x: x >= 18,
+        ),
+        *_each(
+            "5 whole roll, all five, ripple",
+            "<= 0.1",
+            (r["ripple"] for r in spoilt),
+            lambda x: x <= 0.1,
+            3,
+        ),
+        *_each(
+            "6 start-up peak, constant speed",
+            "<= 1.0",
+            (r["peak"] for r in of("constant")),
+            lambda x: x <= 1.0,
+            3,
+        ),
+        *_each(
+            "6 start-up peak, mismatch",
+            "<= 1.0",
+            (r["peak"] for r in hidden),
+            lambda x: x <= 1.0,
+            3,
+        ),
         *_ahead(rows, own),
-    ]  # fmt: skip
+    ]
 
 
 def _constant(rows: Sequence[Row]) -> list[Target]:
@@ -110,28 +164,60 @@ def _constant(rows: Sequence[Row]) -> list[Target]:
     constant = of(OWN)
     ripple = [r["ripple"] for r in constant]
     found = [
-        *_each("1 cold, 20 dB on 1x-4x reached", "5 turns", (r["first_turns"] for r in constant),
-               lambda x: x <= 5, 1),
-        *_each("1 cold, 20 dB on 1x-4x kept from then on", "5 turns",
-               (r["settle_turns"] for r in constant), lambda x: x <= 5, 1),
-        *_each("1 from a saved profile, 20 dB", "2 turns", (r["first_turns"] for r in of(SAVED)),
-               lambda x: x <= 2, 1),
-        *_each("1 the same with the best fixed weights", "(cap)",
-               (r["first_turns"] for r in of(ORACLE)), lambda x: x <= 2, 1),
-        *_each("1 turns 10-20, each of 1x-4x", ">= 30 dB",
-               (m for r in constant for m in r["middle_dB"][:4]), lambda x: x >= 30),
+        *_each(
+            "1 cold, 20 dB on 1x-4x reached",
+            "5 turns",
+            (r["first_turns"] for r in constant),
+            lambda x: x <= 5,
+            1,
+        ),
+        *_each(
+            "1 cold, 20 dB on 1x-4x kept from then on",
+            "5 turns",
+            (r["settle_turns"] for r in constant),
+            lambda x: x <= 5,
+            1,
+        ),
+        *_each(
+            "1 from a saved profile, 20 dB",
+            "2 turns",
+            (r["first_turns"] for r in of(SAVED)),
+            lambda x: x <= 2,
+            1,
+        ),
+        *_each(
+            "1 the same with the best fixed weights",
+            "(cap)",
+            (r["first_turns"] for r in of(ORACLE)),
+            lambda x: x <= 2,
+            1,
+        ),
+        *_each(
+            "1 turns 10-20, each of 1x-4x",
+            ">= 30 dB",
+            (m for r in constant for m in r["middle_dB"][:4]),
+            lambda x: x >= 30,
+        ),
         *_share("1 turns 10-20 at the noise reference", "70 % of orders", 0.7, at_reference(OWN)),
         *_share("1 the same with a perfect roll", "(cap)", 0.7, at_reference(PERFECT)),
-        *_each("1 later, each of 1x-4x", ">= 35 dB",
-               (m for r in constant for m in r["late_dB"][:4]), lambda x: x >= 35),
+        *_each(
+            "1 later, each of 1x-4x",
+            ">= 35 dB",
+            (m for r in constant for m in r["late_dB"][:4]),
+            lambda x: x >= 35,
+        ),
         *_each("1 total ripple", "<= 0.10", ripple, lambda x: x <= 0.1, 3),
-    ]  # fmt: skip
+    ]
     if ripple:
         median = float(np.median(ripple))
         found.append(
-            Target(what="1 total ripple, median", asked="<= 0.05", reached=f"{median:.3f}",
-                   share=float(median <= 0.05))
-        )  # fmt: skip
+            Target(
+                what="1 total ripple, median",
+                asked="<= 0.05",
+                reached=f"{median:.3f}",
+                share=float(median <= 0.05),
+            )
+        )
     return found
 
 
@@ -144,14 +230,27 @@ def _ramp(rows: Sequence[Row]) -> list[Target]:
     ]
     return [
         *_each("2 first ramp, 1x", ">= 22 dB", (r["first_dB"][0] for r in own), lambda x: x >= 22),
-        *_each("2 the same with a perfect roll", "(cap)",
-               (r["first_dB"][0] for r in perfect.values()), lambda x: x >= 22),
-        *_each("2 first ramp, 2x-4x", ">= 27 dB", (min(r["first_dB"][1:4]) for r in own),
-               lambda x: x >= 27),
-        *_each("2 first ramp, ripple", "<= 0.09", (r["first_ripple"] for r in own),
-               lambda x: x <= 0.09, 3),
+        *_each(
+            "2 the same with a perfect roll",
+            "(cap)",
+            (r["first_dB"][0] for r in perfect.values()),
+            lambda x: x >= 22,
+        ),
+        *_each(
+            "2 first ramp, 2x-4x",
+            ">= 27 dB",
+            (min(r["first_dB"][1:4]) for r in own),
+            lambda x: x >= 27,
+        ),
+        *_each(
+            "2 first ramp, ripple",
+            "<= 0.09",
+            (r["first_ripple"] for r in own),
+            lambda x: x <= 0.09,
+            3,
+        ),
         *_each("2 second ramp, 1x below a perfect roll", "<= 3 dB", gaps, lambda x: x <= 3, 1),
-    ]  # fmt: skip
+    ]
 
 
 def beaten(rows: Sequence[Row]) -> list[tuple[Row, float]]:
@@ -178,6 +277,11 @@ def _ahead(rows: Sequence[Row], own_rows: Sequence[Row]) -> list[Target]:
             for r in rows
             if r["law"] == law and (r["section"], r["case"]) in own
         ]
-        found += _each(f"7 ripple of {law} over the shape law's", "> 1 in every row", ratios,
-                       lambda x: x >= 1.0, 1)  # fmt: skip
+        found += _each(
+            f"7 ripple of {law} over the shape law's",
+            "> 1 in every row",
+            ratios,
+            lambda x: x >= 1.0,
+            1,
+        )
     return found

@@ -34,10 +34,18 @@ def over_the_wire(folder: Path) -> list[Row]:
         line = out.parent / f"{out.name}.yaml"
         line.write_text(yaml.safe_dump(case.line().model_dump(mode="json", by_alias=True)))
         session = run_session(
-            Plan(line=line, site=SITE, out=out, line_speed_m_s=case.speed_m_s, seed=SEED,
-                 before_s=20.0, learn_s=45.0, after_s=20.0),
+            Plan(
+                line=line,
+                site=SITE,
+                out=out,
+                line_speed_m_s=case.speed_m_s,
+                seed=SEED,
+                before_s=20.0,
+                learn_s=45.0,
+                after_s=20.0,
+            ),
             _say,
-        )  # fmt: skip
+        )
         rows.append({"case": case.name, "law": OWN, "seed": SEED, **_row(session)})
     return rows
 
@@ -62,11 +70,13 @@ def _row(session: Session) -> dict[str, Any]:
     plain, left = _amplitudes(before), _amplitudes(after)
     tension = "true_unwind_tension_N"
     return {
-        "plain_N": [float(x) for x in plain[:4]], "with_N": [float(x) for x in left[:4]],
+        "plain_N": [float(x) for x in plain[:4]],
+        "with_N": [float(x) for x in left[:4]],
         "late_dB": [float(x) for x in judge.ratio_dB(plain, left)],
         "ripple": judge.rms(after[tension]) / judge.rms(before[tension]),
-        "probe": session.probe_text, "exit_codes": session.exit_codes,
-    }  # fmt: skip
+        "probe": session.probe_text,
+        "exit_codes": session.exit_codes,
+    }
 
 
 def _amplitudes(part: dict[str, Any]) -> judge.Array:

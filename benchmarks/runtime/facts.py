@@ -41,8 +41,9 @@ def quantiles_us(durations_ns: Sequence[int]) -> tuple[float, float, float]:
 def timing_row(name: str, durations_ns: Sequence[int], remark: str = "") -> Row:
     """Return p50, p99 and the maximum as a row."""
     p50, p99, most = quantiles_us(durations_ns)
-    return Row(name=name, value=f"p50 {p50:.0f} us, p99 {p99:.0f} us, max {most:.0f} us",
-               remark=remark)  # fmt: skip
+    return Row(
+        name=name, value=f"p50 {p50:.0f} us, p99 {p99:.0f} us, max {most:.0f} us", remark=remark
+    )
 
 
 def machine() -> Section:

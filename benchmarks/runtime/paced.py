@@ -85,11 +85,14 @@ def law_of(blocks: int) -> Controller:
     )
     points = [
         ResponsePoint(
-            frequency_Hz=0.1 * 1.3**k, gain=200.0, phase_rad=-0.1 * k, relative_error=0.02,
+            frequency_Hz=0.1 * 1.3**k,
+            gain=200.0,
+            phase_rad=-0.1 * k,
+            relative_error=0.02,
             coherence=0.99,
         )
         for k in range(20)
-    ]  # fmt: skip
+    ]
     provenance = Provenance(actuator="unwind", signal="tension_N")
     response = Response(points=points, delay_s=0.0, provenance=provenance)
     return Controller(site, {"unwind": response})
@@ -104,10 +107,16 @@ def law_step(blocks: int) -> Callable[[int], None]:
     def step(tick: int) -> None:
         angles = tuple(0.005 * tick * (2.0 + 0.1 * k) for k in range(rolls))
         snapshot = Snapshot(
-            tick=tick, t_ns=tick * PERIOD_NS, outcome=Outcome.OK, fresh=True, age_s=0.0,
-            plc_heartbeat=tick & 0xFFFF, status=0xFF, roll_id=1,
+            tick=tick,
+            t_ns=tick * PERIOD_NS,
+            outcome=Outcome.OK,
+            fresh=True,
+            age_s=0.0,
+            plc_heartbeat=tick & 0xFFFF,
+            status=0xFF,
+            roll_id=1,
             values=(90.0 + math.sin(0.1 * tick), 1.0, *angles),
-        )  # fmt: skip
+        )
         law.step(snapshot, 0.005, free)
         law.telemetry()
 

@@ -25,8 +25,9 @@ DELAY_RING_TICKS = 512
 
 def record_type(integers: str, floats: str) -> np.dtype[Any]:
     """Return a structured type with these integer and float fields, in this order."""
-    return np.dtype([(n, np.int64) for n in integers.split()]
-                    + [(n, np.float64) for n in floats.split()])  # fmt: skip
+    return np.dtype(
+        [(n, np.int64) for n in integers.split()] + [(n, np.float64) for n in floats.split()]
+    )
 
 
 BODY = record_type(

@@ -48,6 +48,9 @@ def compiled(function: F) -> F:
     Compiled code works on arrays of its caller only; an allocation in it does not compile.
     """
     options: dict[str, Any] = {
-        "cache": True, "fastmath": False, "error_model": "numpy", "_nrt": False,
-    }  # fmt: skip
+        "cache": True,
+        "fastmath": False,
+        "error_model": "numpy",
+        "_nrt": False,
+    }
     return cast(F, numba.njit(**options)(function))

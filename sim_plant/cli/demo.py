@@ -36,14 +36,19 @@ def run(arguments: argparse.Namespace) -> int:
         raise PlantError(f"--speed-fpm {arguments.speed_fpm:g}: give 30 to 600 feet per minute")
     site = arguments.site or ROOT / "config" / SITES[arguments.wire]
     plan = Plan(
-        line=arguments.line, site=site, out=arguments.out, wire=arguments.wire,
-        line_speed_m_s=arguments.speed_fpm * FPM_M_S, seed=arguments.seed,
-    )  # fmt: skip
+        line=arguments.line,
+        site=site,
+        out=arguments.out,
+        wire=arguments.wire,
+        line_speed_m_s=arguments.speed_fpm * FPM_M_S,
+        seed=arguments.seed,
+    )
     session = run_session(plan, lambda text: print(text, flush=True))
     rows = judge(
-        window(session.record, *session.before_s), window(session.record, *session.after_s),
+        window(session.record, *session.before_s),
+        window(session.record, *session.after_s),
         NOISE_N,
-    )  # fmt: skip
+    )
     page = write_report(session, rows, NOISE_N)
     print(f"\n{table_text(rows)}\n\nreport: {page}")
     return 0 if all(row.passed for row in rows) else 5

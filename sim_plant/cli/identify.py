@@ -23,13 +23,23 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         ("driven-friction", "friction of a driven roller without web, from its coast-down"),
     ):
         kind = kinds.add_parser(name, help=text)
-        kind.add_argument("records", nargs="+", type=Path, metavar="RECORD",
-                          help="CSV with time_s, speed_rad_s, torque_N_m")  # fmt: skip
+        kind.add_argument(
+            "records",
+            nargs="+",
+            type=Path,
+            metavar="RECORD",
+            help="CSV with time_s, speed_rad_s, torque_N_m",
+        )
         kind.add_argument("--inertia-kg-m2", type=float, help="known inertia; else identified")
         kind.set_defaults(run=run_driven, wanted=name)
     idler = kinds.add_parser("idler-friction", help="idler bearings, from two load cells")
-    idler.add_argument("records", nargs="+", type=Path, metavar="RECORD",
-                       help="CSV with time_s, a speed in m/s and two tensions")  # fmt: skip
+    idler.add_argument(
+        "records",
+        nargs="+",
+        type=Path,
+        metavar="RECORD",
+        help="CSV with time_s, a speed in m/s and two tensions",
+    )
     idler.add_argument("--radius-m", type=float, default=0.0381, help="of the idlers")
     idler.add_argument("--idlers-between", type=int, default=5, help="the two load-cell rollers")
     idler.add_argument("--divisor", type=float, help="instead of idlers-between + 1 (source: 7)")
@@ -78,8 +88,9 @@ def _read_run(path: Path) -> Run:
     step = float(np.median(steps))
     if np.any(np.abs(steps - step) > 0.01 * step):
         raise PlantError(f"{path}: time_s is not even; record at a fixed rate")
-    return Run(sample_time_s=step, speed_rad_s=record["speed_rad_s"],
-               torque_N_m=record["torque_N_m"])  # fmt: skip
+    return Run(
+        sample_time_s=step, speed_rad_s=record["speed_rad_s"], torque_N_m=record["torque_N_m"]
+    )
 
 
 def run_idler(arguments: argparse.Namespace) -> int:

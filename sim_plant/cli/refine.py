@@ -25,26 +25,53 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         "size that explain what is left. docs/refine.md",
     )
     parser.add_argument(
-        "line", type=Path, metavar="LINE.yaml",
+        "line",
+        type=Path,
+        metavar="LINE.yaml",
         help="line declaration, or a record declaration where there is no line",
-    )  # fmt: skip
-    parser.add_argument("records", type=Path, nargs="*", metavar="RECORD",
-                        help="records to fit: .csv, .csv.gz, .txt, .parquet, .mf4; columns are "
-                        "time_s, both references and the channels the line declares")  # fmt: skip
+    )
+    parser.add_argument(
+        "records",
+        type=Path,
+        nargs="*",
+        metavar="RECORD",
+        help="records to fit: .csv, .csv.gz, .txt, .parquet, .mf4; columns are "
+        "time_s, both references and the channels the line declares",
+    )
     parser.add_argument(
         "--example",
         action="store_true",
         help="make two records of this line with an undeclared effect first",
     )
-    parser.add_argument("--holdout", type=Path, action="append", default=[], metavar="RECORD",
-                        help="record to judge on, not to fit")  # fmt: skip
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR",
-                        help="folder for report.html, verdict.json, line_amended.yaml and "
-                        "aff_block.yaml")  # fmt: skip
-    parser.add_argument("--without", action="append", default=[], metavar="EFFECT",
-                        help="leave an effect out of the library; may be given again")  # fmt: skip
-    parser.add_argument("--workers", type=int, default=min(2, os.cpu_count() or 1), metavar="N",
-                        help="processes that simulate (default: 2, on one core 1)")  # fmt: skip
+    parser.add_argument(
+        "--holdout",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="RECORD",
+        help="record to judge on, not to fit",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="folder for report.html, verdict.json, line_amended.yaml and aff_block.yaml",
+    )
+    parser.add_argument(
+        "--without",
+        action="append",
+        default=[],
+        metavar="EFFECT",
+        help="leave an effect out of the library; may be given again",
+    )
+    parser.add_argument(
+        "--workers",
+        type=int,
+        default=min(2, os.cpu_count() or 1),
+        metavar="N",
+        help="processes that simulate (default: 2, on one core 1)",
+    )
     parser.set_defaults(run=run)
 
 
@@ -69,14 +96,20 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.example and (records or holdout):
         raise PlantError("--example makes its own records; leave RECORD and --holdout out")
     if arguments.example and is_record_declaration(arguments.line):
-        raise PlantError(f"{arguments.line}: declares records; --example needs a line, such as "
-                         "config/lines/euclid.yaml")  # fmt: skip
+        raise PlantError(
+            f"{arguments.line}: declares records; --example needs a line, such as "
+            "config/lines/euclid.yaml"
+        )
     if not records and not arguments.example:
         raise PlantError("give at least one RECORD, or --example")
     plan = Plan(
-        line=arguments.line, records=records, holdout=holdout,
-        out=arguments.out, without=tuple(arguments.without), workers=arguments.workers,
-    )  # fmt: skip
+        line=arguments.line,
+        records=records,
+        holdout=holdout,
+        out=arguments.out,
+        without=tuple(arguments.without),
+        workers=arguments.workers,
+    )
     check_folder(plan)
     if arguments.example:
         print("making two records with an effect that the line file does not declare")
@@ -104,8 +137,10 @@ def record_summary(result: dict[str, Any], out: Path, *, held: bool) -> str:
     for u in result["clocks"]:
         lines.append(f"  no effect: {u['coordinate']['frequency_Hz']:.4g} Hz {u['why']}")
     for name, row in result["residual_rms"].items():
-        lines.append(f"{name}: rms {row['before']:.5g} with the declared filter alone, "
-                     f"{row['after']:.5g} with the lines")  # fmt: skip
+        lines.append(
+            f"{name}: rms {row['before']:.5g} with the declared filter alone, "
+            f"{row['after']:.5g} with the lines"
+        )
     return "\n".join([*lines, _last(result, out, held=held)])
 
 
@@ -123,20 +158,24 @@ def summary(outcome: Outcome) -> str:
     lines = [f"\nverdict: {result['verdict']}"]
     for e in result["effects"]:
         lines.append(f"  {e['effect']} at {e['location']}: {size_of(e)}")
-        lines.append(f"    score {e['score']:.0f}, runner-up {e['runner_up']}, "
-                     f"margin {e['margin']:.0f}")  # fmt: skip
+        lines.append(
+            f"    score {e['score']:.0f}, runner-up {e['runner_up']}, margin {e['margin']:.0f}"
+        )
     for a in result["ambiguous"]:
         lines.append(f"  not identifiable: {a['effect']} or {', '.join(a['with'])}")
         lines += [f"    to tell: {what}" for what in a["experiments"]]
     for u in result["unknown"]:
-        lines.append(f"  unknown, class {u['class']}: "
-                     f"{coordinate_text(u['class'], u['coordinate'])}")  # fmt: skip
+        lines.append(
+            f"  unknown, class {u['class']}: {coordinate_text(u['class'], u['coordinate'])}"
+        )
     lines.append(
         f"{'channel':28s} {'before':>10s} {'after':>10s} {'floor':>10s} {'after/floor':>11s}"
     )
     for name, row in result["residual_rms"].items():
         share = row["after"] / row["noise_floor"] if row["noise_floor"] else 0.0
-        lines.append(f"{name:28s} {row['before']:10.4g} {row['after']:10.4g} "
-                     f"{row['noise_floor']:10.4g} {share:11.3f}")  # fmt: skip
+        lines.append(
+            f"{name:28s} {row['before']:10.4g} {row['after']:10.4g} "
+            f"{row['noise_floor']:10.4g} {share:11.3f}"
+        )
     lines.append(_last(result, outcome.plan.out, held=bool(outcome.plan.holdout)))
     return "\n".join(lines)

@@ -11,8 +11,13 @@ Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhe
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     """Add the subcommand."""
     parser = subparsers.add_parser("reproduce", help="the source's experiments, one gallery")
-    parser.add_argument("--only", action="append", default=[], metavar="ID",
-                        help="one experiment (repeat for more); --list names them")  # fmt: skip
+    parser.add_argument(
+        "--only",
+        action="append",
+        default=[],
+        metavar="ID",
+        help="one experiment (repeat for more); --list names them",
+    )
     parser.add_argument("--out", type=Path, default=Path("out/reproduce"), metavar="DIR")
     parser.add_argument("--docs", type=Path, metavar="FILE.md", help="write the table there too")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="processes")
@@ -22,13 +27,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the chosen experiments; 5 when two methods differ by more than promised."""
-    from sim_plant.reproduce.gallery import (  # noqa: PLC0415 (heavy imports: only when used)
-        chosen,
-        counts,
-        markdown,
-        run_all,
-        write_gallery,
-    )
+    from sim_plant.reproduce.gallery import chosen, counts, markdown, run_all, write_gallery  # noqa: PLC0415 (heavy imports: only when used)
 
     experiments = chosen(arguments.only)
     if arguments.list:
@@ -41,8 +40,10 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.docs.write_text(markdown(done), encoding="utf-8")
     broken = [g for d in done for g in d.result.disagreements if not g.within]
     for gap in broken:
-        print(f"broken promise: {gap.what}: {gap.first} and {gap.second} differ by "
-              f"{gap.difference:.3g} {gap.unit}")  # fmt: skip
+        print(
+            f"broken promise: {gap.what}: {gap.first} and {gap.second} differ by "
+            f"{gap.difference:.3g} {gap.unit}"
+        )
     total = counts(done)
     print(f"{total['agree']} rows agree, {total['disagree']} disagree, {total['new']} are new")
     print(f"gallery: {page}")

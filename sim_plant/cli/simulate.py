@@ -16,8 +16,12 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--duration", type=float, default=60.0, metavar="S")
     parser.add_argument("--speed-m-s", type=float, help="line speed, m/s (declaration's)")
     parser.add_argument("--tension-N", type=float, help="tension reference, N (declaration's)")
-    parser.add_argument("--references", type=Path, metavar="RECORD.csv.gz",
-                        help="take both references from a record")  # fmt: skip
+    parser.add_argument(
+        "--references",
+        type=Path,
+        metavar="RECORD.csv.gz",
+        help="take both references from a record",
+    )
     parser.add_argument("--seed", type=int, default=0, help="of the noise")
     parser.add_argument("--exact", action="store_true", help="no noise, exact sensors")
     parser.set_defaults(run=run)
@@ -44,9 +48,11 @@ def run(arguments: argparse.Namespace) -> int:
         columns = read_columns(arguments.references, needed)
         speeds, tensions = columns[needed[0]], columns[needed[1]]
     line = make_line(
-        declaration, seed=None if arguments.exact else arguments.seed,
-        speed_m_s=float(speeds[0]), tension_N=float(tensions[0]),
-    )  # fmt: skip
+        declaration,
+        seed=None if arguments.exact else arguments.seed,
+        speed_m_s=float(speeds[0]),
+        tension_N=float(tensions[0]),
+    )
     line.settle()
     channels = line.simulate(speeds, tensions)
     names = [sensor.channel for sensor in declaration.sensors]

@@ -92,8 +92,9 @@ def timing_figure(columns: Mapping[str, Array]) -> str:
         values = columns[name][np.isfinite(columns[name])]
         p50, p99 = np.percentile(values, [50, 99])
         label = f"{name.removesuffix('_us')}: p50 {p50:.0f} us, p99 {p99:.0f} us"
-        axis.hist(np.maximum(values, 4.0), bins=list(bins), histtype="step", color=colour,
-                  label=label)  # fmt: skip
+        axis.hist(
+            np.maximum(values, 4.0), bins=list(bins), histtype="step", color=colour, label=label
+        )
     axis.set_xscale("log")
     axis.set_yscale("log")
     axis.set_xlabel("us")

@@ -67,11 +67,16 @@ def judge(before: dict[str, Array], after: dict[str, Array], noise_N: float) -> 
         for number, order in enumerate(orders):
             rows.append(
                 Row(
-                    tension=tension, roll=roll, order=order, frequency_Hz=order * float(turn_Hz),
-                    before_N=float(amplitudes[0][number]), after_N=float(amplitudes[1][number]),
-                    floor_N=floor, target_dB=target,
+                    tension=tension,
+                    roll=roll,
+                    order=order,
+                    frequency_Hz=order * float(turn_Hz),
+                    before_N=float(amplitudes[0][number]),
+                    after_N=float(amplitudes[1][number]),
+                    floor_N=floor,
+                    target_dB=target,
                 )
-            )  # fmt: skip
+            )
     return rows
 
 
@@ -89,12 +94,17 @@ def more_orders(
     turn_Hz = (angle[-1] - angle[0]) / (time[-1] - time[0]) / (2.0 * np.pi)
     return [
         Row(
-            tension=tension, roll=roll, order=order, frequency_Hz=order * float(turn_Hz),
-            before_N=float(b), after_N=float(a), target_dB=0.0,
+            tension=tension,
+            roll=roll,
+            order=order,
+            frequency_Hz=order * float(turn_Hz),
+            before_N=float(b),
+            after_N=float(a),
+            target_dB=0.0,
             floor_N=3.0 * noise_N * float(np.sqrt(2.0 / time.size)),
         )
         for order, b, a in zip(orders, *amplitudes, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def _orders(
@@ -102,10 +112,12 @@ def _orders(
 ) -> Array:
     return np.abs(
         order_amplitudes(
-            part[f"true_{tension}"], part[f"true_{roll}_angle_rad"], orders,
+            part[f"true_{tension}"],
+            part[f"true_{roll}_angle_rad"],
+            orders,
             {other: part[f"true_{other}_angle_rad"]},
         )
-    )  # fmt: skip
+    )
 
 
 def table_text(rows: list[Row]) -> str:

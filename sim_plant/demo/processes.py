@@ -45,9 +45,13 @@ class Child:
     """A process of ours with its output in a log file; ended by its own handle only."""
 
     def __init__(
-        self, name: str, command: Sequence[str], log: Path, ready: str = "",
+        self,
+        name: str,
+        command: Sequence[str],
+        log: Path,
+        ready: str = "",
         environment: Mapping[str, str] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.name, self.log = name, log
         self._stream = log.open("wb")
         self.process = subprocess.Popen(
@@ -104,9 +108,11 @@ class Child:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None,
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
         trace: TracebackType | None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.stop()
 
 
@@ -128,8 +134,11 @@ def runtime_command(bench: Bench, *words: str, patience_s: float = 90.0) -> str:
     """
     done = subprocess.run(
         [*RUNTIME, *words, "--runtime-dir", str(bench.runtime_dir)],
-        capture_output=True, text=True, timeout=patience_s, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        timeout=patience_s,
+        check=False,
+    )
     allowed = (0, ALARM_EXIT) if words[0] == "status" else (0,)
     if done.returncode not in allowed:
         raise PlantError(

@@ -48,21 +48,34 @@ def write_report(session: Session, rows: list[Row], noise_N: float) -> Path:
         loader=PackageLoader("sim_plant.demo", "."), autoescape=True
     ).get_template("report.html.j2")
     page = template.render(
-        line=session.plan.line.name, wire=WIRE_NAMES[session.plan.wire],
+        line=session.plan.line.name,
+        wire=WIRE_NAMES[session.plan.wire],
         speed_m_s=session.plan.line_speed_m_s,
-        seed=session.plan.seed, before=session.before_s, after=session.after_s, rms=rms,
-        rows=rows, tension=tension_figure(session), spectra=spectrum_figure(session),
-        roll=roll_figure(learned), learned=learned, more=more,
-        blocks=block_figure(columns), timing=timing_figure(columns), probe=session.probe_text,
-    )  # fmt: skip
+        seed=session.plan.seed,
+        before=session.before_s,
+        after=session.after_s,
+        rms=rms,
+        rows=rows,
+        tension=tension_figure(session),
+        spectra=spectrum_figure(session),
+        roll=roll_figure(learned),
+        learned=learned,
+        more=more,
+        blocks=block_figure(columns),
+        timing=timing_figure(columns),
+        probe=session.probe_text,
+    )
     path = out / "report.html"
     path.write_text(page, encoding="utf-8")
     twin = {
         "line_speed_m_s": session.plan.line_speed_m_s,
         "seed": session.plan.seed,
         "ripple_rms_N": dict(
-            zip(("unwind_before", "unwind_after", "pullroll_before", "pullroll_after"), rms,
-                strict=True)
+            zip(
+                ("unwind_before", "unwind_after", "pullroll_before", "pullroll_after"),
+                rms,
+                strict=True,
+            )
         ),
         "orders": [
             dataclasses.asdict(row) | {"reduction_dB": row.reduction_dB, "passed": row.passed}
@@ -73,6 +86,6 @@ def write_report(session: Session, rows: list[Row], noise_N: float) -> Path:
         ],
         "learned_shape": [dataclasses.asdict(one) for one in learned],
         "exit_codes": session.exit_codes,
-    }  # fmt: skip
+    }
     (out / "report.json").write_text(json.dumps(twin, indent=1) + "\n", encoding="utf-8")
     return path

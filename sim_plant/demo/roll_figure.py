@@ -43,10 +43,13 @@ def learned_orders(columns: Mapping[str, Array]) -> list[LearnedOrder]:
         phase = columns[f"{actuator}.{roll}_{order}x.phase_deg"]
         found.append(
             LearnedOrder(
-                actuator=actuator, roll=roll, order=int(order),
-                deviation_mm=float(values[-1]), angle_deg=float(phase[-1]),
+                actuator=actuator,
+                roll=roll,
+                order=int(order),
+                deviation_mm=float(values[-1]),
+                angle_deg=float(phase[-1]),
             )
-        )  # fmt: skip
+        )
     return found
 
 
@@ -73,13 +76,15 @@ def roll_figure(orders: list[LearnedOrder]) -> str:
     for axis, ((actuator, roll), many) in zip(axes, shown.items(), strict=True):
         deviation = deviation_mm(many, angle)
         size = max(float(np.max(np.abs(deviation))), 1e-3)
-        axis.plot(angle, np.full_like(angle, ROOM * size), color=BEFORE, lw=1, ls="--",
-                  label="round")  # fmt: skip
+        axis.plot(
+            angle, np.full_like(angle, ROOM * size), color=BEFORE, lw=1, ls="--", label="round"
+        )
         axis.plot(angle, ROOM * size + deviation, color=AFTER, lw=1.6, label="learned")
         marks = np.linspace(-size, size, 5)
         axis.set_yticks(ROOM * size + marks, [f"{mark:+.1f} mm" for mark in marks], fontsize=8)
         axis.set_ylim(0.0, (ROOM + 1.15) * size)
-        axis.set_title(f"{roll}, as {actuator} learned it: moment arm over the roll's angle",
-                       fontsize=10)  # fmt: skip
+        axis.set_title(
+            f"{roll}, as {actuator} learned it: moment arm over the roll's angle", fontsize=10
+        )
         axis.legend(loc="lower left", bbox_to_anchor=(-0.1, -0.1), fontsize=8)
     return svg(figure)

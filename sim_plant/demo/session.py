@@ -85,14 +85,28 @@ def run_session(plan: Plan, progress: Progress) -> Session:
     record_path = bench.folder / "plant.csv.gz"
     progress("starting the plant (compiles its kernel the first time)")
     plant_command = [
-        *PLANT, "serve", str(plan.line), *bench.plant_arguments,
-        "--speed-m-s", f"{plan.line_speed_m_s:.6f}", "--seed", str(plan.seed),
-        "--record", str(record_path), "--control", str(bench.plant_socket),
-    ]  # fmt: skip
+        *PLANT,
+        "serve",
+        str(plan.line),
+        *bench.plant_arguments,
+        "--speed-m-s",
+        f"{plan.line_speed_m_s:.6f}",
+        "--seed",
+        str(plan.seed),
+        "--record",
+        str(record_path),
+        "--control",
+        str(bench.plant_socket),
+    ]
     runtime = [
-        *RUNTIME, "run", str(bench.site), "--runtime-dir", str(bench.runtime_dir),
-        "--record-dir", str(bench.folder / "runs"),
-    ]  # fmt: skip
+        *RUNTIME,
+        "run",
+        str(bench.site),
+        "--runtime-dir",
+        str(bench.runtime_dir),
+        "--record-dir",
+        str(bench.folder / "runs"),
+    ]
     codes: dict[str, int] = {}
     with Child("plant", plant_command, bench.folder / "plant.log", ready="ready") as plant:
         with Child("runtime", runtime, bench.folder / "runtime.log") as service:
@@ -103,10 +117,15 @@ def run_session(plan: Plan, progress: Progress) -> Session:
         codes["plant"] = plant.stop()
     folders = sorted((bench.folder / "runs").glob("*/run.yaml"))
     return Session(
-        plan=plan, record=read_columns(record_path), before_s=(times[0], times[1]),
-        after_s=(times[3], times[4]), armed_at_s=times[2], run_folder=folders[-1].parent,
-        probe_text=probe_text, exit_codes=codes,
-    )  # fmt: skip
+        plan=plan,
+        record=read_columns(record_path),
+        before_s=(times[0], times[1]),
+        after_s=(times[3], times[4]),
+        armed_at_s=times[2],
+        run_folder=folders[-1].parent,
+        probe_text=probe_text,
+        exit_codes=codes,
+    )
 
 
 def _script(

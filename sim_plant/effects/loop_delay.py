@@ -31,7 +31,7 @@ EFFECT = Effect(
     accepts={
         "delay_s": Parameter(
             default=0.0, unit="s", typical=0.03, low=0.0, high=0.5, linear=True, step=0.01
-        ),  # a whole number of any usual drive tick
+        )  # a whole number of any usual drive tick
     },
     traced=("delay_s",),
     apply=apply,

@@ -27,7 +27,7 @@ PAIRS = tuple(Quadrature(cos=f"cos{n}_m", sin=f"sin{n}_m") for n in range(1, HIG
 
 def named(
     kind: str, size_m: float, radius_m: float, angle_rad: float, flat_width_m: float = 0.0
-) -> Shape:  # fmt: skip
+) -> Shape:
     """Return the named profile round ``radius_m``; size is depth, height or half axis spread."""
     return _at_angle_0(kind, size_m, radius_m, flat_width_m).turned(angle_rad)
 
@@ -128,9 +128,11 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     wound = int(body["kind"]) in {UNWIND, REWIND}  # only there is the shape one of wound web
     if wound and float(parameters["gravity"]) != 0.0 and np.any(shape.deviation_m):
         mass = wound_mass(
-            shape, core_radius_m=float(web["core_radius_m"]),
-            density_kg_m3=float(web["density_kg_m3"]), width_m=float(web["width_m"]),
-        )  # fmt: skip
+            shape,
+            core_radius_m=float(web["core_radius_m"]),
+            density_kg_m3=float(web["density_kg_m3"]),
+            width_m=float(web["width_m"]),
+        )
         heavy = mass.mass_kg * GRAVITY_M_S2 * mass.offset_m * float(parameters["gravity"])
         add_heavy(arrays, place, heavy, mass.offset_angle_rad)
     mean_m = float(parameters["mean_m"])

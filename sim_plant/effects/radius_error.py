@@ -23,7 +23,7 @@ EFFECT = Effect(
     place="drive",
     candidates="drive",
     accepts={
-        "ratio": Parameter(default=1.0, unit="1", typical=1.002, low=0.8, high=1.25, linear=True),
+        "ratio": Parameter(default=1.0, unit="1", typical=1.002, low=0.8, high=1.25, linear=True)
     },
     traced=("ratio",),
     apply=apply,

@@ -31,7 +31,7 @@ EFFECT = Effect(
             low=0.0,
             high=100.0,
             tries=(0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
-        ),
+        )
     },
     traced=("slew_m_s2",),
     apply=apply,

@@ -77,10 +77,7 @@ EFFECT = Effect(
         "sinn_kg_m": component("kg m", 0.02, 2.0),
     },
     traced=("cos1_kg_m", "sin1_kg_m", "cosn_kg_m", "sinn_kg_m", "frequency_Hz", "damping"),
-    quadratures=(
-        FIRST,
-        OTHER,
-    ),
+    quadratures=(FIRST, OTHER),
     apply=apply,
     text="the roll bounces on its mandrel: a fixed frequency that an order of the roll excites",
 )

@@ -26,7 +26,7 @@ EFFECT = Effect(
     accepts={
         "strain": Parameter(
             default=0.0, unit="1", typical=0.0005, low=-0.02, high=0.02, linear=True
-        ),
+        )
     },
     traced=("strain",),
     apply=apply,

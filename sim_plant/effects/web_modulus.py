@@ -24,7 +24,7 @@ EFFECT = Effect(
     place="web",
     candidates="web",
     accepts={
-        "factor": Parameter(default=1.0, unit="1", typical=0.9, low=0.3, high=3.0, linear=True),
+        "factor": Parameter(default=1.0, unit="1", typical=0.9, low=0.3, high=3.0, linear=True)
     },
     traced=("factor",),
     apply=apply,

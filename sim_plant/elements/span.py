@@ -37,9 +37,13 @@ def tension(EA_N: float, strain: float, viscosity_s: float, rate_1_s: float) -> 
 
 @compiled
 def maxwell_rate(
-    branch: float, branch_upstream: float, strain_step: float, rate_1_s: float, time_s: float,
+    branch: float,
+    branch_upstream: float,
+    strain_step: float,
+    rate_1_s: float,
+    time_s: float,
     renewal_1_s: float,
-) -> float:  # fmt: skip
+) -> float:
     """Return d branch/dt of the elastic strain in a Maxwell branch, averaged over a span, 1/s.
 
     Equation: db/dt = deps/dt - b/tau + (ldot_A/L) (b_up + eps - eps_up - b)   [own derivation: a

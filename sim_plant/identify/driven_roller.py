@@ -73,8 +73,11 @@ def fit_driven_roller(runs: Sequence[Run], inertia_kg_m2: float | None = None) -
     fit = _Fit(coasts if inertia_kg_m2 is not None else runs, inertia_kg_m2)
     found, covariance, freedom = fit.solve()
     errors = np.sqrt(np.diag(covariance))
-    names = (("inertia", "kg m2"), ("constant friction c", "N m"),
-             ("viscous friction b", "N m s/rad"))  # fmt: skip
+    names = (
+        ("inertia", "kg m2"),
+        ("constant friction c", "N m"),
+        ("viscous friction b", "N m s/rad"),
+    )
     rows = [
         estimate(name, float(found[k]), float(errors[k]), freedom, unit)
         for k, (name, unit) in enumerate(names)
@@ -82,11 +85,14 @@ def fit_driven_roller(runs: Sequence[Run], inertia_kg_m2: float | None = None) -
     inertia = float(found[0])
     b_only, viscous_rms = viscous_only(coasts, inertia)
     return DrivenRoller(
-        inertia_kg_m2=rows[0], constant_N_m=rows[1], viscous_N_m_s=rows[2],
-        viscous_only_N_m_s=b_only, residual_rad_s=_coast_rms(coasts, found),
+        inertia_kg_m2=rows[0],
+        constant_N_m=rows[1],
+        viscous_N_m_s=rows[2],
+        viscous_only_N_m_s=b_only,
+        residual_rad_s=_coast_rms(coasts, found),
         viscous_only_residual_rad_s=viscous_rms,
         nominal_inertia_kg_m2=_nominal(runs),
-    )  # fmt: skip
+    )
 
 
 def coast_downs(run: Run) -> list[Run]:
@@ -102,8 +108,13 @@ def coast_downs(run: Run) -> list[Run]:
     for start, stop in zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True):
         speed = run.speed_rad_s[start:stop]
         if stop - start >= _LEAST_SAMPLES and speed[-1] < speed[0]:
-            found.append(Run(sample_time_s=run.sample_time_s, speed_rad_s=speed,
-                             torque_N_m=run.torque_N_m[start:stop]))  # fmt: skip
+            found.append(
+                Run(
+                    sample_time_s=run.sample_time_s,
+                    speed_rad_s=speed,
+                    torque_N_m=run.torque_N_m[start:stop],
+                )
+            )
     return found
 
 

@@ -8,12 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.identify.estimate import (
-    Estimate,
-    UndecidableError,
-    block_standard_error,
-    estimate,
-)
+from sim_plant.identify.estimate import Estimate, UndecidableError, block_standard_error, estimate
 from sim_plant.identify.record import refuse_clipped
 
 _LEAST_SPEEDS = 3
@@ -51,9 +46,13 @@ def rollers_between_cells(idlers_between: int) -> float:
 
 
 def plateaus(
-    time_s: Array, speed_m_s: Array, downstream_N: Array, upstream_N: Array, radius_m: float,
+    time_s: Array,
+    speed_m_s: Array,
+    downstream_N: Array,
+    upstream_N: Array,
+    radius_m: float,
     settle_s: float = 5.0,
-) -> list[Plateau]:  # fmt: skip
+) -> list[Plateau]:
     """Return the steady stretches of one record, each without its first ``settle_s``.
 
     Raises

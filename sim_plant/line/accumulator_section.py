@@ -30,13 +30,15 @@ def rates(a: Accumulator, state: Array, speeds: tuple[float, float], lift_N: flo
     """Return d/dt of (strain, height m, carriage speed m/s)."""
     strain, height, speed = (float(v) for v in state)
     pull = tension(a.EA_N, strain, 0.0, 0.0)
-    return np.array([
-        strain_rate(a.spans * height, a.spans, speed, strain, a.strain_upstream, *speeds),
-        speed,
-        carriage_acceleration(
-            a.mass_kg, lift_N, a.damping_N_s_m, GRAVITY_M_S2, speed, a.spans, pull
-        ),
-    ])  # fmt: skip
+    return np.array(
+        [
+            strain_rate(a.spans * height, a.spans, speed, strain, a.strain_upstream, *speeds),
+            speed,
+            carriage_acceleration(
+                a.mass_kg, lift_N, a.damping_N_s_m, GRAVITY_M_S2, speed, a.spans, pull
+            ),
+        ]
+    )
 
 
 def simulate(

@@ -62,10 +62,13 @@ def channels_of(declaration: Declaration, lay: Layout, p: LineArrays) -> list[Ch
             at = speeds + int(where[0])
             found.append(
                 Channel(
-                    name=name, column=at, true_column=at + drives, exact_column=at,
+                    name=name,
+                    column=at,
+                    true_column=at + drives,
+                    exact_column=at,
                     scale=sensor.scale_radius_m or 1.0,
                 )
-            )  # fmt: skip
+            )
     return found
 
 
@@ -73,10 +76,15 @@ def _angle(name: str, angles: int, body: int, lsb_rad: float, drives: Array) -> 
     at = angles + body
     eccentric = drives[0] if drives.size else None
     return Channel(
-        name=name, column=at, true_column=at, exact_column=at, lsb=lsb_rad, theta_body=body,
+        name=name,
+        column=at,
+        true_column=at,
+        exact_column=at,
+        lsb=lsb_rad,
+        theta_body=body,
         eccentricity=0.0 if eccentric is None else float(eccentric["encoder_eccentricity"]),
         eccentricity_angle_rad=0.0 if eccentric is None else float(eccentric["encoder_angle_rad"]),
-    )  # fmt: skip
+    )
 
 
 def column_values(

@@ -28,10 +28,12 @@ def rates(w: WarmSpan, state: Array, speeds: tuple[float, float], oven_K: float)
     """Return d/dt of (strain, warming K)."""
     strain, warming = float(state[0]), float(state[1])
     speed_in, speed_out = speeds
-    return np.array([
-        strain_rate(w.length_m, strain, w.strain_upstream, speed_in, speed_out, speed_in),
-        exchange_rate(warming, 0.0, oven_K, speed_in / w.length_m, w.exchange_s),
-    ])  # fmt: skip
+    return np.array(
+        [
+            strain_rate(w.length_m, strain, w.strain_upstream, speed_in, speed_out, speed_in),
+            exchange_rate(warming, 0.0, oven_K, speed_in / w.length_m, w.exchange_s),
+        ]
+    )
 
 
 def pull_N(w: WarmSpan, strain: float, warming_K: float) -> float:

@@ -96,8 +96,13 @@ def declared_numbers(line: Declaration) -> list[Number]:
     ]
     for k, roller in enumerate(line.rollers):
         path = f"rollers.{roller.name}."
-        rows.append((path + "friction_constant_N_m", "friction",
-                     _scale("bodies", "friction_constant_N_m", k)))  # fmt: skip
+        rows.append(
+            (
+                path + "friction_constant_N_m",
+                "friction",
+                _scale("bodies", "friction_constant_N_m", k),
+            )
+        )
         if roller.kind != "idler":
             rows.append((path + "inertia_kg_m2", "inertia", _scale("bodies", "inertia_kg_m2", k)))
             if roller.kind == "roll":

@@ -47,9 +47,17 @@ class LinearDancer:
     ) -> float:
         """Return the second derivative of q, m/s2."""
         return linear_dancer.carriage_acceleration(
-            self.mass_kg, self.load_N, self.stiffness_N_m, self.damping_N_s_m, q, rate,
-            arms[0], arms[1], pulls[0], pulls[1],
-        )  # fmt: skip
+            self.mass_kg,
+            self.load_N,
+            self.stiffness_N_m,
+            self.damping_N_s_m,
+            q,
+            rate,
+            arms[0],
+            arms[1],
+            pulls[0],
+            pulls[1],
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,9 +94,17 @@ class PendulumDancer:
     ) -> float:
         """Return the second derivative of q, rad/s2."""
         return pendulum_dancer.arm_acceleration(
-            self.inertia_kg_m2, self.load_N_m, self.weight_N_m, self.damping_N_m_s, q, rate,
-            arms[0], arms[1], pulls[0], pulls[1],
-        )  # fmt: skip
+            self.inertia_kg_m2,
+            self.load_N_m,
+            self.weight_N_m,
+            self.damping_N_m_s,
+            q,
+            rate,
+            arms[0],
+            arms[1],
+            pulls[0],
+            pulls[1],
+        )
 
 
 Dancer = LinearDancer | PendulumDancer
@@ -104,13 +120,21 @@ def rates(web: DancerWeb, dancer: Dancer, state: Array, speeds: tuple[float, flo
     arm_in, length_in, arm_out, length_out = dancer.geometry(web, q)
     speed_in, speed_out = speeds
     rate_in = strain_rate(
-        length_in, eps_in, web.strain_upstream, speed_in,
-        roller_m_s + linear_dancer.lengthening(arm_in, rate), speed_in,
-    )  # fmt: skip
+        length_in,
+        eps_in,
+        web.strain_upstream,
+        speed_in,
+        roller_m_s + linear_dancer.lengthening(arm_in, rate),
+        speed_in,
+    )
     rate_out = strain_rate(
-        length_out, eps_out, eps_in,
-        roller_m_s - linear_dancer.lengthening(arm_out, rate), speed_out, roller_m_s,
-    )  # fmt: skip
+        length_out,
+        eps_out,
+        eps_in,
+        roller_m_s - linear_dancer.lengthening(arm_out, rate),
+        speed_out,
+        roller_m_s,
+    )
     pulls = tension(web.EA_N, eps_in, 0.0, 0.0), tension(web.EA_N, eps_out, 0.0, 0.0)
     spin = web.roller_radius_m**2 * (pulls[1] - pulls[0]) / web.roller_inertia_kg_m2
     swing = dancer.acceleration(q, rate, (arm_in, arm_out), pulls)

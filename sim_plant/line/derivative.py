@@ -57,13 +57,25 @@ def span_contacts(p: LineArrays, lay: Layout, y: Array, i: int, phi: Array, out:
     p_a = p_b = dh_a = dh_b = rho_a = length = 0.0
     for _ in range(8):
         p_a, dh_a, rho_a = body_at(
-            radius_a, a.sigma, a.shape_row, p.shape_h_m, p.shape_dh_m, p.shape_rho_m,
-            theta_a, angle,
-        )  # fmt: skip
+            radius_a,
+            a.sigma,
+            a.shape_row,
+            p.shape_h_m,
+            p.shape_dh_m,
+            p.shape_rho_m,
+            theta_a,
+            angle,
+        )
         p_b, dh_b, _rho = body_at(
-            radius_b, b.sigma, b.shape_row, p.shape_h_m, p.shape_dh_m, p.shape_rho_m,
-            theta_b, angle,
-        )  # fmt: skip
+            radius_b,
+            b.sigma,
+            b.shape_row,
+            p.shape_h_m,
+            p.shape_dh_m,
+            p.shape_rho_m,
+            theta_b,
+            angle,
+        )
         residual, length = tangent(dx, dy, a.sigma, p_a, dh_a, b.sigma, p_b, dh_b, angle)
         if abs(residual) < 1e-13:
             break
@@ -92,9 +104,15 @@ def web_share(slip_s_m: float, threshold_m_s: float, speed_m_s: float) -> float:
 
 @compiled
 def span_tensions(
-    p: LineArrays, lay: Layout, y: Array, moving: Array, phi: Array, contacts: Array,
-    tensions: Array, dy: Array,
-) -> float:  # fmt: skip
+    p: LineArrays,
+    lay: Layout,
+    y: Array,
+    moving: Array,
+    phi: Array,
+    contacts: Array,
+    tensions: Array,
+    dy: Array,
+) -> float:
     """Write strain rates and material flow to ``dy`` and tensions (m,) from the state.
 
     Returns the unstretched length of web behind a splice that has reached the rewind, m.
@@ -138,9 +156,13 @@ def span_tensions(
         if web.maxwell_ratio != 0.0:
             branch = y[lay.maxwell + i]
             dy[lay.maxwell + i] = maxwell_rate(
-                branch, branch_up, strain - upstream, rate, web.maxwell_time_s,
+                branch,
+                branch_up,
+                strain - upstream,
+                rate,
+                web.maxwell_time_s,
                 flow * share_a / contacts[i, 0],
-            )  # fmt: skip
+            )
             pull = max(0.0, pull + EA_N * web.maxwell_ratio * branch)
             branch_up = branch
         tensions[i] = pull
@@ -176,9 +198,14 @@ def ripple_torque(p: LineArrays, d: int, theta_rad: float) -> float:
 
 @compiled
 def body_rates(
-    p: LineArrays, lay: Layout, y: Array, contacts: Array, tensions: Array, torques: Array,
+    p: LineArrays,
+    lay: Layout,
+    y: Array,
+    contacts: Array,
+    tensions: Array,
+    torques: Array,
     dy: Array,
-) -> None:  # fmt: skip
+) -> None:
     """Write the torque balances: J dw/dt = p_exit T_down - p_entry T_up + tau - friction.
 
     [source 2.9, 2.32, 3.17, 4.37: one sign convention, no dJ/dt term]. ``dy`` of the speeds
@@ -219,9 +246,12 @@ def shafts(p: LineArrays, lay: Layout, y: Array, torques: Array, dy: Array) -> N
             continue
         rate = y[lay.motor + d] - y[lay.omega + k]
         through = shaft_torque(
-            drive.shaft_stiffness_N_m, drive.shaft_damping_N_m_s, drive.shaft_backlash_rad,
-            y[lay.twist + d], rate,
-        )  # fmt: skip
+            drive.shaft_stiffness_N_m,
+            drive.shaft_damping_N_m_s,
+            drive.shaft_backlash_rad,
+            y[lay.twist + d],
+            rate,
+        )
         motor_inertia = drive.motor_share * p.bodies[k].inertia_kg_m2
         full = p.bodies[k].inertia_kg_m2
         if k == 0:
@@ -278,9 +308,16 @@ def bounce_rates(p: LineArrays, lay: Layout, y: Array, pull_N: float, dy: Array)
 
 @compiled
 def derivative(
-    p: LineArrays, lay: Layout, y: Array, torques: Array, moving: Array, phi: Array,
-    contacts: Array, tensions: Array, dy: Array,
-) -> None:  # fmt: skip
+    p: LineArrays,
+    lay: Layout,
+    y: Array,
+    torques: Array,
+    moving: Array,
+    phi: Array,
+    contacts: Array,
+    tensions: Array,
+    dy: Array,
+) -> None:
     """Write dy/dt of the whole line; work arrays are the caller's. Never raises."""
     behind = span_tensions(p, lay, y, moving, phi, contacts, tensions, dy)
     body_rates(p, lay, y, contacts, tensions, torques, dy)

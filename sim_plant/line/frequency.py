@@ -16,12 +16,7 @@ import numpy.typing as npt
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration, Sensor
-from sim_plant.line.operating_point import (
-    SteadyLine,
-    friction_of,
-    inertias_of,
-    steady_line,
-)
+from sim_plant.line.operating_point import SteadyLine, friction_of, inertias_of, steady_line
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -107,9 +102,10 @@ class _Network:
         drives = [d.roller for d in control.drives]
         for loop in control.tension_pi:
             sensor = next(
-                c for c in self.line.sensors
+                c
+                for c in self.line.sensors
                 if c.low_pass_Hz is not None and c.roller == loop.load_cell
-            )  # fmt: skip
+            )
             sign = -1.0 if "v_correction = -" in loop.law else 1.0
             law = sign * loop.gain_m_s_per_N * (1.0 + loop.corner_rad_s * integral)
             gain = self.torque_per_reference[drives.index(loop.acts_on)]

@@ -47,9 +47,7 @@ def rk4(p: LineArrays, lay: Layout, s: LineState, w: Work, dt_s: float) -> None:
 @compiled
 def slope(p: LineArrays, lay: Layout, s: LineState, w: Work, y: Array, dy: Array) -> None:
     """Write dy/dt at the trial state ``y``."""
-    derivative(
-        p, lay, y, s.torque_N_m, w.moving, s.phi_rad, w.contacts, w.tensions, dy
-    )  # fmt: skip
+    derivative(p, lay, y, s.torque_N_m, w.moving, s.phi_rad, w.contacts, w.tensions, dy)
 
 
 @compiled
@@ -131,9 +129,14 @@ def run_drives(
             inertia = roll_inertia(p, inertia, radius)
         error = reference / radius - drive_speed(p, lay, s, d, noise[d])
         torque, integral = speed_pi(
-            inertia, drive.gain_rad_s, drive.damping, error, s.drive_integral[d], tick_s,
+            inertia,
+            drive.gain_rad_s,
+            drive.damping,
+            error,
+            s.drive_integral[d],
+            tick_s,
             drive.limit_N_m,
-        )  # fmt: skip
+        )
         s.torque_N_m[d] = torque
         s.drive_integral[d] = integral
     s.counters[1] = (s.counters[1] + 1) % s.delay_m_s.shape[1]
@@ -224,9 +227,17 @@ def run_frames(
     """
     for f in range(out.shape[0]):
         step_frame(
-            p, lay, s, w, line_speed_m_s[f, 0], line_speed_m_s[f, 1], tension_ref_N[f],
-            aff_m_s[f], noise[f % noise.shape[0]], out[f],
-        )  # fmt: skip
+            p,
+            lay,
+            s,
+            w,
+            line_speed_m_s[f, 0],
+            line_speed_m_s[f, 1],
+            tension_ref_N[f],
+            aff_m_s[f],
+            noise[f % noise.shape[0]],
+            out[f],
+        )
 
 
 @compiled
@@ -243,9 +254,7 @@ def step_frame(
     row: Array,
 ) -> None:
     """Advance one frame and log it: one call instead of two, see ``run_frames``."""
-    advance_frame(
-        p, lay, s, w, line_speed_m_s, line_speed_end_m_s, tension_ref_N, aff_m_s, noise
-    )  # fmt: skip
+    advance_frame(p, lay, s, w, line_speed_m_s, line_speed_end_m_s, tension_ref_N, aff_m_s, noise)
     log_frame(p, lay, s, w, p.cells.size, p.drives.size, lay.n, row)
 
 

@@ -87,9 +87,12 @@ def candidate_locations(declaration: Declaration, effect: Effect) -> list[str]:
         drives = [drive.roller for drive in declaration.control.drives]
         return [name for name in drives if kind == "drive" or name in trimmed]
     wanted = {
-        "unwind": {"unwind"}, "roll": {"unwind", "rewind"}, "roller": {"idler", "driven"},
-        "driven": {"driven"}, "turning": {"unwind", "rewind", "idler", "driven"},
-    }[kind]  # fmt: skip
+        "unwind": {"unwind"},
+        "roll": {"unwind", "rewind"},
+        "roller": {"idler", "driven"},
+        "driven": {"driven"},
+        "turning": {"unwind", "rewind", "idler", "driven"},
+    }[kind]
     last = len(rollers) - 1
     ends = {0: "unwind", last: "rewind"}
     return [r.name for k, r in enumerate(rollers) if ends.get(k, r.kind) in wanted]

@@ -72,15 +72,18 @@ def declared_line(line: Declaration) -> RestingLine:
         radius_m=radii_of(line),
         friction_constant_N_m=np.array([r.friction_constant_N_m for r in line.rollers]),
         friction_viscous_N_m_s=np.array([r.friction_viscous_N_m_s for r in line.rollers]),
-        slip_s_m=np.zeros(n), slip_speed_m_s=np.zeros(n),
-        EA_N=np.full(n - 1, line.web.EA_N), free_strain=np.zeros(n - 1),
+        slip_s_m=np.zeros(n),
+        slip_speed_m_s=np.zeros(n),
+        EA_N=np.full(n - 1, line.web.EA_N),
+        free_strain=np.zeros(n - 1),
         wound_in_strain=line.web.wound_in_tension_N / line.web.EA_N,
         driven=np.array([line.body(d.roller) for d in drives], dtype=np.int64),
         ratio=np.array([1.0 + (draw if "draw" in d.speed_reference else 0.0) for d in drives]),
         cell=np.array([line.body(loop.load_cell) for loop in loops], dtype=np.int64),
         acts_on=np.array([line.body(loop.acts_on) for loop in loops], dtype=np.int64),
-        gain=np.ones(len(loops)), offset_N=np.zeros(len(loops)),
-    )  # fmt: skip
+        gain=np.ones(len(loops)),
+        offset_N=np.zeros(len(loops)),
+    )
 
 
 def radii_of(line: Declaration) -> Array:

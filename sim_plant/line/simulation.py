@@ -138,8 +138,11 @@ class LineSimulation:
         frame_s = self.timing.ticks_per_frame * self.timing.drive_tick_s
         for _ in range(4):
             frames = round(duration_s / 4 / frame_s)
-            self._run(np.full((frames, 2), self._speed), np.tile(self._tension, (frames, 1)),
-                      np.tile(self._aff, (frames, 1)))  # fmt: skip
+            self._run(
+                np.full((frames, 2), self._speed),
+                np.tile(self._tension, (frames, 1)),
+                np.tile(self._aff, (frames, 1)),
+            )
             y = self.state.y
             y[lay.radius : lay.radius + 2] = start.y[lay.radius : lay.radius + 2]
         y = self.state.y
@@ -157,15 +160,21 @@ class LineSimulation:
         """Measure the present state and log it as the row that the next record starts with."""
         measure(self.arrays, self.layout, self.state, self._noise(1)[0])
         p, lay = self.arrays, self.layout
-        log_frame(p, lay, self.state, self.work, p.cells.size, p.drives.size, lay.n,
-                  self._row)  # fmt: skip
+        log_frame(p, lay, self.state, self.work, p.cells.size, p.drives.size, lay.n, self._row)
 
     def _run(self, speed: Array, tension: Array, aff: Array) -> Array:
         out = np.empty((speed.shape[0], self._columns()))
         run_frames(
-            self.arrays, self.layout, self.state, self.work,
-            speed, tension, aff, self._noise(speed.shape[0]), out,
-        )  # fmt: skip
+            self.arrays,
+            self.layout,
+            self.state,
+            self.work,
+            speed,
+            tension,
+            aff,
+            self._noise(speed.shape[0]),
+            out,
+        )
         if not np.isfinite(self.state.y).all():
             raise PlantError("the simulated line diverged: a state is not finite")
         return out
@@ -175,9 +184,17 @@ class LineSimulation:
         self._accept(inputs)
         for _ in range(self.timing.frames_per_sample):
             step_frame(
-                self.arrays, self.layout, self.state, self.work,
-                self._speed, self._speed, self._tension, self._aff, self._noise(1)[0], self._row,
-            )  # fmt: skip
+                self.arrays,
+                self.layout,
+                self.state,
+                self.work,
+                self._speed,
+                self._speed,
+                self._tension,
+                self._aff,
+                self._noise(1)[0],
+                self._row,
+            )
         return self.readings()
 
     def _accept(self, inputs: Mapping[str, float]) -> None:
@@ -219,8 +236,9 @@ class LineSimulation:
             found["true_" + channel.name] = true
         return found
 
-    def simulate(self, line_speed_m_s: Array, tension_N: Array, aff: Mapping[str, Array] | None
-                 = None) -> dict[str, Array]:  # fmt: skip
+    def simulate(
+        self, line_speed_m_s: Array, tension_N: Array, aff: Mapping[str, Array] | None = None
+    ) -> dict[str, Array]:
         """Run a whole record under reference columns (samples,) and return channels (samples,).
 
         Row k is sampled before reference row k acts, as in a record; the line speed is linear

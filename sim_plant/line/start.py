@@ -34,9 +34,7 @@ def start_at_rest(
     y[lay.omega : lay.omega + n] = omega
     y[lay.strain : lay.strain + n - 1] = rest.strain
     pull_N = np.concatenate(([0.0], line.EA_N * (rest.strain - line.free_strain), [0.0]))
-    friction, _slope = friction_at(
-        line.friction_constant_N_m, line.friction_viscous_N_m_s, omega
-    )  # fmt: skip
+    friction, _slope = friction_at(line.friction_constant_N_m, line.friction_viscous_N_m_s, omega)
     load = friction - rest.radius_m * (pull_N[1:] - pull_N[:-1])
     told = _radii(p, lay, state)
     for d, drive in enumerate(p.drives):
@@ -68,20 +66,26 @@ def resting_line(p: LineArrays, lay: Layout, state: LineState) -> RestingLine:
         if row >= 0:
             felt[k] += float(np.mean(p.shape_h_m[row, :-1]))
     driven, ratio = p.drives["body"].copy(), 1.0 + p.drives["draw"]
-    acts_on = [int(d["body"]) for loop in range(p.loops.size)
-               for d in p.drives if d["loop"] == loop]  # fmt: skip
+    acts_on = [
+        int(d["body"]) for loop in range(p.loops.size) for d in p.drives if d["loop"] == loop
+    ]
     cells = p.cells[p.loops["cell"]]
     return RestingLine(
         radius_m=felt,
         friction_constant_N_m=p.bodies["friction_constant_N_m"].copy(),
         friction_viscous_N_m_s=p.bodies["friction_viscous_N_m_s"].copy(),
-        slip_s_m=p.bodies["slip_s_m"].copy(), slip_speed_m_s=p.bodies["slip_speed_m_s"].copy(),
-        EA_N=p.spans["EA_N"].copy(), free_strain=p.spans["free_strain"].copy(),
+        slip_s_m=p.bodies["slip_s_m"].copy(),
+        slip_speed_m_s=p.bodies["slip_speed_m_s"].copy(),
+        EA_N=p.spans["EA_N"].copy(),
+        free_strain=p.spans["free_strain"].copy(),
         wound_in_strain=float(p.web["wound_in_strain"][0]),
-        driven=driven, ratio=ratio * felt[driven] / (told[driven] * p.drives["radius_ratio"]),
-        cell=cells["body"].copy(), acts_on=np.array(acts_on, dtype=np.int64),
-        gain=cells["gain"].copy(), offset_N=cells["offset_N"].copy(),
-    )  # fmt: skip
+        driven=driven,
+        ratio=ratio * felt[driven] / (told[driven] * p.drives["radius_ratio"]),
+        cell=cells["body"].copy(),
+        acts_on=np.array(acts_on, dtype=np.int64),
+        gain=cells["gain"].copy(),
+        offset_N=cells["offset_N"].copy(),
+    )
 
 
 def _radii(p: LineArrays, lay: Layout, state: LineState) -> Array:

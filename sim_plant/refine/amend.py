@@ -42,9 +42,14 @@ def plain(value: Any) -> Any:
 
 
 def write_amended(
-    source: Path, out: Path, trace: Trace, records: Sequence[Record], command: str,
-    verdict: dict[str, Any], stated: Sequence[EffectEntry] | None = None,
-) -> Path:  # fmt: skip
+    source: Path,
+    out: Path,
+    trace: Trace,
+    records: Sequence[Record],
+    command: str,
+    verdict: dict[str, Any],
+    stated: Sequence[EffectEntry] | None = None,
+) -> Path:
     """Write the declaration with its effects and provenance; return its path.
 
     ``stated`` are the declared effects as they stood when the first record began, if not as the
@@ -66,12 +71,16 @@ def write_amended(
     if stated is not None:
         data["effects"] = [e.model_dump() for e in stated]
     data["effects"] = plain([*data.get("effects", []), *declared_entries(trace.fit)])
-    data["provenance"] = plain({
-        "made_by": command, "amends": source.name,
-        "records": [{"path": r.path.name, "sha256": r.sha256} for r in records],
-        "holdout": verdict["holdout"], "error_rms": verdict["residual_rms"],
-        "note": "angles are those of the first record at its first row",
-    })  # fmt: skip
+    data["provenance"] = plain(
+        {
+            "made_by": command,
+            "amends": source.name,
+            "records": [{"path": r.path.name, "sha256": r.sha256} for r in records],
+            "holdout": verdict["holdout"],
+            "error_rms": verdict["residual_rms"],
+            "note": "angles are those of the first record at its first row",
+        }
+    )
     text = "# amended by sim-plant refine: effects, provenance and corrections are new (what is\n"
     text += "# added to a declared number: a share of it; for offsets N, for the draw the\n"
     text += "# ratio itself), all else as declared\n"
@@ -126,8 +135,10 @@ def _as_roll(name: str, declaration: Declaration | None) -> str:
     at = declaration.body(name)
     radius_m = declaration.rollers[at].radius_m
     driven = sorted(declaration.body(drive.roller) for drive in declaration.control.drives)
-    ends = [max((k for k in driven if k < at), default=None),
-            min((k for k in driven if k > at), default=None)]  # fmt: skip
+    ends = [
+        max((k for k in driven if k < at), default=None),
+        min((k for k in driven if k > at), default=None),
+    ]
     beside = " or ".join(declaration.rollers[k].name for k in ends if k is not None)
     return (
         f"# {name} has no drive: its entry goes to the actuator of {beside}, the drives before "
@@ -137,18 +148,24 @@ def _as_roll(name: str, declaration: Declaration | None) -> str:
 
 
 def _add_start(
-    block: dict[str, Any], rows: Sequence[dict[str, Any]], declaration: Declaration | None,
+    block: dict[str, Any],
+    rows: Sequence[dict[str, Any]],
+    declaration: Declaration | None,
     record: Record | None,
-) -> None:  # fmt: skip
+) -> None:
     """Add start values to the block of a roller that a drive turns."""
     driven = {drive.roller for drive in declaration.control.drives} if declaration else set()
     if declaration is None or block["roll"] not in driven:
         return
     effects = [
-        EffectEntry(effect=row["effect"], location=row["location"],
-                    parameters=_accepted(row["effect"], row["parameters"]))
-        for row in rows if row["location"] == block["roll"] and row["cancel"]
-    ]  # fmt: skip
+        EffectEntry(
+            effect=row["effect"],
+            location=row["location"],
+            parameters=_accepted(row["effect"], row["parameters"]),
+        )
+        for row in rows
+        if row["location"] == block["roll"] and row["cancel"]
+    ]
     first, last = min(block["orders"]), max(*block["orders"], HIGHEST_START)
     orders = block["orders"] if len(block["orders"]) == 1 else range(first, last + 1)
     start = start_values(declaration, effects, block["roll"], orders, record)

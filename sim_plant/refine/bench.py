@@ -65,9 +65,11 @@ class Bench:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None,
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
         trace: TracebackType | None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         if self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
 

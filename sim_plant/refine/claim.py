@@ -99,13 +99,18 @@ def claim(
     if score < _least(found, h):
         return None
     others = [(s, k) for s, _, k in fits[1:] if k.key != h.key]
-    others += [(s.score, s.hypothesis) for s in ranked
-               if s.hypothesis.key not in {k.key for _, _, k in fits}]  # fmt: skip
+    others += [
+        (s.score, s.hypothesis)
+        for s in ranked
+        if s.hypothesis.key not in {k.key for _, _, k in fits}
+    ]
     others.sort(key=lambda row: -row[0])
     runner, second = (others[0][1], others[0][0]) if others else (None, 0.0)
     if runner and score < WEAK and score - second < MARGIN and not is_line(h, found):
-        say(f"  {h.effect.name} at {h.location}: weak, and not to be told from "
-            f"{runner.effect.name} at {runner.location}")  # fmt: skip
+        say(
+            f"  {h.effect.name} at {h.location}: weak, and not to be told from "
+            f"{runner.effect.name} at {runner.location}"
+        )
         return None
     say(f"  best: {h.effect.name} at {h.location}, score {score:.0f}")
     two: tuple[tuple[str, str], ...] = ()
@@ -115,11 +120,13 @@ def claim(
         say(f"  as well told by {' and '.join(' at '.join(key) for key in two)} together")
     alike = [k.key for s, k in others if score - s < MARGIN]
     step = Step(
-        hypothesis=h, score=score, runner_up=" at ".join(runner.key) if runner else "",
+        hypothesis=h,
+        score=score,
+        runner_up=" at ".join(runner.key) if runner else "",
         margin=score - max(second, 0.0),
         rejected=tuple((k.effect.name, k.location, s) for s, k in others[:12]),
         ambiguous=tuple(dict.fromkeys([*alike, *two])),
-    )  # fmt: skip
+    )
     return step, fit
 
 

@@ -24,9 +24,7 @@ def unsure(problem: Problem) -> float:
     return SURE * math.sqrt(2.0 * problem.expected_cost)
 
 
-def lines_left(
-    problem: Problem, fit: Fit, travels: Sequence[Travel]
-) -> list[list[LineSpectrum]]:  # fmt: skip
+def lines_left(problem: Problem, fit: Fit, travels: Sequence[Travel]) -> list[list[LineSpectrum]]:
     """Return the free-line spectra of a fit's residual, per record.
 
     Coarse words are left out: their steps pass at a rate of their own, a line that nothing causes.
@@ -40,9 +38,12 @@ def lines_left(
 
 
 def complete(
-    problem: Problem, base: Fit, before: Sequence[Sequence[LineSpectrum]],
-    travels: Sequence[Travel], fit: Fit,
-) -> bool:  # fmt: skip
+    problem: Problem,
+    base: Fit,
+    before: Sequence[Sequence[LineSpectrum]],
+    travels: Sequence[Travel],
+    fit: Fit,
+) -> bool:
     """Return whether the effects that ``fit`` adds to ``base`` explain their own lines.
 
     An effect that is no line must explain what the strongest free line would, and a fair share of

@@ -40,17 +40,20 @@ def travel_of(twin: Twin, measured: Array, case: Case, first: int) -> Travel:
     step = twin.declaration.sample_time_s
     ends = {0, len(twin.declaration.rollers) - 1}
     fixed = [
-        (k, r.radius_m) for k, r in enumerate(twin.declaration.rollers)
+        (k, r.radius_m)
+        for k, r in enumerate(twin.declaration.rollers)
         if k not in ends and r.kind == "driven"
-    ]  # fmt: skip
+    ]
     time_s: Array = np.arange(first, measured.shape[1], dtype=np.float64) * step
     body, radius = fixed[0] if fixed else (1, twin.declaration.rollers[1].radius_m)
     return Travel(
-        declaration=twin.declaration, sample_time_s=step,
+        declaration=twin.declaration,
+        sample_time_s=step,
         time_s=time_s,
-        travel_m=angles[body, first:] * radius, angles_rad=angles[:, first:],
+        travel_m=angles[body, first:] * radius,
+        angles_rad=angles[:, first:],
         speed_m_s=twin.speed_m_s[first:],
-    )  # fmt: skip
+    )
 
 
 def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
@@ -68,20 +71,28 @@ def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
     if length > 1.0:
         found.append(
             line_spectrum(
-                whitened, travel.travel_m, weights, kind="travel",
-                highest=0.98 * nyquist / fastest, lowest=3.0 / length,
+                whitened,
+                travel.travel_m,
+                weights,
+                kind="travel",
+                highest=0.98 * nyquist / fastest,
+                lowest=3.0 / length,
             )
-        )  # fmt: skip
+        )
     for body in (0, len(travel.declaration.rollers) - 1):
         turns = travel.angles_rad[body] / TWO_PI
         if turns[-1] - turns[0] > 6.0:
             found.append(
                 line_spectrum(
-                    whitened, turns, weights, kind="angle",
+                    whitened,
+                    turns,
+                    weights,
+                    kind="angle",
                     roll=travel.declaration.rollers[body].name,
-                    highest=HIGHEST_ORDER, lowest=3.0 / (turns[-1] - turns[0]),
+                    highest=HIGHEST_ORDER,
+                    lowest=3.0 / (turns[-1] - turns[0]),
                 )
-            )  # fmt: skip
+            )
     return found
 
 

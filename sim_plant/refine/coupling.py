@@ -43,8 +43,9 @@ class Coupling:
 def oddest_pair(problem: Problem, fit: Fit) -> Coupling:
     """Return the pair of channels and the band that are least like the declared noise."""
     found = [Coupling(channels=("", ""), from_Hz=0.0, to_Hz=0.0, score=0.0)]
-    rows = zip(problem.bench.twins, problem.noise, problem.noisy,
-               problem.split(fit.residual), strict=True)  # fmt: skip
+    rows = zip(
+        problem.bench.twins, problem.noise, problem.noisy, problem.split(fit.residual), strict=True
+    )
     for twin, noise, noisy, part in rows:
         use = np.flatnonzero(noise.analogue)
         names = [twin.channels[c] for c in use]
@@ -73,9 +74,11 @@ def _oddest(
         one, other = divmod(int(np.argmax(np.triu(score, 1))), score.shape[1])
         if score[one, other] > best.score:
             best = Coupling(
-                channels=(names[one], names[other]), from_Hz=low * half_Hz, to_Hz=high * half_Hz,
+                channels=(names[one], names[other]),
+                from_Hz=low * half_Hz,
+                to_Hz=high * half_Hz,
                 score=float(score[one, other]),
-            )  # fmt: skip
+            )
     return best
 
 

@@ -71,9 +71,10 @@ def _explained(problem: Problem, fit: Fit) -> float:
 def shaped(fit: Fit) -> list[int]:
     """Return which of the effects of a fit are named profiles."""
     return [
-        k for k, h in enumerate(fit.hypotheses)
+        k
+        for k, h in enumerate(fit.hypotheses)
         if h.effect.name == OUT_OF_ROUND and "size_m" in h.names
-    ]  # fmt: skip
+    ]
 
 
 def refined_profiles(problem: Problem, fit: Fit) -> Fit:

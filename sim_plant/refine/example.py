@@ -14,9 +14,10 @@ from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
 
 HIDDEN = EffectEntry(
-    effect="eccentric_roller", location="R6",
+    effect="eccentric_roller",
+    location="R6",
     parameters={"eccentricity_m": 2.5e-4, "angle_rad": 1.0},
-)  # fmt: skip
+)
 PLANS = {"a": (0.9, 1.3, 1), "b": (1.2, 0.8, 2)}
 """Speeds before and after a ramp, m/s, and seed."""
 
@@ -57,12 +58,21 @@ def write_example(line_path: Path, folder: Path, duration_s: float = 60.0) -> tu
         run = make_line(guilty, seed=seed, speed_m_s=slow, tension_N=float(tension[0]))
         run.settle()
         out = run.simulate(speed, tension)
-        columns = {"time_s": np.arange(samples) * 0.01, "line_speed_ref_m_s": speed,
-                   "tension_ref_N": tension}  # fmt: skip
+        columns = {
+            "time_s": np.arange(samples) * 0.01,
+            "line_speed_ref_m_s": speed,
+            "tension_ref_N": tension,
+        }
         columns |= {s.channel: out[s.channel] for s in line.sensors}
         path = folder / f"example_{name}.csv"
-        np.savetxt(path, np.column_stack(list(columns.values())), "%.7g", ",",
-                   header=",".join(columns), comments="")  # fmt: skip
+        np.savetxt(
+            path,
+            np.column_stack(list(columns.values())),
+            "%.7g",
+            ",",
+            header=",".join(columns),
+            comments="",
+        )
         side = path.with_suffix(".yaml")
         side.write_text(yaml.safe_dump(data, sort_keys=False), encoding="utf-8")
         paths.append(path)

@@ -35,17 +35,24 @@ def overlay(judged: Judgement, sample_time_s: float, seconds: float = 8.0) -> st
         measured = judged.measured[k, part]
         row[0].plot(time_s[part], measured, color=MEASURED, lw=2.0, label="measured")
         for model, colour, label in (
-            (judged.declared, BEFORE, "declared"), (judged.amended, AFTER, "amended")
-        ):  # fmt: skip
+            (judged.declared, BEFORE, "declared"),
+            (judged.amended, AFTER, "amended"),
+        ):
             row[0].plot(time_s[part], model[k, part], color=colour, lw=0.9, label=label)
-            row[1].plot(time_s[part], measured - model[k, part], color=colour, lw=0.8,
-                        label=f"error as {label}")  # fmt: skip
+            row[1].plot(
+                time_s[part],
+                measured - model[k, part],
+                color=colour,
+                lw=0.8,
+                label=f"error as {label}",
+            )
         row[0].set_ylabel(judged.channels[k], fontsize=8)
         for axis in row:
             axis.grid(alpha=0.3)
     for axis in axes[0]:
-        axis.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=8, ncols=3,
-                    frameon=False)  # fmt: skip
+        axis.legend(
+            loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=8, ncols=3, frameon=False
+        )
     for axis in axes[-1]:
         axis.set_xlabel("time [s]")
     figure.tight_layout()
@@ -73,8 +80,13 @@ def spectrum(
             thin = max(1, drawn.drop.size // POINTS)
             size = drawn.drop.size // thin * thin
             peak = drawn.drop[:size].reshape(-1, thin).max(axis=1)
-            axis.semilogy(drawn.coordinate[:size:thin], np.maximum(peak, 10.0), lw=0.7,
-                          color=colour, label=label)  # fmt: skip
+            axis.semilogy(
+                drawn.coordinate[:size:thin],
+                np.maximum(peak, 10.0),
+                lw=0.7,
+                color=colour,
+                label=label,
+            )
         axis.axhline(threshold, color="black", lw=0.7, ls=":")
         axis.set_xlabel(labels[first.kind] + first.roll)
         axis.set_ylabel("error explained", fontsize=8)
@@ -108,17 +120,24 @@ def wavenumber_map(judged: Judgement, sample_time_s: float) -> str:
     figure = Figure(figsize=(11, 3.2))
     axes = figure.subplots(1, 2, sharey=True)
     for axis, model, title in (
-        (axes[0], judged.declared, "before"), (axes[1], judged.amended, "after")
-    ):  # fmt: skip
+        (axes[0], judged.declared, "before"),
+        (axes[1], judged.amended, "after"),
+    ):
         residual = np.interp(grid, travel_m, judged.measured[at] - model[at])
         parts = np.stack([residual[s : s + size] for s in starts])
         parts = (parts - parts.mean(axis=1, keepdims=True)) * np.hanning(size)
         level = 20.0 * np.log10(np.abs(np.fft.rfft(parts, axis=1)).T + 1e-12)
         floor = 20.0 * np.log10(judged.floor[at] * np.sqrt(size) + 1e-12)
         axis.pcolormesh(
-            centre * sample_time_s, wavenumber[keep], level[keep], vmin=floor - 6.0,
-            vmax=floor + 30.0, cmap="magma", shading="nearest", rasterized=True,
-        )  # fmt: skip
+            centre * sample_time_s,
+            wavenumber[keep],
+            level[keep],
+            vmin=floor - 6.0,
+            vmax=floor + 30.0,
+            cmap="magma",
+            shading="nearest",
+            rasterized=True,
+        )
         axis.set_title(f"{judged.channels[at]}, {title}", fontsize=9)
         axis.set_xlabel("time [s]")
     axes[0].set_ylabel("1/m of web")

@@ -48,9 +48,10 @@ class Fit:
     def put(self, at: int, h: Hypothesis, values: Sequence[float]) -> Fit:
         """Return the fit with another effect in place ``at``, not fitted yet."""
         return replace(
-            self, hypotheses=(*self.hypotheses[:at], h, *self.hypotheses[at + 1 :]),
+            self,
+            hypotheses=(*self.hypotheses[:at], h, *self.hypotheses[at + 1 :]),
             values=(*self.values[:at], tuple(values), *self.values[at + 1 :]),
-        )  # fmt: skip
+        )
 
     @property
     def effects(self) -> tuple[Added, ...]:
@@ -59,9 +60,11 @@ class Fit:
 
 
 def case_of(
-    hypotheses: Sequence[Hypothesis], values: Sequence[Sequence[float]], shifts: dict[str, float],
+    hypotheses: Sequence[Hypothesis],
+    values: Sequence[Sequence[float]],
+    shifts: dict[str, float],
     coarse: bool = True,
-) -> Case:  # fmt: skip
+) -> Case:
     """Return the simulation of these effects and shifts."""
     effects = tuple(h.added(v) for h, v in zip(hypotheses, values, strict=True))
     return Case(effects=effects, shifts=tuple(sorted(shifts.items())), coarse=coarse)
@@ -73,9 +76,11 @@ def empty_fit(problem: Problem, shifts: dict[str, float] | None = None) -> Fit:
 
 
 def jacobian(
-    problem: Problem, hypotheses: Sequence[Hypothesis], values: Sequence[tuple[float, ...]],
+    problem: Problem,
+    hypotheses: Sequence[Hypothesis],
+    values: Sequence[tuple[float, ...]],
     shifts: dict[str, float],
-) -> Array:  # fmt: skip
+) -> Array:
     """Return the columns of all numbers; always from coarse runs: only their zero matters."""
     cases, steps = [], []
     for at, (h, v) in enumerate(zip(hypotheses, values, strict=True)):
@@ -107,9 +112,13 @@ def _astray(problem: Problem, shifts: dict[str, float], trial: dict[str, float])
 
 
 def refine_fit(
-    problem: Problem, hypotheses: Sequence[Hypothesis], start: Sequence[Sequence[float]],
-    shifts: dict[str, float], rounds: int = 6, coarse: bool = True,
-) -> Fit:  # fmt: skip
+    problem: Problem,
+    hypotheses: Sequence[Hypothesis],
+    start: Sequence[Sequence[float]],
+    shifts: dict[str, float],
+    rounds: int = 6,
+    coarse: bool = True,
+) -> Fit:
     """Return the best fit near ``start``: linearise, step, halve the step when the cost rises.
 
     ``coarse`` takes the quick simulation, else the declared tick for all but the slopes.
@@ -147,18 +156,28 @@ def refine_fit(
         if gained < max(1.0, 1e-4 * cost):
             break
     return Fit(
-        hypotheses=hypotheses, values=tuple(values), shifts=shifts, cost=cost,
-        residual=problem.projector.project(residual), covariance=covariance,
-    )  # fmt: skip
+        hypotheses=hypotheses,
+        values=tuple(values),
+        shifts=shifts,
+        cost=cost,
+        residual=problem.projector.project(residual),
+        covariance=covariance,
+    )
 
 
 _Found = tuple[list[tuple[float, ...]], dict[str, float], list[Array], Array, float]
 
 
 def _search(
-    problem: Problem, hypotheses: Sequence[Hypothesis], values: Sequence[tuple[float, ...]],
-    shifts: dict[str, float], nuisance_step: Array, step: Array, cost: float, coarse: bool,
-) -> _Found | None:  # fmt: skip
+    problem: Problem,
+    hypotheses: Sequence[Hypothesis],
+    values: Sequence[tuple[float, ...]],
+    shifts: dict[str, float],
+    nuisance_step: Array,
+    step: Array,
+    cost: float,
+    coarse: bool,
+) -> _Found | None:
     for share in (1.0, 0.4, 0.15, 0.05):
         at, moved = 0, []
         for h, v in zip(hypotheses, values, strict=True):

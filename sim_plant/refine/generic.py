@@ -82,6 +82,9 @@ def line_spectrum(
     coordinate = np.arange(drop.size) / (2.0 * extent)
     keep = (coordinate >= lowest) & (coordinate <= highest)
     return LineSpectrum(
-        kind=kind, roll=roll, coordinate=coordinate[keep], drop=drop[keep],
+        kind=kind,
+        roll=roll,
+        coordinate=coordinate[keep],
+        drop=drop[keep],
         degrees=2 * whitened.shape[0] * weights.shape[0],
-    )  # fmt: skip
+    )

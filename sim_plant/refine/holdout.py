@@ -60,9 +60,13 @@ def rms(channels: Sequence[str], residual: Array, first: int) -> Array:
 
 
 def judge(
-    bench: Bench, measured: Array, effects: Sequence[Added], shifts: Shifts = (), *,
+    bench: Bench,
+    measured: Array,
+    effects: Sequence[Added],
+    shifts: Shifts = (),
+    *,
     find_angles: bool,
-) -> Judgement:  # fmt: skip
+) -> Judgement:
     """Return before and after on the bench's only record.
 
     ``shifts`` are the declared numbers of the line as re-estimated with the effects. A roll's
@@ -82,12 +86,19 @@ def judge(
     changed = Case(effects=final, shifts=shifts, coarse=False)
     amended = bench.one(changed)[0] if final or shifts else declared
     return Judgement(
-        channels=twin.channels, before=rms(twin.channels, measured - declared, first),
-        after=rms(twin.channels, measured - amended, first), floor=model.floor,
-        measured=measured, declared=declared, amended=amended, effects=final,
-        angles_rad=angles, unwound_m=unwound, first=first,
+        channels=twin.channels,
+        before=rms(twin.channels, measured - declared, first),
+        after=rms(twin.channels, measured - amended, first),
+        floor=model.floor,
+        measured=measured,
+        declared=declared,
+        amended=amended,
+        effects=final,
+        angles_rad=angles,
+        unwound_m=unwound,
+        first=first,
         travel_m=np.cumsum(np.abs(twin.speed_m_s)) * twin.declaration.sample_time_s,
-    )  # fmt: skip
+    )
 
 
 def _formed(
@@ -102,15 +113,13 @@ def _formed(
         if UNWOUND in dict(effect.parameters):
             best = _as_it_is(bench, measured, case, model, effect)
             found[effect.location] = float(dict(best.parameters)[UNWOUND])
-            case = replace(
-                case, effects=tuple(best if e is effect else e for e in case.effects)
-            )  # fmt: skip
+            case = replace(case, effects=tuple(best if e is effect else e for e in case.effects))
     return case.effects, found
 
 
 def _as_it_is(
     bench: Bench, measured: Array, case: Case, model: NoiseModel, effect: Added
-) -> Added:  # fmt: skip
+) -> Added:
     """Return a profile with the angle and the unwound length (rad, cm) that fit best."""
     others = tuple(e for e in case.effects if e is not effect)
     values = dict(effect.parameters)

@@ -104,9 +104,11 @@ class Hypothesis:
 
 
 FEWER_TRIES: dict[str, tuple[Value, ...]] = {
-    "load_cell_resonance": (6.0, 13.0, 30.0), "rate_limit": (0.05, 0.2),
-    "slip": (0.0, 0.8, 1.2), "viscoelastic_web": (0.3, 3.0),
-}  # fmt: skip
+    "load_cell_resonance": (6.0, 13.0, 30.0),
+    "rate_limit": (0.05, 0.2),
+    "slip": (0.0, 0.8, 1.2),
+    "viscoelastic_web": (0.3, 3.0),
+}
 BOUNCE_TRIES_HZ: tuple[Value, ...] = (2.6, 4.4)
 SCREENED = {
     "bearing_drag": ("constant_N_m",),
@@ -153,17 +155,20 @@ def hypothesis(
     low = [max(r.low, bounds.get(n, (r.low,))[0]) for n, r in zip(names, rows, strict=True)]
     high = [min(r.high, bounds.get(n, (r.high,))[-1]) for n, r in zip(names, rows, strict=True)]
     return Hypothesis(
-        effect=effect, location=location, fixed=fixed, names=tuple(names),
-        strengths=len(strengths), start=tuple(start),
+        effect=effect,
+        location=location,
+        fixed=fixed,
+        names=tuple(names),
+        strengths=len(strengths),
+        start=tuple(start),
         absent=tuple(float(r.default) for r in rows),
-        low=tuple(low), high=tuple(high),
+        low=tuple(low),
+        high=tuple(high),
         linear=tuple(r.linear and low[k] < float(r.default) for k, r in enumerate(strengths)),
-    )  # fmt: skip
+    )
 
 
-def limits_at(
-    line: Declaration, effect: Effect, location: str
-) -> dict[str, tuple[float, float]]:  # fmt: skip
+def limits_at(line: Declaration, effect: Effect, location: str) -> dict[str, tuple[float, float]]:
     """Return the bounds that this place of this line sets, the tightest of all it names."""
     if effect.limits is None:
         return {}

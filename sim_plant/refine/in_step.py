@@ -22,9 +22,11 @@ CLOSE_RAD = 0.02
 
 
 def in_step(
-    problem: Problem, shifts: dict[str, float], hypotheses: Sequence[Hypothesis] = (),
+    problem: Problem,
+    shifts: dict[str, float],
+    hypotheses: Sequence[Hypothesis] = (),
     values: Sequence[Sequence[float]] = (),
-) -> dict[str, float]:  # fmt: skip
+) -> dict[str, float]:
     """Return ``shifts`` with effective radii at which simulated rolls turn as the measured ones.
 
     Rounds of simulation: a shift is a length, so its share of the radius grows as a roll is
@@ -37,9 +39,14 @@ def in_step(
         runs = problem.bench.one(case_of(hypotheses, values, found))
         ahead: dict[str, list[float]] = {}
         for run, fine, coarse, twin, theirs, noise in zip(
-            runs, problem.fine, problem.coarse, problem.bench.twins, told, problem.noise,
+            runs,
+            problem.fine,
+            problem.coarse,
+            problem.bench.twins,
+            told,
+            problem.noise,
             strict=True,
-        ):  # fmt: skip
+        ):
             ours = turns(twin, run + fine - coarse)
             for name in known & set(ours):
                 ahead.setdefault(name, []).append(

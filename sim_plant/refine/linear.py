@@ -68,9 +68,11 @@ class Projector:
         against = (cut.T @ residual) / size
         values = solve @ against
         return Gain(
-            drop=float(against @ values), values=values / size,
-            covariance=solve / np.outer(size, size), seen=float(np.min(np.diag(scaled))),
-        )  # fmt: skip
+            drop=float(against @ values),
+            values=values / size,
+            covariance=solve / np.outer(size, size),
+            seen=float(np.min(np.diag(scaled))),
+        )
 
     def beside(self, columns: Array) -> Projector:
         """Return the projector with further free columns (rows, q)."""

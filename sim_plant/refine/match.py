@@ -44,11 +44,13 @@ def declaration_for(line: Declaration, record: Record) -> Declaration:
     own = load_declaration(path)
     if [r.name for r in own.rollers] != [r.name for r in line.rollers]:
         raise PlantError(f"{path}: declares other rollers than the line it is to be judged by")
-    return own.model_copy(update={
-        "effects": own.effects or line.effects,
-        "corrections": {**line.corrections, **own.corrections},
-        "tolerances": {**line.tolerances, **own.tolerances},
-    })  # fmt: skip
+    return own.model_copy(
+        update={
+            "effects": own.effects or line.effects,
+            "corrections": {**line.corrections, **own.corrections},
+            "tolerances": {**line.tolerances, **own.tolerances},
+        }
+    )
 
 
 def twin_of(line: Declaration, record: Record) -> Twin:
@@ -87,10 +89,12 @@ def twin_of(line: Declaration, record: Record) -> Twin:
         if name == "aff_correction_m_s" and np.any(values):
             aff["unwind"] = values
     twin = Twin(
-        declaration=own, channels=modelled_channels(own, list(record.columns)),
-        speed_m_s=record.columns[REFERENCES[0]], tension_N=record.columns[REFERENCES[1]],
+        declaration=own,
+        channels=modelled_channels(own, list(record.columns)),
+        speed_m_s=record.columns[REFERENCES[0]],
+        tension_N=record.columns[REFERENCES[1]],
         aff_m_s=aff,
-    )  # fmt: skip
+    )
     try:
         twin.line(Case(coarse=False))
     except PlantError as error:
@@ -103,8 +107,9 @@ def _plausible(line: Declaration, record: Record) -> None:
     tension = record.columns["tension_ref_N"]
     for name in REFERENCES:
         if not np.any(record.columns[name]):
-            raise PlantError(f"{record.path}: column {name} is 0 throughout; "
-                             "give a record of the running line")  # fmt: skip
+            raise PlantError(
+                f"{record.path}: column {name} is 0 throughout; give a record of the running line"
+            )
     _runs(record, speed)
     strain = float(np.median(tension)) / line.web.EA_N
     if not 0.0 < strain < HIGHEST_STRAIN:

@@ -84,11 +84,14 @@ class NoiseModel:
     @property
     def analogue(self) -> Array:
         """Which channels (channels,) have more noise than a coarse word; all when none has."""
-        found = np.array([
-            taps.size > 1 and not choice
-            for taps, choice in zip(self.filters, self.words or ((),) * len(self.filters),
-                                    strict=True)
-        ])  # fmt: skip
+        found = np.array(
+            [
+                taps.size > 1 and not choice
+                for taps, choice in zip(
+                    self.filters, self.words or ((),) * len(self.filters), strict=True
+                )
+            ]
+        )
         return found if found.any() else np.ones(found.size, dtype=bool)
 
     def whiten(self, values: Array) -> Array:
@@ -160,9 +163,12 @@ def noise_model(
             tuple(whitening_filter(noise, white_share=s) for s in WHITE_SHARES) if is_word else ()
         )
     return NoiseModel(
-        filters=tuple(filters), sd=np.array(sd), floor=np.array(floor), first=first,
+        filters=tuple(filters),
+        sd=np.array(sd),
+        floor=np.array(floor),
+        first=first,
         words=tuple(choices),
-    )  # fmt: skip
+    )
 
 
 def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
@@ -177,9 +183,11 @@ def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
     steps = {s.channel: s.lsb_m or 0.0 for s in line.sensors}
     words = {s.channel for s in line.sensors if s.lsb_rad is not None}
     found = noise_model(
-        runs, first_judged(runs.shape[2], line.sample_time_s),
-        np.array([steps[c] for c in twin.channels]), [c in words for c in twin.channels],
-    )  # fmt: skip
+        runs,
+        first_judged(runs.shape[2], line.sample_time_s),
+        np.array([steps[c] for c in twin.channels]),
+        [c in words for c in twin.channels],
+    )
     silent = [name for name, rms in zip(twin.channels, found.floor, strict=True) if not rms > 0.0]
     if silent:
         raise PlantError(

@@ -40,9 +40,13 @@ def fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
 
 
 def fitted(
-    problem: Problem, fit: Fit, h: Hypothesis, start: Sequence[float], shifts: dict[str, float],
+    problem: Problem,
+    fit: Fit,
+    h: Hypothesis,
+    start: Sequence[float],
+    shifts: dict[str, float],
     rounds: int = 6,
-) -> Fit | None:  # fmt: skip
+) -> Fit | None:
     """Return ``fit`` with ``h`` from ``start``, all else fitted again; None as ``fit_one``."""
     new = refine_fit(
         problem, (*fit.hypotheses, h), (*fit.values, tuple(start)), shifts, rounds=rounds
@@ -64,10 +68,11 @@ def reseated(problem: Problem, fit: Fit) -> Fit:
         if h.effect.name != OUT_OF_ROUND:
             continue
         rest = replace(
-            fit, hypotheses=(*fit.hypotheses[:k], *fit.hypotheses[k + 1 :]),
+            fit,
+            hypotheses=(*fit.hypotheses[:k], *fit.hypotheses[k + 1 :]),
             values=(*fit.values[:k], *fit.values[k + 1 :]),
             shifts={n: v for n, v in fit.shifts.items() if n != felt_radius(h.location)},
-        )  # fmt: skip
+        )
         for hyp, start in _profiles(problem, rest, hypothesis(h.effect, h.location, line=line)):
             there = fit.put(k, hyp, start)
             shifts = in_step(problem, rest.shifts, there.hypotheses, there.values)

@@ -38,9 +38,12 @@ def measured_of(twin: Twin, record: Record) -> Any:
 
 
 def find(
-    twins: Sequence[Twin], records: Sequence[Record], without: Collection[str], workers: int,
+    twins: Sequence[Twin],
+    records: Sequence[Record],
+    without: Collection[str],
+    workers: int,
     say: Say,
-) -> Trace:  # fmt: skip
+) -> Trace:
     """Return the trace of these records."""
     with Bench(twins, workers) as bench:
         say("simulating the declared line, its noise and its tolerances")
@@ -111,9 +114,14 @@ def refine(plan: Plan, say: Say) -> Outcome:
         )
     result = verdict(found, judged, str(shown.path))
     outcome = Outcome(
-        plan=plan, records=(*records, *held), limits=tuple(said), trace=found, judgement=judged,
-        verdict=result, stated=twins[0].declaration.effects,
-    )  # fmt: skip
+        plan=plan,
+        records=(*records, *held),
+        limits=tuple(said),
+        trace=found,
+        judgement=judged,
+        verdict=result,
+        stated=twins[0].declaration.effects,
+    )
     publish(plan, lambda into: write_all(replace(outcome, plan=into), plan.command))
     return outcome
 
@@ -139,8 +147,15 @@ def write_all(outcome: Outcome, command: str) -> None:
     plan, line = outcome.plan, load_declaration(outcome.plan.line)
     amended = None
     if outcome.trace.steps:
-        amended = write_amended(plan.line, plan.out, outcome.trace, outcome.records, command,
-                                outcome.verdict, outcome.stated)  # fmt: skip
+        amended = write_amended(
+            plan.line,
+            plan.out,
+            outcome.trace,
+            outcome.records,
+            command,
+            outcome.verdict,
+            outcome.stated,
+        )
     block = write_block(plan.out, outcome.verdict["effects"], line, outcome.records[0])
     text = json.dumps(plain(outcome.verdict), indent=1) + "\n"
     (plan.out / "verdict.json").write_text(text, encoding="utf-8")

@@ -116,10 +116,12 @@ class Problem:
         """
         put = dict(self.anchor.shifts)
         cases = [
-            replace(self.anchor, shifts=tuple(sorted(
-                {**put, n.name: put.get(n.name, 0.0) + n.tolerance}.items())))
+            replace(
+                self.anchor,
+                shifts=tuple(sorted({**put, n.name: put.get(n.name, 0.0) + n.tolerance}.items())),
+            )
             for n in self.nuisances
-        ]  # fmt: skip
+        ]
         runs = self.bench.run(cases)
         for n, run in zip(self.nuisances, runs, strict=True):
             if not all(np.isfinite(y).all() for y in run):
@@ -138,9 +140,10 @@ class Problem:
         """Return what one typical ripple of each order of each loose shape does, cos and sin."""
         cases = [
             replace(self.anchor, ripples=((body, n, LOOSE_M * c / n, LOOSE_M * s / n),))
-            for body in self.loose for n in range(1, LOOSE_ORDERS + 1)
+            for body in self.loose
+            for n in range(1, LOOSE_ORDERS + 1)
             for c, s in ((1.0, 0.0), (0.0, 1.0))
-        ]  # fmt: skip
+        ]
         return [self.column(run, self.coarse, 1.0) for run in self.bench.run(cases)]
 
     def _zero_columns(self) -> list[Array]:

@@ -53,9 +53,12 @@ def read_record(path: str | Path) -> Record:
     columns, counted = counted_on(columns)
     sample_time_s, columns, findings = even_grid(path, time_s, columns)
     return Record(
-        path=path, sha256=hashlib.sha256(payload).hexdigest(), sample_time_s=sample_time_s,
-        columns=columns, findings=(*said, *counted, *findings, *oddities(columns)),
-    )  # fmt: skip
+        path=path,
+        sha256=hashlib.sha256(payload).hexdigest(),
+        sample_time_s=sample_time_s,
+        columns=columns,
+        findings=(*said, *counted, *findings, *oddities(columns)),
+    )
 
 
 def si_name(header: str, path: Path) -> tuple[str, float]:

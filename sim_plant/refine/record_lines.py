@@ -52,13 +52,24 @@ def _spectra(item: Explained, white: Array) -> list[LineSpectrum]:
     time_s: Array = np.arange(size, dtype=np.float64) * item.record.sample_time_s
     moving = item.speed_m_s if item.speed_m_s is not None else np.ones(size)
     weights = speed_weights(moving, 2)
-    found = [line_spectrum(white, time_s, weights, kind="time", highest=0.49 * rate,
-                           lowest=5.0 / float(time_s[-1]))]  # fmt: skip
+    found = [
+        line_spectrum(
+            white,
+            time_s,
+            weights,
+            kind="time",
+            highest=0.49 * rate,
+            lowest=5.0 / float(time_s[-1]),
+        )
+    ]
     if item.travel_m is not None and item.speed_m_s is not None:
         extent = float(np.ptp(item.travel_m))
         highest = min(0.25 * rate / float(np.mean(item.speed_m_s)), 12.0)
-        found.append(line_spectrum(white, item.travel_m, weights, kind="travel", highest=highest,
-                                   lowest=5.0 / extent))  # fmt: skip
+        found.append(
+            line_spectrum(
+                white, item.travel_m, weights, kind="travel", highest=highest, lowest=5.0 / extent
+            )
+        )
     return found
 
 
@@ -81,11 +92,19 @@ def find_lines(items: Sequence[Explained]) -> list[Line]:
         if best is None:
             break
         kind, at, strength = best
-        singles = tuple(sharpest(item, white, kind, at)
-                        for item, white in zip(items, whites, strict=True))  # fmt: skip
+        singles = tuple(
+            sharpest(item, white, kind, at) for item, white in zip(items, whites, strict=True)
+        )
         joint = float(np.median(singles))
-        found.append(Line(kind=kind, coordinate=joint, per_record=singles, strength=strength,
-                          clock=_clock(items, kind, joint)))  # fmt: skip
+        found.append(
+            Line(
+                kind=kind,
+                coordinate=joint,
+                per_record=singles,
+                strength=strength,
+                clock=_clock(items, kind, joint),
+            )
+        )
         whites = [
             _without(item, white, kind, own)
             for item, white, own in zip(items, whites, singles, strict=True)
@@ -105,8 +124,15 @@ def clocks(items: Sequence[Explained]) -> list[Line]:
                 at = sharpest(item, white, "time", at)
                 reason = _clock([item], "time", at)
                 if reason:
-                    found.append(Line(kind="time", coordinate=at, per_record=(at,), strength=drop,
-                                      clock=reason))  # fmt: skip
+                    found.append(
+                        Line(
+                            kind="time",
+                            coordinate=at,
+                            per_record=(at,),
+                            strength=drop,
+                            clock=reason,
+                        )
+                    )
     return found
 
 
@@ -165,16 +191,24 @@ def _clock(items: Sequence[Explained], kind: str, coordinate: float) -> str:
         return ""
     rate = 1.0 / items[0].record.sample_time_s
     divisor = rate / coordinate
-    width = max(CLOCK_WIDTH, 1.0 / (items[0].residual.shape[1] * items[0].record.sample_time_s)
-                / coordinate)  # fmt: skip
+    width = max(
+        CLOCK_WIDTH,
+        1.0 / (items[0].residual.shape[1] * items[0].record.sample_time_s) / coordinate,
+    )
     reasons = []
     if abs(divisor - round(divisor)) < width * divisor and round(divisor) <= 20:
         reasons.append(f"is 1/{round(divisor)} of the sample rate")
     for item in items:
         white = np.stack([whiten(row) for row in item.inputs])
         time_s = _phase(item, "time")
-        spectrum = line_spectrum(white, time_s, np.ones((1, time_s.size)), kind="time",
-                                 highest=0.49 * rate, lowest=5.0 / float(time_s[-1]))  # fmt: skip
+        spectrum = line_spectrum(
+            white,
+            time_s,
+            np.ones((1, time_s.size)),
+            kind="time",
+            highest=0.49 * rate,
+            lowest=5.0 / float(time_s[-1]),
+        )
         near = np.abs(spectrum.coordinate - coordinate) < 2.0 * width * coordinate
         if near.any() and float(spectrum.drop[near].max()) > threshold(spectrum):
             reasons.append("is in the excitation as well")

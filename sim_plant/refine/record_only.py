@@ -162,10 +162,12 @@ def _headerless(declaration: RecordDeclaration, path: Path) -> Record:
         raise PlantError(f"{path}: column {names[bad[0][1]]}: no reading in line {bad[0][0] + 1}")
     columns = {n: table[:, k].copy() for k, n in enumerate(names)}
     return Record(
-        path=path, sha256=hashlib.sha256(payload).hexdigest(),
-        sample_time_s=declaration.sample_time_s, columns=columns,
+        path=path,
+        sha256=hashlib.sha256(payload).hexdigest(),
+        sample_time_s=declaration.sample_time_s,
+        columns=columns,
         findings=tuple(oddities(columns)),
-    )  # fmt: skip
+    )
 
 
 def regressors(declaration: RecordDeclaration, record: Record) -> Array:
@@ -207,6 +209,10 @@ def explain(declaration: RecordDeclaration, record: Record, weights: Array) -> E
         speed = record.columns[declaration.travel_speed][keep]
         travel = np.cumsum(speed) * record.sample_time_s
     return Explained(
-        record=record, residual=outputs - predicted, outputs=outputs, inputs=inputs,
-        travel_m=travel, speed_m_s=speed,
-    )  # fmt: skip
+        record=record,
+        residual=outputs - predicted,
+        outputs=outputs,
+        inputs=inputs,
+        travel_m=travel,
+        speed_m_s=speed,
+    )

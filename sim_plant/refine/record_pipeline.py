@@ -96,10 +96,15 @@ def _row(line: Line) -> dict[str, Any]:
         where = {"frequency_Hz": line.coordinate}
     else:
         where = {
-            "wavenumber_1_m": line.coordinate, "equivalent_radius_m": line.equivalent_radius_m,
-        }  # fmt: skip
-    return {"class": line.kind, "coordinate": where, "per_record": list(line.per_record),
-            "strength": line.strength}  # fmt: skip
+            "wavenumber_1_m": line.coordinate,
+            "equivalent_radius_m": line.equivalent_radius_m,
+        }
+    return {
+        "class": line.kind,
+        "coordinate": where,
+        "per_record": list(line.per_record),
+        "strength": line.strength,
+    }
 
 
 def _fit(item: Explained, rows: Array, line: Line) -> Array:
@@ -114,9 +119,13 @@ def _fit(item: Explained, rows: Array, line: Line) -> Array:
 
 
 def judge_lines(
-    declaration: RecordDeclaration, items: Sequence[Explained], lines: Sequence[Line],
-    judged: Explained, *, own: bool,
-) -> dict[str, dict[str, float]]:  # fmt: skip
+    declaration: RecordDeclaration,
+    items: Sequence[Explained],
+    lines: Sequence[Line],
+    judged: Explained,
+    *,
+    own: bool,
+) -> dict[str, dict[str, float]]:
     """Return rms of outputs: declared filter alone, and with lines.
 
     Sizes come from the fitted records. A record's own start phase and travel scale (two numbers a
@@ -137,10 +146,11 @@ def judge_lines(
     return {
         name: {
             "before": float(np.sqrt(np.mean(judged.residual[k] ** 2))),
-            "after": float(np.sqrt(np.mean(gone[k] ** 2))), "noise_floor": noise[k],
+            "after": float(np.sqrt(np.mean(gone[k] ** 2))),
+            "noise_floor": noise[k],
         }
         for k, name in enumerate(declaration.outputs)
-    }  # fmt: skip
+    }
 
 
 def _known_size(items: Sequence[Explained], line: Line, fitted: Array) -> Array:
@@ -162,17 +172,24 @@ def _complex(fitted: Array) -> Any:
 
 
 def _write(
-    plan: Plan, declaration: RecordDeclaration, result: dict[str, Any],
-    records: Sequence[tuple[str, str]], command: str,
-) -> None:  # fmt: skip
+    plan: Plan,
+    declaration: RecordDeclaration,
+    result: dict[str, Any],
+    records: Sequence[tuple[str, str]],
+    command: str,
+) -> None:
     text = json.dumps(plain(result), indent=1) + "\n"
     (plan.out / "verdict.json").write_text(text, encoding="utf-8")
     template = Environment(
         loader=PackageLoader("sim_plant.refine", "."), autoescape=True
     ).get_template("record_report.html.j2")
     page = template.render(
-        note=declaration.note, verdict=result, records=records, command=command,
-        headline=record_headline(result), held=bool(plan.holdout),
+        note=declaration.note,
+        verdict=result,
+        records=records,
+        command=command,
+        headline=record_headline(result),
+        held=bool(plan.holdout),
         next_step=record_next(result, travel=declaration.travel_speed is not None),
-    )  # fmt: skip
+    )
     (plan.out / "report.html").write_text(page, encoding="utf-8")

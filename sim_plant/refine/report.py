@@ -90,8 +90,9 @@ def above_noise(judged: Judgement, ranked: Sequence[int]) -> dict[str, float]:
     """Return the tensions and speeds that hold more than noise as amended, after over floor."""
     return {
         judged.channels[k]: float(judged.after[k] / judged.floor[k])
-        for k in ranked if judged.after[k] >= ABOVE_NOISE * judged.floor[k]
-    }  # fmt: skip
+        for k in ranked
+        if judged.after[k] >= ABOVE_NOISE * judged.floor[k]
+    }
 
 
 def next_step(result: dict[str, Any], block: bool, above: Collection[str] = ()) -> str:
@@ -142,16 +143,24 @@ def shift_rows(
         factor, unit = 100.0, "%"
         if name.endswith((".offset", "_draw")):
             factor, unit = 1.0, "N" if name.endswith(".offset") else "(absolute)"
-        rows.append({"name": name, "shift": f"{factor * value:+.3g} {unit}",
-                     "tolerance": f"{factor * known:.3g} {unit}" if known else "",
-                     "used": abs(value) / known if known else 0.0})  # fmt: skip
+        rows.append(
+            {
+                "name": name,
+                "shift": f"{factor * value:+.3g} {unit}",
+                "tolerance": f"{factor * known:.3g} {unit}" if known else "",
+                "used": abs(value) / known if known else 0.0,
+            }
+        )
     return sorted(rows, key=lambda row: (-row["used"], row["name"]))
 
 
 def write_report(
-    outcome: Outcome, command: str, amended: Path | None, block: Path | None,
+    outcome: Outcome,
+    command: str,
+    amended: Path | None,
+    block: Path | None,
     tolerances: Mapping[str, float],
-) -> Path:  # fmt: skip
+) -> Path:
     """Write ``report.html``; return its path.
 
     ``tolerances`` are those of the declared numbers, two standard deviations, by path.
@@ -159,33 +168,51 @@ def write_report(
     judged, trace = outcome.judgement, outcome.trace
     step_s = trace.travels[0].sample_time_s
     rows = [
-        {"name": n, "before": b, "after": a, "floor": f, "ratio": a / f if f else 0.0,
-         "was": b / f if f else 0.0}
-        for n, b, a, f in zip(judged.channels, judged.before, judged.after, judged.floor,
-                              strict=True)
-    ]  # fmt: skip
+        {
+            "name": n,
+            "before": b,
+            "after": a,
+            "floor": f,
+            "ratio": a / f if f else 0.0,
+            "was": b / f if f else 0.0,
+        }
+        for n, b, a, f in zip(
+            judged.channels, judged.before, judged.after, judged.floor, strict=True
+        )
+    ]
     template = Environment(
         loader=PackageLoader("sim_plant.refine", "."), autoescape=True
     ).get_template("report.html.j2")
     page = template.render(
-        headline=headline(outcome.verdict), sure=confidence(outcome.verdict),
+        headline=headline(outcome.verdict),
+        sure=confidence(outcome.verdict),
         gain=gain(judged, bool(outcome.plan.holdout)),
         next_step=next_step(
             outcome.verdict, block is not None, above_noise(judged, told_by(judged))
         ),
-        verdict=outcome.verdict, rows=rows, command=command,
-        limits=outcome.limits, records=outcome.records, held=outcome.plan.holdout,
-        steps=trace.steps, angles=judged.angles_rad, unwound=judged.unwound_m,
-        shifts=shift_rows(trace.corrections, tolerances), shown_shifts=SHOWN_SHIFTS,
+        verdict=outcome.verdict,
+        rows=rows,
+        command=command,
+        limits=outcome.limits,
+        records=outcome.records,
+        held=outcome.plan.holdout,
+        steps=trace.steps,
+        angles=judged.angles_rad,
+        unwound=judged.unwound_m,
+        shifts=shift_rows(trace.corrections, tolerances),
+        shown_shifts=SHOWN_SHIFTS,
         keys={k for e in outcome.verdict["effects"] for k in e["parameters"]},
-        best_each=best_each, numbers=number_rows, name_of=name_of, place_of=place_of,
+        best_each=best_each,
+        numbers=number_rows,
+        name_of=name_of,
+        place_of=place_of,
         above=ABOVE_NOISE,
         block=block.read_text(encoding="utf-8") if block else "",
         amended=amended.name if amended else "",
         overlay=overlay(judged, step_s),
         order_map=wavenumber_map(judged, step_s),
         spectra=spectrum(trace.before[0], trace.after[0], LINE_THRESHOLD),
-    )  # fmt: skip
+    )
     path = outcome.plan.out / "report.html"
     path.write_text(page, encoding="utf-8")
     return path

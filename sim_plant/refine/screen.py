@@ -49,10 +49,15 @@ class Scored:
             return tuple(row[k] for k in kept)
 
         fewer = replace(
-            h, names=tuple(h.names[k] for k in kept), strengths=len(kept), start=pick(h.start),
-            absent=pick(h.absent), low=pick(h.low), high=pick(h.high),
+            h,
+            names=tuple(h.names[k] for k in kept),
+            strengths=len(kept),
+            start=pick(h.start),
+            absent=pick(h.absent),
+            low=pick(h.low),
+            high=pick(h.high),
             linear=tuple(h.linear[k] for k in kept),
-        )  # fmt: skip
+        )
         return fewer, pick(self.start)
 
 
@@ -62,9 +67,10 @@ def price(problem: Problem, numbers: int) -> float:
 
 
 def worth_trying(
-    hypotheses: Sequence[Hypothesis], travels: Sequence[Travel],
+    hypotheses: Sequence[Hypothesis],
+    travels: Sequence[Travel],
     spectra: Sequence[Sequence[LineSpectrum]],
-) -> tuple[list[Hypothesis], list[Hypothesis]]:  # fmt: skip
+) -> tuple[list[Hypothesis], list[Hypothesis]]:
     """Return hypotheses whose line is in some record, and those that are no lines."""
     lines, others = [], []
     strongest = max(s.peak[1] for record in spectra for s in record)
@@ -82,8 +88,9 @@ def worth_trying(
     return lines, others
 
 
-def screen(problem: Problem, fit: Fit, hypotheses: Sequence[Hypothesis], residual: Array,
-           base: Fit) -> list[Scored]:  # fmt: skip
+def screen(
+    problem: Problem, fit: Fit, hypotheses: Sequence[Hypothesis], residual: Array, base: Fit
+) -> list[Scored]:
     """Return all hypotheses, best score first; sensitivities are taken at ``base``."""
     columns = columns_of(problem, base, hypotheses)
     scored = [
@@ -120,7 +127,7 @@ def thinned(hypotheses: Sequence[Hypothesis], rollers: Sequence[str]) -> list[Hy
 
 def neighbours(
     hypotheses: Sequence[Hypothesis], ranked: Sequence[Scored], rollers: Sequence[str]
-) -> list[Hypothesis]:  # fmt: skip
+) -> list[Hypothesis]:
     """Return hypotheses not ranked yet within two idlers of the best of their effect."""
     idlers = [name for name in rollers if name]
     near: set[tuple[str, str]] = set()
@@ -191,6 +198,8 @@ def score_one(problem: Problem, h: Hypothesis, residual: Array, columns: Array) 
         value = h.absent[at] + size * (h.start[at] - h.absent[at])
         start[at] = min(max(value, h.low[at]), h.high[at])
     return Scored(
-        hypothesis=h, gain=gain, score=gain.drop - price(problem, max(1, len(use))),
+        hypothesis=h,
+        gain=gain,
+        score=gain.drop - price(problem, max(1, len(use))),
         start=tuple(start),
-    )  # fmt: skip
+    )

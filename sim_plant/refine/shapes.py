@@ -21,9 +21,13 @@ FINEST_ORDER = 64.0
 
 
 def profile_starts(
-    location: str, radius_m: float, inner: Array, against: Array, amplitudes_m: Sequence[float],
+    location: str,
+    radius_m: float,
+    inner: Array,
+    against: Array,
+    amplitudes_m: Sequence[float],
     keep: int = 2,
-) -> list[tuple[Hypothesis, tuple[float, ...]]]:  # fmt: skip
+) -> list[tuple[Hypothesis, tuple[float, ...]]]:
     """Return named profiles with size and angle that explain most, best first.
 
     ``inner`` (2 n, 2 n) and ``against`` (2 n,) are S'PS and S'Pr of the order columns
@@ -50,8 +54,11 @@ def profile_starts(
             best = max(best, (float(gain[at]), kind, size, float(angles[at])))
         found.append(best)
     found.sort(reverse=True)
-    return [_start(location, kind, size, angle) for gain, kind, size, angle in found[:keep]
-            if gain > 0.0]  # fmt: skip
+    return [
+        _start(location, kind, size, angle)
+        for gain, kind, size, angle in found[:keep]
+        if gain > 0.0
+    ]
 
 
 def _start(

@@ -78,9 +78,7 @@ def _with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) ->
     )
 
 
-def costs_of(
-    bench: Bench, measured: Array, model: NoiseModel, cases: Sequence[Case]
-) -> Array:  # fmt: skip
+def costs_of(bench: Bench, measured: Array, model: NoiseModel, cases: Sequence[Case]) -> Array:
     """Return the weighted squared error of every case."""
     zero = np.array([name.endswith("_angle_rad") for name in bench.twins[0].channels])
     found = []

@@ -79,10 +79,12 @@ def moment_arm_m(
             shape = Shape(mean_radius_m=radius_m, deviation_m=found[1 : MAX_ORDER + 1])
         bodies.append(
             Body(
-                center_x_m=entry.center_x_m, center_y_m=entry.center_y_m,
-                rotation=1 if entry.rotation == "ccw" else -1, shape=shape,
+                center_x_m=entry.center_x_m,
+                center_y_m=entry.center_y_m,
+                rotation=1 if entry.rotation == "ccw" else -1,
+                shape=shape,
             )
-        )  # fmt: skip
+        )
     theta = np.linspace(0.0, 2.0 * np.pi, POINTS, endpoint=False)
     try:
         return np.asarray(common_tangent(bodies[0], bodies[1], theta, 0.0).arm_a_m)

@@ -52,7 +52,7 @@ def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
 
 def _pursue(
     problem: Problem, library: Sequence[Hypothesis], say: Say, aside: float = 0.0
-) -> Trace:  # fmt: skip
+) -> Trace:
     """Return the effects found one after another, and what is left then.
 
     ``aside`` is what free terms have taken up already.
@@ -66,8 +66,9 @@ def _pursue(
         )
     ]
     before = lines_left(problem, nominal, travels)
-    found = Trace(nominal=nominal, fit=nominal, travels=travels, before=before, after=before,
-                  aside=aside)  # fmt: skip
+    found = Trace(
+        nominal=nominal, fit=nominal, travels=travels, before=before, after=before, aside=aside
+    )
     for _ in range(MOST_EFFECTS):
         accepted = _search(problem, found, library, say)
         if accepted is None:
@@ -148,9 +149,13 @@ def _search(
 
 
 def _beside(
-    problem: Problem, found: Trace, half: tuple[Step, Fit], others: Sequence[Hypothesis],
-    lines: Sequence[Hypothesis], say: Say,
-) -> tuple[Step, Fit] | None:  # fmt: skip
+    problem: Problem,
+    found: Trace,
+    half: tuple[Step, Fit],
+    others: Sequence[Hypothesis],
+    lines: Sequence[Hypothesis],
+    say: Say,
+) -> tuple[Step, Fit] | None:
     """Return the effect that, beside ``half``, leaves nothing of its line.
 
     One that is no line, or the same at another place: hum on two cells is one line in time.
@@ -186,9 +191,12 @@ def _beyond_tolerance(
 
 
 def _best_of(
-    problem: Problem, found: Trace, candidates: Sequence[Hypothesis], say: Say,
+    problem: Problem,
+    found: Trace,
+    candidates: Sequence[Hypothesis],
+    say: Say,
     pulled: Sequence[Rival] = (),
-) -> tuple[Step, Fit] | None:  # fmt: skip
+) -> tuple[Step, Fit] | None:
     """Screen a group of hypotheses and fit the best; ``pulled`` are fits to compete with them."""
     taken = {h.key for h in found.fit.hypotheses}
     group = [h for h in candidates if h.key not in taken]

@@ -117,9 +117,12 @@ class Twin:
         if case.seed is None:
             arrays.cells["lsb_N"] = 0.0  # mean of a dithered word; the steps only add chaos
         return LineSimulation(
-            line, seed=case.seed, arrays=arrays,
-            line_speed_m_s=float(self.speed_m_s[0]), tension_N=float(self.tension_N[0]),
-        )  # fmt: skip
+            line,
+            seed=case.seed,
+            arrays=arrays,
+            line_speed_m_s=float(self.speed_m_s[0]),
+            tension_N=float(self.tension_N[0]),
+        )
 
     def _outputs(self, case: Case) -> tuple[Array, Array]:
         run = self.line(case)

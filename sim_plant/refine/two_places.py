@@ -25,7 +25,7 @@ NUMBERS = 2
 
 def two_instead(
     problem: Problem, fit: Fit, travel: Travel, chosen: Hypothesis, ranked: Sequence[Scored]
-) -> tuple[tuple[str, str], ...]:  # fmt: skip
+) -> tuple[tuple[str, str], ...]:
     """Return (effect, location) of two places that explain more than ``chosen``, or nothing.
 
     Both by one linear step, each number at its price; ``ranked`` are first looks at ``fit``.
@@ -47,9 +47,11 @@ def _same_line(travel: Travel, chosen: Hypothesis, h: Hypothesis) -> bool:
     """Return whether ``h`` is the effect at another place with the same line of travel."""
     if h.effect.name != chosen.effect.name or h.location == chosen.location:
         return False
-    if not h.effect.order_locked or len(h.names) != NUMBERS or "all" in (
-        h.location, chosen.location,
-    ):  # fmt: skip
+    if (
+        not h.effect.order_locked
+        or len(h.names) != NUMBERS
+        or "all" in (h.location, chosen.location)
+    ):
         return False
     ours, theirs = (np.array(wavenumbers_1_m(x, travel)) for x in (chosen, h))
     return ours.shape == theirs.shape and bool(np.all(abs(theirs / ours - 1.0) < SAME_LINE))

@@ -58,7 +58,7 @@ def strongest(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, fl
 
 def unknowns(
     problem: Problem, nominal: Fit, fit: Fit, after: Sequence[Sequence[LineSpectrum]]
-) -> list[Unknown]:  # fmt: skip
+) -> list[Unknown]:
     """Return the class and coordinate of what is left, nothing when it is noise."""
     spectrum, coordinate, drop = strongest(after)
     excess = fit.cost - problem.expected_cost
@@ -107,8 +107,10 @@ def _coupled(problem: Problem, fit: Fit) -> list[Unknown]:
     if pair.score <= COUPLED:
         return []
     where: dict[str, float | str] = {
-        "channels": " and ".join(pair.channels), "from_Hz": pair.from_Hz, "to_Hz": pair.to_Hz,
-    }  # fmt: skip
+        "channels": " and ".join(pair.channels),
+        "from_Hz": pair.from_Hz,
+        "to_Hz": pair.to_Hz,
+    }
     return [Unknown(kind="broadband", strength=pair.score, coordinate=where)]
 
 

@@ -55,12 +55,19 @@ def effect_rows(trace: Trace) -> list[dict[str, Any]]:
                 parameters[pair.amplitude] = size
                 parameters[pair.angle] = math.atan2(parameters[pair.sin], parameters[pair.cos])
                 intervals[pair.amplitude] = [size - spread, size + spread]
-        rows.append({
-            "effect": SHARED_NAMES.get(h.effect.name, h.effect.name), "location": h.location,
-            "parameters": parameters, "interval95": intervals, "score": step.score,
-            "runner_up": step.runner_up, "margin": step.margin,
-            "cancel": h.effect.order_locked and not h.effect.sensor_only, "text": h.effect.text,
-        })  # fmt: skip
+        rows.append(
+            {
+                "effect": SHARED_NAMES.get(h.effect.name, h.effect.name),
+                "location": h.location,
+                "parameters": parameters,
+                "interval95": intervals,
+                "score": step.score,
+                "runner_up": step.runner_up,
+                "margin": step.margin,
+                "cancel": h.effect.order_locked and not h.effect.sensor_only,
+                "text": h.effect.text,
+            }
+        )
     return rows
 
 
@@ -82,7 +89,9 @@ def verdict(trace: Trace, judgement: Judgement | None, holdout: str) -> dict[str
             )
         }
     return {
-        "version": 1, "verdict": word, "effects": effect_rows(trace),
+        "version": 1,
+        "verdict": word,
+        "effects": effect_rows(trace),
         "unknown": [
             {"class": u.kind, "coordinate": u.coordinate, "strength": u.strength}
             for u in trace.unknown
@@ -93,10 +102,12 @@ def verdict(trace: Trace, judgement: Judgement | None, holdout: str) -> dict[str
                 "with": [" at ".join(k) for k in s.ambiguous],
                 "experiments": experiments(s.hypothesis.key, s.ambiguous),
             }
-            for s in trace.steps if s.ambiguous
+            for s in trace.steps
+            if s.ambiguous
         ],
-        "residual_rms": table, "holdout": holdout,
-    }  # fmt: skip
+        "residual_rms": table,
+        "holdout": holdout,
+    }
 
 
 def declared_entries(fit: Fit) -> list[dict[str, Any]]:
@@ -118,6 +129,7 @@ def aff_blocks(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
             orders = [1, 2, 3, 4]
         if "order" in row["parameters"]:
             orders = [round(float(row["parameters"]["order"]))]
-        blocks.append({"roll": row["location"], "orders": orders, "settle_s": 6.0,
-                       "amp_limit_m_s": 0.02})  # fmt: skip
+        blocks.append(
+            {"roll": row["location"], "orders": orders, "settle_s": 6.0, "amp_limit_m_s": 0.02}
+        )
     return blocks

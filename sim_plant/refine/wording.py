@@ -54,8 +54,14 @@ def number_rows(row: Mapping[str, Any]) -> list[dict[str, str]]:
     found = []
     for key, value in row["parameters"].items():
         unit = unit_of(row["effect"], key)
-        shown = {"key": key, "name": label(key, unit), "value": str(value), "unit": "",
-                 "low": "", "high": ""}  # fmt: skip
+        shown = {
+            "key": key,
+            "name": label(key, unit),
+            "value": str(value),
+            "unit": "",
+            "low": "",
+            "high": "",
+        }
         if not isinstance(value, str):
             factor, shown["unit"] = scaled(value, unit)
             shown["value"] = f"{factor * value:.4g}"

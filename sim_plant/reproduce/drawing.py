@@ -48,12 +48,26 @@ def draw(panels: Sequence[Panel], columns: int = 2) -> str:
         for number, (label, (x, y)) in enumerate(panel.curves.items()):
             style = "o" if label in panel.points else "-"
             keep = slice(None, None, max(1, len(x) // _MOST_POINTS))
-            axis.plot(np.asarray(x)[keep], np.asarray(y)[keep], style, ms=4, lw=1.0, label=label,
-                      color=COLOURS[number % len(COLOURS)])  # fmt: skip
+            axis.plot(
+                np.asarray(x)[keep],
+                np.asarray(y)[keep],
+                style,
+                ms=4,
+                lw=1.0,
+                label=label,
+                color=COLOURS[number % len(COLOURS)],
+            )
         for label, position in panel.marks.items():
             axis.axvline(position, color="#9aa0a6", lw=0.8, ls=":")
-            axis.annotate(label, (position, 1.0), xycoords=("data", "axes fraction"), fontsize=7,
-                          rotation=90, va="top", ha="right")  # fmt: skip
+            axis.annotate(
+                label,
+                (position, 1.0),
+                xycoords=("data", "axes fraction"),
+                fontsize=7,
+                rotation=90,
+                va="top",
+                ha="right",
+            )
         if "x" in panel.log:
             axis.set_xscale("log")
         if "y" in panel.log:

@@ -80,9 +80,14 @@ def open_euclid(
     if change is not None:
         arrays = change(arrays)
     simulation = LineSimulation(
-        line, sample_time_s=sample_time_s, seed=seed, arrays=arrays, substeps=substeps,
-        line_speed_m_s=speed_m_s, tension_N=tension_N,
-    )  # fmt: skip
+        line,
+        sample_time_s=sample_time_s,
+        seed=seed,
+        arrays=arrays,
+        substeps=substeps,
+        line_speed_m_s=speed_m_s,
+        tension_N=tension_N,
+    )
     simulation.settle(settle_s)
     return simulation
 
@@ -97,8 +102,9 @@ def body(simulation: LineSimulation, name: str) -> int:
     return simulation.declaration.body(name)
 
 
-def steady(simulation: LineSimulation, duration_s: float, speed_m_s: float,
-           tension_N: float = TENSION_N) -> dict[str, Array]:  # fmt: skip
+def steady(
+    simulation: LineSimulation, duration_s: float, speed_m_s: float, tension_N: float = TENSION_N
+) -> dict[str, Array]:
     """Return the record of ``duration_s`` at constant references, with ``time_s``."""
     rows = round(duration_s / simulation.sample_time_s)
     found = simulation.simulate(np.full(rows, speed_m_s), np.full(rows, tension_N))

@@ -43,8 +43,9 @@ def chosen(identities: Sequence[str]) -> list[Experiment]:
     """
     for identity in identities:
         if identity not in BY_IDENTITY:
-            raise PlantError(f"--only {identity}: no such experiment; it is one of "
-                             f"{', '.join(BY_IDENTITY)}")  # fmt: skip
+            raise PlantError(
+                f"--only {identity}: no such experiment; it is one of {', '.join(BY_IDENTITY)}"
+            )
     return [e for e in CATALOGUE if not identities or e.identity in identities]
 
 
@@ -108,9 +109,15 @@ def as_plain(done: Done) -> dict[str, object]:
         for gap in r.disagreements
     ]
     return {
-        "id": e.identity, "chapter": e.chapter, "title": e.title, "where": e.where,
-        "rows": rows, "disagreements": gaps, "notes": list(r.notes), "figures": len(r.figures),
-    }  # fmt: skip
+        "id": e.identity,
+        "chapter": e.chapter,
+        "title": e.title,
+        "where": e.where,
+        "rows": rows,
+        "disagreements": gaps,
+        "notes": list(r.notes),
+        "figures": len(r.figures),
+    }
 
 
 def _finite(value: float) -> float | None:
@@ -143,26 +150,43 @@ def markdown(done: Sequence[Done]) -> str:
         lines += ["", f"### {e.identity} {e.title}", "", f"{e.where}", ""]
         lines += ["| quantity | source claim | ours | verdict | why |", "|---|---|---|---|---|"]
         lines += [
-            "| " + " | ".join(
-                _cell(text) for text in (
-                    row.quantity, row.claim, f"{number_text(row.ours)} {row.unit}", row.verdict,
+            "| "
+            + " | ".join(
+                _cell(text)
+                for text in (
+                    row.quantity,
+                    row.claim,
+                    f"{number_text(row.ours)} {row.unit}",
+                    row.verdict,
                     row.why,
                 )
-            ) + " |"
+            )
+            + " |"
             for row in r.rows
-        ]  # fmt: skip
+        ]
         if r.disagreements:
-            lines += ["", "| two methods | first | second | differ by | promise |",
-                      "|---|---|---|---|---|"]  # fmt: skip
+            lines += [
+                "",
+                "| two methods | first | second | differ by | promise |",
+                "|---|---|---|---|---|",
+            ]
         for gap in r.disagreements:
             limit = "" if gap.limit is None else f"{number_text(gap.limit)} {gap.unit}"
             kept = "" if gap.limit is None else (" kept" if gap.within else " BROKEN")
             lines.append(
-                "| " + " | ".join(_cell(t) for t in (
-                    gap.what, gap.first, gap.second, f"{gap.difference:.2g} {gap.unit}",
-                    limit + kept,
-                )) + " |"
-            )  # fmt: skip
+                "| "
+                + " | ".join(
+                    _cell(t)
+                    for t in (
+                        gap.what,
+                        gap.first,
+                        gap.second,
+                        f"{gap.difference:.2g} {gap.unit}",
+                        limit + kept,
+                    )
+                )
+                + " |"
+            )
     return "\n".join(lines) + "\n"
 
 

@@ -192,8 +192,10 @@ class DbcNode:
 
     def second_master(self) -> list[CanFrame]:
         """Return the runtime's messages, all zero but for a moving heartbeat."""
-        return [CanFrame(m.frame_id, m.is_extended_frame, bytes(m.length))
-                for m in self._theirs.values()]  # fmt: skip
+        return [
+            CanFrame(m.frame_id, m.is_extended_frame, bytes(m.length))
+            for m in self._theirs.values()
+        ]
 
     def _accept(self) -> None:
         """Copy a whole set into the PLC's write block."""

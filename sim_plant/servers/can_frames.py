@@ -21,9 +21,16 @@ class CanFrame(NamedTuple):
 Take = Callable[[CanFrame], None]
 _CUTTING = frozenset({Fault.BUSOFF, Fault.DROP, Fault.REFUSE, Fault.RESTART})
 _ON_THE_WAY = _CUTTING | {
-    Fault.MUTE, Fault.BUSY, Fault.PARTIAL, Fault.SHORT, Fault.TID, Fault.SWAP, Fault.LOSE,
-    Fault.DOUBLE, Fault.REORDER,
-}  # fmt: skip
+    Fault.MUTE,
+    Fault.BUSY,
+    Fault.PARTIAL,
+    Fault.SHORT,
+    Fault.TID,
+    Fault.SWAP,
+    Fault.LOSE,
+    Fault.DOUBLE,
+    Fault.REORDER,
+}
 
 
 class CanNode(Protocol):

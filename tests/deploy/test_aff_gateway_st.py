@@ -21,8 +21,15 @@ MAP = default_map()
 SCAN_S = 0.005
 COUNT_M_S = 0.00001
 MEASURED = {item.name: 0.0 for item in MAP.channels}
-REFUSALS = {"": 0, "watchdog": 1, "state": 2, "rearm": 3, "permissive": 4, "complement": 5,
-            "limit": 6}  # fmt: skip
+REFUSALS = {
+    "": 0,
+    "watchdog": 1,
+    "state": 2,
+    "rearm": 3,
+    "permissive": 4,
+    "complement": 5,
+    "limit": 6,
+}
 LIMIT_2 = round(MAP.corrections[1].limit_m_s / COUNT_M_S)
 ACTIVE, FADING, ARMED = (int(StateBits[name]) for name in ("ACTIVE", "FADING", "ARMED"))
 
@@ -36,9 +43,15 @@ class Both:
         self.scans = 0
 
     def scan(
-        self, heartbeat: int, one: int = 0, two: int = 0, *, state: int = ACTIVE,
-        well: bool = True, spoil: int = 0,
-    ) -> dict[str, Any]:  # fmt: skip
+        self,
+        heartbeat: int,
+        one: int = 0,
+        two: int = 0,
+        *,
+        state: int = ACTIVE,
+        well: bool = True,
+        spoil: int = 0,
+    ) -> dict[str, Any]:
         self.scans += 1
         copies = [~one & 0xFFFF, ~two & 0xFFFF]
         if spoil:
@@ -47,9 +60,16 @@ class Both:
         self.plc.status = ALL_WELL if well else ALL_WELL & ~Status.WEB_INTACT
         seen = self.plc.scan(self.scans * SCAN_S, MEASURED, words)
         out = self.block.call(
-            AffHeartbeat=heartbeat, AffState=state, Word1=one, Copy1=copies[0], Word2=two,
-            Copy2=copies[1], Permissives=well, ScanTime=SCAN_S, Wanted=True,
-        )  # fmt: skip
+            AffHeartbeat=heartbeat,
+            AffState=state,
+            Word1=one,
+            Copy1=copies[0],
+            Word2=two,
+            Copy2=copies[1],
+            Permissives=well,
+            ScanTime=SCAN_S,
+            Wanted=True,
+        )
         assert out["Refusal"] == REFUSALS[seen.refusal.partition(":")[0]], self.scans
         assert out["Accepted"] is (not seen.refusal)
         assert out["Trips"] == self.plc.trips

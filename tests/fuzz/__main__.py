@@ -44,9 +44,13 @@ def run(name: str, seconds: float, folder: Path) -> bool:
     command = [sys.executable, "-m", "tests.fuzz.guided", name, str(seconds), str(folder)]
     with tempfile.TemporaryDirectory(prefix="aff-fuzz-") as place:  # a guided child cleans nothing
         done = subprocess.run(
-            command, capture_output=True, text=True, timeout=seconds + START_UP_S, check=False,
+            command,
+            capture_output=True,
+            text=True,
+            timeout=seconds + START_UP_S,
+            check=False,
             env={**os.environ, "TMPDIR": place},
-        )  # fmt: skip
+        )
     lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
     if not lines:
         print(f"{name:14} ended by itself (exit {done.returncode})\n{done.stderr[-2000:]}")

@@ -36,10 +36,14 @@ TURN = 2.0 * math.pi / 4096.0
 
 def _command(source: Source) -> Command:
     return Command(
-        heartbeat=source.word(), state_bits=source.word(), echo=source.word(),
-        corrections=(source.number(), source.number()), alarm=source.word(),
-        limits=(source.number(),), config_revision=source.word(),
-    )  # fmt: skip
+        heartbeat=source.word(),
+        state_bits=source.word(),
+        echo=source.word(),
+        corrections=(source.number(), source.number()),
+        alarm=source.word(),
+        limits=(source.number(),),
+        config_revision=source.word(),
+    )
 
 
 def _frames(source: Source, heartbeat: int) -> list[Frame]:
@@ -48,8 +52,14 @@ def _frames(source: Source, heartbeat: int) -> list[Frame]:
     for _ in range(source.below(4)):
         kind, at = source.below(6), source.below(len(frames)) if frames else 0
         if kind == 0:
-            frames.insert(at, Frame(source.pick([*LENGTHS, *OURS, 0x7FF]), source.byte() % 8 == 7,
-                                    source.take(source.below(9))))  # fmt: skip
+            frames.insert(
+                at,
+                Frame(
+                    source.pick([*LENGTHS, *OURS, 0x7FF]),
+                    source.byte() % 8 == 7,
+                    source.take(source.below(9)),
+                ),
+            )
         elif frames and kind == 1:
             del frames[at]
         elif frames and kind == 2:
@@ -118,8 +128,9 @@ def command(data: bytes) -> str:
     source = Source(data)
     wanted = _command(source)
     frames = CanWriter(MAP).encode(wanted)
-    for frame, name, wish in zip(frames, ("Unwind", "SwrapFollower"), wanted.corrections,
-                                 strict=False):  # fmt: skip
+    for frame, name, wish in zip(
+        frames, ("Unwind", "SwrapFollower"), wanted.corrections, strict=False
+    ):
         shown = DATABASE.decode_message(frame.can_id, frame.data)
         raw = DATABASE.decode_message(frame.can_id, frame.data, scaling=False)
         assert isinstance(shown, dict)
@@ -145,13 +156,20 @@ def canopen(data: bytes) -> str:
         answers = [_answer(frame) for frame in inner.sent] if honest or source else []
         frames = [frame for frame in answers if frame is not None]
         if source:
-            frames += [Frame(source.pick(_IDS), False, source.take(source.below(9)))
-                       for _ in range(source.below(3))]  # fmt: skip
-            frames = [f._replace(data=source.spoilt(f.data)) if source.byte() > 250 else f
-                      for f in frames]  # fmt: skip
+            frames += [
+                Frame(source.pick(_IDS), False, source.take(source.below(9)))
+                for _ in range(source.below(3))
+            ]
+            frames = [
+                f._replace(data=source.spoilt(f.data)) if source.byte() > 250 else f
+                for f in frames
+            ]
         if honest and tick % 8 == 0:
-            frames += [Frame(0x700 + keeper.plan.node_id, False, b"\x05")
-                       for keeper in link.keepers if keeper.state >= 3]  # fmt: skip
+            frames += [
+                Frame(0x700 + keeper.plan.node_id, False, b"\x05")
+                for keeper in link.keepers
+                if keeper.state >= 3
+            ]
         inner.heard.extend(frames)
         heard |= {(frame.can_id, frame.data) for frame in frames}
         assert shot.outcome is not Outcome.OK or all(k.good for k in link.keepers)
@@ -161,11 +179,21 @@ def canopen(data: bytes) -> str:
     return "ok" if all(keeper.good for keeper in link.keepers) else "not working"
 
 
-_ZERO = Command(heartbeat=1, state_bits=0, echo=0, corrections=(0.0, 0.0), alarm=0, limits=(),
-                config_revision=0)  # fmt: skip
+_ZERO = Command(
+    heartbeat=1,
+    state_bits=0,
+    echo=0,
+    corrections=(0.0, 0.0),
+    alarm=0,
+    limits=(),
+    config_revision=0,
+)
 _IDS = [base + node for node in (1, 3, 4) for base in (0x080, 0x180, 0x280, 0x480, 0x580, 0x700)]
-_WRITTEN = {(plan.node_id, write.index, write.subindex): write.data
-            for plan in NETWORK.plans for write in plan.writes}  # fmt: skip
+_WRITTEN = {
+    (plan.node_id, write.index, write.subindex): write.data
+    for plan in NETWORK.plans
+    for write in plan.writes
+}
 
 
 def _answer(frame: Frame) -> Frame | None:
@@ -207,8 +235,11 @@ def slcan_line(data: bytes) -> str:
     if found.is_error_frame:
         assert line[:2] == b"sb"
         return "bus-off"
-    head = f"T{found.arbitration_id:08X}" if found.is_extended_id else (
-        f"t{found.arbitration_id:03X}")  # fmt: skip
+    head = (
+        f"T{found.arbitration_id:08X}"
+        if found.is_extended_id
+        else (f"t{found.arbitration_id:03X}")
+    )
     said = f"{head}{found.dlc:X}{bytes(found.data).hex()}".upper().encode()
     assert line[: len(said)].upper() == said
     assert len(line) - len(said) in (0, 4)

@@ -25,14 +25,57 @@ CONFIG = Path(__file__).parents[2] / "config"
 SITES = ("euclid.yaml", "euclid_can.yaml", "euclid_canopen.yaml")
 TEXTS = {name: (CONFIG / name).read_text(encoding="utf-8") for name in SITES}
 VALUES = (
-    "nan", ".nan", ".inf", "-.inf", "1e400", "-1", "0", "0.0", "010", "0x10", "1_000", "1:30", "~",
-    "null", "true", "no", "''", "[]", "{}", "[1, 2]", "{a: 1}", "5 ms", "5 s", "-5 m/s",
-    "1 furlong", "5 m s", "1,5", "1e-3", "99999999999999999999",
+    "nan",
+    ".nan",
+    ".inf",
+    "-.inf",
+    "1e400",
+    "-1",
+    "0",
+    "0.0",
+    "010",
+    "0x10",
+    "1_000",
+    "1:30",
+    "~",
+    "null",
+    "true",
+    "no",
+    "''",
+    "[]",
+    "{}",
+    "[1, 2]",
+    "{a: 1}",
+    "5 ms",
+    "5 s",
+    "-5 m/s",
+    "1 furlong",
+    "5 m s",
+    "1,5",
+    "1e-3",
+    "99999999999999999999",
     "!!python/object/apply:os.system ['x']",
-    "&a [*a]", "*b", "!!binary aGk=", "2026-11-21", "<<", "%", "'\\0'", "\"\\u0000\"", "1 .. 2",
-    "0.05", "64", "65", "4.0", "1.0e+308", "-0.0", "5 ms # x", "|", ">", "unwind",
+    "&a [*a]",
+    "*b",
+    "!!binary aGk=",
+    "2026-11-21",
+    "<<",
+    "%",
+    "'\\0'",
+    '"\\u0000"',
+    "1 .. 2",
+    "0.05",
+    "64",
+    "65",
+    "4.0",
+    "1.0e+308",
+    "-0.0",
+    "5 ms # x",
+    "|",
+    ">",
+    "unwind",
     "line_speed_m_s",
-)  # fmt: skip
+)
 _SCALAR = re.compile(r"(?<=[:\[,] )[^\s,\]}{#][^,\]}#\n]*")
 _FOLDER = tempfile.TemporaryDirectory(prefix="aff-fuzz-")
 for described in (*CONFIG.glob("*.dbc"), *CONFIG.glob("*.eds")):
@@ -127,22 +170,33 @@ def _leaves(tree: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any, 
 RESPONSE = Response(
     points=[
         ResponsePoint(
-            frequency_Hz=0.3 * k, gain=90.0 + k, phase_rad=-0.2 * k, relative_error=0.05,
+            frequency_Hz=0.3 * k,
+            gain=90.0 + k,
+            phase_rad=-0.2 * k,
+            relative_error=0.05,
             coherence=0.98,
         )
         for k in range(1, 8)
     ],
     delay_s=0.012,
     provenance=Provenance(actuator="unwind", signal="unwind_tension_N"),
-).to_json()  # fmt: skip
+).to_json()
 SHAPE = ShapeFile(
-    actuator="unwind", belongs_to="b", response="r", config_hash="c", saved_at="t", version="v",
-    roll_id=3, radius_m={"unwind": 0.2}, web={"density_kg_m3": 395.0},
+    actuator="unwind",
+    belongs_to="b",
+    response="r",
+    config_hash="c",
+    saved_at="t",
+    version="v",
+    roll_id=3,
+    radius_m={"unwind": 0.2},
+    web={"density_kg_m3": 395.0},
     profile=ShapeProfile(
         weight_m={("unwind", 1): 9e-4 - 3e-4j, ("unwind", 3): 1e-4j},
-        correction={("unwind", 1): 0.1 - 0.2j}, imbalance_m={"unwind": 4e-4j},
+        correction={("unwind", 1): 0.1 - 0.2j},
+        imbalance_m={"unwind": 4e-4j},
     ),
-).to_json()  # fmt: skip
+).to_json()
 NUMBERS = ("NaN", "Infinity", "-1", "0", "1e400", '"x"', "null", "[]", "1e30", "9" * 400)
 _NUMBER = re.compile(r"-?\d+(\.\d+)?(e-?\d+)?")
 

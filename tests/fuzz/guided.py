@@ -37,8 +37,12 @@ class Count:
             raise
 
     def report(self, how: str) -> dict[str, Any]:
-        return {"by": how, "runs": sum(self.became.values()), "became": dict(self.became),
-                "trouble": self.trouble}  # fmt: skip
+        return {
+            "by": how,
+            "runs": sum(self.became.values()),
+            "became": dict(self.became),
+            "trouble": self.trouble,
+        }
 
 
 def by_chance(name: str, seconds: float, folder: Path) -> dict[str, Any]:

@@ -32,8 +32,12 @@ from tests.sim_plant.servers.fake_line import default_map
 UNIT, COUNT = 0x11, 3
 MS = 1_000_000
 PLC_MAP = default_map()
-BOUNDS = {WordType.I16: (16, True), WordType.U16: (16, False), WordType.I32: (32, True),
-          WordType.U32: (32, False)}  # fmt: skip
+BOUNDS = {
+    WordType.I16: (16, True),
+    WordType.U16: (16, False),
+    WordType.I32: (32, True),
+    WordType.U32: (32, False),
+}
 
 
 def reply(data: bytes) -> str:
@@ -41,9 +45,10 @@ def reply(data: bytes) -> str:
     source = Source(data)
     function = source.pick((READ, WRITE, READ_WRITE))
     body = (
-        bytes((UNIT, WRITE)) + b"\x00\x64\x00\x02" if function == WRITE
+        bytes((UNIT, WRITE)) + b"\x00\x64\x00\x02"
+        if function == WRITE
         else bytes((UNIT, function, 2 * COUNT)) + source.take(2 * COUNT).ljust(2 * COUNT, b"\0")
-    )  # fmt: skip
+    )
     good = b"\x12\x34\0\0" + len(body).to_bytes(2, "big") + body
     said = source.spoilt(good) if source.byte() & 1 else source.take(64)
     buffer = bytearray(said.ljust(300, b"\0"))
@@ -183,20 +188,31 @@ def words(data: bytes) -> str:
         kind = source.pick(tuple(WordType))
         channels.append(
             Register(
-                name=f"c{index}", address=address, type=kind,
-                scale=source.pick((1.0, 0.001, -2.5)), word_order=source.pick(tuple(WordOrder)),
+                name=f"c{index}",
+                address=address,
+                type=kind,
+                scale=source.pick((1.0, 0.001, -2.5)),
+                word_order=source.pick(tuple(WordOrder)),
             )
-        )  # fmt: skip
+        )
         address += kind.word_count
     unwind = Register(name="unwind", address=102, type=WordType.I16, scale=0.00001)
     try:
         codec = WordCodec(
             RegisterMap(
-                plc_heartbeat=0, status=1, roll_id=2, channels=tuple(channels), aff_heartbeat=100,
-                state=101, echo=104, alarm=None, limit=105, config_revision=None,
+                plc_heartbeat=0,
+                status=1,
+                roll_id=2,
+                channels=tuple(channels),
+                aff_heartbeat=100,
+                state=101,
+                echo=104,
+                alarm=None,
+                limit=105,
+                config_revision=None,
                 corrections=(Correction(register=unwind, complement_address=103),),
             )
-        )  # fmt: skip
+        )
     except ConfigError:
         return "refused"
     block = [source.word() for _ in range(codec.read_count)]
@@ -215,10 +231,15 @@ def words(data: bytes) -> str:
     wish = source.number()
     said = codec.encode(
         Command(
-            heartbeat=source.word(), state_bits=source.word(), echo=source.word(),
-            corrections=(wish,), alarm=0, limits=(source.number(),), config_revision=0,
+            heartbeat=source.word(),
+            state_bits=source.word(),
+            echo=source.word(),
+            corrections=(wish,),
+            alarm=0,
+            limits=(source.number(),),
+            config_revision=0,
         )
-    )  # fmt: skip
+    )
     assert all(0 <= word <= 0xFFFF for word in said)
     assert said[2] ^ said[3] == 0xFFFF
     sent = (said[2] ^ 0x8000) - 0x8000
@@ -228,9 +249,11 @@ def words(data: bytes) -> str:
 
 
 PDUS = (
-    bytes.fromhex("17 0000 000f 0064 000a 14"), bytes.fromhex("10 0064 000a 14"),
-    bytes.fromhex("03 0000 000f"), bytes.fromhex("06 0064"),
-)  # fmt: skip
+    bytes.fromhex("17 0000 000f 0064 000a 14"),
+    bytes.fromhex("10 0064 000a 14"),
+    bytes.fromhex("03 0000 000f"),
+    bytes.fromhex("06 0064"),
+)
 
 
 def plc_pdu(data: bytes) -> str:

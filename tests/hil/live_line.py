@@ -74,18 +74,29 @@ class LiveLine(Operator):
 
     def _start_plant(self) -> Child:
         command = [
-            *PLANT, "serve", str(LINE), *self.bench.plant_arguments,
-            "--speed-m-s", str(self._speed_m_s), "--seed", str(SEED),
-            "--control", str(self.bench.plant_socket),
-        ]  # fmt: skip
+            *PLANT,
+            "serve",
+            str(LINE),
+            *self.bench.plant_arguments,
+            "--speed-m-s",
+            str(self._speed_m_s),
+            "--seed",
+            str(SEED),
+            "--control",
+            str(self.bench.plant_socket),
+        ]
         return Child("plant", command, self.bench.folder / "plant.log", ready="ready")
 
     def _serve(self) -> Child:
         command = [
-            *RUNTIME, "run", str(self.bench.site),
-            "--runtime-dir", str(self.runtime_dir),
-            "--record-dir", str(self.bench.folder / "runs"),
-        ]  # fmt: skip
+            *RUNTIME,
+            "run",
+            str(self.bench.site),
+            "--runtime-dir",
+            str(self.runtime_dir),
+            "--record-dir",
+            str(self.bench.folder / "runs"),
+        ]
         log = self.bench.folder / "runtime.log"
         return Child("runtime", command, log, environment=self._environment)
 

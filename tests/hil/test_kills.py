@@ -7,12 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from tests.hil.live_line import LiveLine
-from tests.lockstep.fault_table import (
-    WORKING_M_S,
-    ZERO_WITHIN_S,
-    assert_never_above_limit,
-    peak,
-)
+from tests.lockstep.fault_table import WORKING_M_S, ZERO_WITHIN_S, assert_never_above_limit, peak
 from tests.processes import is_running, kill, until
 
 pytestmark = [pytest.mark.hil, pytest.mark.wire, pytest.mark.timeout(90)]

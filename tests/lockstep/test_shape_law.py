@@ -194,8 +194,10 @@ def test_a_shape_that_is_not_the_rolls_is_refused_by_the_ripple(responses, learn
     *_, kept = learned
     file = ShapeFile.from_json(kept["unwind"])
     data = json.loads(kept["unwind"])
-    mirrored = {key: w.conjugate() * cmath.exp(1.3j * key[1] ** 2)
-                for key, w in file.profile.weight_m.items()}  # fmt: skip
+    mirrored = {
+        key: w.conjugate() * cmath.exp(1.3j * key[1] ** 2)
+        for key, w in file.profile.weight_m.items()
+    }
     for row in data["orders"]:
         w = mirrored[row["roll"], row["order"]]
         row["angle_deg"] = math.degrees(cmath.phase(w))

@@ -23,8 +23,12 @@ FLAT = {"shape": "flat", "size_m": 0.0118, "angle_rad": 0.7}  # the roll has 12 
 
 def pasted(folder: Path, **changes: Any) -> Path:
     """Write a site file whose unwind block is the one of a refinement; return its path."""
-    row = {"effect": "out_of_round_roll", "location": "unwind", "cancel": True,
-           "parameters": {**FLAT, **changes}}  # fmt: skip
+    row = {
+        "effect": "out_of_round_roll",
+        "location": "unwind",
+        "cancel": True,
+        "parameters": {**FLAT, **changes},
+    }
     written = write_block(folder, [row], load_declaration(LINE))
     assert written is not None
     (block,) = yaml.safe_load(written.read_text())["blocks"]

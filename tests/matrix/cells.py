@@ -40,9 +40,8 @@ def cells(states: tuple[str, ...] = STATES) -> Iterator[Cell]:
         for wire in WIRES:
             for state in states if row[wire] != "-" else ():
                 yield Cell(
-                    fault=row["name"], spec=row["spec"], wire=wire, state=state,
-                    reaction=row[wire],
-                )  # fmt: skip
+                    fault=row["name"], spec=row["spec"], wire=wire, state=state, reaction=row[wire]
+                )
 
 
 def judge(cell: Cell) -> str:

@@ -125,23 +125,41 @@ def _empty_disk(line: LiveLine) -> None:
 
 
 DEEDS = (
-    Deed(name="control process killed -9", reaction="latch",
-         do=lambda line: _killed(line, _control(line))),
-    Deed(name="supervisor killed -9", reaction="latch", undo=_start_service,
-         do=lambda line: _killed(line, line.service.process.pid)),
-    Deed(name="whole runtime killed -9", reaction="latch", do=_kill_runtime,
-         undo=_start_service),
+    Deed(
+        name="control process killed -9",
+        reaction="latch",
+        do=lambda line: _killed(line, _control(line)),
+    ),
+    Deed(
+        name="supervisor killed -9",
+        reaction="latch",
+        undo=_start_service,
+        do=lambda line: _killed(line, line.service.process.pid),
+    ),
+    Deed(name="whole runtime killed -9", reaction="latch", do=_kill_runtime, undo=_start_service),
     Deed(name="PLC killed -9 and restarted", reaction="zero", do=_kill_plant),
-    Deed(name="recorder killed -9", reaction="ride",
-         do=lambda line: _killed(line, recorder_pid(line))),
-    Deed(name="control process stopped 1 s", reaction="latch",
-         do=lambda line: _held(line, _control(line))),
-    Deed(name="supervisor stopped 1 s", reaction="ride",
-         do=lambda line: _held(line, line.service.process.pid)),
-    Deed(name="PLC stopped 1 s", reaction="latch",
-         do=lambda line: _held(line, line.plant.process.pid)),
+    Deed(
+        name="recorder killed -9",
+        reaction="ride",
+        do=lambda line: _killed(line, recorder_pid(line)),
+    ),
+    Deed(
+        name="control process stopped 1 s",
+        reaction="latch",
+        do=lambda line: _held(line, _control(line)),
+    ),
+    Deed(
+        name="supervisor stopped 1 s",
+        reaction="ride",
+        do=lambda line: _held(line, line.service.process.pid),
+    ),
+    Deed(
+        name="PLC stopped 1 s",
+        reaction="latch",
+        do=lambda line: _held(line, line.plant.process.pid),
+    ),
     Deed(name="disk full", reaction="ride", do=_fill_disk, undo=_empty_disk),
     Deed(name="config replaced by rubbish", reaction="ride", do=_rubbish, undo=_good_again),
-)  # fmt: skip
+)
 KILLS = tuple(deed for deed in DEEDS if "killed" in deed.name)
 HARMLESS = tuple(deed for deed in DEEDS if "killed" not in deed.name)

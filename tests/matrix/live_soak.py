@@ -137,8 +137,10 @@ def _run(soak: LiveSoak, minutes: float) -> int:
             early = _at_rest(soak)
         if CLOCK.now_ns() > next_ns:
             next_ns += 60_000_000_000
-            print(f"{(CLOCK.now_ns() - start_ns) / 60e9:5.1f} min {len(soak.seen)} {sizes}",
-                  flush=True)  # fmt: skip
+            print(
+                f"{(CLOCK.now_ns() - start_ns) / 60e9:5.1f} min {len(soak.seen)} {sizes}",
+                flush=True,
+            )
     late = _at_rest(soak)
     return _report(soak, early, late)
 
@@ -165,18 +167,24 @@ def _report(
         wrong = sum(bool(seen.wrong) for seen in all_)
         zero = max(seen.zero_s for seen in all_)
         largest = max(seen.largest for seen in all_)
-        print(f"{name:34} {len(all_):4} times, last not zero {zero * 1e3:6.0f} ms, "
-              f"largest {largest:.3f} of the limit, wrong {wrong}")  # fmt: skip
+        print(
+            f"{name:34} {len(all_):4} times, last not zero {zero * 1e3:6.0f} ms, "
+            f"largest {largest:.3f} of the limit, wrong {wrong}"
+        )
     wrong = [seen for seen in soak.seen if seen.wrong]
     calm = [seen for seen in wrong if not seen.held_up]
-    print(f"{len(soak.seen)} blows, {len(wrong)} wrong, {len(calm)} of them on a calm machine, "
-          f"{soak.rolls} rolls")  # fmt: skip
+    print(
+        f"{len(soak.seen)} blows, {len(wrong)} wrong, {len(calm)} of them on a calm machine, "
+        f"{soak.rolls} rolls"
+    )
     grown = 0
     for part, (memory, handles, threads) in late.items():
         was = early.get(part, (0, 0, 0))
         grown += early != {} and (handles > was[1] or threads > was[2])
-        print(f"{part:10} memory {was[0]} -> {memory} kB, handles {was[1]} -> {handles}, "
-              f"threads {was[2]} -> {threads}")  # fmt: skip
+        print(
+            f"{part:10} memory {was[0]} -> {memory} kB, handles {was[1]} -> {handles}, "
+            f"threads {was[2]} -> {threads}"
+        )
     return 1 if wrong or grown else 0
 
 

@@ -80,8 +80,10 @@ def main(arguments: list[str]) -> int:
             left.append(mutant)
     killed = len(chosen) - len(left)
     unexplained = [mutant for mutant in left if not mutant.equal]
-    print(f"{killed} of {len(chosen)} mutants killed, {len(left) - len(unexplained)} explained, "
-          f"{len(unexplained)} survive")  # fmt: skip
+    print(
+        f"{killed} of {len(chosen)} mutants killed, {len(left) - len(unexplained)} explained, "
+        f"{len(unexplained)} survive"
+    )
     return 1 if unexplained else 0
 
 

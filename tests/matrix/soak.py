@@ -112,8 +112,10 @@ def main(arguments: list[str]) -> int:
             early = size()
         if soak.bench.clock.now_ns() > hour_ns:
             real_min = (watch.now_ns() - began_ns) / 60e9
-            print(f"{hour_ns / 3.6e12:.0f} h, {soak.faults} faults, {size()}, {real_min:.1f} min",
-                  flush=True)  # fmt: skip
+            print(
+                f"{hour_ns / 3.6e12:.0f} h, {soak.faults} faults, {size()}, {real_min:.1f} min",
+                flush=True,
+            )
             hour_ns += 3_600_000_000_000
     late = size()
     print(

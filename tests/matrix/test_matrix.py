@@ -180,9 +180,10 @@ def test_a_refusal_that_only_the_plc_sees_reaches_the_runtime() -> None:
     bench.arm()
     assert bench.until(State.ACTIVE)
     bench.run(0.5)
-    bench.plant.plc.map = replace(bench.plant.plc.map, corrections=tuple(
-        replace(row, limit_m_s=0.01) for row in bench.plant.plc.map.corrections
-    ))  # fmt: skip
+    bench.plant.plc.map = replace(
+        bench.plant.plc.map,
+        corrections=tuple(replace(row, limit_m_s=0.01) for row in bench.plant.plc.map.corrections),
+    )
     bench.run(ZERO_S)
     assert "AFF_ENABLE_REQUEST=0" in bench.guard.first_blocking()
     assert not any(bench.run(1.0))

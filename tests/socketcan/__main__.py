@@ -61,8 +61,10 @@ def fetch() -> tuple[Path, Path, Path]:
     if not tree.exists():
         listed = subprocess.run(
             ["apt-cache", "depends", "linux-image-amd64"],
-            capture_output=True, text=True, check=True,
-        ).stdout  # fmt: skip
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
         found = re.search(r"linux-image-\d\S*-amd64", listed)
         if found is None:
             raise RuntimeError("no linux-image package is known to apt")
@@ -140,15 +142,35 @@ def main() -> int:
         return 0
     archive = initramfs(load_order(modules), busybox)
     command = [
-        "nice", "-n", "19", "qemu-system-x86_64", "-accel", "tcg", "-cpu", "max",
-        "-smp", "2", "-m", "1024",
-        "-kernel", str(kernel), "-initrd", str(archive), "-nographic", "-no-reboot",
-        "-append", "console=ttyS0 panic=-1 quiet", "-nic", "none",
-        "-virtfs", "local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap",
-    ]  # fmt: skip
+        "nice",
+        "-n",
+        "19",
+        "qemu-system-x86_64",
+        "-accel",
+        "tcg",
+        "-cpu",
+        "max",
+        "-smp",
+        "2",
+        "-m",
+        "1024",
+        "-kernel",
+        str(kernel),
+        "-initrd",
+        str(archive),
+        "-nographic",
+        "-no-reboot",
+        "-append",
+        "console=ttyS0 panic=-1 quiet",
+        "-nic",
+        "none",
+        "-virtfs",
+        "local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap",
+    ]
     said = io.StringIO()
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, errors="replace",
-                          stdin=subprocess.DEVNULL) as guest:  # fmt: skip
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, text=True, errors="replace", stdin=subprocess.DEVNULL
+    ) as guest:
         assert guest.stdout is not None
         bound = threading.Timer(PATIENCE_S, guest.kill)
         bound.start()

@@ -57,9 +57,12 @@ class Bench:
 
         async def serve() -> None:
             options = ServeOptions(
-                can=protocol, can_interface="socketcan", can_channel="vcan0", realtime=False,
+                can=protocol,
+                can_interface="socketcan",
+                can_channel="vcan0",
+                realtime=False,
                 can_map=CONFIG / "plc" / f"can_{protocol}.yaml",
-            )  # fmt: skip
+            )
             self.service = PlantService(FakeLine(PERIOD_S), default_map(), options)
             self.loop = asyncio.get_running_loop()
             await self.service.run(lambda _: ready.set())

@@ -34,11 +34,7 @@ class Probe(Section):
         le=0.1,
     )
     amplitude_N_m: NewtonMetres = key(
-        "Amplitude of the excitation on torque references.",
-        default=0.05,
-        live=True,
-        gt=0,
-        le=1000,
+        "Amplitude of the excitation on torque references.", default=0.05, live=True, gt=0, le=1000
     )
     duration_s: Seconds = key(
         "Time of the whole measurement. Lengthen it when probe reports poor quality.",
@@ -55,9 +51,7 @@ class Probe(Section):
         le=5,
     )
     extra_frequencies_Hz: Annotated[tuple[ProbeFrequency, ...], MaxLen(64)] = key(
-        "More frequencies to measure, for speeds and radii still to come.",
-        default=(),
-        live=True,
+        "More frequencies to measure, for speeds and radii still to come.", default=(), live=True
     )
 
 

@@ -91,8 +91,7 @@ class ModbusRtu(Section):
         le=90,
     )
     function: Literal["fc23", "fc3_fc16"] = key(
-        "Function codes: fc23 reads and writes in one request; fc3_fc16 uses two.",
-        default="fc23",
+        "Function codes: fc23 reads and writes in one request; fc3_fc16 uses two.", default="fc23"
     )
 
 

@@ -52,27 +52,50 @@ def run() -> Result:
     strain = 0.5 * nominal().web.wound_in_tension_N / nominal().web.EA_N
     formula = strain * SPEED_M_S / radius.mean() * (time[-1] - time[0])
     panels = [
-        Panel(curves={"S-wrap lead": (time, e_lead)}, x="time [s]", y="e_theta [rad]",
-              title="Fig. 5.1"),
-        Panel(curves={"unwind": (time, e_roll)}, x="time [s]", y="theta - integral of v/R [rad]",
-              title="wound in at half the line strain"),
-    ]  # fmt: skip
+        Panel(
+            curves={"S-wrap lead": (time, e_lead)},
+            x="time [s]",
+            y="e_theta [rad]",
+            title="Fig. 5.1",
+        ),
+        Panel(
+            curves={"unwind": (time, e_roll)},
+            x="time [s]",
+            y="theta - integral of v/R [rad]",
+            title="wound in at half the line strain",
+        ),
+    ]
     peak, drift = float(np.max(np.abs(e_lead))), abs(float(e_roll[-1]))
     return Result(
         rows=(
-            judge("largest e_theta of the S-wrap lead", "0.004 rad, << 1", peak, "rad",
-                  peak < 0.05,
-                  "a speed loop holds it; 0.5 mm off centre, 30 kg"),
-            judge("unwind: drift of theta from v/R in 60 s", "e_theta << 1 (5.3)", drift,
-                  "rad", drift < 0.05,
-                  f"wound-in strain half of the line's: strain difference times angle gives "
-                  f"{formula:.2f} rad; a law on v/R loses its phase, one on the angle does not"),
+            judge(
+                "largest e_theta of the S-wrap lead",
+                "0.004 rad, << 1",
+                peak,
+                "rad",
+                peak < 0.05,
+                "a speed loop holds it; 0.5 mm off centre, 30 kg",
+            ),
+            judge(
+                "unwind: drift of theta from v/R in 60 s",
+                "e_theta << 1 (5.3)",
+                drift,
+                "rad",
+                drift < 0.05,
+                f"wound-in strain half of the line's: strain difference times angle gives "
+                f"{formula:.2f} rad; a law on v/R loses its phase, one on the angle does not",
+            ),
         ),
         figures=(draw(panels),),
-    )  # fmt: skip
+    )
 
 
 EXPERIMENTS = (
-    Experiment(identity="5.1", chapter=5, title="Is eccentricity an exogenous disturbance?",
-               where="(5.1)-(5.3), Fig. 5.1", run=run),
-)  # fmt: skip
+    Experiment(
+        identity="5.1",
+        chapter=5,
+        title="Is eccentricity an exogenous disturbance?",
+        where="(5.1)-(5.3), Fig. 5.1",
+        run=run,
+    ),
+)

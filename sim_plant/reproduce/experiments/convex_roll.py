@@ -36,21 +36,31 @@ def run() -> Result:
     shapes = (("circle", polar_circle, circle(A_M)), ("ellipse", polar_ellipse, ellipse(A_M, B_M)))
     for name, radius, shape in shapes:
         for over in (False, True):
-            line = ConvexLine(radius=radius, distance_m=DISTANCE_M, idler_radius_m=IDLER_M,
-                              over_wrap=over)  # fmt: skip
+            line = ConvexLine(
+                radius=radius, distance_m=DISTANCE_M, idler_radius_m=IDLER_M, over_wrap=over
+            )
             lengths = np.array([convex_span(line, float(t))[0].length_m for t in THETA])
             roll = Body(center_x_m=0.0, center_y_m=0.0, rotation=-1, shape=shape)
-            idler = Body(center_x_m=DISTANCE_M, center_y_m=0.0, rotation=-1 if over else 1,
-                         shape=circle(IDLER_M))  # fmt: skip
+            idler = Body(
+                center_x_m=DISTANCE_M,
+                center_y_m=0.0,
+                rotation=-1 if over else 1,
+                shape=circle(IDLER_M),
+            )
             exact = common_tangent(roll, idler, -THETA, 0.0).length_m
             gaps.append(
-                Disagreement(what=f"{name}, {'over' if over else 'under'}-wrap: length",
-                             first="penalty (4.29)-(4.33)", second="exact tangent",
-                             difference=float(np.max(np.abs(lengths - exact))), unit="m",
-                             limit=1e-8)
-            )  # fmt: skip
-    line = ConvexLine(radius=polar_ellipse, distance_m=DISTANCE_M, idler_radius_m=IDLER_M,
-                      over_wrap=False)  # fmt: skip
+                Disagreement(
+                    what=f"{name}, {'over' if over else 'under'}-wrap: length",
+                    first="penalty (4.29)-(4.33)",
+                    second="exact tangent",
+                    difference=float(np.max(np.abs(lengths - exact))),
+                    unit="m",
+                    limit=1e-8,
+                )
+            )
+    line = ConvexLine(
+        radius=polar_ellipse, distance_m=DISTANCE_M, idler_radius_m=IDLER_M, over_wrap=False
+    )
     each = timeit.timeit(lambda: convex_span(line, 1.0), number=10) / 10.0
     roll = Body(center_x_m=0.0, center_y_m=0.0, rotation=-1, shape=ellipse(A_M, B_M))
     idler = Body(center_x_m=DISTANCE_M, center_y_m=0.0, rotation=1, shape=circle(IDLER_M))
@@ -60,21 +70,44 @@ def run() -> Result:
     plain = np.minimum(penalised_cost(line, phi, 0.3), 0.2)
     right, printed = slopes()
     cubic_one, cubic_zero = boundary_slopes()
-    panel = Panel(curves={"J_p, capped": (phi, plain)}, x="phi [rad]", y="J_p [m2]",
-                  title="Fig. 4.6: one minimum left")  # fmt: skip
+    panel = Panel(
+        curves={"J_p, capped": (phi, plain)},
+        x="phi [rad]",
+        y="J_p [m2]",
+        title="Fig. 4.6: one minimum left",
+    )
     return Result(
         rows=(
-            judge("slope at the maximum with the last row of (4.17) = 1", "r'(1) = 0", cubic_one,
-                  "-", abs(cubic_one) < 1e-12, "the row must read 2 a2 + 3 a3 = 0; (4.18)-(4.20) "
-                  f"use it and give {cubic_zero:.0f}"),
-            judge("tangent slope by (4.25) as printed", "m = n/d", printed, "-",
-                  abs(printed - right) < 1e-9, f"m = -d/n with + beta sin in d_0: {right:.4f}"),
-            judge("time of one solution by penalty minimisation", "suits off-line tables",
-                  1e6 * each, "us", each < 0.05, "scan and bounded search"),
+            judge(
+                "slope at the maximum with the last row of (4.17) = 1",
+                "r'(1) = 0",
+                cubic_one,
+                "-",
+                abs(cubic_one) < 1e-12,
+                "the row must read 2 a2 + 3 a3 = 0; (4.18)-(4.20) "
+                f"use it and give {cubic_zero:.0f}",
+            ),
+            judge(
+                "tangent slope by (4.25) as printed",
+                "m = n/d",
+                printed,
+                "-",
+                abs(printed - right) < 1e-9,
+                f"m = -d/n with + beta sin in d_0: {right:.4f}",
+            ),
+            judge(
+                "time of one solution by penalty minimisation",
+                "suits off-line tables",
+                1e6 * each,
+                "us",
+                each < 0.05,
+                "scan and bounded search",
+            ),
             beyond("exact tangent, time a solution", 1e6 * together, "us", "2000 at once"),
         ),
-        disagreements=tuple(gaps), figures=(draw([panel]),),
-    )  # fmt: skip
+        disagreements=tuple(gaps),
+        figures=(draw([panel]),),
+    )
 
 
 def slopes() -> tuple[float, float]:
@@ -99,6 +132,11 @@ def boundary_slopes() -> tuple[float, float]:
 
 
 EXPERIMENTS = (
-    Experiment(identity="4.14", chapter=4, title="Span of a convex roll, penalty formulation",
-               where="(4.14)-(4.34), Fig. 4.3-4.7", run=run),
-)  # fmt: skip
+    Experiment(
+        identity="4.14",
+        chapter=4,
+        title="Span of a convex roll, penalty formulation",
+        where="(4.14)-(4.34), Fig. 4.3-4.7",
+        run=run,
+    ),
+)

@@ -54,12 +54,15 @@ def ripple(
     speed_m_s: float, coupled: bool, offset_m: float = ECCENTRICITY_M
 ) -> tuple[Array, Array, Array]:
     """Return complex orders 1-4 of the unwind tension on the lead's angle, the record and time."""
-    wrong = effect("eccentric_roller", "swrap_lead", eccentricity_m=offset_m, angle_rad=0.3,
-                   mass_kg=MASS_KG)  # fmt: skip
+    wrong = effect(
+        "eccentric_roller", "swrap_lead", eccentricity_m=offset_m, angle_rad=0.3, mass_kg=MASS_KG
+    )
     line = open_euclid(
-        radius_m=6.375 * INCH_M, speed_m_s=speed_m_s, effects=(wrong,),
+        radius_m=6.375 * INCH_M,
+        speed_m_s=speed_m_s,
+        effects=(wrong,),
         change=exact_sensors if coupled else stiff_lead,
-    )  # fmt: skip
+    )
     record = steady(line, RECORD_S, speed_m_s)
     angle = turned(record["true_swrap_lead_speed_m_s"] / SWRAP_RADIUS_M, line.sample_time_s)
     late = record["time_s"] >= FORGET_S
@@ -92,36 +95,81 @@ def run(fpm: float) -> Result:
     sizes = np.abs(full)
     ratio = 100.0 * float(sizes[1] / sizes[0])
     growth = float(abs(double[1]) / sizes[1])
-    panel = Panel(curves={"unwind tension": (frequency, np.maximum(amplitude, 1e-7))},
-                  x="frequency [Hz]", y="amplitude [N]", log="y", title=f"{fpm:.0f} FPM",
-                  marks={f"{n}x": n * formula for n in ORDERS})  # fmt: skip
+    panel = Panel(
+        curves={"unwind tension": (frequency, np.maximum(amplitude, 1e-7))},
+        x="frequency [Hz]",
+        y="amplitude [N]",
+        log="y",
+        title=f"{fpm:.0f} FPM",
+        marks={f"{n}x": n * formula for n in ORDERS},
+    )
     names = [f"H{n}" for n in ORDERS]
-    both = bars({"with coupling": sizes.tolist(), "without": np.abs(without).tolist()}, names,
-                "tension [N]", log=True)  # fmt: skip
+    both = bars(
+        {"with coupling": sizes.tolist(), "without": np.abs(without).tolist()},
+        names,
+        "tension [N]",
+        log=True,
+    )
     rows = [
-        judge("fundamental of the S-wrap", "1.06 Hz" if fpm == 200.0 else "v / (2 pi R_S)",
-              found, "Hz", abs(found - (1.06 if fpm == 200.0 else formula)) < 0.01,
-              f"(3.24) with 6.05 in gives {formula:.4f} Hz"),
+        judge(
+            "fundamental of the S-wrap",
+            "1.06 Hz" if fpm == 200.0 else "v / (2 pi R_S)",
+            found,
+            "Hz",
+            abs(found - (1.06 if fpm == 200.0 else formula)) < 0.01,
+            f"(3.24) with 6.05 in gives {formula:.4f} Hz",
+        ),
         beyond("H1", sizes[0], "N", "0.5 mm off centre, 30 kg", claim="comparable amplitudes"),
-        judge("H2 over H1", "visible harmonics from coupling", ratio, "%", ratio > 5.0,
-              "second order in the offset: far below what Fig. 3.6-3.8 show"),
-        judge("H3 over H1", "visible harmonics from coupling",
-              100.0 * float(sizes[2] / sizes[0]), "%", bool(sizes[2] / sizes[0] > 0.05),
-              "third order in the offset"),
-        judge("H2 without coupling over H2 with", "coupling creates the harmonics",
-              float(abs(without[1]) / sizes[1]), "-", bool(abs(without[1]) < 0.1 * sizes[1]),
-              "what little there is, is geometry times speed; visible harmonics need "
-              "out-of-round rollers, drive or belt effects"),
-        beyond("growth of H2 when the offset doubles", growth, "-", "4 for a product of two "
-               "first-order ripples"),
-    ]  # fmt: skip
-    gap = Disagreement(what="fundamental frequency", first="(3.24)", second="peak of the record",
-                       difference=abs(found - formula), unit="Hz", limit=0.01)  # fmt: skip
+        judge(
+            "H2 over H1",
+            "visible harmonics from coupling",
+            ratio,
+            "%",
+            ratio > 5.0,
+            "second order in the offset: far below what Fig. 3.6-3.8 show",
+        ),
+        judge(
+            "H3 over H1",
+            "visible harmonics from coupling",
+            100.0 * float(sizes[2] / sizes[0]),
+            "%",
+            bool(sizes[2] / sizes[0] > 0.05),
+            "third order in the offset",
+        ),
+        judge(
+            "H2 without coupling over H2 with",
+            "coupling creates the harmonics",
+            float(abs(without[1]) / sizes[1]),
+            "-",
+            bool(abs(without[1]) < 0.1 * sizes[1]),
+            "what little there is, is geometry times speed; visible harmonics need "
+            "out-of-round rollers, drive or belt effects",
+        ),
+        beyond(
+            "growth of H2 when the offset doubles",
+            growth,
+            "-",
+            "4 for a product of two first-order ripples",
+        ),
+    ]
+    gap = Disagreement(
+        what="fundamental frequency",
+        first="(3.24)",
+        second="peak of the record",
+        difference=abs(found - formula),
+        unit="Hz",
+        limit=0.01,
+    )
     return Result(rows=tuple(rows), disagreements=(gap,), figures=(draw([panel]), both))
 
 
 EXPERIMENTS = tuple(
-    Experiment(identity=identity, chapter=3, title=f"Eccentric S-wrap at {fpm:.0f} FPM",
-               where=f"Fig. {identity}, (3.17)-(3.24)", run=partial(run, fpm))
+    Experiment(
+        identity=identity,
+        chapter=3,
+        title=f"Eccentric S-wrap at {fpm:.0f} FPM",
+        where=f"Fig. {identity}, (3.17)-(3.24)",
+        run=partial(run, fpm),
+    )
     for identity, fpm in (("3.6", 200.0), ("3.7", 250.0), ("3.8", 300.0))
-)  # fmt: skip
+)

@@ -29,43 +29,81 @@ def run() -> Result:
         found = [supply.harmonic_error(supply.arc_length, n) for n in orders]
         closed = [n * IDLER_M / length for n in orders]
         gaps.append(
-            Disagreement(what=f"{name}: relative error of (4.46), H1-H{orders[-1]}",
-                         first="exact tangent", second="n R_B / L",
-                         difference=float(np.max(np.abs(np.array(found) - closed))), unit="-",
-                         limit=5e-3)
-        )  # fmt: skip
+            Disagreement(
+                what=f"{name}: relative error of (4.46), H1-H{orders[-1]}",
+                first="exact tangent",
+                second="n R_B / L",
+                difference=float(np.max(np.abs(np.array(found) - closed))),
+                unit="-",
+                limit=5e-3,
+            )
+        )
         groups[name] = [100.0 * e for e in found] + [0.0] * (4 - len(found))
         rows.append(
-            judge(f"{name}: error of (4.46), first harmonic", "appropriate", 100.0 * found[0], "%",
-                  found[0] < 0.01, "the contact point on the next roller wanders: R_B dphi/dt")
-        )  # fmt: skip
+            judge(
+                f"{name}: error of (4.46), first harmonic",
+                "appropriate",
+                100.0 * found[0],
+                "%",
+                found[0] < 0.01,
+                "the contact point on the next roller wanders: R_B dphi/dt",
+            )
+        )
     flat = supply_of(cases[0][1], IDLER_M, 1.2)
     oval = supply_of(ellipse(0.2062, 0.2002), IDLER_M, 0.9)
     rows += [
-        judge("flat 12 mm: error of peripheral speed with dL/dt", "wrong (section 4.4)",
-              100.0 * flat.total_error(flat.peripheral), "%",
-              flat.total_error(flat.peripheral) > 1.0, "the source's own finding"),
-        judge("ellipse +-3 mm: error of peripheral speed with dL/dt", "wrong (section 4.4)",
-              100.0 * oval.total_error(oval.peripheral), "%",
-              oval.total_error(oval.peripheral) > 1.0, "the source's own finding"),
-        judge("ellipse +-3 mm: error of (4.46), all harmonics", "appropriate",
-              100.0 * oval.total_error(oval.arc_length), "%",
-              oval.total_error(oval.arc_length) < 0.01, "second order dominates: 2 R_B / L"),
-        beyond("flat 12 mm: d_ex over p, largest difference",
-               1e3 * float(np.max(flat.exit_distance - flat.exact)), "mm",
-               "(4.37) takes d_ex as arm of the tension", claim="d_ex is the arm length"),
-        beyond("std of dl/dt over std of p", float(np.std(flat.flow) / np.std(flat.exact)), "-",
-               "tables of dl/dt and dL/dt cancel each other: noise of (4.36), (4.50)"),
-        judge("(4.50) at (0.25, 0.5), plane through (0,0,0.5), (1,0,0.75), (1,1,1)",
-              "the plane's height", printed_plane(), "-",
-              abs(printed_plane() - exact_plane()) < 1e-9,
-              f"n.(X - P1) = 0 gives {exact_plane():.4f}; no table is needed: "
-              "delta l (i, j) = S(j) - S(i)"),
-    ]  # fmt: skip
+        judge(
+            "flat 12 mm: error of peripheral speed with dL/dt",
+            "wrong (section 4.4)",
+            100.0 * flat.total_error(flat.peripheral),
+            "%",
+            flat.total_error(flat.peripheral) > 1.0,
+            "the source's own finding",
+        ),
+        judge(
+            "ellipse +-3 mm: error of peripheral speed with dL/dt",
+            "wrong (section 4.4)",
+            100.0 * oval.total_error(oval.peripheral),
+            "%",
+            oval.total_error(oval.peripheral) > 1.0,
+            "the source's own finding",
+        ),
+        judge(
+            "ellipse +-3 mm: error of (4.46), all harmonics",
+            "appropriate",
+            100.0 * oval.total_error(oval.arc_length),
+            "%",
+            oval.total_error(oval.arc_length) < 0.01,
+            "second order dominates: 2 R_B / L",
+        ),
+        beyond(
+            "flat 12 mm: d_ex over p, largest difference",
+            1e3 * float(np.max(flat.exit_distance - flat.exact)),
+            "mm",
+            "(4.37) takes d_ex as arm of the tension",
+            claim="d_ex is the arm length",
+        ),
+        beyond(
+            "std of dl/dt over std of p",
+            float(np.std(flat.flow) / np.std(flat.exact)),
+            "-",
+            "tables of dl/dt and dL/dt cancel each other: noise of (4.36), (4.50)",
+        ),
+        judge(
+            "(4.50) at (0.25, 0.5), plane through (0,0,0.5), (1,0,0.75), (1,1,1)",
+            "the plane's height",
+            printed_plane(),
+            "-",
+            abs(printed_plane() - exact_plane()) < 1e-9,
+            f"n.(X - P1) = 0 gives {exact_plane():.4f}; no table is needed: "
+            "delta l (i, j) = S(j) - S(i)",
+        ),
+    ]
     return Result(
-        rows=tuple(rows), disagreements=tuple(gaps),
+        rows=tuple(rows),
+        disagreements=tuple(gaps),
         figures=(bars(groups, [f"H{n}" for n in ORDERS], "error of (4.46) [%]"),),
-    )  # fmt: skip
+    )
 
 
 def printed_plane() -> float:
@@ -86,6 +124,11 @@ def _plane() -> tuple[list[float], list[float]]:
 
 
 EXPERIMENTS = (
-    Experiment(identity="4.46", chapter=4, title="Errors of the flow formulas",
-               where="(4.42)-(4.50)", run=run),
-)  # fmt: skip
+    Experiment(
+        identity="4.46",
+        chapter=4,
+        title="Errors of the flow formulas",
+        where="(4.42)-(4.50)",
+        run=run,
+    ),
+)

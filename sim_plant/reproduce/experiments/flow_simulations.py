@@ -131,36 +131,68 @@ def run() -> Result:
     degrees = np.degrees(supply.theta_rad)
     panels = [
         Panel(curves=panels_x, x="time [s]", y="unwind tension [N]", title="Fig. 4.11, 4.17"),
-        Panel(curves={"peripheral d_ex": (degrees, supply.exit_distance),
-                      "dl/dt": (degrees, supply.flow), "dL/dt": (degrees, supply.length_rate),
-                      "p": (degrees, supply.exact)},
-              x="theta [deg]", y="at 1 rad/s [m/s]", title="Fig. 4.16"),
-    ]  # fmt: skip
+        Panel(
+            curves={
+                "peripheral d_ex": (degrees, supply.exit_distance),
+                "dl/dt": (degrees, supply.flow),
+                "dL/dt": (degrees, supply.length_rate),
+                "p": (degrees, supply.exact),
+            },
+            x="theta [deg]",
+            y="at 1 rad/s [m/s]",
+            title="Fig. 4.16",
+        ),
+    ]
     return Result(
         rows=(
-            judge("peripheral speed: H1-H4 over exact, largest", "larger oscillations (Fig. 4.11)",
-                  float(np.max(np.array(spectra["peripheral speed (4.11)"]) / exact)), "-",
-                  bool(np.max(outer) > 1.0), "length variation that nothing compensates;"
-                  " the web even goes slack"),
-            judge("arc length: error of H1", "better correlation (Fig. 4.17)",
-                  100.0 * float(arc[0]), "%", bool(arc[0] < outer[0]),
-                  "better than peripheral speed, yet not exact"),
-            judge("arc length: error of H4", "appropriate simulation", 100.0 * float(arc[3]), "%",
-                  bool(arc[3] < 0.01), "the next contact point wanders, n R_B / L of the supply;"
-                  " less of the ripple, which the arm of the tension makes too"),
+            judge(
+                "peripheral speed: H1-H4 over exact, largest",
+                "larger oscillations (Fig. 4.11)",
+                float(np.max(np.array(spectra["peripheral speed (4.11)"]) / exact)),
+                "-",
+                bool(np.max(outer) > 1.0),
+                "length variation that nothing compensates; the web even goes slack",
+            ),
+            judge(
+                "arc length: error of H1",
+                "better correlation (Fig. 4.17)",
+                100.0 * float(arc[0]),
+                "%",
+                bool(arc[0] < outer[0]),
+                "better than peripheral speed, yet not exact",
+            ),
+            judge(
+                "arc length: error of H4",
+                "appropriate simulation",
+                100.0 * float(arc[3]),
+                "%",
+                bool(arc[3] < 0.01),
+                "the next contact point wanders, n R_B / L of the supply;"
+                " less of the ripple, which the arm of the tension makes too",
+            ),
             beyond("exact identity: H1", exact[0], "N", "moment arm alone"),
             beyond("exact identity: H2", exact[1], "N", ""),
         ),
         disagreements=(
-            Disagreement(what="tension error of (4.46), H1-H4, complex", first="simulation",
-                         second="frequency response times supply error", difference=gap,
-                         unit="relative", limit=0.2),
+            Disagreement(
+                what="tension error of (4.46), H1-H4, complex",
+                first="simulation",
+                second="frequency response times supply error",
+                difference=gap,
+                unit="relative",
+                limit=0.2,
+            ),
         ),
         figures=(draw(panels), bars(spectra, [f"H{n}" for n in ORDERS], "tension [N]", log=True)),
-    )  # fmt: skip
+    )
 
 
 EXPERIMENTS = (
-    Experiment(identity="4.11", chapter=4, title="Simulation under three formulas of the flow",
-               where="Fig. 4.11, 4.16, 4.17", run=run),
-)  # fmt: skip
+    Experiment(
+        identity="4.11",
+        chapter=4,
+        title="Simulation under three formulas of the flow",
+        where="Fig. 4.11, 4.16, 4.17",
+        run=run,
+    ),
+)

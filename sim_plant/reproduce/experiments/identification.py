@@ -35,9 +35,12 @@ def driven() -> Result:
     roller = nominal().rollers[nominal().body("swrap_lead")]
     truth = (roller.inertia_kg_m2, roller.friction_constant_N_m, roller.friction_viscous_N_m_s)
     clean = simulate_roller(
-        inertia_kg_m2=truth[0], constant_N_m=truth[1], viscous_N_m_s=truth[2],
-        torque_N_m=run_up_and_coast(2.0, 5.0, 40.0, 0.01), sample_time_s=0.01,
-    )  # fmt: skip
+        inertia_kg_m2=truth[0],
+        constant_N_m=truth[1],
+        viscous_N_m_s=truth[2],
+        torque_N_m=run_up_and_coast(2.0, 5.0, 40.0, 0.01),
+        sample_time_s=0.01,
+    )
     run = with_sensor(clean, 5e-4, 2e-3, 3)
     fit = fit_driven_roller([run])
     (coast,) = coast_downs(run)
@@ -45,31 +48,60 @@ def driven() -> Result:
     time = times(coast.speed_rad_s.size, 0.01)
     start = float(coast.speed_rad_s[0])
     viscous = response(coast, truth[0], 0.0, fit.viscous_only_N_m_s, start)
-    full = response(coast, fit.inertia_kg_m2.value, fit.constant_N_m.value,
-                    fit.viscous_N_m_s.value, start)  # fmt: skip
+    full = response(
+        coast, fit.inertia_kg_m2.value, fit.constant_N_m.value, fit.viscous_N_m_s.value, start
+    )
     gain = fit.viscous_only_residual_rad_s / fit.residual_rad_s
     off = fit.nominal_inertia_kg_m2 / truth[0] - 1.0
     panel = Panel(
-        curves={"record": (time, coast.speed_rad_s), "b alone (2.31)": (time, viscous),
-                "c and b (2.33)": (time[keep], full[keep])},
-        x="time [s]", y="speed [rad/s]", title="Fig. 2.5: free run-out",
-    )  # fmt: skip
+        curves={
+            "record": (time, coast.speed_rad_s),
+            "b alone (2.31)": (time, viscous),
+            "c and b (2.33)": (time[keep], full[keep]),
+        },
+        x="time [s]",
+        y="speed [rad/s]",
+        title="Fig. 2.5: free run-out",
+    )
     return Result(
         rows=(
-            judge("J by tau_n t_n / w_n (2.29), error", "gives the inertia", 100.0 * off, "%",
-                  abs(off) < 0.01, "friction takes part of the nominal torque"),
-            beyond("J by run-up and coast-down together, error",
-                   100.0 * (fit.inertia_kg_m2.value / truth[0] - 1.0), "%",
-                   fit.inertia_kg_m2.text()),
-            judge("fit error of b alone over c and b", "visible improvement", gain, "-",
-                  gain > 3.0, "a constant term cannot be mimicked by an exponential"),
-            beyond("c, error", 100.0 * (fit.constant_N_m.value / truth[1] - 1.0), "%",
-                   fit.constant_N_m.text()),
-            beyond("b, error", 100.0 * (fit.viscous_N_m_s.value / truth[2] - 1.0), "%",
-                   fit.viscous_N_m_s.text()),
+            judge(
+                "J by tau_n t_n / w_n (2.29), error",
+                "gives the inertia",
+                100.0 * off,
+                "%",
+                abs(off) < 0.01,
+                "friction takes part of the nominal torque",
+            ),
+            beyond(
+                "J by run-up and coast-down together, error",
+                100.0 * (fit.inertia_kg_m2.value / truth[0] - 1.0),
+                "%",
+                fit.inertia_kg_m2.text(),
+            ),
+            judge(
+                "fit error of b alone over c and b",
+                "visible improvement",
+                gain,
+                "-",
+                gain > 3.0,
+                "a constant term cannot be mimicked by an exponential",
+            ),
+            beyond(
+                "c, error",
+                100.0 * (fit.constant_N_m.value / truth[1] - 1.0),
+                "%",
+                fit.constant_N_m.text(),
+            ),
+            beyond(
+                "b, error",
+                100.0 * (fit.viscous_N_m_s.value / truth[2] - 1.0),
+                "%",
+                fit.viscous_N_m_s.text(),
+            ),
         ),
         figures=(draw([panel]),),
-    )  # fmt: skip
+    )
 
 
 def table() -> Result:
@@ -88,30 +120,66 @@ def table() -> Result:
     torque = 0.125 * TABLE_DROP_LBF / 7.0
     slope, level = np.polyfit(TABLE_OMEGA, torque, 1)
     gap = max(abs(slope - in_lbf[7][1]), abs(level - in_lbf[7][0]))
-    curves = {"Table 2.2 / 7": (TABLE_OMEGA, torque),
-              "Table 2.2 / 6": (TABLE_OMEGA, torque * 7.0 / 6.0)}  # fmt: skip
+    curves = {
+        "Table 2.2 / 7": (TABLE_OMEGA, torque),
+        "Table 2.2 / 6": (TABLE_OMEGA, torque * 7.0 / 6.0),
+    }
     for n, (c, b) in in_lbf.items():
         curves[f"c + b w, divisor {n}"] = (TABLE_OMEGA, c + b * TABLE_OMEGA)
-    panel = Panel(curves=curves, x="idler speed [rad/s]", y="torque [lbf ft]",
-                  points=("Table 2.2 / 7", "Table 2.2 / 6"), title="Table 2.2")  # fmt: skip
+    panel = Panel(
+        curves=curves,
+        x="idler speed [rad/s]",
+        y="torque [lbf ft]",
+        points=("Table 2.2 / 7", "Table 2.2 / 6"),
+        title="Table 2.2",
+    )
     return Result(
         rows=(
-            judge("c, divisor 7 as printed", "0.0127 lbf ft", in_lbf[7][0], "lbf ft",
-                  abs(in_lbf[7][0] - 0.0127) < 1e-4, "regression of the printed table"),
-            judge("b, divisor 7 as printed", "1.054e-4 lbf ft s", in_lbf[7][1], "lbf ft s",
-                  abs(in_lbf[7][1] - 1.054e-4) < 1e-6, "the printed b is 4 % high"),
-            judge("c, divisor 6 as derived", "0.0127 lbf ft", in_lbf[6][0], "lbf ft",
-                  abs(in_lbf[6][0] - 0.0127) < 1e-4,
-                  "cells read means of their spans: 1/2 + 5 + 1/2 = 6 rollers lie between"),
-            judge("b, divisor 6 as derived", "1.054e-4 lbf ft s", in_lbf[6][1], "lbf ft s",
-                  abs(in_lbf[6][1] - 1.054e-4) < 1e-6, "7/6 of the regression by 7"),
+            judge(
+                "c, divisor 7 as printed",
+                "0.0127 lbf ft",
+                in_lbf[7][0],
+                "lbf ft",
+                abs(in_lbf[7][0] - 0.0127) < 1e-4,
+                "regression of the printed table",
+            ),
+            judge(
+                "b, divisor 7 as printed",
+                "1.054e-4 lbf ft s",
+                in_lbf[7][1],
+                "lbf ft s",
+                abs(in_lbf[7][1] - 1.054e-4) < 1e-6,
+                "the printed b is 4 % high",
+            ),
+            judge(
+                "c, divisor 6 as derived",
+                "0.0127 lbf ft",
+                in_lbf[6][0],
+                "lbf ft",
+                abs(in_lbf[6][0] - 0.0127) < 1e-4,
+                "cells read means of their spans: 1/2 + 5 + 1/2 = 6 rollers lie between",
+            ),
+            judge(
+                "b, divisor 6 as derived",
+                "1.054e-4 lbf ft s",
+                in_lbf[6][1],
+                "lbf ft s",
+                abs(in_lbf[6][1] - 1.054e-4) < 1e-6,
+                "7/6 of the regression by 7",
+            ),
         ),
         disagreements=(
-            Disagreement(what="c and b of Table 2.2", first="identify", second="normal equations",
-                         difference=gap, unit="lbf ft", limit=1e-8),
+            Disagreement(
+                what="c and b of Table 2.2",
+                first="identify",
+                second="normal equations",
+                difference=gap,
+                unit="lbf ft",
+                limit=1e-8,
+            ),
         ),
         figures=(draw([panel]),),
-    )  # fmt: skip
+    )
 
 
 def idlers() -> Result:
@@ -121,40 +189,80 @@ def idlers() -> Result:
     for number, fpm in enumerate(SPEEDS_FPM):
         line = open_euclid(speed_m_s=fpm * FPM_M_S, seed=number, settle_s=20.0)
         r = steady(line, 30.0, fpm * FPM_M_S)
-        points += plateaus(r["time_s"], r["line_speed_m_s"], r["unwind_tension_N"],
-                           r["r3_tension_N"], IDLER_RADIUS_M, settle_s=1.0)  # fmt: skip
-    fits = {n: fit_idler_friction(points, IDLER_RADIUS_M, n)
-            for n in (7.0, rollers_between_cells(5))}  # fmt: skip
+        points += plateaus(
+            r["time_s"],
+            r["line_speed_m_s"],
+            r["unwind_tension_N"],
+            r["r3_tension_N"],
+            IDLER_RADIUS_M,
+            settle_s=1.0,
+        )
+    fits = {
+        n: fit_idler_friction(points, IDLER_RADIUS_M, n) for n in (7.0, rollers_between_cells(5))
+    }
     truth = (roller.friction_constant_N_m, roller.friction_viscous_N_m_s)
     errors = {
-        n: [100.0 * (e.value / t - 1.0) for e, t in zip((f.constant_N_m, f.viscous_N_m_s), truth,
-                                                        strict=True)]
+        n: [
+            100.0 * (e.value / t - 1.0)
+            for e, t in zip((f.constant_N_m, f.viscous_N_m_s), truth, strict=True)
+        ]
         for n, f in fits.items()
-    }  # fmt: skip
+    }
     omega = np.array(fits[6.0].omega_rad_s)
     curves = {f"divisor {n:g}": (omega, np.array(f.torque_N_m)) for n, f in fits.items()}
     curves["truth"] = (omega, truth[0] + truth[1] * omega)
-    panel = Panel(curves=curves, x="idler speed [rad/s]", y="torque [N m]",
-                  points=("divisor 7", "divisor 6"), title="records at six speeds")  # fmt: skip
+    panel = Panel(
+        curves=curves,
+        x="idler speed [rad/s]",
+        y="torque [N m]",
+        points=("divisor 7", "divisor 6"),
+        title="records at six speeds",
+    )
     return Result(
         rows=(
-            judge("c with divisor 7, error", "average friction torque (2.43)", errors[7.0][0],
-                  "%", abs(errors[7.0][0]) < 5.0, "one seventh too small"),
+            judge(
+                "c with divisor 7, error",
+                "average friction torque (2.43)",
+                errors[7.0][0],
+                "%",
+                abs(errors[7.0][0]) < 5.0,
+                "one seventh too small",
+            ),
             beyond("c with divisor 6, error", errors[6.0][0], "%", fits[6.0].constant_N_m.text()),
             beyond("b with divisor 6, error", errors[6.0][1], "%", fits[6.0].viscous_N_m_s.text()),
-            judge("tension downstream minus upstream at 200 FPM", "T1 - T2 > 0, 1 upstream (2.41)",
-                  points[2].tension_drop_N, "N", points[2].tension_drop_N < 0.0,
-                  "drag raises tension downstream: cell 1 must be R9"),
+            judge(
+                "tension downstream minus upstream at 200 FPM",
+                "T1 - T2 > 0, 1 upstream (2.41)",
+                points[2].tension_drop_N,
+                "N",
+                points[2].tension_drop_N < 0.0,
+                "drag raises tension downstream: cell 1 must be R9",
+            ),
         ),
         figures=(draw([panel]),),
-    )  # fmt: skip
+    )
 
 
 EXPERIMENTS = (
-    Experiment(identity="2.5", chapter=2, title="Driven roller: inertia and friction",
-               where="Fig. 2.5, (2.27)-(2.33)", run=driven),
-    Experiment(identity="T2.2", chapter=2, title="Idler friction from Table 2.2, both divisors",
-               where="Table 2.2, (2.42)-(2.46)", run=table),
-    Experiment(identity="2.45", chapter=2, title="Idler friction from simulated records",
-               where="(2.34)-(2.45)", run=idlers),
-)  # fmt: skip
+    Experiment(
+        identity="2.5",
+        chapter=2,
+        title="Driven roller: inertia and friction",
+        where="Fig. 2.5, (2.27)-(2.33)",
+        run=driven,
+    ),
+    Experiment(
+        identity="T2.2",
+        chapter=2,
+        title="Idler friction from Table 2.2, both divisors",
+        where="Table 2.2, (2.42)-(2.46)",
+        run=table,
+    ),
+    Experiment(
+        identity="2.45",
+        chapter=2,
+        title="Idler friction from simulated records",
+        where="(2.34)-(2.45)",
+        run=idlers,
+    ),
+)

@@ -64,16 +64,21 @@ CASES = (
 def response(web: str) -> PlantResponse:
     """Return P of the line with this web and a round roll, measured once."""
     return measure_response(
-        lambda: open_euclid(web=web, radius_m=RADIUS_M, speed_m_s=SPEED_M_S), "unwind",
-        "unwind_tension_N", PROBE_HZ, SPEED_M_S, TENSION_N,
-    )  # fmt: skip
+        lambda: open_euclid(web=web, radius_m=RADIUS_M, speed_m_s=SPEED_M_S),
+        "unwind",
+        "unwind_tension_N",
+        PROBE_HZ,
+        SPEED_M_S,
+        TENSION_N,
+    )
 
 
 def line_of(case: Case) -> LineSimulation:
     """Return the line with the case's roll, sensors noisy."""
     wrong = effect("out_of_round_roll", "unwind", shape=case.shape, size_m=case.size_m)
-    return open_euclid(web=case.web, radius_m=RADIUS_M, speed_m_s=SPEED_M_S, effects=(wrong,),
-                       seed=4)  # fmt: skip
+    return open_euclid(
+        web=case.web, radius_m=RADIUS_M, speed_m_s=SPEED_M_S, effects=(wrong,), seed=4
+    )
 
 
 def loops(web: str) -> dict[str, Loop | None]:
@@ -81,8 +86,13 @@ def loops(web: str) -> dict[str, Loop | None]:
 
     def loop(law: Law, believed: float | None = None) -> Loop:
         rate = None if believed is None else partial(_turning, believed)
-        return Loop(roller="unwind", law=law, error=unwind_tension_error, angle="unwind_angle_rad",
-                    psi_rate_rad_s=rate)  # fmt: skip
+        return Loop(
+            roller="unwind",
+            law=law,
+            error=unwind_tension_error,
+            angle="unwind_angle_rad",
+            psi_rate_rad_s=rate,
+        )
 
     def printed() -> PrintedAff:
         return PrintedAff(orders=ORDERS, gain=PRINTED_GAIN)
@@ -118,29 +128,39 @@ def run_case(case: Case) -> Result:
     errors = [float(np.degrees(np.angle(-response(case.web).at(n * turn_Hz)))) for n in ORDERS]
     simulated = [g > 0.0 for g in gains["on roll angle"]]
     foretold = [abs(e) < 90.0 for e in errors]
-    panel = Panel(curves=curves, x="frequency [Hz]", y="unwind tension [N]", log="y",
-                  title=case.text)  # fmt: skip
+    panel = Panel(
+        curves=curves, x="frequency [Hz]", y="unwind tension [N]", log="y", title=case.text
+    )
     return Result(
         rows=tuple(_rows(case, gains, before, errors)),
         disagreements=(
-            Disagreement(what="orders 1-4 that the unshifted law attenuates",
-                         first="simulation on the angle", second="|arg(-P)| < 90 deg",
-                         difference=float(sum(a != b for a, b in zip(simulated, foretold,
-                                                                     strict=True))),
-                         unit="orders", limit=0.0),
-            Disagreement(what="P at H1-H4, complex", first="simulation, sum of sines",
-                         second="frequency domain", difference=_response_gap(case.web, turn_Hz),
-                         unit="relative", limit=0.03),
+            Disagreement(
+                what="orders 1-4 that the unshifted law attenuates",
+                first="simulation on the angle",
+                second="|arg(-P)| < 90 deg",
+                difference=float(sum(a != b for a, b in zip(simulated, foretold, strict=True))),
+                unit="orders",
+                limit=0.0,
+            ),
+            Disagreement(
+                what="P at H1-H4, complex",
+                first="simulation, sum of sines",
+                second="frequency domain",
+                difference=_response_gap(case.web, turn_Hz),
+                unit="relative",
+                limit=0.03,
+            ),
         ),
         figures=(draw([panel]), bars(gains, [f"H{n}" for n in ORDERS], "attenuation [dB]")),
-    )  # fmt: skip
+    )
 
 
 def _response_gap(web: str, turn_Hz: float) -> float:
     """Return the largest relative difference of both responses at orders 1-4."""
     frequency = turn_Hz * np.array(ORDERS)
-    model = frequency_response(declaration(web, RADIUS_M), "unwind", "unwind_tension_N",
-                               frequency, SPEED_M_S)  # fmt: skip
+    model = frequency_response(
+        declaration(web, RADIUS_M), "unwind", "unwind_tension_N", frequency, SPEED_M_S
+    )
     simulated = np.array([response(web).at(float(f)) for f in frequency])
     return float(np.max(np.abs(simulated / model - 1.0)))
 
@@ -152,35 +172,67 @@ def _rows(
     wrong = gains["printed, radius +1 %"]
     phases = " ".join(f"{e:+.0f}" for e in errors)
     rows = [
-        judge(f"printed law: H{n}", "very well", printed[n - 1], "dB", printed[n - 1] > 10.0,
-              f"PI alone {before[n - 1]:.3g} N; arg(-P) of H1-H4: {phases} deg")
+        judge(
+            f"printed law: H{n}",
+            "very well",
+            printed[n - 1],
+            "dB",
+            printed[n - 1] > 10.0,
+            f"PI alone {before[n - 1]:.3g} N; arg(-P) of H1-H4: {phases} deg",
+        )
         for n in (1, 2)
-    ]  # fmt: skip
+    ]
     rows += [
-        judge("printed law: H3", "not as good, its frequency moves faster", printed[2], "dB",
-              0.0 < printed[2] < printed[0] - 10.0,
-              f"a radius tag 1 % off gives {wrong[0]:.0f} {wrong[1]:.0f} {wrong[2]:.0f} dB, this "
-              "picture; else it is the phase of P, not the changing frequency"),
-        judge("printed law: H4", "stable with small gain, no retuning", printed[3], "dB",
-              printed[3] > 0.0, "needs |arg(-P)| < 90 deg, however small the gain"),
-    ]  # fmt: skip
+        judge(
+            "printed law: H3",
+            "not as good, its frequency moves faster",
+            printed[2],
+            "dB",
+            0.0 < printed[2] < printed[0] - 10.0,
+            f"a radius tag 1 % off gives {wrong[0]:.0f} {wrong[1]:.0f} {wrong[2]:.0f} dB, this "
+            "picture; else it is the phase of P, not the changing frequency",
+        ),
+        judge(
+            "printed law: H4",
+            "stable with small gain, no retuning",
+            printed[3],
+            "dB",
+            printed[3] > 0.0,
+            "needs |arg(-P)| < 90 deg, however small the gain",
+        ),
+    ]
     rows += [
-        beyond(f"printed law, radius believed 1 % large: H{n}", wrong[n - 1], "dB",
-               "the angle from v / R runs away: 1 % is one turn in a hundred",
-               claim="robust, no retuning") for n in ORDERS
-    ]  # fmt: skip
+        beyond(
+            f"printed law, radius believed 1 % large: H{n}",
+            wrong[n - 1],
+            "dB",
+            "the angle from v / R runs away: 1 % is one turn in a hundred",
+            claim="robust, no retuning",
+        )
+        for n in ORDERS
+    ]
     rows += [
-        beyond(f"same law on the roll angle: H{n}", angle[n - 1], "dB",
-               "strain, radius and shape errors drop out") for n in ORDERS
+        beyond(
+            f"same law on the roll angle: H{n}",
+            angle[n - 1],
+            "dB",
+            "strain, radius and shape errors drop out",
+        )
+        for n in ORDERS
     ] + [
         beyond(f"with measured P (ours): H{n}", ours[n - 1], "dB", "one rate for all orders, webs")
         for n in ORDERS
-    ]  # fmt: skip
+    ]
     return rows
 
 
 EXPERIMENTS = tuple(
-    Experiment(identity=case.identity, chapter=5, title=f"Feed-forward on tension: {case.text}",
-               where=f"Fig. {case.identity}, (5.14)", run=partial(run_case, case))
+    Experiment(
+        identity=case.identity,
+        chapter=5,
+        title=f"Feed-forward on tension: {case.text}",
+        where=f"Fig. {case.identity}, (5.14)",
+        run=partial(run_case, case),
+    )
     for case in CASES
-)  # fmt: skip
+)

@@ -26,9 +26,13 @@ TENSION, ANGLE = "true_unwind_tension_N", "true_unwind_angle_rad"
 def run_all() -> Result:
     """Run (5.14) on the roll angle and the phase-advanced law at five periods."""
     nominal = measure_response(
-        lambda: open_euclid(radius_m=RADIUS_M, speed_m_s=SPEED_M_S), "unwind", "unwind_tension_N",
-        np.geomspace(0.4, 9.0, 20), SPEED_M_S, TENSION_N,
-    )  # fmt: skip
+        lambda: open_euclid(radius_m=RADIUS_M, speed_m_s=SPEED_M_S),
+        "unwind",
+        "unwind_tension_N",
+        np.geomspace(0.4, 9.0, 20),
+        SPEED_M_S,
+        TENSION_N,
+    )
     wrong = effect("out_of_round_roll", "unwind", shape="flat", size_m=0.008)
     before = None
     gains: dict[str, list[list[float]]] = {"basic, H1 alone": [], "ours": []}
@@ -41,8 +45,14 @@ def run_all() -> Result:
                 loop = _loop(PhasedAff(orders=ORDERS, rate_1_s=0.3, response=nominal))
             elif name != "none":
                 loop = _loop(PrintedAff(orders=(1,), gain=0.003))
-            line = open_euclid(radius_m=RADIUS_M, speed_m_s=SPEED_M_S, effects=(wrong,), seed=6,
-                               sample_time_s=period, settle_s=20.0)  # fmt: skip
+            line = open_euclid(
+                radius_m=RADIUS_M,
+                speed_m_s=SPEED_M_S,
+                effects=(wrong,),
+                seed=6,
+                sample_time_s=period,
+                settle_s=20.0,
+            )
             record = run(line, loop, RECORD_S, SPEED_M_S, (TENSION, ANGLE))
             sizes = orders_after(record, TENSION, ANGLE, ORDERS, LATE_S)
             if name == "none":
@@ -53,17 +63,33 @@ def run_all() -> Result:
     periods = 1e3 * np.array(PERIODS_S)
     curves = {f"ours, H{n}": (periods, table["ours"][:, n - 1]) for n in ORDERS}
     curves["basic, H1"] = (periods, table["basic, H1 alone"][:, 0])
-    panel = Panel(curves=curves, x="sampling period [ms]", y="attenuation [dB]", log="x",
-                  title="200 FPM, 6.375 in, flat spot 8 mm")  # fmt: skip
+    panel = Panel(
+        curves=curves,
+        x="sampling period [ms]",
+        y="attenuation [dB]",
+        log="x",
+        title="200 FPM, 6.375 in, flat spot 8 mm",
+    )
     rows: list[Row] = [
-        beyond(f"{1e3 * p:g} ms: weakest of H1-H4 (ours)", float(np.min(row)), "dB",
-               "one response, measured at 5 ms, for all periods", claim="faster may be better")
+        beyond(
+            f"{1e3 * p:g} ms: weakest of H1-H4 (ours)",
+            float(np.min(row)),
+            "dB",
+            "one response, measured at 5 ms, for all periods",
+            claim="faster may be better",
+        )
         for p, row in zip(PERIODS_S, table["ours"], strict=True)
-    ]  # fmt: skip
+    ]
     gain = float(np.min(table["ours"][0]) - np.min(table["ours"][2]))
-    rows.append(beyond("1 ms over 5 ms", gain, "dB", "drive and cell, not the sampling, limit it: "
-                       "half a sample is 2 deg at 1 Hz and 5 ms",
-                       claim="a faster sampling time might improve"))  # fmt: skip
+    rows.append(
+        beyond(
+            "1 ms over 5 ms",
+            gain,
+            "dB",
+            "drive and cell, not the sampling, limit it: half a sample is 2 deg at 1 Hz and 5 ms",
+            claim="a faster sampling time might improve",
+        )
+    )
     return Result(rows=tuple(rows), figures=(draw([panel]),))
 
 
@@ -72,6 +98,11 @@ def _loop(law: PrintedAff | PhasedAff) -> Loop:
 
 
 EXPERIMENTS = (
-    Experiment(identity="6.sampling", chapter=6, title="Sampling period and feed-forward",
-               where="Chapter 6, future work", run=run_all),
-)  # fmt: skip
+    Experiment(
+        identity="6.sampling",
+        chapter=6,
+        title="Sampling period and feed-forward",
+        where="Chapter 6, future work",
+        run=run_all,
+    ),
+)

@@ -26,8 +26,12 @@ def exact(pair: EccentricPair) -> Tangent:
     """Return the exact tangent; the pair's theta runs clockwise from the normal of the centres."""
     sigma_b = -1 if pair.over_wrap else 1
     upstream = Body(center_x_m=0.0, center_y_m=0.0, rotation=-1, shape=circle(pair.r1_m))
-    roller = Body(center_x_m=pair.d0_m, center_y_m=0.0, rotation=sigma_b,
-                  shape=eccentric(pair.r2_m, pair.eccentricity_m))  # fmt: skip
+    roller = Body(
+        center_x_m=pair.d0_m,
+        center_y_m=0.0,
+        rotation=sigma_b,
+        shape=eccentric(pair.r2_m, pair.eccentricity_m),
+    )
     # geometric centre at (d0 + e sin theta, e cos theta): global angle pi/2 - theta
     turn = sigma_b * (0.5 * np.pi - THETA)
     return common_tangent(upstream, roller, 0.0, turn, 0.0, -1.0 * sigma_b)
@@ -35,8 +39,9 @@ def exact(pair: EccentricPair) -> Tangent:
 
 def brute_force_m(pair: EccentricPair, theta: float) -> float:
     """Return L by searching both contact angles: the span is normal to both radii. No formula."""
-    center = complex(pair.d0_m + pair.eccentricity_m * np.sin(theta),
-                     pair.eccentricity_m * np.cos(theta))  # fmt: skip
+    center = complex(
+        pair.d0_m + pair.eccentricity_m * np.sin(theta), pair.eccentricity_m * np.cos(theta)
+    )
     side = 1.0 if pair.over_wrap else -1.0
 
     def miss(angles: Array) -> list[float]:
@@ -60,45 +65,97 @@ def run() -> Result:
         searched = np.array([brute_force_m(pair, float(t)) for t in THETA])
         rate = span_length_rate_m_s(pair, THETA, 1.0)
         step = 1e-5
-        numeric = np.array([
-            (brute_force_m(pair, float(t) + step) - brute_force_m(pair, float(t) - step)) / 2e-5
-            for t in THETA
-        ])  # fmt: skip
+        numeric = np.array(
+            [
+                (brute_force_m(pair, float(t) + step) - brute_force_m(pair, float(t) - step))
+                / 2e-5
+                for t in THETA
+            ]
+        )
         pairs = (
             ("length", "closed form", "exact tangent", closed - tangent.length_m, "m", 1e-8),
             ("length", "closed form", "search", closed - searched, "m", 1e-8),
-            ("derivative", "closed form (3.11)", "exact tangent", rate - tangent.length_rate_m_s,
-             "m/rad", 1e-8),
-            ("derivative", "closed form (3.11)", "search, differenced", rate - numeric, "m/rad",
-             1e-8),
-            ("moment arm", "(3.18), (3.22)", "exact tangent",
-             entry_arm_m(pair, THETA) - tangent.arm_b_m, "m", 1e-8),
-        )  # fmt: skip
+            (
+                "derivative",
+                "closed form (3.11)",
+                "exact tangent",
+                rate - tangent.length_rate_m_s,
+                "m/rad",
+                1e-8,
+            ),
+            (
+                "derivative",
+                "closed form (3.11)",
+                "search, differenced",
+                rate - numeric,
+                "m/rad",
+                1e-8,
+            ),
+            (
+                "moment arm",
+                "(3.18), (3.22)",
+                "exact tangent",
+                entry_arm_m(pair, THETA) - tangent.arm_b_m,
+                "m",
+                1e-8,
+            ),
+        )
         gaps += [
-            Disagreement(what=f"{name}: {what}", first=a, second=b,
-                         difference=float(np.max(np.abs(d))), unit=u, limit=limit)
+            Disagreement(
+                what=f"{name}: {what}",
+                first=a,
+                second=b,
+                difference=float(np.max(np.abs(d))),
+                unit=u,
+                limit=limit,
+            )
             for what, a, b, d, u, limit in pairs
-        ]  # fmt: skip
+        ]
         worst = max(worst, float(np.max(np.abs(closed - searched))))
         degrees = np.degrees(THETA)
         panels.append(
-            Panel(curves={"closed form": (degrees, 1e3 * (closed - closed.mean())),
-                          "search": (degrees, 1e3 * (searched - closed.mean()))},
-                  x="theta [deg]", y="L - mean [mm]", title=name)
-        )  # fmt: skip
+            Panel(
+                curves={
+                    "closed form": (degrees, 1e3 * (closed - closed.mean())),
+                    "search": (degrees, 1e3 * (searched - closed.mean())),
+                },
+                x="theta [deg]",
+                y="L - mean [mm]",
+                title=name,
+            )
+        )
     text = _angle_of_the_text()
     unsigned = _unsigned_arm_error_m()
     return Result(
         rows=(
-            judge("largest error of (3.10), (3.16)", "closed form", worst, "m", worst < 1e-8,
-                  "right as printed"),
-            judge("over-wrap: angle ACD - BAE", "ACD equals BAE (text after 3.14)", text, "deg",
-                  abs(text) < 1e-6, "the triangles give ACD = ABE = 90 deg - BAE"),
-            judge("arm error with cos(alpha) alone", "(3.21) suffices", unsigned, "m",
-                  unsigned < 1e-8, "sin(alpha) = -e cos(theta)/d has a sign"),
+            judge(
+                "largest error of (3.10), (3.16)",
+                "closed form",
+                worst,
+                "m",
+                worst < 1e-8,
+                "right as printed",
+            ),
+            judge(
+                "over-wrap: angle ACD - BAE",
+                "ACD equals BAE (text after 3.14)",
+                text,
+                "deg",
+                abs(text) < 1e-6,
+                "the triangles give ACD = ABE = 90 deg - BAE",
+            ),
+            judge(
+                "arm error with cos(alpha) alone",
+                "(3.21) suffices",
+                unsigned,
+                "m",
+                unsigned < 1e-8,
+                "sin(alpha) = -e cos(theta)/d has a sign",
+            ),
         ),
-        disagreements=tuple(gaps), figures=(draw(panels),),
-    )  # fmt: skip
+        disagreements=tuple(gaps),
+        figures=(draw(panels),),
+    )
 
 
 def _angle_of_the_text() -> float:
@@ -115,6 +172,11 @@ def _unsigned_arm_error_m() -> float:
 
 
 EXPERIMENTS = (
-    Experiment(identity="3.10", chapter=3, title="Span length beside an eccentric roller",
-               where="(3.2)-(3.22)", run=run),
-)  # fmt: skip
+    Experiment(
+        identity="3.10",
+        chapter=3,
+        title="Span length beside an eccentric roller",
+        where="(3.2)-(3.22)",
+        run=run,
+    ),
+)

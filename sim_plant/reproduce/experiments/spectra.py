@@ -67,25 +67,51 @@ def one_speed() -> Result:
     marks = {f"roll {n}x": n * formula for n in (1, 2, 3, 4)}
     marks |= {f"S-wrap {n}x": n * turning_Hz(200.0 * FPM_M_S, SWRAP_RADIUS_M) for n in (1, 4)}
     panel = Panel(
-        curves={"unwind tension": (frequency, amplitude)}, x="frequency [Hz]",
-        y="amplitude [N]", marks=marks, title="200 FPM, 6.375 in",
-    )  # fmt: skip
+        curves={"unwind tension": (frequency, amplitude)},
+        x="frequency [Hz]",
+        y="amplitude [N]",
+        marks=marks,
+        title="200 FPM, 6.375 in",
+    )
     return Result(
         rows=(
-            judge("turning frequency by (2.47)", "0.97 Hz", formula, "Hz",
-                  abs(formula - 0.97) < 0.005, "0.97 Hz needs a radius of 6.563 in"),
-            judge("turning frequency from the second peak of the record", "0.97 Hz", found, "Hz",
-                  abs(found - 0.97) < 0.005, "the record follows the formula, not the print"),
-            judge("weakest of harmonics 1-4 over the median", "f and its harmonics are contained",
-                  min(ratios), "-", min(ratios) > 5.0, "all four stand out"),
+            judge(
+                "turning frequency by (2.47)",
+                "0.97 Hz",
+                formula,
+                "Hz",
+                abs(formula - 0.97) < 0.005,
+                "0.97 Hz needs a radius of 6.563 in",
+            ),
+            judge(
+                "turning frequency from the second peak of the record",
+                "0.97 Hz",
+                found,
+                "Hz",
+                abs(found - 0.97) < 0.005,
+                "the record follows the formula, not the print",
+            ),
+            judge(
+                "weakest of harmonics 1-4 over the median",
+                "f and its harmonics are contained",
+                min(ratios),
+                "-",
+                min(ratios) > 5.0,
+                "all four stand out",
+            ),
         ),
         disagreements=(
-            Disagreement(what="turning frequency of the roll", first="(2.47)",
-                         second="peak of the record", difference=abs(found - formula), unit="Hz",
-                         limit=0.02),
+            Disagreement(
+                what="turning frequency of the roll",
+                first="(2.47)",
+                second="peak of the record",
+                difference=abs(found - formula),
+                unit="Hz",
+                limit=0.02,
+            ),
         ),
         figures=(draw([panel]),),
-    )  # fmt: skip
+    )
 
 
 def three_speeds() -> Result:
@@ -99,14 +125,27 @@ def three_speeds() -> Result:
         keep = frequency < 2.0
         curves[f"{speed:.0f} FPM"] = (frequency[keep], amplitude[keep])
         rows.append(
-            judge(f"first peak at {speed:.0f} FPM", f"{printed} Hz", found, "Hz",
-                  abs(found - printed) < 0.01 * printed,
-                  f"(2.47) gives {formula:.4f} Hz; it scales with speed as claimed, but the "
-                  "printed numbers are 3 % low")
-        )  # fmt: skip
+            judge(
+                f"first peak at {speed:.0f} FPM",
+                f"{printed} Hz",
+                found,
+                "Hz",
+                abs(found - printed) < 0.01 * printed,
+                f"(2.47) gives {formula:.4f} Hz; it scales with speed as claimed, but the "
+                "printed numbers are 3 % low",
+            )
+        )
     slope = rows[2].ours / rows[0].ours
-    rows.append(judge("peak at 300 over peak at 100 FPM", "proportional to speed: 3", slope, "-",
-                      abs(slope - 3.0) < 0.1, "the source turns with the line"))  # fmt: skip
+    rows.append(
+        judge(
+            "peak at 300 over peak at 100 FPM",
+            "proportional to speed: 3",
+            slope,
+            "-",
+            abs(slope - 3.0) < 0.1,
+            "the source turns with the line",
+        )
+    )
     panel = Panel(curves=curves, x="frequency [Hz]", y="amplitude [N]", title="6.375 in")
     return Result(rows=tuple(rows), figures=(draw([panel]),))
 
@@ -123,28 +162,63 @@ def three_radii() -> Result:
         still.append(peak_near(frequency, amplitude, swrap, 0.02))
         fourth.append(peak_near(frequency, amplitude, 4.0 * swrap, 0.01))
         curves[f"{radius} in"] = (frequency, amplitude)
-        rows.append(judge(f"roll peak at {radius} in", f"{printed} Hz", found, "Hz",
-                          abs(found - printed) < 0.015, f"(2.47): {formula:.3f} Hz"))  # fmt: skip
+        rows.append(
+            judge(
+                f"roll peak at {radius} in",
+                f"{printed} Hz",
+                found,
+                "Hz",
+                abs(found - printed) < 0.015,
+                f"(2.47): {formula:.3f} Hz",
+            )
+        )
     drift = float(np.ptp(still))
     rows += [
-        judge("S-wrap peak, mean", "1.05 Hz", float(np.mean(still)), "Hz",
-              abs(float(np.mean(still)) - 1.05) < 0.01, "v / (2 pi 6.05 in) = 1.0523 Hz (2.48)"),
-        judge("S-wrap peak, largest shift between radii", "does not move", drift, "Hz",
-              drift < 0.01, "its radius does not change"),
-        judge("fourth S-wrap harmonic", "4.23 Hz", float(np.mean(fourth)), "Hz",
-              abs(float(np.mean(fourth)) - 4.23) < 0.03,
-              "4 x 1.0523 = 4.209 Hz; here it comes from 0.15 mm of order-4 out-of-roundness, "
-              "because eccentricity makes none (see 3.6)"),
-    ]  # fmt: skip
+        judge(
+            "S-wrap peak, mean",
+            "1.05 Hz",
+            float(np.mean(still)),
+            "Hz",
+            abs(float(np.mean(still)) - 1.05) < 0.01,
+            "v / (2 pi 6.05 in) = 1.0523 Hz (2.48)",
+        ),
+        judge(
+            "S-wrap peak, largest shift between radii",
+            "does not move",
+            drift,
+            "Hz",
+            drift < 0.01,
+            "its radius does not change",
+        ),
+        judge(
+            "fourth S-wrap harmonic",
+            "4.23 Hz",
+            float(np.mean(fourth)),
+            "Hz",
+            abs(float(np.mean(fourth)) - 4.23) < 0.03,
+            "4 x 1.0523 = 4.209 Hz; here it comes from 0.15 mm of order-4 out-of-roundness, "
+            "because eccentricity makes none (see 3.6)",
+        ),
+    ]
     narrow = {label: (f[f < 1.6], a[f < 1.6]) for label, (f, a) in curves.items()}
     high = {k: (f[abs(f - 4.23) < 0.3], a[abs(f - 4.23) < 0.3]) for k, (f, a) in curves.items()}
     panels = [
         Panel(curves=curves, x="frequency [Hz]", y="amplitude [N]", title="Fig. 2.11"),
-        Panel(curves=narrow, x="frequency [Hz]", y="amplitude [N]", title="Fig. 2.12, 2.13 a",
-              marks={"S-wrap": swrap}),
-        Panel(curves=high, x="frequency [Hz]", y="amplitude [N]", title="Fig. 2.13 b",
-              marks={"S-wrap 4x": 4.0 * swrap}),
-    ]  # fmt: skip
+        Panel(
+            curves=narrow,
+            x="frequency [Hz]",
+            y="amplitude [N]",
+            title="Fig. 2.12, 2.13 a",
+            marks={"S-wrap": swrap},
+        ),
+        Panel(
+            curves=high,
+            x="frequency [Hz]",
+            y="amplitude [N]",
+            title="Fig. 2.13 b",
+            marks={"S-wrap 4x": 4.0 * swrap},
+        ),
+    ]
     return Result(rows=tuple(rows), figures=(draw(panels, columns=3),))
 
 
@@ -154,10 +228,25 @@ def _peak(frequency: Array, amplitude: Array, around_Hz: float) -> float:
 
 
 EXPERIMENTS = (
-    Experiment(identity="2.9", chapter=2, title="Spectrum at 200 FPM, 6.375 in",
-               where="Fig. 2.9, (2.47)", run=one_speed),
-    Experiment(identity="2.10", chapter=2, title="First peak at three speeds",
-               where="Fig. 2.10", run=three_speeds),
-    Experiment(identity="2.11", chapter=2, title="Peaks at three roll radii",
-               where="Fig. 2.11-2.13, (2.48)", run=three_radii),
-)  # fmt: skip
+    Experiment(
+        identity="2.9",
+        chapter=2,
+        title="Spectrum at 200 FPM, 6.375 in",
+        where="Fig. 2.9, (2.47)",
+        run=one_speed,
+    ),
+    Experiment(
+        identity="2.10",
+        chapter=2,
+        title="First peak at three speeds",
+        where="Fig. 2.10",
+        run=three_speeds,
+    ),
+    Experiment(
+        identity="2.11",
+        chapter=2,
+        title="Peaks at three roll radii",
+        where="Fig. 2.11-2.13, (2.48)",
+        run=three_radii,
+    ),
+)

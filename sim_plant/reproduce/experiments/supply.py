@@ -45,14 +45,23 @@ def supply_of(shape: Shape, idler_radius_m: float, length_m: float) -> Supply:
     across = shape.mean_radius_m + idler_radius_m
     theta = 2.0 * np.pi * np.arange(POINTS) / POINTS
     roll = Body(center_x_m=0.0, center_y_m=0.0, rotation=1, shape=shape)
-    idler = Body(center_x_m=float(np.hypot(length_m, across)), center_y_m=0.0, rotation=-1,
-                 shape=circle(idler_radius_m))  # fmt: skip
+    idler = Body(
+        center_x_m=float(np.hypot(length_m, across)),
+        center_y_m=0.0,
+        rotation=-1,
+        shape=circle(idler_radius_m),
+    )
     t = common_tangent(roll, idler, theta, 0.0, 1.0, 0.0)
     _, slope, _ = shape.evaluate(t.psi_a_rad)
     distance = exit_distance_m(t.arm_a_m, slope)
     return Supply(
-        theta_rad=theta, exact=t.arm_a_m, flow=t.flow_a_m_s, length_rate=t.length_rate_m_s,
-        exit_distance=distance, peripheral=distance - t.length_rate_m_s,
-        arc_length=web_supply_m_s(t.flow_a_m_s, t.length_rate_m_s, t.phi_rate_rad_s,
-                                  idler_radius_m, -1, wander=False),
-    )  # fmt: skip
+        theta_rad=theta,
+        exact=t.arm_a_m,
+        flow=t.flow_a_m_s,
+        length_rate=t.length_rate_m_s,
+        exit_distance=distance,
+        peripheral=distance - t.length_rate_m_s,
+        arc_length=web_supply_m_s(
+            t.flow_a_m_s, t.length_rate_m_s, t.phi_rate_rad_s, idler_radius_m, -1, wander=False
+        ),
+    )

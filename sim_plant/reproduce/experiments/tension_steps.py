@@ -46,21 +46,43 @@ def at_rest() -> Result:
     offset = abs(float(np.mean(tension[late])) - START_N - STEP_N)
     return Result(
         rows=(
-            judge("steady error after the step", "simulated data follow closely", offset, "N",
-                  offset < 0.2, "the tension PI removes it"),
-            judge("ripple at rest, rms", "no speed-induced disturbance", ripple, "N",
-                  ripple < 0.05, "nothing turns"),
-            beyond("overshoot", overshoot_percent(tension), "%",
-                   "made by the zero of the PI at 10 rad/s", claim="picture only"),
+            judge(
+                "steady error after the step",
+                "simulated data follow closely",
+                offset,
+                "N",
+                offset < 0.2,
+                "the tension PI removes it",
+            ),
+            judge(
+                "ripple at rest, rms",
+                "no speed-induced disturbance",
+                ripple,
+                "N",
+                ripple < 0.05,
+                "nothing turns",
+            ),
+            beyond(
+                "overshoot",
+                overshoot_percent(tension),
+                "%",
+                "made by the zero of the PI at 10 rad/s",
+                claim="picture only",
+            ),
             beyond("settling to 2 %", settling_s(time, tension), "s", "", claim="picture only"),
         ),
         disagreements=(
-            Disagreement(what="tension over the whole step", first="Runge-Kutta, 1 ms",
-                         second="Runge-Kutta, 0.25 ms",
-                         difference=float(np.max(np.abs(tension - same))), unit="N", limit=1e-2),
+            Disagreement(
+                what="tension over the whole step",
+                first="Runge-Kutta, 1 ms",
+                second="Runge-Kutta, 0.25 ms",
+                difference=float(np.max(np.abs(tension - same))),
+                unit="N",
+                limit=1e-2,
+            ),
         ),
         figures=(draw([_panel({"ideal model": (time, tension)}, "20 lbf step at rest")]),),
-    )  # fmt: skip
+    )
 
 
 def under_way() -> Result:
@@ -71,10 +93,12 @@ def under_way() -> Result:
         effect("eccentric_roller", "swrap_lead", eccentricity_m=0.0005),
     )
     records = [
-        run_step(open_euclid(radius_m=RADIUS_M, speed_m_s=speed, tension_N=START_N,
-                             effects=effects), speed)
+        run_step(
+            open_euclid(radius_m=RADIUS_M, speed_m_s=speed, tension_N=START_N, effects=effects),
+            speed,
+        )
         for effects in ((), wrong)
-    ]  # fmt: skip
+    ]
     (time, ideal), (_, real) = records
     late = time > DURATION_S - 10.0
     mean_gap = abs(float(np.mean(real[late] - ideal[late])))
@@ -82,21 +106,42 @@ def under_way() -> Result:
     error = norms(real, ideal, time[1] - time[0])
     return Result(
         rows=(
-            judge("mean tension, ideal against the line with faults", "follows the average value",
-                  mean_gap, "N", mean_gap < 0.5, "loops hold the mean; faults add ripple only"),
-            judge("ripple of the ideal model, rms", "does not reproduce the oscillations",
-                  ripples[0], "N", ripples[0] < 0.05 * ripples[1],
-                  f"the line with faults has {ripples[1]:.3g} N"),
+            judge(
+                "mean tension, ideal against the line with faults",
+                "follows the average value",
+                mean_gap,
+                "N",
+                mean_gap < 0.5,
+                "loops hold the mean; faults add ripple only",
+            ),
+            judge(
+                "ripple of the ideal model, rms",
+                "does not reproduce the oscillations",
+                ripples[0],
+                "N",
+                ripples[0] < 0.05 * ripples[1],
+                f"the line with faults has {ripples[1]:.3g} N",
+            ),
             beyond("overshoot of the ideal model", overshoot_percent(ideal), "%", ""),
             beyond("L1 of the error", error.l1, "N s", "section 2.2.2"),
             beyond("L2 of the error", error.l2, "N2 s", "section 2.2.2"),
             beyond("L-infinity of the error", error.linf, "N", "section 2.2.2"),
         ),
-        figures=(draw([_panel({"line with faults": (time, real), "ideal model": (time, ideal)},
-                              "20 lbf step at 200 FPM")]),),
-        notes=("The recorded line stands in for the source's experiment: the declared line with "
-               "a 12 mm flat spot and an S-wrap lead 0.5 mm off centre.",),
-    )  # fmt: skip
+        figures=(
+            draw(
+                [
+                    _panel(
+                        {"line with faults": (time, real), "ideal model": (time, ideal)},
+                        "20 lbf step at 200 FPM",
+                    )
+                ]
+            ),
+        ),
+        notes=(
+            "The recorded line stands in for the source's experiment: the declared line with "
+            "a 12 mm flat spot and an S-wrap lead 0.5 mm off centre.",
+        ),
+    )
 
 
 def _panel(curves: dict[str, tuple[Array, Array]], title: str) -> Panel:
@@ -104,8 +149,18 @@ def _panel(curves: dict[str, tuple[Array, Array]], title: str) -> Panel:
 
 
 EXPERIMENTS = (
-    Experiment(identity="2.7", chapter=2, title="Tension step at rest, ideal model",
-               where="Fig. 2.7, (2.22)-(2.25)", run=at_rest),
-    Experiment(identity="2.8", chapter=2, title="Tension step under way, ideal model",
-               where="Fig. 2.8", run=under_way),
-)  # fmt: skip
+    Experiment(
+        identity="2.7",
+        chapter=2,
+        title="Tension step at rest, ideal model",
+        where="Fig. 2.7, (2.22)-(2.25)",
+        run=at_rest,
+    ),
+    Experiment(
+        identity="2.8",
+        chapter=2,
+        title="Tension step under way, ideal model",
+        where="Fig. 2.8",
+        run=under_way,
+    ),
+)

@@ -58,11 +58,15 @@ def run() -> Result:
         for part, where in (("flat", flat), ("sides", ~flat))
     }
     by_angle = Panel(
-        curves={"insert": (np.degrees(grid), radius),
-                "cubic (4.20), maxima of the profile": (np.degrees(grid), cubic),
-                "cubic, maxima at the corners": (np.degrees(grid), by_corner)},
-        x="angle [deg]", y="radius [in]", title="Fig. 4.10",
-    )  # fmt: skip
+        curves={
+            "insert": (np.degrees(grid), radius),
+            "cubic (4.20), maxima of the profile": (np.degrees(grid), cubic),
+            "cubic, maxima at the corners": (np.degrees(grid), by_corner),
+        },
+        x="angle [deg]",
+        y="radius [in]",
+        title="Fig. 4.10",
+    )
     return Result(
         rows=_rows(misses, read, least_curvature(extrema)),
         figures=(draw([_outlines(outline), by_angle]),),
@@ -75,11 +79,16 @@ def _outlines(outline: Points) -> Panel:
     hull = shape_of_points(np.asarray(outline * INCH_M, dtype=np.complex128))
     touched = hull.boundary(np.linspace(0.0, 2.0 * np.pi, 1000)) / INCH_M
     return Panel(
-        curves={"(4.40) as printed": (x, printed_y_in(x)),
-                "corrected": (outline.real, outline.imag),
-                "web on it": (touched.real, touched.imag)},
-        x="x [in]", y="y [in]", title="Fig. 4.9", equal=True,
-    )  # fmt: skip
+        curves={
+            "(4.40) as printed": (x, printed_y_in(x)),
+            "corrected": (outline.real, outline.imag),
+            "web on it": (touched.real, touched.imag),
+        },
+        x="x [in]",
+        y="y [in]",
+        title="Fig. 4.9",
+        equal=True,
+    )
 
 
 def _rows(
@@ -89,27 +98,47 @@ def _rows(
     edge = float(printed_y_in(np.array([1.5 + 1e-9]))[0])
     feature = read[1] - R_IN
     return (
-        judge("y at the edge of the flat by (4.40) as printed", "6.0 in", edge, "in",
-              abs(edge - 6.0) < 1e-3, "the centres of the two side arcs are interchanged; "
-              "at x = -r the printed root has no real value"),
+        judge(
+            "y at the edge of the flat by (4.40) as printed",
+            "6.0 in",
+            edge,
+            "in",
+            abs(edge - 6.0) < 1e-3,
+            "the centres of the two side arcs are interchanged; "
+            "at x = -r the printed root has no real value",
+        ),
         *(
-            judge(f"cubic against profile, largest error on the {part}",
-                  "closely approximates",
-                  misses["profile", part], "in", misses["profile", part] < 0.05 * feature,
-                  f"{100.0 * misses['profile', part] / feature:.0f} % of a feature of "
-                  f"{feature:.2f} in; maxima read from the profile at "
-                  f"{np.degrees(read[0]):.1f} deg")
+            judge(
+                f"cubic against profile, largest error on the {part}",
+                "closely approximates",
+                misses["profile", part],
+                "in",
+                misses["profile", part] < 0.05 * feature,
+                f"{100.0 * misses['profile', part] / feature:.0f} % of a feature of "
+                f"{feature:.2f} in; maxima read from the profile at "
+                f"{np.degrees(read[0]):.1f} deg",
+            )
             for part in ("flat", "sides")
         ),
         *(
-            beyond(f"the same with the maxima at the corners, {part}", misses["corner", part],
-                   "in", "the corner of the flat is no maximum of the radius: the side arc "
-                   "rises on beyond it")
+            beyond(
+                f"the same with the maxima at the corners, {part}",
+                misses["corner", part],
+                "in",
+                "the corner of the flat is no maximum of the radius: the side arc "
+                "rises on beyond it",
+            )
             for part in ("flat", "sides")
         ),
-        judge("least curvature of the cubic profile times R", "convex shaped roll", bend, "-",
-              bend > 0.0, "negative curvature: no web can follow it; the hull is touched"),
-    )  # fmt: skip
+        judge(
+            "least curvature of the cubic profile times R",
+            "convex shaped roll",
+            bend,
+            "-",
+            bend > 0.0,
+            "negative curvature: no web can follow it; the hull is touched",
+        ),
+    )
 
 
 def radius_maximum(grid: Array, radius: Array) -> tuple[float, float]:
@@ -124,9 +153,13 @@ def cubic_through(
 ) -> tuple[Array, list[tuple[float, float]]]:
     """Return the profile (4.20) with its two maxima at ``angle`` and mirrored, and its extrema."""
     extrema = [
-        (0.5 * np.pi, R_IN + THICK_IN), (angle, height_in), (0.0, R_IN), (1.5 * np.pi, R_IN),
-        (np.pi, R_IN), (np.pi - angle, height_in),
-    ]  # fmt: skip
+        (0.5 * np.pi, R_IN + THICK_IN),
+        (angle, height_in),
+        (0.0, R_IN),
+        (1.5 * np.pi, R_IN),
+        (np.pi, R_IN),
+        (np.pi - angle, height_in),
+    ]
     return radius_cubic(extrema, grid)[0], extrema
 
 
@@ -140,6 +173,11 @@ def least_curvature(extrema: list[tuple[float, float]]) -> float:
 
 
 EXPERIMENTS = (
-    Experiment(identity="4.40", chapter=4, title="The wooden insert and its profile",
-               where="(4.40), Fig. 4.9, 4.10", run=run),
-)  # fmt: skip
+    Experiment(
+        identity="4.40",
+        chapter=4,
+        title="The wooden insert and its profile",
+        where="(4.40), Fig. 4.9, 4.10",
+        run=run,
+    ),
+)

@@ -83,10 +83,16 @@ class Line:
     def step(self, permission=OPEN, fresh=True, ripple_N=1.0, **spoilt):
         self.tick += 1
         snapshot = Snapshot(
-            tick=self.tick, t_ns=0, outcome=Outcome.OK, fresh=fresh, age_s=0.0,
-            plc_heartbeat=self.tick, status=255, roll_id=1,
+            tick=self.tick,
+            t_ns=0,
+            outcome=Outcome.OK,
+            fresh=fresh,
+            age_s=0.0,
+            plc_heartbeat=self.tick,
+            status=255,
+            roll_id=1,
             values=self.values(ripple_N, **spoilt),
-        )  # fmt: skip
+        )
         return self.law.step(snapshot, CYCLE_S, permission)
 
     def run(self, seconds: float, **given) -> list:
@@ -152,8 +158,9 @@ VALUE = st.one_of(
 CHANNEL = st.sampled_from(list(EUCLID.gateway.read.channels))
 TROUBLE = st.lists(
     st.tuples(st.dictionaries(CHANNEL, VALUE, max_size=3), st.booleans(), st.booleans()),
-    min_size=1, max_size=25,
-)  # fmt: skip
+    min_size=1,
+    max_size=25,
+)
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -168,9 +175,11 @@ def test_whatever_is_read_no_output_exceeds_its_limits_and_no_nan_goes_out(troub
         for repeat in range(4):
             given_values = spoilt if repeat == 0 else {}
             for step, limiter, bounds in zip(
-                line.step(permission, fresh, **given_values), limiters, guard.actuators,
+                line.step(permission, fresh, **given_values),
+                limiters,
+                guard.actuators,
                 strict=True,
-            ):  # fmt: skip
+            ):
                 assert makes_sense(step)
                 assert abs(step.value) <= step.peak_bound * (1.0 + 1e-9) + 1e-15
                 limiter.step(step, 1.0, CYCLE_S)
@@ -239,11 +248,16 @@ def test_new_settings_go_on_without_a_bump():
     line.run(6.0)
     before = line.step()[0]
     after = controller_of(
-        EUCLID.model_copy(update={"actuators": {
-            **EUCLID.actuators,
-            "unwind": EUCLID.actuators["unwind"].model_copy(update={"memory_turns": 12.0}),
-        }}), RECORD,
-    )  # fmt: skip
+        EUCLID.model_copy(
+            update={
+                "actuators": {
+                    **EUCLID.actuators,
+                    "unwind": EUCLID.actuators["unwind"].model_copy(update={"memory_turns": 12.0}),
+                }
+            }
+        ),
+        RECORD,
+    )
     after.adopt(line.law)
     line.law = after
     now = line.step()[0]

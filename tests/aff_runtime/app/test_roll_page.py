@@ -50,12 +50,15 @@ def test_without_the_encoders_zero_the_page_does_not_claim_it() -> None:
 def test_the_angle_at_the_encoders_zero_is_that_of_the_law_turned_by_its_origin() -> None:
     """The law's angle is 40 deg ahead of the encoder: order 3 is 120 deg ahead."""
     record = {
-        "fresh": 1.0, "unwind.source": float(Source.ENCODER),
+        "fresh": 1.0,
+        "unwind.source": float(Source.ENCODER),
         "unwind.theta_rad": math.radians(50.0),
-        "unwind_angle_rad": math.radians(10.0) + 400.0 * math.tau, "unwind.omega_rad_s": 5.0,
-        "unwind.unwind_3x.state": 2.0, "unwind.unwind_3x.phase_deg": 100.0,
+        "unwind_angle_rad": math.radians(10.0) + 400.0 * math.tau,
+        "unwind.omega_rad_s": 5.0,
+        "unwind.unwind_3x.state": 2.0,
+        "unwind.unwind_3x.phase_deg": 100.0,
         "unwind.unwind_3x.shape_mm": 0.3,
-    }  # fmt: skip
+    }
     site = {"rolls": {"unwind": {"angle": "unwind_angle_rad"}}}
     (row,) = blocks(record, site)
     assert row["encoder_deg"] == pytest.approx(-140.0)

@@ -31,14 +31,19 @@ WEIGHT = {("unwind", 1): 0.0009 - 0.0003j, ("unwind", 3): 1e-4j, ("swrap_followe
 
 def file(**more: Any) -> ShapeFile:
     known: dict[str, Any] = {
-        "actuator": "unwind", "belongs_to": "b", "response": "r", "config_hash": "c",
-        "saved_at": "t", "version": "v", "roll_id": 3,
+        "actuator": "unwind",
+        "belongs_to": "b",
+        "response": "r",
+        "config_hash": "c",
+        "saved_at": "t",
+        "version": "v",
+        "roll_id": 3,
         "radius_m": {"unwind": 0.2, "swrap_follower": 0.15},
         "web": {"density_kg_m3": 395.0},
         "profile": ShapeProfile(
             weight_m=WEIGHT, correction={("unwind", 1): 0.1 - 0.2j}, imbalance_m={"unwind": 4e-4j}
         ),
-    }  # fmt: skip
+    }
     return ShapeFile(**{**known, **more})
 
 
@@ -69,13 +74,19 @@ def test_a_technician_reads_mm_and_degrees() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "[]", "{}", '{"format": "aff-learned-shape-9"}', "null",
-     '{"format": "aff-learned-shape-1", "orders": [{}]}',
-     file().to_json().replace('"roll_id": 3', '"roll_id": "x"'),
-     file().to_json().replace('"deviation_mm": 0.1', '"deviation_mm": 1e999'),
-     file().to_json().replace('"order": 3', f'"order": {10**400}'),
-     file().to_json().replace('"density_kg_m3": 395.0', '"density_kg_m3": NaN')],
-)  # fmt: skip
+    [
+        "",
+        "[]",
+        "{}",
+        '{"format": "aff-learned-shape-9"}',
+        "null",
+        '{"format": "aff-learned-shape-1", "orders": [{}]}',
+        file().to_json().replace('"roll_id": 3', '"roll_id": "x"'),
+        file().to_json().replace('"deviation_mm": 0.1', '"deviation_mm": 1e999'),
+        file().to_json().replace('"order": 3', f'"order": {10**400}'),
+        file().to_json().replace('"density_kg_m3": 395.0', '"density_kg_m3": NaN'),
+    ],
+)
 def test_any_other_text_is_refused(text: str) -> None:
     with pytest.raises(ConfigError, match=r"learned anew|shape format"):
         ShapeFile.from_json(text)
@@ -161,8 +172,11 @@ def test_a_folder_that_cannot_be_written_is_said_and_ends_nothing(tmp_path: Path
 def test_start_values_are_deviations_at_the_encoders_zero(tmp_path: Path) -> None:
     path = tmp_path / "site.yaml"
     old = "#start: [{ order: 1, deviation_m: 0.7 mm, angle_rad: 40 deg }]"
-    path.write_text(SITE.read_text().replace(old, "start: [{ order: 2, deviation_m: 0.5 mm, "
-                                             "angle_rad: 90 deg }]"))  # fmt: skip
+    path.write_text(
+        SITE.read_text().replace(
+            old, "start: [{ order: 2, deviation_m: 0.5 mm, angle_rad: 90 deg }]"
+        )
+    )
     site = load_site(path).model_dump(mode="json", by_alias=True)
     assert start_values(site, "unwind") == {("unwind", 2): pytest.approx(0.0005j)}
 

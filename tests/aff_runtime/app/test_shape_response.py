@@ -34,15 +34,21 @@ def saved(response: str) -> ShapeFile:
     """Return this roll's shape with what was learned over a late response: e^{j w LATE_S} - 1."""
     late = {n: cmath.exp(1j * n * OMEGA_RAD_S * LATE_S) - 1.0 for n in ROLL_M}
     return ShapeFile(
-        actuator="unwind", belongs_to=shape_basis_hash(EUCLID, "unwind"), response=response,
-        config_hash="c", saved_at="yesterday", version="v", roll_id=1,
-        radius_m={"unwind": RADIUS_M}, web={},
+        actuator="unwind",
+        belongs_to=shape_basis_hash(EUCLID, "unwind"),
+        response=response,
+        config_hash="c",
+        saved_at="yesterday",
+        version="v",
+        roll_id=1,
+        radius_m={"unwind": RADIUS_M},
+        web={},
         profile=ShapeProfile(
             weight_m={("unwind", n): w for n, w in ROLL_M.items()},
             correction={("unwind", n): d for n, d in late.items()},
             imbalance_m={},
         ),
-    )  # fmt: skip
+    )
 
 
 def listened(text: str) -> tuple[list[str], Line]:
@@ -56,8 +62,9 @@ def listened(text: str) -> tuple[list[str], Line]:
         "site": EUCLID.model_dump(mode="json", by_alias=True),
         "shapes": {"unwind": text},
     }
-    keeper = ShapeKeeper(record, EUCLID, tell=lambda _, text: said.append(text),
-                         keep=lambda *_: None)  # fmt: skip
+    keeper = ShapeKeeper(
+        record, EUCLID, tell=lambda _, text: said.append(text), keep=lambda *_: None
+    )
     keeper.follow(record, EUCLID)  # an edit in between: nothing is said twice
     law = line.shape
     for _ in range(round(LISTEN_S / CYCLE_S)):

@@ -7,13 +7,7 @@ import math
 import pytest
 
 from aff_runtime.app.block_status import WORDS
-from aff_runtime.app.status import (
-    describe,
-    explain,
-    headline,
-    missing_permissive,
-    not_armed,
-)
+from aff_runtime.app.status import describe, explain, headline, missing_permissive, not_armed
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State, Status
 from aff_runtime.core.monitor import Trend

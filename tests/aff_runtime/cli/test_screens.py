@@ -100,11 +100,20 @@ def test_a_dead_recorder_is_told() -> None:
 
 def shape_block(order: int, **more: Any) -> dict[str, Any]:
     return block(order) | {
-        "law": "shape", "name": f"unwind_{order}x", "roll": "unwind", "order": order,
-        "amplitude": 0.7234, "unit": "mm", "limit": 15.0, "share": 1.0, "out": 1.0,
+        "law": "shape",
+        "name": f"unwind_{order}x",
+        "roll": "unwind",
+        "order": order,
+        "amplitude": 0.7234,
+        "unit": "mm",
+        "limit": 15.0,
+        "share": 1.0,
+        "out": 1.0,
         "benefit_dB": 41.3,
-        "state": "settled", "why": "", **more,
-    }  # fmt: skip
+        "state": "settled",
+        "why": "",
+        **more,
+    }
 
 
 def test_an_order_of_a_shape_shows_mm_angle_share_and_benefit() -> None:

@@ -21,9 +21,15 @@ def test_every_promised_device_has_a_profile_with_its_source() -> None:
 
 @pytest.mark.parametrize(
     ("name", "register", "wire"),
-    [("abb", 400001, 0), ("siemens", 40101, 100), ("danfoss", 50010, 50009),
-     ("schneider", 8502, 8502), ("sew", 5, 5), ("lenze", 1, 0)],
-)  # fmt: skip
+    [
+        ("abb", 400001, 0),
+        ("siemens", 40101, 100),
+        ("danfoss", 50010, 50009),
+        ("schneider", 8502, 8502),
+        ("sew", 5, 5),
+        ("lenze", 1, 0),
+    ],
+)
 def test_manual_numbers_become_wire_addresses(name: str, register: int, wire: int) -> None:
     device = load_device(FOLDER / f"{name}.yaml")
     (row,) = {

@@ -43,10 +43,7 @@ def test_same_content_written_otherwise_is_no_difference(tmp_path):
             ("settle_s: 10, ", "settle_s: 10, enabled: false, "),
             "actuators.unwind.blocks[1].enabled: true -> false (applies at once)",
         ),
-        (
-            ("cycle_ms: 5\n", "cycle_ms: 10\n"),
-            "line.cycle_ms: 5 ms -> 10 ms (waits for bypass)",
-        ),
+        (("cycle_ms: 5\n", "cycle_ms: 10\n"), "line.cycle_ms: 5 ms -> 10 ms (waits for bypass)"),
         (
             ("host: 127.0.0.1", "host: 127.0.0.2"),
             "gateway.modbus_tcp.host: 127.0.0.1 -> 127.0.0.2 (waits for bypass)",

@@ -76,8 +76,7 @@ def test_error_signal_without_a_believable_range_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("written", "shown"),
-    [(r'"\u2029"', r"\u2029"), (r'"\u2028"', r"\u2028")],
+    ("written", "shown"), [(r'"\u2029"', r"\u2029"), (r'"\u2028"', r"\u2028")]
 )
 def test_control_characters_of_the_file_stay_out_of_the_message(written, shown, tmp_path):
     path = edited(tmp_path, ("version: 1\n", f"version: {written}\n"))

@@ -110,7 +110,7 @@ def test_torque_output_uses_torque_keys(tmp_path):
         ("limit_m_s: 0.04\n    slew_m_s2: 2.0", "limit_N_m: 20 lbf in\n    slew_N_m_s: 50"),
         ("settle_s: 8, amp_limit_m_s: 0.03", "settle_s: 8, amp_limit_N_m: 1"),
         ("complement: 109, scale: 0.00001", "complement: 109, scale: 1 mNm"),
-    )  # fmt: skip
+    )
     site = load_site(path)
     follower = site.actuators["swrap_follower"]
     assert follower.unit == "N m"
@@ -138,7 +138,7 @@ def test_velocity_scale_in_a_torque_unit_is_refused(tmp_path):
         (("type: u16, scale: 0.01 }", "type: u16, scale: 0.01, wraps: true }"), "Remove wraps"),
         (("fault_after_ms: 80", "fault_after_ms: 14"), r"is under three cycles"),
     ],
-)  # fmt: skip
+)
 def test_key_that_another_key_asks_for(edit, said, tmp_path):
     with pytest.raises(ConfigError, match=said):
         load_site(edited(tmp_path, edit))

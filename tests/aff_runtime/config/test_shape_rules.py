@@ -84,12 +84,14 @@ CASES = {
         "actuators.unwind.error.noise_m_s: the signal is in N. Remove it.",
     ),
     "no tension known": (
-        ("error: { signal: unwind_tension_N, reference: tension_ref_N }",
-         "error: { signal: unwind_tension_N }"),
+        (
+            "error: { signal: unwind_tension_N, reference: tension_ref_N }",
+            "error: { signal: unwind_tension_N }",
+        ),
         "drive:",
         "actuators.unwind.drive.tension_N: required key is missing: error has no reference.",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
@@ -142,8 +144,10 @@ def test_integral_time_is_damping_in_other_words(tmp_path):
 
 
 def test_a_motor_behind_a_gear_counts_with_the_square_of_its_ratio(tmp_path):
-    edit = ("      zeta: 1.1", "      zeta: 1.1\n      motor_inertia_kg_m2: 20 kg cm2\n"
-            "      gear_ratio: 10")  # fmt: skip
+    edit = (
+        "      zeta: 1.1",
+        "      zeta: 1.1\n      motor_inertia_kg_m2: 20 kg cm2\n      gear_ratio: 10",
+    )
     drive = load_site(site(tmp_path, edit)).actuators["unwind"].drive
     assert drive is not None
     assert drive.total_inertia_kg_m2 == pytest.approx(0.25 + 0.002 * 100)

@@ -30,10 +30,20 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in ("plc", "aff", "other"):
         make_certificate(folder, name)
     subprocess.run(
-        ["openssl", "pkey", "-in", folder / "aff.key", "-aes256", "-passout", "pass:secret",
-         "-out", folder / "locked.key"],
-        check=True, capture_output=True,
-    )  # fmt: skip
+        [
+            "openssl",
+            "pkey",
+            "-in",
+            folder / "aff.key",
+            "-aes256",
+            "-passout",
+            "pass:secret",
+            "-out",
+            folder / "locked.key",
+        ],
+        check=True,
+        capture_output=True,
+    )
     (folder / "empty.pem").write_text("nothing\n")
     return folder
 
@@ -49,8 +59,10 @@ def site(made: Path, tls: str = TLS) -> Path:
 def of_openssl(certificate: Path) -> list[datetime]:
     said = subprocess.run(
         ["openssl", "x509", "-noout", "-startdate", "-enddate", "-in", certificate],
-        check=True, capture_output=True, text=True,
-    ).stdout  # fmt: skip
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
     return [
         datetime.strptime(line.partition("=")[2], "%b %d %H:%M:%S %Y GMT").replace(tzinfo=UTC)
         for line in said.splitlines()
@@ -73,14 +85,15 @@ def test_files_that_fit_pass_without_a_word(made: Path) -> None:
         (TLS.replace("aff.pem", "empty.pem"), "certificate", "empty.pem holds no PEM"),
         (TLS.replace("aff.key", "empty.pem"), "private_key", "empty.pem holds no PEM key"),
         (
-            TLS.replace("aff.key", "other.key"), "private_key",
+            TLS.replace("aff.key", "other.key"),
+            "private_key",
             "the key in other.key does not belong to the certificate in aff.pem.",
         ),
         (TLS.replace("aff.key", "locked.key"), "private_key", "the key is encrypted"),
         ("{ ca: plc.pem, certificate: aff.pem }", "certificate", "aff.pem holds no PEM key"),
         ("{ ca: plc.pem, private_key: aff.key }", "private_key", "a key without certificate"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_work_is_refused_at_its_place(
     made: Path, tls: str, key: str, said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -54,9 +54,10 @@ def test_a_bus_that_is_too_slow_is_refused(folder: Path, name: str) -> None:
 def test_two_wires_are_one_too_many(folder: Path) -> None:
     path = folder / "euclid.yaml"
     said = refused(
-        path, "  address_base: 0\n",
+        path,
+        "  address_base: 0\n",
         "  can_dbc: { channel: can0, dbc: euclid.dbc }\n  address_base: 0\n",
-    )  # fmt: skip
+    )
     assert "give exactly one of modbus_tcp, modbus_rtu, can_dbc, canopen_402" in said
 
 
@@ -286,10 +287,17 @@ def test_the_map_on_can_shows_all_that_the_plc_must_fill_in() -> None:
         # 1000 counts of 0.02 mm; of 0.001 N; of 0.00001 m/s
         ("euclid.yaml", [f"1000 counts = {si} " for si in ("0.02 m", "1 N", "0.01 m/s")]),
         ("euclid_can.yaml", ["unwind_radius_m, 1000 counts = 0.02 m", "1000 counts = 0.01 m/s"]),
-        ("euclid_canopen.yaml", ["unwind_radius_m, 1000 counts = 0.02 m", "0x2100",
-                                 "unwind_tension_N, 1000 counts = 1 N", "aff_heartbeat"]),
+        (
+            "euclid_canopen.yaml",
+            [
+                "unwind_radius_m, 1000 counts = 0.02 m",
+                "0x2100",
+                "unwind_tension_N, 1000 counts = 1 N",
+                "aff_heartbeat",
+            ],
+        ),
     ],
-)  # fmt: skip
+)
 def test_the_map_shows_counts_in_the_units_of_the_line(name: str, said: list[str]) -> None:
     text = "\n".join(wire_lines(load_site(CONFIG / name), CONFIG))
     for wanted in said:

@@ -53,9 +53,13 @@ def measured(at, frequencies_Hz, *, delay_s=0.0, relative_error=0.01, coherence=
 
 CHANNELS = ("tension_N", "tension_ref_N", "line_speed_m_s", "unwind_angle_rad", "swrap_angle_rad")
 UNWIND = RollParams(
-    name="unwind", angle="unwind_angle_rad", angle_modulus_rad=MODULUS_RAD, radius_m=0.2,
-    line_speed="line_speed_m_s", resets_on_splice=True,
-)  # fmt: skip
+    name="unwind",
+    angle="unwind_angle_rad",
+    angle_modulus_rad=MODULUS_RAD,
+    radius_m=0.2,
+    line_speed="line_speed_m_s",
+    resets_on_splice=True,
+)
 SWRAP = RollParams(name="swrap", angle="swrap_angle_rad", radius_m=0.15)
 ACTUATOR = ActuatorParams(
     name="unwind",
@@ -77,9 +81,16 @@ def site(*actuators: ActuatorParams) -> SiteParams:
 
 def snapshot(tick: int, *values: float, fresh: bool = True, roll_id: int = 1) -> Snapshot:
     return Snapshot(
-        tick=tick, t_ns=tick * 5_000_000, outcome=Outcome.OK, fresh=fresh, age_s=0.0,
-        plc_heartbeat=tick, status=255, roll_id=roll_id, values=values,
-    )  # fmt: skip
+        tick=tick,
+        t_ns=tick * 5_000_000,
+        outcome=Outcome.OK,
+        fresh=fresh,
+        age_s=0.0,
+        plc_heartbeat=tick,
+        status=255,
+        roll_id=roll_id,
+        values=values,
+    )
 
 
 class Line:

@@ -62,9 +62,12 @@ class Rig:
         }
         self.ripple = ripple or {}
         self.law = ShapeLaw(
-            self.params, drive=self.params.drive, phases=self.phases,
-            loop=loop_of(known or self.plant), cycle_s=CYCLE_S,
-        )  # fmt: skip
+            self.params,
+            drive=self.params.drive,
+            phases=self.phases,
+            loop=loop_of(known or self.plant),
+            cycle_s=CYCLE_S,
+        )
         self.inputs = Inputs(applied_ratio=1.0, limit_ratio=1.0)
         self.rng = np.random.default_rng(seed)
         self.noise_N = 0.0

@@ -109,11 +109,7 @@ def test_no_input_makes_the_output_other_than_finite(error, re, im, scale, theta
 
 
 @settings(deadline=None)
-@given(
-    ratio=st.floats(0.01, 0.99),
-    size=st.floats(1e-6, 1e3),
-    angle=st.floats(-3.1, 3.1),
-)
+@given(ratio=st.floats(0.01, 0.99), size=st.floats(1e-6, 1e3), angle=st.floats(-3.1, 3.1))
 def test_projection_keeps_the_direction(ratio, size, angle):
     block = HarmonicBlock(1, 5.0, 1e9)
     block.weight = cmath.rect(size, angle)

@@ -24,7 +24,7 @@ from tests.aff_runtime.core.plants import (
     site,
     snapshot,
     with_blocks,
-)  # fmt: skip
+)
 
 GRID_HZ = [0.4 * 1.3**k for k in range(12)]
 RIPPLE = {("unwind", 1): 2.0 + 1.0j, ("unwind", 2): -0.8 + 0.5j}

@@ -13,9 +13,15 @@ from tests.aff_runtime.core.plants import COUNT_RAD, CYCLE_S, MODULUS_RAD
 
 INDEX = {"angle": 0, "speed": 1, "line": 2, "radius": 3}
 ROLL = RollParams(
-    name="unwind", angle="angle", angle_modulus_rad=MODULUS_RAD, speed="speed",
-    line_speed="line", radius="radius", radius_min_m=0.05, radius_max_m=0.5,
-)  # fmt: skip
+    name="unwind",
+    angle="angle",
+    angle_modulus_rad=MODULUS_RAD,
+    speed="speed",
+    line_speed="line",
+    radius="radius",
+    radius_min_m=0.05,
+    radius_max_m=0.5,
+)
 NAN = math.nan
 
 

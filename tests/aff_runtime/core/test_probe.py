@@ -25,11 +25,17 @@ from tests.aff_runtime.core.plants import (
     site,
     snapshot,
     with_blocks,
-)  # fmt: skip
+)
 
 RIPPLE = {("unwind", 1): 2.0 + 1j, ("unwind", 2): 1.0j, ("unwind", 3): 0.7, ("swrap", 1): 1.2}
-PARAMS = ProbeParams(actuators=("unwind",), amplitude=0.01, duration_s=25.0, f_max_Hz=6.0,
-                     grid_points=10, max_speed_m_s=2.0)  # fmt: skip
+PARAMS = ProbeParams(
+    actuators=("unwind",),
+    amplitude=0.01,
+    duration_s=25.0,
+    f_max_Hz=6.0,
+    grid_points=10,
+    max_speed_m_s=2.0,
+)
 ORIGIN = {n: Provenance(actuator=n, signal="tension_N") for n in ("unwind", "follower")}
 BLOCKS = BlockParams(roll="unwind", orders=(1, 2, 3, 4), settle_s=8.0, amp_limit=0.02)
 
@@ -90,9 +96,12 @@ def test_excitation_never_exceeds_its_bound_and_starts_and_ends_at_zero():
 
 def test_two_actuators_at_once_on_interleaved_tones():
     follower = replace(
-        ACTUATOR, name="follower", signal="tension_ref_N", reference=None,
+        ACTUATOR,
+        name="follower",
+        signal="tension_ref_N",
+        reference=None,
         blocks=(BlockParams(roll="swrap", orders=(1,), settle_s=8.0, amp_limit=0.02),),
-    )  # fmt: skip
+    )
     first, second, cross = LagDelay(-400.0, 12, 0.96), LagDelay(150.0, 4, 0.8), LagDelay(80.0, 2)
     params = replace(PARAMS, actuators=("unwind", "follower"), grid_points=5)
     probe = Probe(site(with_blocks(BLOCKS), follower), params)

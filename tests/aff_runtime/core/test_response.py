@@ -56,10 +56,17 @@ def test_text_and_back_is_the_same_response():
 
 @pytest.mark.parametrize(
     "text",
-    ["", "{}", "[]", "null", '{"format": "other"}', '{"format": "aff-response-1", "points": [1]}',
-     '{"format": "aff-response-1", "delay_s": 0, "provenance": {"actuator": "a", "signal": "b"},'
-     ' "points": []}'],
-)  # fmt: skip
+    [
+        "",
+        "{}",
+        "[]",
+        "null",
+        '{"format": "other"}',
+        '{"format": "aff-response-1", "points": [1]}',
+        '{"format": "aff-response-1", "delay_s": 0, "points": [],'
+        ' "provenance": {"actuator": "a", "signal": "b"}}',
+    ],
+)
 def test_foreign_text_is_refused(text):
     with pytest.raises(ConfigError):
         Response.from_json(text)

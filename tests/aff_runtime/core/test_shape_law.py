@@ -82,9 +82,11 @@ def test_a_P_that_differs_in_gain_and_phase_is_learned_not_diverged_from(delay, 
 
 @settings(max_examples=5, deadline=None)
 @given(
-    limit=st.floats(1e-4, 5e-3), seed=st.integers(0, 99), size=st.floats(0.1, 8.0),
+    limit=st.floats(1e-4, 5e-3),
+    seed=st.integers(0, 99),
+    size=st.floats(0.1, 8.0),
     cap_m=st.floats(1e-5, 1e-3),
-)  # fmt: skip
+)
 def test_the_bound_holds_at_every_tick_whatever_the_limit(limit, seed, size, cap_m):
     params = actuator(orders=(1, 2, 3), shape=ShapeParams(weight_limit_m=cap_m))
     rig = Rig(params, ripple={k: size * c for k, c in RIPPLE.items()}, seed=seed)

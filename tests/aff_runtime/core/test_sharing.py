@@ -63,8 +63,13 @@ def test_monitor_reads_amplitude_and_keeps_the_one_before():
     for k in range(6000):
         size = 2.0 if k < 3000 else 0.2
         carrier = cmath.exp(1j * omega * 0.005 * k)
-        monitor.step(error=(size * carrier * 1j).real, carrier=carrier, omega_rad_s=omega,
-                     dt_s=0.005, correcting=k >= 3000)  # fmt: skip
+        monitor.step(
+            error=(size * carrier * 1j).real,
+            carrier=carrier,
+            omega_rad_s=omega,
+            dt_s=0.005,
+            correcting=k >= 3000,
+        )
         if k == 3100:
             assert monitor.trend() is Trend.CONVERGING
     assert monitor.before == pytest.approx(2.0, rel=0.05)

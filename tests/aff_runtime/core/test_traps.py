@@ -258,10 +258,11 @@ def test_T20_without_a_measured_closed_loop_the_law_is_not_there():
 
 def test_T20_the_sign_of_a_measured_response_is_its_own():
     points = [
-        ResponsePoint(frequency_Hz=f, gain=200.0, phase_rad=math.pi, relative_error=0.01,
-                      coherence=0.99)
+        ResponsePoint(
+            frequency_Hz=f, gain=200.0, phase_rad=math.pi, relative_error=0.01, coherence=0.99
+        )
         for f in (0.2, 1.0, 5.0)
-    ]  # fmt: skip
+    ]
     response = Response(
         points=points, delay_s=0.0, provenance=Provenance(actuator="unwind", signal="t")
     )

@@ -43,10 +43,7 @@ def euclid_map(**changes: object) -> RegisterMap:
         "alarm": 105,
         "limit": 106,
         "config_revision": 107,
-        "corrections": (
-            correction("unwind", 103, 104),
-            correction("swrap_follower", 108, 109),
-        ),
+        "corrections": (correction("unwind", 103, 104), correction("swrap_follower", 108, 109)),
     }
     return RegisterMap(**(fields | changes))  # type: ignore[arg-type]
 

@@ -31,15 +31,18 @@ def register_reply(
 ) -> bytes:
     """Reply to FC3 or FC23, wrong in the places that are given."""
     body = struct.pack(f">{len(words)}H", *words)
-    return struct.pack(
-        ">HHHBBB",
-        tid_of(request) if tid is None else tid,
-        protocol,
-        3 + len(body),
-        request[6] if device_id is None else device_id,
-        function_of(request),
-        len(body) if byte_count is None else byte_count,
-    ) + body  # fmt: skip
+    return (
+        struct.pack(
+            ">HHHBBB",
+            tid_of(request) if tid is None else tid,
+            protocol,
+            3 + len(body),
+            request[6] if device_id is None else device_id,
+            function_of(request),
+            len(body) if byte_count is None else byte_count,
+        )
+        + body
+    )
 
 
 def write_reply(request: bytes) -> bytes:

@@ -40,9 +40,12 @@ class Rig:
             device_id=1, read_start=0, read_count=READ_COUNT, write_start=100, write_count=2
         )
         self.transport = ModbusTcpTransport(
-            frames=frames, wire=self.wire, clock=self.clock, function=function,
+            frames=frames,
+            wire=self.wire,
+            clock=self.clock,
+            function=function,
             silence_before_reconnect_s=silence_s,
-        )  # fmt: skip
+        )
         self.waited_ns = 0
 
     def tick(self, words: list[int] | None = None) -> tuple[Outcome, list[int]]:

@@ -56,8 +56,10 @@ def test_the_first_set_after_silence_only_gives_the_heartbeat_to_compare_with() 
 def test_the_echo_is_as_old_as_the_command_that_the_plc_took() -> None:
     bench = Bench().running()  # three ticks: the command of this one carries 4
     assert [bench.tick(*scan(4 + k, echo=echo)).echo_age for k, echo in enumerate((3, 3, 1))] == [
-        1, 2, 5,
-    ]  # fmt: skip
+        1,
+        2,
+        5,
+    ]
     assert bench.tick(*scan(7, echo=65_535)).echo_age == 8
     assert bench.tick().echo_age == NO_ECHO  # no set, no news
 

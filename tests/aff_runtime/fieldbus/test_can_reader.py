@@ -137,11 +137,14 @@ BO_ 512 AFF: 6 AFF
 
 def turntable(limits: str) -> CanReader:
     names = SignalNames(
-        plc_heartbeat="PLC.Beat", status="PLC.Status", roll_id="PLC.Roll",
+        plc_heartbeat="PLC.Beat",
+        status="PLC.Status",
+        roll_id="PLC.Roll",
         channels={"angle_rad": ("PLC.Angle", math.radians(1.0), True)},
-        aff_heartbeat="AFF.Beat", state="AFF.State",
+        aff_heartbeat="AFF.Beat",
+        state="AFF.State",
         corrections={"unwind": ("AFF.Offset", "", 1.0)},
-    )  # fmt: skip
+    )
     return CanReader(can_map(load_dbc(TURNTABLE.replace("RANGE", limits), "x.dbc"), names))
 
 
@@ -203,8 +206,14 @@ def test_an_extended_frame_with_the_same_number_is_another_frame() -> None:
     assert reader.take(Frame(0x180, True, bytes(7))) is Taken.IGNORED
 
 
-@given(st.lists(st.tuples(st.sampled_from([0x180, 0x181, 0x182, 0x183, 0x184, 0x7FF]),
-                          st.binary(max_size=8)), max_size=60))  # fmt: skip
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from([0x180, 0x181, 0x182, 0x183, 0x184, 0x7FF]), st.binary(max_size=8)
+        ),
+        max_size=60,
+    )
+)
 def test_no_stream_of_frames_crashes_or_yields_a_torn_value(
     stream: list[tuple[int, bytes]],
 ) -> None:

@@ -29,9 +29,7 @@ def test_pages_go_round() -> None:
 
 
 @given(
-    st.integers(0, 0xFFFF),
-    st.floats(allow_nan=True, allow_infinity=True),
-    st.floats(-0.3, 0.3),
+    st.integers(0, 0xFFFF), st.floats(allow_nan=True, allow_infinity=True), st.floats(-0.3, 0.3)
 )
 def test_cantools_reads_back_what_was_meant(heartbeat: int, first: float, second: float) -> None:
     frames = WRITER.encode(command(heartbeat, (first, second)))

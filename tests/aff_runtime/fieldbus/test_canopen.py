@@ -197,8 +197,11 @@ def test_nothing_in_the_shipped_eds_is_out_of_its_object_lists() -> None:
     for name, node_id in (("euclid_drive.eds", 3), ("euclid_line.eds", 1)):
         text = (CONFIG / name).read_text()
         od = load_eds(text, name, node_id)
-        listed = {int(line.split("=")[1], 16) for line in text.splitlines() if "=0x" in line
-                  and line.split("=")[0].isdigit()}  # fmt: skip
+        listed = {
+            int(line.split("=")[1], 16)
+            for line in text.splitlines()
+            if "=0x" in line and line.split("=")[0].isdigit()
+        }
         assert {index for index in od if index >= 0x1000} == listed
 
 

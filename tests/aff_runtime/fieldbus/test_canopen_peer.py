@@ -119,8 +119,10 @@ class Bench:
         self.gateway = canopen_gateway(
             network_of(site, wire_files(site, CONFIG)),
             BusSite(interface="frame_socket", channel=str(path), bitrate=500_000),
-            self.clock, own_node=100, heartbeat_ms=20,
-        )  # fmt: skip
+            self.clock,
+            own_node=100,
+            heartbeat_ms=20,
+        )
         self.ticks = 0
 
     def until(self, wanted: Callable[[Snapshot], bool]) -> Snapshot:

@@ -21,16 +21,24 @@ def test_every_row_builds_a_transport_that_can_be_closed(tmp_path: Path) -> None
     recording.write_text("1,2\n")
     arguments = {
         "modbus_tcp": {
-            "host": "127.0.0.1", "port": 502, "device_id": 1,
-            "register_map": euclid_map(), "clock": VirtualClock(),
+            "host": "127.0.0.1",
+            "port": 502,
+            "device_id": 1,
+            "register_map": euclid_map(),
+            "clock": VirtualClock(),
         },
         "modbus_rtu": {
-            "device": "/nonexistent", "baud": 115_200, "parity": "N", "stop_bits": 1,
-            "device_id": 1, "register_map": euclid_map(), "clock": VirtualClock(),
+            "device": "/nonexistent",
+            "baud": 115_200,
+            "parity": "N",
+            "stop_bits": 1,
+            "device_id": 1,
+            "register_map": euclid_map(),
+            "clock": VirtualClock(),
         },
         "loopback": {"answer": lambda _words: [1, 2]},
         "replay": {"path": recording},
-    }  # fmt: skip
+    }
     assert set(arguments) == set(BY_NAME)
     for name, given in arguments.items():
         transport = BY_NAME[name].build(**given)
@@ -42,6 +50,9 @@ def test_every_row_builds_a_transport_that_can_be_closed(tmp_path: Path) -> None
 def test_an_unknown_host_is_refused_when_building() -> None:
     with pytest.raises(WireError):
         BY_NAME["modbus_tcp"].build(
-            host="no such host", port=502, device_id=1, register_map=euclid_map(),
+            host="no such host",
+            port=502,
+            device_id=1,
+            register_map=euclid_map(),
             clock=VirtualClock(),
-        )  # fmt: skip
+        )

@@ -8,13 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aff_runtime.fieldbus.codec import WordCodec
-from aff_runtime.fieldbus.registers import (
-    Correction,
-    Register,
-    RegisterMap,
-    WordOrder,
-    WordType,
-)
+from aff_runtime.fieldbus.registers import Correction, Register, RegisterMap, WordOrder, WordType
 from tests.aff_runtime.fieldbus.euclid_map import ANGLE_SCALE, command, euclid_map
 
 FORMAT = {
@@ -101,9 +95,7 @@ def test_reading_inverts_an_independent_packing(
 ) -> None:
     counts = data.draw(COUNTS[kind])
     codec = one_channel(Register(name="x", address=2, type=kind, scale=scale, word_order=order))
-    assert codec.decode(read_block(to_words(kind, order, counts))) == (
-        7, 33, 5, (counts * scale,)
-    )  # fmt: skip
+    assert codec.decode(read_block(to_words(kind, order, counts))) == (7, 33, 5, (counts * scale,))
 
 
 @given(
@@ -133,10 +125,13 @@ def test_a_correction_comes_back_within_half_a_count(
         (WordType.I32, -1e12, -(2**31)),
         (WordType.F32, 1e300, 3.4028234663852886e38),
         (WordType.F32, -1e300, -3.4028234663852886e38),
-        *((kind, value, 0) for kind in (WordType.I16, WordType.I32, WordType.F32)
-          for value in (math.nan, math.inf, -math.inf)),
+        *(
+            (kind, value, 0)
+            for kind in (WordType.I16, WordType.I32, WordType.F32)
+            for value in (math.nan, math.inf, -math.inf)
+        ),
     ],
-)  # fmt: skip
+)
 def test_corrections_are_clipped_and_what_is_no_number_is_zero(
     kind: WordType, value: float, counts: float
 ) -> None:

@@ -92,8 +92,10 @@ def test_a_block_of_the_wrong_size_is_a_bad_reply(count: int) -> None:
     rig.tick(block(5))
     snapshot = rig.tick(([6] * 20)[:count])
     assert (snapshot.outcome, snapshot.fresh, snapshot.plc_heartbeat) == (
-        Outcome.BAD_REPLY, False, 5,
-    )  # fmt: skip
+        Outcome.BAD_REPLY,
+        False,
+        5,
+    )
     assert math.isnan(snapshot.values[0])
 
 

@@ -147,9 +147,13 @@ FUNCTIONS = [WireFunction.FC23, WireFunction.FC3_FC16]
 
 def over_tcp(peer: Peer, function: WireFunction, **changes: object) -> WordTransport:
     return modbus_tcp(
-        host="127.0.0.1", port=peer.port, device_id=1, register_map=euclid_map(**changes),
-        clock=MonotonicClock(), function=function,
-    )  # fmt: skip
+        host="127.0.0.1",
+        port=peer.port,
+        device_id=1,
+        register_map=euclid_map(**changes),
+        clock=MonotonicClock(),
+        function=function,
+    )
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
@@ -163,9 +167,15 @@ def test_words_go_both_ways_over_a_serial_line(
 ) -> None:
     peer, path = rtu
     transport = modbus_rtu(
-        device=path, baud=115_200, parity="N", stop_bits=1, device_id=1,
-        register_map=euclid_map(), clock=MonotonicClock(), function=function,
-    )  # fmt: skip
+        device=path,
+        baud=115_200,
+        parity="N",
+        stop_bits=1,
+        device_id=1,
+        register_map=euclid_map(),
+        clock=MonotonicClock(),
+        function=function,
+    )
     judge(exchange(transport), peer)
 
 

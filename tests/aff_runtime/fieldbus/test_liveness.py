@@ -65,8 +65,13 @@ def taken(order: HeartbeatOrder, beats: list[int]) -> list[bool]:
 
 def test_two_old_heartbeats_by_turns_never_move() -> None:
     assert taken(HeartbeatOrder(0xFFFF), [9, 10, 9, 10, 9, 10]) == [
-        True, True, False, True, False, True,
-    ]  # fmt: skip
+        True,
+        True,
+        False,
+        True,
+        False,
+        True,
+    ]
 
 
 @pytest.mark.parametrize("step", [1, 5, 100])

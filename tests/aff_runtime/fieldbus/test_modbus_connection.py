@@ -58,9 +58,7 @@ def test_a_connection_that_served_is_replaced_at_once_but_only_once() -> None:
     silent = rig.outcomes(11)
     assert silent == [Outcome.TIMEOUT] * 11
     again = rig.outcomes(1 + 11 + 19)
-    assert again == [
-        Outcome.NOT_CONNECTED, *[Outcome.TIMEOUT] * 11, *[Outcome.NOT_CONNECTED] * 19
-    ]  # fmt: skip
+    assert again == [Outcome.NOT_CONNECTED, *[Outcome.TIMEOUT] * 11, *[Outcome.NOT_CONNECTED] * 19]
     assert rig.transport.connects == 2
 
 

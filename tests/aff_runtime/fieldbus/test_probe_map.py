@@ -34,9 +34,12 @@ def test_a_negative_double_word_shows_its_sign() -> None:
 
 def probe(rows: list[list[int] | Outcome], heartbeat_address: int = 40):
     return probe_map(
-        ReplayTransport(rows), VirtualClock(), read_start=40,
-        heartbeat_address=heartbeat_address, attempts=len(rows),
-    )  # fmt: skip
+        ReplayTransport(rows),
+        VirtualClock(),
+        read_start=40,
+        heartbeat_address=heartbeat_address,
+        attempts=len(rows),
+    )
 
 
 def test_a_moving_heartbeat_and_a_frozen_one() -> None:

@@ -77,9 +77,13 @@ def test_a_strange_server_understands_us_and_we_it(function: WireFunction) -> No
     with Peer() as peer:
         peer.registers[1:9] = [45, 1, 24464, 9000, 1000, 10000, 64520, 12]
         transport = modbus_tcp(
-            host="localhost", port=peer.port, device_id=1, register_map=euclid_map(),
-            clock=clock, function=function,
-        )  # fmt: skip
+            host="localhost",
+            port=peer.port,
+            device_id=1,
+            register_map=euclid_map(),
+            clock=clock,
+            function=function,
+        )
         gateway = WordGateway(transport, WordCodec(euclid_map()), clock)
         snapshots = []
         for tick in range(60):
@@ -102,9 +106,12 @@ def test_an_unknown_device_is_an_exception_not_a_number() -> None:
     clock = MonotonicClock()
     with Peer() as peer:
         transport = modbus_tcp(
-            host="127.0.0.1", port=peer.port, device_id=1, clock=clock,
+            host="127.0.0.1",
+            port=peer.port,
+            device_id=1,
+            clock=clock,
             register_map=euclid_map(status=500, plc_heartbeat=501, roll_id=502, channels=()),
-        )  # fmt: skip
+        )
         outcomes = set()
         for _ in range(20):
             outcome, words = transport.transact([0] * 10, clock.now_ns() + 2_000_000_000)

@@ -56,9 +56,13 @@ def test_the_runtime_understands_it_and_it_the_runtime(
     clock = MonotonicClock()
     server.data_bank.set_holding_registers(1, [45, 1, 24464, 9000, 1000, 10000, 64520, 12])
     transport = modbus_tcp(
-        host="127.0.0.1", port=server.port, device_id=1, register_map=euclid_map(), clock=clock,
+        host="127.0.0.1",
+        port=server.port,
+        device_id=1,
+        register_map=euclid_map(),
+        clock=clock,
         function=function,
-    )  # fmt: skip
+    )
     gateway = WordGateway(transport, WordCodec(euclid_map()), clock)
     shots = []
     for tick in range(40):

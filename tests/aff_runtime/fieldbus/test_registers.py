@@ -75,9 +75,15 @@ def test_a_second_half_counts_as_owned() -> None:
 def test_a_read_block_longer_than_a_frame_is_refused() -> None:
     with pytest.raises(ConfigError, match="126 words"):
         euclid_map(
-            plc_heartbeat=1000, status=1001, roll_id=1125, channels=(), corrections=(),
-            alarm=103, limit=104, config_revision=105,
-        )  # fmt: skip
+            plc_heartbeat=1000,
+            status=1001,
+            roll_id=1125,
+            channels=(),
+            corrections=(),
+            alarm=103,
+            limit=104,
+            config_revision=105,
+        )
 
 
 @pytest.mark.parametrize(

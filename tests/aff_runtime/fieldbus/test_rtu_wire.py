@@ -91,9 +91,15 @@ def exchange(
     slave: Slave, function: WireFunction, ticks: int = 4
 ) -> list[tuple[Outcome, list[int]]]:
     transport = modbus_rtu(
-        device=slave.path, baud=115_200, parity="N", stop_bits=1, device_id=1,
-        register_map=euclid_map(), clock=MonotonicClock(), function=function,
-    )  # fmt: skip
+        device=slave.path,
+        baud=115_200,
+        parity="N",
+        stop_bits=1,
+        device_id=1,
+        register_map=euclid_map(),
+        clock=MonotonicClock(),
+        function=function,
+    )
     clock = MonotonicClock()
     seen = [transport.transact([7] * 10, clock.now_ns() + PATIENCE_NS // 10) for _ in range(ticks)]
     transport.close()
@@ -133,9 +139,14 @@ def test_a_line_that_does_not_open_is_named_until_it_does(slave: Slave, tmp_path
     device = tmp_path / "tty"
     clock = MonotonicClock()
     transport = modbus_rtu(
-        device=str(device), baud=115_200, parity="N", stop_bits=1, device_id=1,
-        register_map=euclid_map(), clock=clock,
-    )  # fmt: skip
+        device=str(device),
+        baud=115_200,
+        parity="N",
+        stop_bits=1,
+        device_id=1,
+        register_map=euclid_map(),
+        clock=clock,
+    )
     gateway = WordGateway(transport, WordCodec(euclid_map()), clock, lambda: transport.trouble)
     assert gateway.troubles == ()
     transport.transact([0] * 10, clock.now_ns() + PATIENCE_NS // 10)

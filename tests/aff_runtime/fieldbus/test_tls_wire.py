@@ -30,11 +30,29 @@ pytestmark = [
 
 def make_certificate(folder: Path, name: str) -> None:
     subprocess.run(
-        ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
-         "-nodes", "-days", "2", "-subj", f"/CN={name}", "-addext", f"subjectAltName=DNS:{name}",
-         "-keyout", folder / f"{name}.key", "-out", folder / f"{name}.pem"],
-        check=True, capture_output=True,
-    )  # fmt: skip
+        [
+            "openssl",
+            "req",
+            "-x509",
+            "-newkey",
+            "ec",
+            "-pkeyopt",
+            "ec_paramgen_curve:prime256v1",
+            "-nodes",
+            "-days",
+            "2",
+            "-subj",
+            f"/CN={name}",
+            "-addext",
+            f"subjectAltName=DNS:{name}",
+            "-keyout",
+            folder / f"{name}.key",
+            "-out",
+            folder / f"{name}.pem",
+        ],
+        check=True,
+        capture_output=True,
+    )
 
 
 class TlsServer:
@@ -92,9 +110,14 @@ def outcomes(
 ) -> list[Outcome]:
     clock = MonotonicClock()
     transport = modbus_tcp(
-        host="127.0.0.1", port=server.port, device_id=1, register_map=euclid_map(), clock=clock,
-        tls=context, server_name=name,
-    )  # fmt: skip
+        host="127.0.0.1",
+        port=server.port,
+        device_id=1,
+        register_map=euclid_map(),
+        clock=clock,
+        tls=context,
+        server_name=name,
+    )
     seen = []
     for _ in range(60):
         seen.append(transport.transact([9] * 10, clock.now_ns() + 300_000_000)[0])

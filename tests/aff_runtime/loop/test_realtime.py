@@ -80,10 +80,7 @@ def test_nothing_asked_for_is_nothing_reported() -> None:
     ("grant", "line"),
     [
         (Grant(name="memory locked", granted=True), "memory locked: granted"),
-        (
-            Grant(name="memory locked", granted=False, reason="no"),
-            "memory locked: refused, no",
-        ),
+        (Grant(name="memory locked", granted=False, reason="no"), "memory locked: refused, no"),
     ],
 )
 def test_the_report_reads_as_sentences(grant: Grant, line: str) -> None:

@@ -18,9 +18,16 @@ STALE_MS = 80
 TICK_MS = 5
 PARAMS = EchoParams(ticks=3 * STALE_MS // TICK_MS + 2, missing_after_s=STALE_MS * 1e-3)
 GOOD = Snapshot(
-    tick=0, t_ns=0, outcome=Outcome.OK, fresh=True, age_s=0.0, plc_heartbeat=0, status=0,
-    roll_id=0, values=(),
-)  # fmt: skip
+    tick=0,
+    t_ns=0,
+    outcome=Outcome.OK,
+    fresh=True,
+    age_s=0.0,
+    plc_heartbeat=0,
+    status=0,
+    roll_id=0,
+    values=(),
+)
 
 
 class Bench:
@@ -171,8 +178,13 @@ WORDS = st.integers(0, WORD - 1)
 
 
 @settings(deadline=None)
-@given(scan=st.integers(1, STALE_MS), outs=delays(STALE_MS), backs=delays(STALE_MS), first=WORDS,
-       left=WORDS)  # fmt: skip
+@given(
+    scan=st.integers(1, STALE_MS),
+    outs=delays(STALE_MS),
+    backs=delays(STALE_MS),
+    first=WORDS,
+    left=WORDS,
+)
 def test_no_delay_and_no_jitter_within_the_stale_time_is_an_alarm(
     scan: int, outs: list[int], backs: list[int], first: int, left: int
 ) -> None:
@@ -180,8 +192,15 @@ def test_no_delay_and_no_jitter_within_the_stale_time_is_an_alarm(
 
 
 @settings(deadline=None)
-@given(scan=st.integers(1, 20), outs=delays(25), backs=delays(25), first=WORDS, left=WORDS,
-       cut=st.integers(1, 150), restart=st.integers(40, 250))  # fmt: skip
+@given(
+    scan=st.integers(1, 20),
+    outs=delays(25),
+    backs=delays(25),
+    first=WORDS,
+    left=WORDS,
+    cut=st.integers(1, 150),
+    restart=st.integers(40, 250),
+)
 def test_start_loss_and_a_restarted_plc_are_no_alarm(
     scan: int, outs: list[int], backs: list[int], first: int, left: int, cut: int, restart: int
 ) -> None:

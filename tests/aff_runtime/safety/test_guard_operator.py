@@ -7,13 +7,7 @@ import pytest
 
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import Outcome, State, StateBits, Status
-from tests.aff_runtime.safety.bench import (
-    FADE_S,
-    PARAMS,
-    PERIOD_S,
-    STEP,
-    Bench,
-)
+from tests.aff_runtime.safety.bench import FADE_S, PARAMS, PERIOD_S, STEP, Bench
 
 FADE_TICKS = round(FADE_S / PERIOD_S)
 FAULT_TICKS = round(PARAMS.freshness.fault_after_s / PERIOD_S)

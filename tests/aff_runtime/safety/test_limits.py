@@ -17,9 +17,7 @@ BOUNDS = ActuatorLimits(name="unwind", limit=0.05, slew_limit=2.0)
 def sine(amplitude: float, frequency_Hz: float, k: int) -> ActuatorStep:
     omega = 2 * pi * frequency_Hz
     return ActuatorStep(
-        value=amplitude * sin(omega * k * DT_S),
-        peak_bound=amplitude,
-        slew_bound=omega * amplitude,
+        value=amplitude * sin(omega * k * DT_S), peak_bound=amplitude, slew_bound=omega * amplitude
     )
 
 

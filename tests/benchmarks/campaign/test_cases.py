@@ -89,8 +89,12 @@ def test_a_roll_of_orders_and_a_flat_are_closed_and_convex():
 
 def test_a_line_is_sought_where_the_fault_makes_it():
     nip = first("outside", effect="hidden_nip")
-    as_row = {"shape": nip.faults[0].shape, "effect": "hidden_nip", "kind": "travel",
-              "location": "R2"}  # fmt: skip
+    as_row = {
+        "shape": nip.faults[0].shape,
+        "effect": "hidden_nip",
+        "kind": "travel",
+        "location": "R2",
+    }
     assert coordinate_of(as_row) == {"wavenumber_1_m": nip.faults[0].shape}
     hum = {"shape": 60.0, "effect": "mains_hum", "kind": "time", "location": "R2"}
     assert coordinate_of(hum) == {"frequency_Hz": 40.0}

@@ -29,8 +29,9 @@ def told():
 
 def theirs(*effects):
     declared = Declaration.model_validate(short.declaration())
-    run = make_line(declared.model_copy(update={"effects": effects}), seed=None,
-                    speed_m_s=0.9, tension_N=89.0)  # fmt: skip
+    run = make_line(
+        declared.model_copy(update={"effects": effects}), seed=None, speed_m_s=0.9, tension_N=89.0
+    )
     run.settle(90.0)  # it starts where the line without effects rests
     return run.simulate(told().speed_m_s, told().tension_N)
 
@@ -66,36 +67,69 @@ def test_a_healthy_line_is_the_same_to_a_tenth_of_the_noise(healthy):
 
 # the product counts angles from row 0, the generator from before it settled
 CASES = [
-    (Fault(effect="eccentric_roller", location="R2", size=2e-4, angle=0.7),
-     lambda f, t: {"eccentricity_m": f.size, "angle_rad": f.angle + t}),
-    (Fault(effect="eccentric_roller", location="swrap", size=2e-4, angle=0.7),
-     lambda f, t: {"eccentricity_m": f.size, "angle_rad": f.angle + t}),
-    (Fault(effect="out_of_round_roll", location="unwind", size=6e-3, angle=0.7),
-     lambda f, t: {"shape": "flat", "gravity": 0.0, "size_m": f.size, "angle_rad": f.angle + t,
-                   "formed_radius_m": 0.8 * 0.18}),
-    (Fault(effect="out_of_round_roll", location="rewind", size=5e-4, angle=0.7, shape=2.0),
-     lambda f, t: FLAT | {
-         "cos2_m": f.size * np.cos(f.angle + 2 * t), "sin2_m": f.size * np.sin(f.angle + 2 * t),
-         "cos3_m": f.size / 3 * np.cos(2 * f.angle + 3 * t),
-         "sin3_m": f.size / 3 * np.sin(2 * f.angle + 3 * t)}),
-    (Fault(effect="unbalanced_roller", location="swrap", size=0.05, angle=0.7),
-     lambda f, t: {"unbalance_kg_m": f.size, "angle_rad": f.angle + t}),
-    (Fault(effect="unbalanced_measuring_roller", location="R5", size=1e-3, angle=0.7),
-     lambda f, t: {"unbalance_kg_m": f.size, "angle_rad": f.angle - t}),
-    (Fault(effect="torque_ripple", location="swrap", size=0.5, angle=0.7, shape=6.0),
-     lambda f, t: {"order": 6.0, "cos_N_m": f.size * np.cos(f.angle - 6 * t),
-                   "sin_N_m": f.size * np.sin(f.angle - 6 * t)}),
+    (
+        Fault(effect="eccentric_roller", location="R2", size=2e-4, angle=0.7),
+        lambda f, t: {"eccentricity_m": f.size, "angle_rad": f.angle + t},
+    ),
+    (
+        Fault(effect="eccentric_roller", location="swrap", size=2e-4, angle=0.7),
+        lambda f, t: {"eccentricity_m": f.size, "angle_rad": f.angle + t},
+    ),
+    (
+        Fault(effect="out_of_round_roll", location="unwind", size=6e-3, angle=0.7),
+        lambda f, t: {
+            "shape": "flat",
+            "gravity": 0.0,
+            "size_m": f.size,
+            "angle_rad": f.angle + t,
+            "formed_radius_m": 0.8 * 0.18,
+        },
+    ),
+    (
+        Fault(effect="out_of_round_roll", location="rewind", size=5e-4, angle=0.7, shape=2.0),
+        lambda f, t: (
+            FLAT
+            | {
+                "cos2_m": f.size * np.cos(f.angle + 2 * t),
+                "sin2_m": f.size * np.sin(f.angle + 2 * t),
+                "cos3_m": f.size / 3 * np.cos(2 * f.angle + 3 * t),
+                "sin3_m": f.size / 3 * np.sin(2 * f.angle + 3 * t),
+            }
+        ),
+    ),
+    (
+        Fault(effect="unbalanced_roller", location="swrap", size=0.05, angle=0.7),
+        lambda f, t: {"unbalance_kg_m": f.size, "angle_rad": f.angle + t},
+    ),
+    (
+        Fault(effect="unbalanced_measuring_roller", location="R5", size=1e-3, angle=0.7),
+        lambda f, t: {"unbalance_kg_m": f.size, "angle_rad": f.angle - t},
+    ),
+    (
+        Fault(effect="torque_ripple", location="swrap", size=0.5, angle=0.7, shape=6.0),
+        lambda f, t: {
+            "order": 6.0,
+            "cos_N_m": f.size * np.cos(f.angle - 6 * t),
+            "sin_N_m": f.size * np.sin(f.angle - 6 * t),
+        },
+    ),
     (Fault(effect="bearing_drag", location="R3", size=0.03), lambda f, t: {"constant_N_m": 0.03}),
     (Fault(effect="web_modulus", location="web", size=-0.1), lambda f, t: {"factor": 0.9}),
-    (Fault(effect="thermal_strain", location="pull_roll_zone", size=2e-4),
-     lambda f, t: {"strain": f.size}),
-    (Fault(effect="slip", location="swrap", size=2e-3, shape=0.8),
-     lambda f, t: {"slope_s_m": f.size, "threshold_m_s": 0.8}),
+    (
+        Fault(effect="thermal_strain", location="pull_roll_zone", size=2e-4),
+        lambda f, t: {"strain": f.size},
+    ),
+    (
+        Fault(effect="slip", location="swrap", size=2e-3, shape=0.8),
+        lambda f, t: {"slope_s_m": f.size, "threshold_m_s": 0.8},
+    ),
     (Fault(effect="load_cell_filter", location="R2", size=0.03), lambda f, t: {"lag_s": 0.03}),
     (Fault(effect="loop_delay", location="unwind", size=0.03), lambda f, t: {"delay_s": 0.03}),
-    (Fault(effect="encoder_eccentricity", location="swrap", size=1e-3, angle=0.7, shape=1.0),
-     lambda f, t: {"loop_share": 1.0, "eccentricity": f.size, "angle_rad": f.angle - t}),
-]  # fmt: skip
+    (
+        Fault(effect="encoder_eccentricity", location="swrap", size=1e-3, angle=0.7, shape=1.0),
+        lambda f, t: {"loop_share": 1.0, "eccentricity": f.size, "angle_rad": f.angle - t},
+    ),
+]
 
 
 @pytest.mark.parametrize(
@@ -105,8 +139,11 @@ def test_an_effect_does_the_same_in_both_codes(healthy, fault, parameters):
     quiet, other, floor = healthy
     run = ours(fault)
     body = NAMES.index(fault.location) if fault.location in NAMES else 0
-    entry = EffectEntry(effect=fault.effect, location=fault.location,
-                        parameters=parameters(fault, float(run.start_rad[body])))  # fmt: skip
+    entry = EffectEntry(
+        effect=fault.effect,
+        location=fault.location,
+        parameters=parameters(fault, float(run.start_rad[body])),
+    )
     here, there = run.even(), theirs(entry)
     own = {c: here[c] - quiet[c] for c in (*short.CELLS, *short.SPEEDS)}
     far = {c: there[c] - other[c] for c in own}

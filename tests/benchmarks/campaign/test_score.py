@@ -18,19 +18,40 @@ SHAKES = {"effect": "unbalanced_measuring_roller", "location": "R5", "size": 1e-
 
 
 def said(effect="eccentric_roller", location="R2", low=0.9e-5, high=1.1e-5):
-    return {"effect": effect, "location": location, "parameters": {},
-            "interval95": {"eccentricity_m": [low, high]}}  # fmt: skip
+    return {
+        "effect": effect,
+        "location": location,
+        "parameters": {},
+        "interval95": {"eccentricity_m": [low, high]},
+    }
 
 
 def row(*effects, faults=(ECC,), verdict="traced", unknown=(), group="single 0.4", **more):
     return {
-        "number": 1, "group": group, "seed": 1, "faults": list(faults), "snr": [0.4],
-        "floor": {"unwind_tension_N": 0.25}, "classes": [], "coordinate": {}, "refine_s": 5.0,
-        "refine_cpu_s": 4.0, "refine": {"error": "", "said": [], "verdict": {
-            "verdict": verdict, "effects": list(effects), "unknown": list(unknown),
-            "ambiguous": [], "residual_rms": {
-                "unwind_tension_N": {"before": 0.5, "after": 0.26, "noise_floor": 0.1}}}},
-    } | more  # fmt: skip
+        "number": 1,
+        "group": group,
+        "seed": 1,
+        "faults": list(faults),
+        "snr": [0.4],
+        "floor": {"unwind_tension_N": 0.25},
+        "classes": [],
+        "coordinate": {},
+        "refine_s": 5.0,
+        "refine_cpu_s": 4.0,
+        "refine": {
+            "error": "",
+            "said": [],
+            "verdict": {
+                "verdict": verdict,
+                "effects": list(effects),
+                "unknown": list(unknown),
+                "ambiguous": [],
+                "residual_rms": {
+                    "unwind_tension_N": {"before": 0.5, "after": 0.26, "noise_floor": 0.1}
+                },
+            },
+        },
+    } | more
 
 
 @pytest.mark.parametrize(
@@ -63,8 +84,9 @@ def test_the_right_one_among_equals_is_neither_right_nor_wrong():
 
 def test_an_unknown_counts_by_its_class_and_only_without_a_blamed_effect():
     unknown = [{"class": "travel", "coordinate": {"wavenumber_1_m": 1.002}}]
-    case = row(verdict="unknown", unknown=unknown, classes=["travel"],
-               coordinate={"wavenumber_1_m": 1.0})  # fmt: skip
+    case = row(
+        verdict="unknown", unknown=unknown, classes=["travel"], coordinate={"wavenumber_1_m": 1.0}
+    )
     assert class_right(case)
     assert coordinate_error(case) == pytest.approx(0.002)
     assert not class_right(case | {"classes": ["time"]})

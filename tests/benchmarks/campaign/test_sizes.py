@@ -39,8 +39,9 @@ def healthy():
 
 def test_what_a_tolerance_takes_up_does_not_count(healthy):
     at, quiet, floor = healthy
-    fault, reached = sized(CASE, at, Fault(effect="web_modulus", location="web", size=0.1),
-                           quiet, floor)  # fmt: skip
+    fault, reached = sized(
+        CASE, at, Fault(effect="web_modulus", location="web", size=0.1), quiet, floor
+    )
     assert reached == pytest.approx(0.4, rel=0.06)
     record, columns = beside_tolerances(CASE)
     true = record.response(fault)

@@ -18,8 +18,20 @@ def busy(parent, scratch):
 
 
 def test_workers_end_with_a_campaign_that_was_killed(tmp_path):
-    parent = begun(["-m", "benchmarks.campaign", "--seed", "1", "--cases", "2",
-                    "--workers", str(WORKERS), "--out", str(tmp_path)])  # fmt: skip
+    parent = begun(
+        [
+            "-m",
+            "benchmarks.campaign",
+            "--seed",
+            "1",
+            "--cases",
+            "2",
+            "--workers",
+            str(WORKERS),
+            "--out",
+            str(tmp_path),
+        ]
+    )
     workers = busy(parent, tmp_path)
     assert len(workers) >= WORKERS
     assert not left_by(parent, workers, signal.SIGKILL)

@@ -95,9 +95,15 @@ def test_a_silent_law_leaves_the_line_as_it_is_and_the_seed_decides():
 
 def test_targets_say_what_share_of_rows_meets_them():
     row = {
-        "section": "follower", "law": "follower and unwind", "case": "x", "seed": 1,
-        "pullroll_1x_dB": 35.0, "pullroll": 0.1, "unwind": 1.2, "follower_speed": 1.0,
-    }  # fmt: skip
+        "section": "follower",
+        "law": "follower and unwind",
+        "case": "x",
+        "seed": 1,
+        "pullroll_1x_dB": 35.0,
+        "pullroll": 0.1,
+        "unwind": 1.2,
+        "follower_speed": 1.0,
+    }
     found = {t.what: t.met for t in targets([row, {**row, "unwind": 0.9}])}
     assert found["4 follower, pull-roll 1x"] == "yes"
     assert found["4 unwind tension meanwhile"] == "50 %"
@@ -181,8 +187,14 @@ def test_a_new_roll_shows_its_shape_at_another_angle_of_the_encoder():
             seen.append(roll)
 
     roll_id = np.repeat([1, 2], 50)
-    run(line, {"unwind": lambda phases, _: Watcher(phases)}, np.full(100, 1.0), seed=None,
-        on_s=0.0, roll_id=roll_id)  # fmt: skip
+    run(
+        line,
+        {"unwind": lambda phases, _: Watcher(phases)},
+        np.full(100, 1.0),
+        seed=None,
+        on_s=0.0,
+        roll_id=roll_id,
+    )
     assert seen.index("unwind") == 50
 
 
@@ -194,10 +206,16 @@ def test_back_after_a_transient_is_counted_in_turns():
 
     def record(tension):
         return Record(
-            time_s=time_s, tension_N=tension, pullroll_N=blank, follower_m_s=blank,
-            unwind_rad=angle, follower_rad=angle, radius_m=blank, speed_m_s=blank,
+            time_s=time_s,
+            tension_N=tension,
+            pullroll_N=blank,
+            follower_m_s=blank,
+            unwind_rad=angle,
+            follower_rad=angle,
+            radius_m=blank,
+            speed_m_s=blank,
             correction_m_s=np.zeros((1, time_s.size)),
-        )  # fmt: skip
+        )
 
     left = ripple * np.where((time_s > 30.0) & (time_s < 36.0), 1.0, 0.05)
     found = judge_transient(record(left), record(ripple), 30.0, 30.0)

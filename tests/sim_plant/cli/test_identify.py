@@ -13,9 +13,12 @@ from sim_plant.line.record_file import write_columns
 def roller_record(path: Path) -> Path:
     torque = run_up_and_coast(2.0, 4.0, 20.0, 0.01)
     run = simulate_roller(
-        inertia_kg_m2=0.35, constant_N_m=0.15, viscous_N_m_s=0.01, torque_N_m=torque,
+        inertia_kg_m2=0.35,
+        constant_N_m=0.15,
+        viscous_N_m_s=0.01,
+        torque_N_m=torque,
         sample_time_s=0.01,
-    )  # fmt: skip
+    )
     run = with_sensor(run, 5e-4, 2e-3, 1)
     columns = {"time_s": 0.01 * np.arange(torque.size), "speed_rad_s": run.speed_rad_s}
     write_columns(path, columns | {"torque_N_m": torque})

@@ -30,8 +30,11 @@ def columns():
     run = make_line(line, seed=4, speed_m_s=0.9, tension_N=89.0)
     run.settle(20.0)
     out = run.simulate(speed, tension)
-    table = {"time_s": np.round(0.01 * np.arange(ROWS), 4), "line_speed_ref_m_s": speed,
-             "tension_ref_N": tension}  # fmt: skip
+    table = {
+        "time_s": np.round(0.01 * np.arange(ROWS), 4),
+        "line_speed_ref_m_s": speed,
+        "tension_ref_N": tension,
+    }
     return table | {s.channel: out[s.channel] for s in line.sensors}
 
 
@@ -60,11 +63,18 @@ def write_mdf(columns, path):
     stamps = columns["time_s"] + 100.0  # a logger that has been on for a while
     stem = {"unwind_tension_N": ("unwind_tension", "N"), "line_speed_m_s": ("line_speed", "m/s")}
     with MDF(version="4.10") as mdf:
-        mdf.append([
-            Signal(samples=v, timestamps=stamps, name=stem.get(k, (k, ""))[0],
-                   unit=stem.get(k, (k, ""))[1])
-            for k, v in columns.items() if k != "time_s"
-        ])  # fmt: skip
+        mdf.append(
+            [
+                Signal(
+                    samples=v,
+                    timestamps=stamps,
+                    name=stem.get(k, (k, ""))[0],
+                    unit=stem.get(k, (k, ""))[1],
+                )
+                for k, v in columns.items()
+                if k != "time_s"
+            ]
+        )
         mdf.save(path, overwrite=True)
 
 
@@ -137,20 +147,32 @@ def at_other_radius(c):
 
 SPOILT = {
     "a gap": (with_gap, ("1 gaps in time_s", "after line 801", "after row 800")),
-    "a missing value": (with_nan, ("column unwind_tension_N: 1 values are missing", "line 702",
-                                   "row 701")),
-    "a unit nobody knows": (renamed("unwind_tension_N", "unwind_tension [stone]"),
-                            ("unit 'stone' is unknown",)),
-    "a wrong unit": (renamed("line_speed_m_s", "line_speed [fpm]"),
-                     ("column line_speed_m_s: 0.00508 times what the speed reference",)),
-    "a wrong unit of force": (renamed("rewind_tension_N", "rewind_tension [kN]"),
-                              ("column rewind_tension_N: 1e+03 times the tension reference",)),
-    "a missing channel": (without("rewind_speed_rad_s"),
-                          ("declared channels are missing: rewind_speed_rad_s",)),
+    "a missing value": (
+        with_nan,
+        ("column unwind_tension_N: 1 values are missing", "line 702", "row 701"),
+    ),
+    "a unit nobody knows": (
+        renamed("unwind_tension_N", "unwind_tension [stone]"),
+        ("unit 'stone' is unknown",),
+    ),
+    "a wrong unit": (
+        renamed("line_speed_m_s", "line_speed [fpm]"),
+        ("column line_speed_m_s: 0.00508 times what the speed reference",),
+    ),
+    "a wrong unit of force": (
+        renamed("rewind_tension_N", "rewind_tension [kN]"),
+        ("column rewind_tension_N: 1e+03 times the tension reference",),
+    ),
+    "a missing channel": (
+        without("rewind_speed_rad_s"),
+        ("declared channels are missing: rewind_speed_rad_s",),
+    ),
     "a missing reference": (without("tension_ref_N"), ("column tension_ref_N is missing",)),
-    "another line's file": (at_other_radius, ("unwind_radius_m starts at 0.15 m",
-                                              "the line file declares 0.18 m")),
-}  # fmt: skip
+    "another line's file": (
+        at_other_radius,
+        ("unwind_radius_m starts at 0.15 m", "the line file declares 0.18 m"),
+    ),
+}
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet", "mf4"])
@@ -175,8 +197,16 @@ def test_a_spoilt_record_is_refused_with_its_place_and_nothing_is_written(
 def test_a_spoilt_held_out_record_stops_everything_too(columns, line_file, tmp_path, capsys):
     write_csv(columns, tmp_path / "good.csv")
     write_csv(with_nan(columns), tmp_path / "bad.csv")
-    assert refined(line_file, tmp_path / "good.csv", tmp_path / "out", "--holdout",
-                   str(tmp_path / "bad.csv")) == 2  # fmt: skip
+    assert (
+        refined(
+            line_file,
+            tmp_path / "good.csv",
+            tmp_path / "out",
+            "--holdout",
+            str(tmp_path / "bad.csv"),
+        )
+        == 2
+    )
     assert "bad.csv" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 

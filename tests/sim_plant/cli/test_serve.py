@@ -43,9 +43,16 @@ def test_the_defaults_are_loopback_and_no_faults():
 
 def test_words_of_the_command_become_options():
     chosen = options(
-        "--modbus", "localhost:6000", "--fault", "mute@1", "--fault", "busy", "--no-fc23",
-        "--duration", "3",
-    )  # fmt: skip
+        "--modbus",
+        "localhost:6000",
+        "--fault",
+        "mute@1",
+        "--fault",
+        "busy",
+        "--no-fc23",
+        "--duration",
+        "3",
+    )
     assert (chosen.host, chosen.port, chosen.duration_s) == ("localhost", 6000, 3.0)
     assert [spec.fault for spec in chosen.faults] == [Fault.MUTE, Fault.BUSY]
     assert not chosen.allow_fc23

@@ -35,9 +35,7 @@ def test_the_plain_law_has_no_roll_to_show() -> None:
 
 def test_orders_add_up_to_the_arm_around_the_turn() -> None:
     def one(order: int, mm: float, deg: float) -> LearnedOrder:
-        return LearnedOrder(
-            actuator="u", roll="r", order=order, deviation_mm=mm, angle_deg=deg
-        )  # fmt: skip
+        return LearnedOrder(actuator="u", roll="r", order=order, deviation_mm=mm, angle_deg=deg)
 
     angle = np.array([0.0, np.pi / 2, np.pi])
     # 2 cos(t + 90 deg) + cos(2 t): 1, -2 - 1, 1

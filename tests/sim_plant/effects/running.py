@@ -32,8 +32,12 @@ def effect(name: str, location: str, **parameters: float | str) -> EffectEntry:
     return EffectEntry(effect=name, location=location, parameters=parameters)
 
 
-def line(*effects: EffectEntry, settle_s: float = 10.0, speed_m_s: float = SPEED_M_S,
-         sample_time_s: float = 0.005) -> LineSimulation:  # fmt: skip
+def line(
+    *effects: EffectEntry,
+    settle_s: float = 10.0,
+    speed_m_s: float = SPEED_M_S,
+    sample_time_s: float = 0.005,
+) -> LineSimulation:
     """Return the line with these effects, settled."""
     declared = euclid().model_copy(update={"effects": effects})
     made = make_line(declared, seed=None, speed_m_s=speed_m_s, sample_time_s=sample_time_s)
@@ -41,9 +45,14 @@ def line(*effects: EffectEntry, settle_s: float = 10.0, speed_m_s: float = SPEED
     return made
 
 
-def run(*effects: EffectEntry, seconds: float = 2.0, settle_s: float = 10.0,
-        speed_m_s: float = SPEED_M_S, sample_time_s: float = 0.005,
-        aff: dict[str, Array] | None = None) -> dict[str, Array]:  # fmt: skip
+def run(
+    *effects: EffectEntry,
+    seconds: float = 2.0,
+    settle_s: float = 10.0,
+    speed_m_s: float = SPEED_M_S,
+    sample_time_s: float = 0.005,
+    aff: dict[str, Array] | None = None,
+) -> dict[str, Array]:
     """Return the channels of a run at one speed and tension."""
     made = line(*effects, settle_s=settle_s, speed_m_s=speed_m_s, sample_time_s=sample_time_s)
     rows = round(seconds / sample_time_s)

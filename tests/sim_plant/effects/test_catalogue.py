@@ -41,9 +41,10 @@ def test_every_effect_is_there_once() -> None:
 
 def test_every_effect_file_has_one_row_under_its_own_name() -> None:
     files = {
-        name for _f, name, _p in pkgutil.iter_modules(sim_plant.effects.__path__)
+        name
+        for _f, name, _p in pkgutil.iter_modules(sim_plant.effects.__path__)
         if hasattr(__import__(f"sim_plant.effects.{name}", fromlist=["EFFECT"]), "EFFECT")
-    }  # fmt: skip
+    }
     assert files == set(BY_NAME)
 
 

@@ -10,9 +10,10 @@ def test_a_correction_arrives_later_and_otherwise_unchanged() -> None:
     still = run(seconds=4.0)["swrap_follower_speed_m_s"]
     prompt = run(seconds=4.0, aff={"swrap_follower": wave})["swrap_follower_speed_m_s"]
     late = run(
-        effect("loop_delay", "swrap_follower", delay_s=0.02), seconds=4.0,
+        effect("loop_delay", "swrap_follower", delay_s=0.02),
+        seconds=4.0,
         aff={"swrap_follower": wave},
-    )["swrap_follower_speed_m_s"]  # fmt: skip
+    )["swrap_follower_speed_m_s"]
     moved = prompt - still
     assert np.max(np.abs(moved)) > 3e-3
     assert (late - still)[4:] == pytest.approx(moved[:-4], abs=2e-5)

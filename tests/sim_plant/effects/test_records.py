@@ -23,14 +23,24 @@ CASES = {
     "line06_a": effect("load_cell_filter", "all", corner_Hz=3.0),
     "line06_b": effect("load_cell_filter", "all", corner_Hz=3.0),
     "line08_a": effect(
-        "roll_bounce", "unwind", cos1_kg_m=-0.0222, sin1_kg_m=-0.0200, cosn_kg_m=0.0284,
-        sinn_kg_m=-0.0133, **BOUNCE,
+        "roll_bounce",
+        "unwind",
+        cos1_kg_m=-0.0222,
+        sin1_kg_m=-0.0200,
+        cosn_kg_m=0.0284,
+        sinn_kg_m=-0.0133,
+        **BOUNCE,
     ),
     "line08_b": effect(
-        "roll_bounce", "unwind", cos1_kg_m=0.0049, sin1_kg_m=0.0295, cosn_kg_m=-0.0163,
-        sinn_kg_m=0.0258, **BOUNCE,
+        "roll_bounce",
+        "unwind",
+        cos1_kg_m=0.0049,
+        sin1_kg_m=0.0295,
+        cosn_kg_m=-0.0163,
+        sinn_kg_m=0.0258,
+        **BOUNCE,
     ),
-}  # fmt: skip
+}
 
 
 def worst_ratio(folder, name, effects):  # type: ignore[no-untyped-def]
@@ -47,8 +57,9 @@ def worst_ratio(folder, name, effects):  # type: ignore[no-untyped-def]
     floors = records[name[-1]]["noise_floor_rms"]
     return max(
         float(np.sqrt(np.mean((rows[c] - found[c])[2000:] ** 2))) / floors[c]
-        for c in floors if "tension" in c or "speed" in c
-    )  # fmt: skip
+        for c in floors
+        if "tension" in c or "speed" in c
+    )
 
 
 @pytest.mark.parametrize("name", CASES)

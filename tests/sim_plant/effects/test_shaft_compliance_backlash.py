@@ -6,9 +6,10 @@ from tests.sim_plant.effects.running import effect, line
 @pytest.mark.parametrize(("compliance", "play"), [(1e-3, 0.0), (1e-3, 0.004)])
 def test_a_shaft_twists_by_its_torque_and_its_play(compliance: float, play: float) -> None:
     made = line(
-        effect("shaft_compliance_backlash", "unwind", compliance_rad_N_m=compliance,
-               backlash_rad=play)
-    )  # fmt: skip
+        effect(
+            "shaft_compliance_backlash", "unwind", compliance_rad_N_m=compliance, backlash_rad=play
+        )
+    )
     torque_N_m = float(made.state.torque_N_m[0])
     twist = float(made.state.y[made.layout.twist])
     assert torque_N_m < -5.0  # the unwind brakes

@@ -30,9 +30,15 @@ def put(effect, arrays, place, **parameters):
 def arm(arrays, place, theta_rad, phi_rad):
     body = arrays.bodies[place]
     p, _dh, _rho = body_at(
-        body["radius_m"], body["sigma"], body["shape_row"], arrays.shape_h_m, arrays.shape_dh_m,
-        arrays.shape_rho_m, theta_rad, phi_rad,
-    )  # fmt: skip
+        body["radius_m"],
+        body["sigma"],
+        body["shape_row"],
+        arrays.shape_h_m,
+        arrays.shape_dh_m,
+        arrays.shape_rho_m,
+        theta_rad,
+        phi_rad,
+    )
     return p
 
 
@@ -127,9 +133,15 @@ def test_every_named_shape_is_absent_at_size_0_and_turns_by_its_own_mean_radius(
 
 def test_orders_are_cosine_and_sine_of_the_body_angle(arrays):
     shaped = put(
-        out_of_round_roll, arrays, 0, shape="orders",
-        cos1_m=1e-4, sin2_m=2e-4, cos3_m=3e-5, sin3_m=-1e-5,
-    )  # fmt: skip
+        out_of_round_roll,
+        arrays,
+        0,
+        shape="orders",
+        cos1_m=1e-4,
+        sin2_m=2e-4,
+        cos3_m=3e-5,
+        sin3_m=-1e-5,
+    )
     radius = float(shaped.bodies["radius_m"][0])
     sigma = float(shaped.bodies["sigma"][0])
     for theta in np.linspace(0.0, 6.0, 25):

@@ -41,8 +41,9 @@ def test_unstretched_length_is_conserved() -> None:
 
 
 def test_energy_is_conserved_between_clamped_ends() -> None:
-    free = Accumulator(EA_N=9300.0, strain_upstream=STRAIN, spans=10, mass_kg=200.0,
-                       damping_N_s_m=0.0)  # fmt: skip
+    free = Accumulator(
+        EA_N=9300.0, strain_upstream=STRAIN, spans=10, mass_kg=200.0, damping_N_s_m=0.0
+    )
     start = np.array([STRAIN, HEIGHT, 0.02])
     states = simulate(free, start, lambda _t: (0.0, 0.0), LIFT, 3.0, 5e-4)
     unstretched = 10.0 * HEIGHT / (1.0 + STRAIN)

@@ -8,12 +8,7 @@ from scipy.integrate import quad
 
 from sim_plant.elements.contact import body_at, tangent
 from sim_plant.elements.drive import speed_pi
-from sim_plant.elements.load_cell import (
-    expected_quantise,
-    filter_rate,
-    quantise,
-    resonance_rates,
-)
+from sim_plant.elements.load_cell import expected_quantise, filter_rate, quantise, resonance_rates
 from sim_plant.elements.material_roll import radius_rate, wound_inertia
 from sim_plant.elements.roller import friction_torque, gravity_torque
 from sim_plant.elements.span import strain_rate, tension

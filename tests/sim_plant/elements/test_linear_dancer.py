@@ -15,9 +15,13 @@ from sim_plant.line.dancer_section import (
 V = 1.0
 EPS_UP = 0.005
 WEB = DancerWeb(
-    EA_N=9300.0, strain_upstream=EPS_UP, length_in_m=1.0, length_out_m=0.8,
-    roller_radius_m=0.0381, roller_inertia_kg_m2=0.0014,
-)  # fmt: skip
+    EA_N=9300.0,
+    strain_upstream=EPS_UP,
+    length_in_m=1.0,
+    length_out_m=0.8,
+    roller_radius_m=0.0381,
+    roller_inertia_kg_m2=0.0014,
+)
 V_OUT = V * 1.004
 STRAIN = rest_strain(WEB, V, V_OUT)
 LOAD = 2.0 * WEB.EA_N * STRAIN
@@ -57,9 +61,13 @@ def test_unstretched_length_is_conserved() -> None:
 
 def test_energy_is_conserved_when_nothing_drives_or_damps() -> None:
     web = DancerWeb(
-        EA_N=9300.0, strain_upstream=STRAIN, length_in_m=1.0, length_out_m=1.0,
-        roller_radius_m=0.0381, roller_inertia_kg_m2=0.0014,
-    )  # fmt: skip
+        EA_N=9300.0,
+        strain_upstream=STRAIN,
+        length_in_m=1.0,
+        length_out_m=1.0,
+        roller_radius_m=0.0381,
+        roller_inertia_kg_m2=0.0014,
+    )
     free = LinearDancer(mass_kg=2.0, load_N=LOAD, stiffness_N_m=300.0, damping_N_s_m=0.0)
     start = np.array([STRAIN, STRAIN, 0.0, 0.0, 0.03])
     states = simulate(web, free, start, lambda _t: (0.0, 0.0), 2.0, 5e-4)

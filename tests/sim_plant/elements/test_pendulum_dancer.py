@@ -25,16 +25,27 @@ LEVELS = (
     span_lever(0.0, 0.0, ARM, 0.0, *AFTER, -REACH, False),
 )
 WEB = DancerWeb(
-    EA_N=9300.0, strain_upstream=EPS_UP, length_in_m=LEVELS[0][1], length_out_m=LEVELS[1][1],
-    roller_radius_m=RADIUS, roller_inertia_kg_m2=0.0014,
-)  # fmt: skip
+    EA_N=9300.0,
+    strain_upstream=EPS_UP,
+    length_in_m=LEVELS[0][1],
+    length_out_m=LEVELS[1][1],
+    roller_radius_m=RADIUS,
+    roller_inertia_kg_m2=0.0014,
+)
 STRAIN = rest_strain(WEB, V, V_OUT)
 WEIGHT = 15.0
 LOAD = WEIGHT + (LEVELS[0][0] + LEVELS[1][0]) * WEB.EA_N * STRAIN
 DANCER = PendulumDancer(
-    inertia_kg_m2=0.5, load_N_m=LOAD, weight_N_m=WEIGHT, damping_N_m_s=8.0, arm_m=ARM,
-    before_m=BEFORE, after_m=AFTER, reach_in_m=REACH, reach_out_m=-REACH,
-)  # fmt: skip
+    inertia_kg_m2=0.5,
+    load_N_m=LOAD,
+    weight_N_m=WEIGHT,
+    damping_N_m_s=8.0,
+    arm_m=ARM,
+    before_m=BEFORE,
+    after_m=AFTER,
+    reach_in_m=REACH,
+    reach_out_m=-REACH,
+)
 REST = np.array([STRAIN, STRAIN, V_OUT, 0.0, 0.0])
 
 
@@ -75,9 +86,13 @@ def test_rests_where_load_balances_weight_and_tensions() -> None:
 def test_unstretched_length_of_the_whole_path_is_conserved() -> None:
     """With both ends clamped (path + wraps) / (1 + strain) cannot change."""
     light = DancerWeb(
-        EA_N=9300.0, strain_upstream=STRAIN, length_in_m=WEB.length_in_m,
-        length_out_m=WEB.length_out_m, roller_radius_m=RADIUS, roller_inertia_kg_m2=1e-5,
-    )  # fmt: skip
+        EA_N=9300.0,
+        strain_upstream=STRAIN,
+        length_in_m=WEB.length_in_m,
+        length_out_m=WEB.length_out_m,
+        roller_radius_m=RADIUS,
+        roller_inertia_kg_m2=1e-5,
+    )
     start = np.array([STRAIN, STRAIN, 0.0, 0.0, 0.05])
     step = 2e-4
     states = simulate(light, DANCER, start, lambda _t: (0.0, 0.0), 0.4, step)
@@ -90,9 +105,16 @@ def test_unstretched_length_of_the_whole_path_is_conserved() -> None:
 
 def test_energy_is_conserved_when_nothing_drives_or_damps() -> None:
     free = PendulumDancer(
-        inertia_kg_m2=0.5, load_N_m=LOAD, weight_N_m=WEIGHT, damping_N_m_s=0.0, arm_m=ARM,
-        before_m=BEFORE, after_m=AFTER, reach_in_m=REACH, reach_out_m=-REACH,
-    )  # fmt: skip
+        inertia_kg_m2=0.5,
+        load_N_m=LOAD,
+        weight_N_m=WEIGHT,
+        damping_N_m_s=0.0,
+        arm_m=ARM,
+        before_m=BEFORE,
+        after_m=AFTER,
+        reach_in_m=REACH,
+        reach_out_m=-REACH,
+    )
     start = np.array([STRAIN, STRAIN, 0.0, 0.0, 0.05])
     states = simulate(WEB, free, start, lambda _t: (0.0, 0.0), 1.0, 2e-4)
     lengths = np.array([free.geometry(WEB, q)[1::2] for q in states[:, 3]])

@@ -59,9 +59,13 @@ def test_tension_follows_the_oven_as_the_transfer_function_says(frequency_Hz: fl
     expected = -9300.0 * 6e-5 / 1.5 / (s + V / 2.0 + 1.0 / 1.5)
     step = 5e-3
     states = simulate(
-        SPAN, np.array([STRAIN, warm_at_rest(40.0)]), lambda _t: (V, V_OUT),
-        lambda t: 40.0 + 5.0 * np.cos(2.0 * np.pi * frequency_Hz * t), 40.0, step,
-    )  # fmt: skip
+        SPAN,
+        np.array([STRAIN, warm_at_rest(40.0)]),
+        lambda _t: (V, V_OUT),
+        lambda t: 40.0 + 5.0 * np.cos(2.0 * np.pi * frequency_Hz * t),
+        40.0,
+        step,
+    )
     pull = np.array([pull_N(SPAN, float(e), float(w)) for e, w in states])
     assert phasor(pull, step, frequency_Hz, 1) / 5.0 == pytest.approx(expected, rel=0.01)
 

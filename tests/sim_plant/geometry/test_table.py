@@ -12,10 +12,7 @@ ANGLES = np.random.default_rng(3).uniform(-400.0, 400.0, 3000)
 
 @pytest.mark.parametrize(
     ("shape", "h_m", "slope_m", "rho_m"),
-    [
-        (ellipse(0.205, 0.199), 1e-14, 1e-13, 1e-10),
-        (flat_spot(0.012, 0.2032), 1e-11, 1e-8, 3e-5),
-    ],
+    [(ellipse(0.205, 0.199), 1e-14, 1e-13, 1e-10), (flat_spot(0.012, 0.2032), 1e-11, 1e-8, 3e-5)],
     ids=["ellipse", "flat spot"],
 )
 def test_lookup_agrees_with_the_fourier_sum(

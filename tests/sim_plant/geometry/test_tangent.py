@@ -93,10 +93,7 @@ def test_line_touches_both_bodies_and_arm_is_its_distance_from_the_axis(name: st
 @pytest.mark.parametrize("name", PAIRS)
 def test_rates_are_the_derivatives_of_angle_and_length(name: str) -> None:
     span = PAIRS[name].over_one_turn()
-    for rate, wave in (
-        (span.phi_rate_rad_s, span.phi_rad),
-        (span.length_rate_m_s, span.length_m),
-    ):
+    for rate, wave in ((span.phi_rate_rad_s, span.phi_rad), (span.length_rate_m_s, span.length_m)):
         assert np.max(np.abs(rate - derivative(wave))) < 1e-7 * np.ptp(rate)
 
 

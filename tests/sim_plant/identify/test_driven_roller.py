@@ -124,9 +124,7 @@ def test_refuses_a_clipped_speed(clean: Run) -> None:
     run = noisy(clean, 0)
     top = 0.9 * float(np.max(run.speed_rad_s))
     clipped = Run(
-        sample_time_s=0.01,
-        speed_rad_s=np.minimum(run.speed_rad_s, top),
-        torque_N_m=run.torque_N_m,
+        sample_time_s=0.01, speed_rad_s=np.minimum(run.speed_rad_s, top), torque_N_m=run.torque_N_m
     )
     with pytest.raises(UndecidableError, match="clipped"):
         fit_driven_roller([clipped])

@@ -26,9 +26,10 @@ def flat(found):
 
 def differing(one, other):
     return {
-        key for key, values in one.items()
+        key
+        for key, values in one.items()
         if values.dtype.kind in "fiu" and not np.array_equal(values, other[key])
-    }  # fmt: skip
+    }
 
 
 def test_a_correction_is_the_line_declared_with_that_number():

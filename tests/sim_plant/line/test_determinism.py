@@ -56,9 +56,13 @@ def test_a_run_in_two_parts_equals_a_run_in_one():
 @pytest.mark.parametrize("effect", CATALOGUE, ids=lambda effect: effect.name)
 def test_an_effect_at_its_neutral_value_is_exactly_absent(effect):
     location = {
-        "body": "unwind", "drive": "unwind", "cell": "R9", "loop": "unwind",
-        "span": "R1-R2", "web": "web",
-    }[effect.place]  # fmt: skip
+        "body": "unwind",
+        "drive": "unwind",
+        "cell": "R9",
+        "loop": "unwind",
+        "span": "R1-R2",
+        "web": "web",
+    }[effect.place]
     bare = run(declared("euclid"), 2, samples=100)
     neutral = run(with_effect(declared("euclid"), effect.name, location), 2, samples=100)
     assert identical(bare, neutral)

@@ -23,9 +23,11 @@ STANDING = [
 ]
 LEAST_N = 0.1
 CORRECTED = {
-    "control.pull_roll_draw": 3e-4, "web.EA_N": -0.1, "rollers.unwind.effective_radius": 2e-3,
+    "control.pull_roll_draw": 3e-4,
+    "web.EA_N": -0.1,
+    "rollers.unwind.effective_radius": 2e-3,
     "sensors.rewind_tension_N.offset": -2.0,
-}  # fmt: skip
+}
 
 
 def started(effects=(), corrections=None):
@@ -74,9 +76,14 @@ def test_web_that_is_warm_between_two_speeds_pulls_less_by_its_free_strain(healt
 
 def test_numbers_that_no_line_has_end_in_a_refusal_and_nothing_else():
     """A fit that goes astray tries such numbers: negative radii and stiffness, inertia of -112."""
-    line = started(corrections={
-        "web.EA_N": -55.5, "rollers.unwind.effective_radius": -1.08, "web.thickness_m": 10.8,
-        "idlers.inertia_kg_m2": -112.0, "control.drives.swrap_lead.K_ref_rad_s": -114.0,
-    })  # fmt: skip
+    line = started(
+        corrections={
+            "web.EA_N": -55.5,
+            "rollers.unwind.effective_radius": -1.08,
+            "web.thickness_m": 10.8,
+            "idlers.inertia_kg_m2": -112.0,
+            "control.drives.swrap_lead.K_ref_rad_s": -114.0,
+        }
+    )
     with pytest.raises(PlantError, match="diverged"):
         line.settle(10.0)

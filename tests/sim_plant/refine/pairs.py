@@ -38,8 +38,11 @@ class Run:
     def files(self):
         """Line file, record to fit and record to judge on, as names."""
         held = "b" if self.fit == "a" else "a"
-        return (f"{self.case}_{self.fit}.yaml", f"{self.case}_{self.fit}.csv.gz",
-                f"{self.case}_{held}.csv.gz")  # fmt: skip
+        return (
+            f"{self.case}_{self.fit}.yaml",
+            f"{self.case}_{self.fit}.csv.gz",
+            f"{self.case}_{held}.csv.gz",
+        )
 
 
 def labels():
@@ -148,9 +151,16 @@ def coordinate(where):
 
 
 HEAD = (
-    "pair", "label", "taken out", "found", "right", "unwind tension held out, N: before / after / "
-    "floor", "all held-out channels over floor, before: median", "after: median", "after: worst",
-)  # fmt: skip
+    "pair",
+    "label",
+    "taken out",
+    "found",
+    "right",
+    "unwind tension held out, N: before / after / floor",
+    "all held-out channels over floor, before: median",
+    "after: median",
+    "after: worst",
+)
 
 
 def table(out, only="", swapped=False):

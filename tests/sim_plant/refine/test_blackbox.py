@@ -19,9 +19,13 @@ TURNS = METRES / (2.0 * np.pi * 0.2)
 ANGLES = np.zeros((len(LINE.rollers), TIME_S.size))
 ANGLES[0] = 2.0 * np.pi * TURNS
 TRAVEL = Travel(
-    declaration=LINE, sample_time_s=0.01, time_s=TIME_S, travel_m=METRES, angles_rad=ANGLES,
+    declaration=LINE,
+    sample_time_s=0.01,
+    time_s=TIME_S,
+    travel_m=METRES,
+    angles_rad=ANGLES,
     speed_m_s=SPEED,
-)  # fmt: skip
+)
 
 
 def left(basis, wave):
@@ -29,8 +33,9 @@ def left(basis, wave):
 
 
 def angle(order):
-    return Unknown(kind="angle", coordinate={"roll": LINE.rollers[0].name, "order": order},
-                   strength=1.0)  # fmt: skip
+    return Unknown(
+        kind="angle", coordinate={"roll": LINE.rollers[0].name, "order": order}, strength=1.0
+    )
 
 
 def test_columns_are_orthonormal():

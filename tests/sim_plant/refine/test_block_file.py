@@ -12,8 +12,12 @@ LINE = load_declaration(CONFIG / "lines" / "euclid.yaml")
 
 
 def block_of(folder, roller):
-    row = {"effect": "eccentric_roller", "location": roller, "cancel": True,
-           "parameters": {"eccentricity_m": 2.5e-4, "angle_rad": 1.0}}  # fmt: skip
+    row = {
+        "effect": "eccentric_roller",
+        "location": roller,
+        "cancel": True,
+        "parameters": {"eccentricity_m": 2.5e-4, "angle_rad": 1.0},
+    }
     return write_block(folder, [row], LINE).read_text()
 
 
@@ -37,8 +41,7 @@ def test_an_idlers_block_says_how_the_idler_comes_into_the_site_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("roller", "drives"),
-    [("R6", "unwind or swrap_lead"), ("R13", "swrap_follower or pull_roll")],
+    ("roller", "drives"), [("R6", "unwind or swrap_lead"), ("R13", "swrap_follower or pull_roll")]
 )
 def test_an_idlers_block_names_the_drives_on_both_sides(tmp_path, roller, drives):
     assert f"goes to the actuator of {drives}," in block_of(tmp_path, roller)

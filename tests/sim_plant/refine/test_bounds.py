@@ -41,13 +41,17 @@ def test_every_number_but_an_angle_has_two_finite_bounds(effect):
 
 def test_what_cannot_be_negative_is_not():
     signs = {
-        "bearing_drag": ("constant_N_m", "viscous_N_m_s"), "loop_delay": ("delay_s",),
-        "viscoelastic_web": ("ratio", "time_s"), "web_modulus": ("factor",),
-        "rate_limit": ("slew_m_s2",), "radius_error": ("ratio",),
+        "bearing_drag": ("constant_N_m", "viscous_N_m_s"),
+        "loop_delay": ("delay_s",),
+        "viscoelastic_web": ("ratio", "time_s"),
+        "web_modulus": ("factor",),
+        "rate_limit": ("slew_m_s2",),
+        "radius_error": ("ratio",),
         "shaft_compliance_backlash": ("compliance_rad_N_m", "backlash_rad"),
-        "load_cell_resonance": ("frequency_Hz", "damping"), "out_of_round_roll": ("size_m",),
+        "load_cell_resonance": ("frequency_Hz", "damping"),
+        "out_of_round_roll": ("size_m",),
         "roll_bounce": ("mass_kg", "frequency_Hz", "damping"),
-    }  # fmt: skip
+    }
     for effect, names in signs.items():
         for name in names:
             assert BY_NAME[effect].accepts[name].low >= 0.0, (effect, name)

@@ -14,8 +14,13 @@ PROBLEM = SimpleNamespace(expected_cost=NOISE)
 
 
 def quiet(drop=0.0):
-    return [[LineSpectrum(kind="time", roll="", coordinate=np.array([1.0]),
-                          drop=np.array([drop]), degrees=72)]]  # fmt: skip
+    return [
+        [
+            LineSpectrum(
+                kind="time", roll="", coordinate=np.array([1.0]), drop=np.array([drop]), degrees=72
+            )
+        ]
+    ]
 
 
 def claimed(before, after, line=0.0):

@@ -34,10 +34,11 @@ def odd(left, analogue=(True, True, True)):
     twin = SimpleNamespace(channels=NAMES, declaration=SimpleNamespace(sample_time_s=STEP_S))
     noise = SimpleNamespace(analogue=np.array(analogue), whiten=lambda values: values)
     problem = SimpleNamespace(
-        bench=SimpleNamespace(twins=[twin]), noise=[noise],
+        bench=SimpleNamespace(twins=[twin]),
+        noise=[noise],
         noisy=[np.stack([noise_of_a_loop(100 + k) for k in range(12)])],
         split=lambda _: [left],
-    )  # fmt: skip
+    )
     return oddest_pair(problem, SimpleNamespace(residual=left))
 
 

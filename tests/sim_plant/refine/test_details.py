@@ -20,16 +20,24 @@ SIZE, GROWTH = np.sin(40.0 * TIME), TIME * np.sin(40.0 * TIME)
 @pytest.fixture
 def problem():
     return SimpleNamespace(
-        rows=ROWS, projector=Projector(np.zeros((ROWS, 1))),
+        rows=ROWS,
+        projector=Projector(np.zeros((ROWS, 1))),
         split=lambda vector: [np.reshape(vector, (1, ROWS))],
-    )  # fmt: skip
+    )
 
 
 def fit_of(residual):
-    h = hypothesis(BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),),
-                   ("size_m", "gravity"))  # fmt: skip
-    return Fit(hypotheses=(h,), values=((0.01, 1.0),), shifts={}, cost=0.0, residual=residual,
-               covariance=np.zeros((0, 0)))  # fmt: skip
+    h = hypothesis(
+        BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),), ("size_m", "gravity")
+    )
+    return Fit(
+        hypotheses=(h,),
+        values=((0.01, 1.0),),
+        shifts={},
+        cost=0.0,
+        residual=residual,
+        covariance=np.zeros((0, 0)),
+    )
 
 
 def noise():
@@ -58,22 +66,29 @@ def formed(monkeypatch, *, explained, costs, plain=1000.0, roll="unwind"):
     monkeypatch.setattr(details, "in_step", lambda *_: {})
     monkeypatch.setattr(details, "unsure", lambda _: 100.0)
     monkeypatch.setattr(
-        details, "_wider",
+        details,
+        "_wider",
         lambda _p, _f, _a, names, start: SimpleNamespace(
             hypotheses=(wider,), values=((start[names[0]],),)
         ),
-    )  # fmt: skip
+    )
     monkeypatch.setattr(
-        details, "refine_fit",
+        details,
+        "refine_fit",
         lambda _p, _h, at, *_, **__: SimpleNamespace(cost=costs[at[0][0]], start=at[0][0]),
-    )  # fmt: skip
+    )
     return details._formed(SimpleNamespace(rows=40_000), old, 0).start
 
 
-@pytest.mark.parametrize(("costs", "kept"), [
-    ((900.0, 800.0), 0.012), ((800.0, 900.0), 0.006),
-    ((1099.0, 1098.0), 0.012), ((1200.0, 1101.0), None),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("costs", "kept"),
+    [
+        ((900.0, 800.0), 0.012),
+        ((800.0, 900.0), 0.006),
+        ((1099.0, 1098.0), 0.012),
+        ((1200.0, 1101.0), None),
+    ],
+)
 def test_a_strong_profile_is_as_old_as_fits_best_unless_that_is_clearly_worse(
     monkeypatch, costs, kept
 ):

@@ -6,10 +6,18 @@ from sim_plant.refine.hypotheses import hypothesis
 from sim_plant.refine.nuisances import declared_nuisances
 from tests.sim_plant.line.lines import declared
 
-LINE = declared("euclid").model_copy(update={"tolerances": {
-    "rollers.*.radius_m": 1e-4, "web.EA_N": 0.02, "web.wound_in_tension_N": 0.01,
-    "rollers.R6.friction_constant_N_m": 0.05, "sensors.*.gain": 0.001, "sensors.*.offset": 0.1,
-}})  # fmt: skip
+LINE = declared("euclid").model_copy(
+    update={
+        "tolerances": {
+            "rollers.*.radius_m": 1e-4,
+            "web.EA_N": 0.02,
+            "web.wound_in_tension_N": 0.01,
+            "rollers.R6.friction_constant_N_m": 0.05,
+            "sensors.*.gain": 0.001,
+            "sensors.*.offset": 0.1,
+        }
+    }
+)
 DRAG_N_M = LINE.rollers[LINE.body("R6")].friction_constant_N_m
 STRAIN = LINE.web.wound_in_tension_N / LINE.web.EA_N
 
@@ -46,12 +54,22 @@ def test_an_effect_that_is_no_declared_number_counts_however_small(effect):
     [
         ("web.EA_N", -0.1, "web_modulus", "web", {"factor": 0.9}),
         ("web.wound_in_tension_N", 0.1, "wound_in_strain", "web", {"strain": 0.1 * STRAIN}),
-        ("rollers.R6.friction_constant_N_m", 0.5, "bearing_drag", "R6",
-         {"constant_N_m": 0.5 * DRAG_N_M}),
-        ("sensors.unwind_tension_N.offset", 1.5, "load_cell_calibration", "R9",
-         {"gain": 1.0, "offset_N": 1.5}),
+        (
+            "rollers.R6.friction_constant_N_m",
+            0.5,
+            "bearing_drag",
+            "R6",
+            {"constant_N_m": 0.5 * DRAG_N_M},
+        ),
+        (
+            "sensors.unwind_tension_N.offset",
+            1.5,
+            "load_cell_calibration",
+            "R9",
+            {"gain": 1.0, "offset_N": 1.5},
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_shifted_number_is_said_as_the_effect_that_changes_it(
     number, shift, effect, place, expected
 ):

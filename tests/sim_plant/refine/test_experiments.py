@@ -37,8 +37,14 @@ def test_there_is_one_for_every_pair_of_effects_and_each_is_said_once():
 
 def test_the_verdict_names_the_equals_and_the_experiment():
     h = hypothesis(BY_NAME["unbalanced_roller"], "swrap")
-    step = Step(hypothesis=h, score=500.0, runner_up="torque_ripple at swrap", margin=2.0,
-                rejected=(), ambiguous=(("torque_ripple", "swrap"),))  # fmt: skip
+    step = Step(
+        hypothesis=h,
+        score=500.0,
+        runner_up="torque_ripple at swrap",
+        margin=2.0,
+        rejected=(),
+        ambiguous=(("torque_ripple", "swrap"),),
+    )
     fit = SimpleNamespace(hypotheses=(h,), values=((1e-3, 2e-3),), covariance=np.eye(2) * 1e-8)
     found = SimpleNamespace(steps=[step], fit=fit, unknown=[])
     result = verdict(found, None, "b.csv")

@@ -14,8 +14,9 @@ def noise(channels=3):
 
 
 def found(signal, phase, kind):
-    return line_spectrum(signal, phase, speed_weights(SPEED, 2), kind=kind, highest=10.0,
-                         lowest=0.1)  # fmt: skip
+    return line_spectrum(
+        signal, phase, speed_weights(SPEED, 2), kind=kind, highest=10.0, lowest=0.1
+    )
 
 
 def test_a_line_in_travel_is_sharp_in_travel_and_smeared_in_time():

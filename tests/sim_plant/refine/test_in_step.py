@@ -29,10 +29,12 @@ def problem(measured):
 
     return SimpleNamespace(
         nuisances=[SimpleNamespace(name=UNWIND), SimpleNamespace(name=REWIND)],
-        bench=SimpleNamespace(one=one, twins=[TWIN]), measured=[measured],
-        fine=[np.zeros((4, SAMPLES))], coarse=[np.zeros((4, SAMPLES))],
+        bench=SimpleNamespace(one=one, twins=[TWIN]),
+        measured=[measured],
+        fine=[np.zeros((4, SAMPLES))],
+        coarse=[np.zeros((4, SAMPLES))],
         noise=[SimpleNamespace(first=FIRST)],
-    )  # fmt: skip
+    )
 
 
 def test_rolls_are_brought_into_step_by_angle_and_by_speed():

@@ -93,19 +93,13 @@ def stopped():
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        (
-            {"unwind_angle_rad": -columns()["unwind_angle_rad"]},
-            "unwind_angle_rad: counts back",
-        ),
+        ({"unwind_angle_rad": -columns()["unwind_angle_rad"]}, "unwind_angle_rad: counts back"),
         (stopped(), "line_speed_ref_m_s: the line stands, .* in 99.8 % of the rows"),
         (backwards(), "the line runs backwards"),
         (one_row("tension_ref_N", 1e9), r"line 302: column tension_ref_N: read 1e\+09"),
         (one_row("tension_ref_N", -5.0), "line 302: column tension_ref_N: read -5"),
         (one_row("unwind_tension_N", 99999.0), "line 302: column unwind_tension_N: read 99999"),
-        (
-            {"aff_correction_m_s": np.full(SAMPLES, 5.0)},
-            "line 2: column aff_correction_m_s",
-        ),
+        ({"aff_correction_m_s": np.full(SAMPLES, 5.0)}, "line 2: column aff_correction_m_s"),
     ],
 )
 def test_what_this_line_cannot_do_is_refused_with_its_place(changed, said):
@@ -133,12 +127,19 @@ def test_a_sidecar_leaves_what_was_put_right_before(tmp_path):
         ({"effects": [{"effect": "gremlin", "location": "R6"}]}, "effects.0.effect: read"),
         ({"corrections": {"web.colour": 1.0}}, "corrections.web.colour: this line declares no"),
         (
-            {"effects": [{"effect": "eccentric_roller", "location": "R6",
-                          "parameters": {"eccentricity_m": None}}]},
+            {
+                "effects": [
+                    {
+                        "effect": "eccentric_roller",
+                        "location": "R6",
+                        "parameters": {"eccentricity_m": None},
+                    }
+                ]
+            },
             "effects.0.parameters.eccentricity_m: read None; expected a number",
         ),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_put_on_the_line_is_refused_before_the_search(tmp_path, more, said):
     with pytest.raises(PlantError, match=r"r\.csv: its line cannot be built: " + said):
         twin_of(LINE, own_file(tmp_path, **more))
@@ -188,8 +189,14 @@ def test_the_command_refuses_and_writes_nothing(tmp_path, capsys):
     data["unwind_tension_N"] = data["unwind_tension_N"] * 1000.0
     time_s = np.arange(SAMPLES) * LINE.sample_time_s
     path = tmp_path / "r.csv"
-    np.savetxt(path, np.column_stack([time_s, *data.values()]), "%.6f", ",",
-               header=",".join(["time_s", *data]), comments="")  # fmt: skip
+    np.savetxt(
+        path,
+        np.column_stack([time_s, *data.values()]),
+        "%.6f",
+        ",",
+        header=",".join(["time_s", *data]),
+        comments="",
+    )
     out = tmp_path / "out"
     assert main(["refine", str(LINE_FILE), str(path), "--out", str(out)]) == 2
     assert "unwind_tension_N" in capsys.readouterr().err

@@ -17,8 +17,14 @@ PROBLEM = SimpleNamespace(bench=SimpleNamespace(twins=[SimpleNamespace(declarati
 
 def fit_at(angle_rad, delay_s=0.05):
     cost = 1e5 + 1e6 * min(1.0, abs(angle_rad - TRUE_RAD))
-    return Fit(hypotheses=(FLAT, DELAY), values=((0.012, angle_rad, 0.0), (delay_s,)), shifts={},
-               cost=cost, residual=np.zeros(0), covariance=np.zeros((0, 0)))  # fmt: skip
+    return Fit(
+        hypotheses=(FLAT, DELAY),
+        values=((0.012, angle_rad, 0.0), (delay_s,)),
+        shifts={},
+        cost=cost,
+        residual=np.zeros(0),
+        covariance=np.zeros((0, 0)),
+    )
 
 
 @pytest.fixture

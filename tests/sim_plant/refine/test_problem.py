@@ -13,10 +13,14 @@ HEALTHY = np.zeros((1, 5))
 
 def problem(run):
     return SimpleNamespace(
-        anchor=Case(), coarse=[HEALTHY], bench=SimpleNamespace(run=run),
-        nuisances=[Nuisance(name="web.EA_N", tolerance=500.0),
-                   Nuisance(name="web.width_m", tolerance=0.01)],
-    )  # fmt: skip
+        anchor=Case(),
+        coarse=[HEALTHY],
+        bench=SimpleNamespace(run=run),
+        nuisances=[
+            Nuisance(name="web.EA_N", tolerance=500.0),
+            Nuisance(name="web.width_m", tolerance=0.01),
+        ],
+    )
 
 
 def test_a_tolerance_at_whose_end_the_line_does_not_run_is_refused_by_name():

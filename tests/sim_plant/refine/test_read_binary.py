@@ -52,8 +52,11 @@ def test_parquet_units_stand_in_the_name_or_in_the_fields_metadata(tmp_path):
 
 def test_parquet_time_of_day_becomes_seconds_from_the_first_row(tmp_path):
     stamps = np.datetime64("2026-03-01T10:00:00") + (1e6 * STAMPS).astype("timedelta64[us]")
-    path = parquet(tmp_path / "r.parquet", ("time", pyarrow.array(stamps), ""),
-                   ("unwind_tension_N", pyarrow.array(FORCE), ""))  # fmt: skip
+    path = parquet(
+        tmp_path / "r.parquet",
+        ("time", pyarrow.array(stamps), ""),
+        ("unwind_tension_N", pyarrow.array(FORCE), ""),
+    )
     record = read_record(path)
     assert record.sample_time_s == pytest.approx(0.01)
     assert record.samples == ROWS
@@ -61,8 +64,11 @@ def test_parquet_time_of_day_becomes_seconds_from_the_first_row(tmp_path):
 
 def test_a_parquet_null_is_a_missing_value_with_its_row(tmp_path):
     values = [*FORCE[:50], None, *FORCE[51:]]
-    path = parquet(tmp_path / "r.parquet", ("time_s", pyarrow.array(STAMPS), ""),
-                   ("unwind_tension_N", pyarrow.array(values), ""))  # fmt: skip
+    path = parquet(
+        tmp_path / "r.parquet",
+        ("time_s", pyarrow.array(STAMPS), ""),
+        ("unwind_tension_N", pyarrow.array(values), ""),
+    )
     with pytest.raises(
         PlantError, match="1 values are missing or not numbers, the first in row 51"
     ):
@@ -70,8 +76,11 @@ def test_a_parquet_null_is_a_missing_value_with_its_row(tmp_path):
 
 
 def test_a_parquet_column_of_words_is_refused(tmp_path):
-    path = parquet(tmp_path / "r.parquet", ("time_s", pyarrow.array(STAMPS), ""),
-                   ("state", pyarrow.array(["run"] * ROWS), ""))  # fmt: skip
+    path = parquet(
+        tmp_path / "r.parquet",
+        ("time_s", pyarrow.array(STAMPS), ""),
+        ("state", pyarrow.array(["run"] * ROWS), ""),
+    )
     with pytest.raises(PlantError, match="column state holds object; expected numbers"):
         read_record(path)
 
@@ -91,16 +100,22 @@ def test_a_unit_that_is_given_beats_the_one_in_the_name(tmp_path):
 
 def test_a_slower_mdf_group_is_put_on_the_stamps_of_the_fastest_and_said(tmp_path):
     slow = np.round(0.04 * np.arange(ROWS // 4), 4)
-    path = mdf(tmp_path / "r.mf4", [signal("unwind_tension_N")],
-               [signal("rewind_tension_N", "", slow, samples=2.0 * slow)])  # fmt: skip
+    path = mdf(
+        tmp_path / "r.mf4",
+        [signal("unwind_tension_N")],
+        [signal("rewind_tension_N", "", slow, samples=2.0 * slow)],
+    )
     record = read_record(path)
     np.testing.assert_allclose(record.columns["rewind_tension_N"][:397], 2.0 * STAMPS[:397])
     assert "rewind_tension_N has stamps of its own" in record.findings[0]
 
 
 def test_an_mdf_group_of_another_stretch_is_refused(tmp_path):
-    path = mdf(tmp_path / "r.mf4", [signal("unwind_tension_N")],
-               [signal("rewind_tension_N", "", STAMPS[:100])])  # fmt: skip
+    path = mdf(
+        tmp_path / "r.mf4",
+        [signal("unwind_tension_N")],
+        [signal("rewind_tension_N", "", STAMPS[:100])],
+    )
     with pytest.raises(PlantError, match=r"rewind_tension_N runs from 0 s to 0.99 s, others"):
         read_record(path)
 

@@ -48,8 +48,12 @@ def write_belt(path, seed, speed, wavenumber=1.6, amplitude=0.4, size=12000):
 def plan(tmp_path):
     (tmp_path / "belt.yaml").write_text(DECLARATION)
     records = [write_belt(tmp_path / f"{k}.csv", k, v) for k, v in enumerate((1.2, 2.0, 1.4))]
-    return Plan(line=tmp_path / "belt.yaml", records=tuple(records[:2]), holdout=(records[2],),
-                out=tmp_path / "out")  # fmt: skip
+    return Plan(
+        line=tmp_path / "belt.yaml",
+        records=tuple(records[:2]),
+        holdout=(records[2],),
+        out=tmp_path / "out",
+    )
 
 
 def test_a_travel_line_is_found_with_its_radius_and_judged_held_out(plan):
@@ -111,8 +115,12 @@ def test_another_sample_time_is_refused(plan, tmp_path):
 
 @pytest.mark.skipif(not SHARED.exists(), reason="measured records are not here (shared/data)")
 def test_the_winding_record_names_its_clock_and_no_roller(tmp_path):
-    plan = Plan(line=ROOT / "config/records/winding.yaml", holdout=(), out=tmp_path,
-                records=(SHARED / "winding/winding.dat.gz",))  # fmt: skip
+    plan = Plan(
+        line=ROOT / "config/records/winding.yaml",
+        holdout=(),
+        out=tmp_path,
+        records=(SHARED / "winding/winding.dat.gz",),
+    )
     result = refine_records(plan, lambda _: None)
     assert result["verdict"] == "nothing"
     assert result["effects"] == [] == result["unknown"]
@@ -124,10 +132,11 @@ def test_the_winding_record_names_its_clock_and_no_roller(tmp_path):
 def test_the_belt_has_the_same_travel_lines_fast_and_slow(tmp_path):
     folder = SHARED / "treadmill_belt"
     plan = Plan(
-        line=ROOT / "config/records/treadmill_belt.yaml", out=tmp_path,
+        line=ROOT / "config/records/treadmill_belt.yaml",
+        out=tmp_path,
         records=(folder / "RandomSlowSpeed1.txt.gz", folder / "RandomFastSpeed1.txt.gz"),
         holdout=(folder / "RandomSlowSpeed2.txt.gz",),
-    )  # fmt: skip
+    )
     result = refine_records(plan, lambda _: None)
     assert {u["class"] for u in result["unknown"]} == {"travel"}
     for line in result["unknown"]:
@@ -148,8 +157,14 @@ def test_a_record_too_short_for_its_filter_is_refused(plan, tmp_path, at):
 @pytest.mark.parametrize("speed", [0.0, -1.0])
 def test_a_web_that_stands_or_runs_backwards_has_no_travel(plan, tmp_path, speed):
     table = np.column_stack([np.arange(400) * 0.01, np.sin(np.arange(400)), np.full(400, speed)])
-    np.savetxt(tmp_path / "still.csv", table, "%.6f", ",", header="time_s,moment_N_m,belt_m_s",
-               comments="")  # fmt: skip
+    np.savetxt(
+        tmp_path / "still.csv",
+        table,
+        "%.6f",
+        ",",
+        header="time_s,moment_N_m,belt_m_s",
+        comments="",
+    )
     with pytest.raises(PlantError, match="column belt_m_s is above 0 in 0 % of the rows"):
         refine_records(replace(plan, records=(tmp_path / "still.csv",)), lambda _: None)
 

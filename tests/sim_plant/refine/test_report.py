@@ -10,14 +10,7 @@ from sim_plant.refine.figures import told_by, wavenumber_map, worst_part
 from sim_plant.refine.holdout import Judgement
 from sim_plant.refine.hypotheses import hypothesis
 from sim_plant.refine.remedies import REMEDIES, remedy
-from sim_plant.refine.report import (
-    best_each,
-    confidence,
-    gain,
-    headline,
-    next_step,
-    shift_rows,
-)
+from sim_plant.refine.report import best_each, confidence, gain, headline, next_step, shift_rows
 from sim_plant.refine.verdict import MODEL_SHARE, standard_deviations
 
 CHANNELS = ("unwind_tension_N", "unwind_angle_rad", "unwind_radius_m", "line_speed_m_s")
@@ -32,20 +25,31 @@ def judged(wavenumber_1_m=4.0):
     measured[0] = np.cos(2.0 * np.pi * wavenumber_1_m * travel)
     declared, amended = np.zeros((4, 4000)), measured.copy()
     return Judgement(
-        channels=CHANNELS, before=np.array([3.0, 900.0, 90.0, 2.0]),
-        after=np.array([0.26, 1.0, 1.0, 1.0]), floor=np.array([0.25, 1.0, 1.0, 1.0]),
-        measured=measured, declared=declared, amended=amended, effects=(), angles_rad={},
-        unwound_m={}, first=100, travel_m=travel,
-    )  # fmt: skip
+        channels=CHANNELS,
+        before=np.array([3.0, 900.0, 90.0, 2.0]),
+        after=np.array([0.26, 1.0, 1.0, 1.0]),
+        floor=np.array([0.25, 1.0, 1.0, 1.0]),
+        measured=measured,
+        declared=declared,
+        amended=amended,
+        effects=(),
+        angles_rad={},
+        unwound_m={},
+        first=100,
+        travel_m=travel,
+    )
 
 
 def result(**more):
     return {"verdict": "traced", "effects": [], "unknown": [], "ambiguous": [], **more}
 
 
-EFFECT = {"effect": "out_of_round_roll", "location": "unwind",
-          "parameters": {"shape": "flat", "size_m": 0.0119, "angle_rad": 1.0},
-          "interval95": {"size_m": [0.0117, 0.0121]}}  # fmt: skip
+EFFECT = {
+    "effect": "out_of_round_roll",
+    "location": "unwind",
+    "parameters": {"shape": "flat", "size_m": 0.0119, "angle_rad": 1.0},
+    "interval95": {"size_m": [0.0117, 0.0121]},
+}
 
 
 def test_sums_are_not_what_the_figures_show():
@@ -84,9 +88,14 @@ def test_a_declaration_does_not_stand_that_is_wrong_on_the_record_judged():
 
 
 def test_how_sure_names_the_next_best_and_by_how_much_it_is_behind():
-    row = {"effect": "load_cell_filter", "location": "all", "score": 16173.2,
-           "runner_up": "load_cell_filter at R19", "margin": 10200.4,
-           "parameters": {}}  # fmt: skip
+    row = {
+        "effect": "load_cell_filter",
+        "location": "all",
+        "score": 16173.2,
+        "runner_up": "load_cell_filter at R19",
+        "margin": 10200.4,
+        "parameters": {},
+    }
     assert confidence(result(effects=[row])) == (
         "load cell filter at all load cells scores 16173, the next best explanation "
         "(load cell filter at R19) 5973. A difference of 10 decides."
@@ -105,14 +114,20 @@ def test_what_stays_above_noise_is_named_but_no_sums():
     [
         ("time", {"frequency_Hz": 3.33}, "3.33 Hz"),
         # 1 / 4.18 m a turn, that over 2 pi as radius
-        ("travel", {"wavenumber_1_m": 4.18, "equivalent_radius_m": 0.0380754},
-         "every 239.2 mm of web (4.18 1/m); a roller of 38.08 mm radius"),
+        (
+            "travel",
+            {"wavenumber_1_m": 4.18, "equivalent_radius_m": 0.0380754},
+            "every 239.2 mm of web (4.18 1/m); a roller of 38.08 mm radius",
+        ),
         ("angle", {"roll": "unwind", "order": 4.0}, "4 times per turn of unwind"),
-        ("state", {"declared": "web.EA_N", "standard_deviations": -14.6},
-         "web.EA_N fits only -14.6"),
+        (
+            "state",
+            {"declared": "web.EA_N", "standard_deviations": -14.6},
+            "web.EA_N fits only -14.6",
+        ),
         ("broadband", {}, "noise above the line's own"),
     ],
-)  # fmt: skip
+)
 def test_an_unknown_is_said_with_units(kind, where, said):
     found = {"class": kind, "coordinate": where}
     assert said in headline(result(verdict="unknown", unknown=[found]))
@@ -155,8 +170,10 @@ def test_every_effect_has_a_remedy_that_says_where():
 
 def test_a_line_in_web_travel_stands_still_on_the_map_at_every_speed(monkeypatch):
     drawn = []
-    monkeypatch.setattr("matplotlib.axes.Axes.pcolormesh",
-                        lambda axis, x, y, level, **_: drawn.append((x, y, level)))  # fmt: skip
+    monkeypatch.setattr(
+        "matplotlib.axes.Axes.pcolormesh",
+        lambda axis, x, y, level, **_: drawn.append((x, y, level)),
+    )
     wavenumber_map(judged(4.0), STEP_S)
     (time_s, wavenumber, before), (_, _, after) = drawn
     ridge = wavenumber[np.argmax(before, axis=0)]
@@ -167,11 +184,15 @@ def test_a_line_in_web_travel_stands_still_on_the_map_at_every_speed(monkeypatch
 
 
 def test_a_size_is_as_uncertain_as_the_model_and_an_angle_only_as_the_noise():
-    flat = hypothesis(BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),),
-                      ("size_m", "angle_rad"))  # fmt: skip
+    flat = hypothesis(
+        BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),), ("size_m", "angle_rad")
+    )
     off_axis = hypothesis(BY_NAME["eccentric_roller"], "R6")
-    fit = SimpleNamespace(hypotheses=(flat, off_axis), values=((0.012, 1.0), (3e-4, 4e-4)),
-                          covariance=np.diag([1e-10, 1e-6, 1e-14, 1e-14]))  # fmt: skip
+    fit = SimpleNamespace(
+        hypotheses=(flat, off_axis),
+        values=((0.012, 1.0), (3e-4, 4e-4)),
+        covariance=np.diag([1e-10, 1e-6, 1e-14, 1e-14]),
+    )
     size, angle, cos, sin = standard_deviations(fit)
     assert size == pytest.approx(math.hypot(1e-5, MODEL_SHARE * 0.012))
     assert angle == pytest.approx(1e-3)

@@ -52,10 +52,15 @@ def test_a_stepped_reference_is_no_coarse_reading():
 
 def test_steps_and_stops_are_said():
     time_s = np.arange(2000) * 0.01
-    said = " ".join(oddities({
-        "coarse": np.round(np.sin(time_s), 1), "still": np.full(2000, 3.0),
-        "clipped": np.minimum(np.sin(time_s) + 1e-6 * time_s, 0.5),
-    }))  # fmt: skip
+    said = " ".join(
+        oddities(
+            {
+                "coarse": np.round(np.sin(time_s), 1),
+                "still": np.full(2000, 3.0),
+                "clipped": np.minimum(np.sin(time_s) + 1e-6 * time_s, 0.5),
+            }
+        )
+    )
     assert "coarse is read in steps of 0.1" in said
     assert "still stands still at 3" in said
     assert "clipped sits at its top 0.5" in said

@@ -36,8 +36,11 @@ def line():
 
 @pytest.fixture(scope="module")
 def record(line):
-    hidden = EffectEntry(effect="eccentric_roller", location="R6",
-                         parameters={"eccentricity_m": 3e-4, "angle_rad": 0.7})  # fmt: skip
+    hidden = EffectEntry(
+        effect="eccentric_roller",
+        location="R6",
+        parameters={"eccentricity_m": 3e-4, "angle_rad": 0.7},
+    )
     guilty = line.model_copy(update={"effects": (hidden,)})
     speed = np.interp(np.arange(SAMPLES), [0, 600, 800, 1200], [0.9, 0.9, 1.2, 1.2])
     tension = np.full(SAMPLES, 88.9644)
@@ -51,19 +54,31 @@ def record(line):
 
 @pytest.fixture(scope="module")
 def fitted(line, record):
-    few = {"*.gain": 0.0, "*.offset": 0.0, "control.*": 0.0, "*.friction_constant_N_m": 0.0,
-           "*.inertia_kg_m2": 0.0, "sensors.low_pass_Hz": 0.0}  # fmt: skip
+    few = {
+        "*.gain": 0.0,
+        "*.offset": 0.0,
+        "control.*": 0.0,
+        "*.friction_constant_N_m": 0.0,
+        "*.inertia_kg_m2": 0.0,
+        "sensors.low_pass_Hz": 0.0,
+    }
     own = line.model_copy(update={"tolerances": few})
     twin = twin_of(own, record)
     measured = np.stack([record.columns[c] for c in twin.channels])
     with Bench([twin], 1) as bench:
         problem = Problem(bench, [measured])
         nominal = empty_fit(problem)
-        rough = refine_fit(problem, [hypothesis(BY_NAME["eccentric_roller"], "R6")],
-                           [(1e-5, 1e-5)], {}, rounds=3)  # fmt: skip
+        rough = refine_fit(
+            problem, [hypothesis(BY_NAME["eccentric_roller"], "R6")], [(1e-5, 1e-5)], {}, rounds=3
+        )
         near, right = polished(problem, rough)
-        wrong = refine_fit(problem, [hypothesis(BY_NAME["unbalanced_roller"], "R12")],
-                           [(1e-5, 1e-5)], {}, rounds=2)  # fmt: skip
+        wrong = refine_fit(
+            problem,
+            [hypothesis(BY_NAME["unbalanced_roller"], "R12")],
+            [(1e-5, 1e-5)],
+            {},
+            rounds=2,
+        )
         judged = judge(bench, measured, right.effects, find_angles=False)
     return near, nominal, right, wrong, judged
 
@@ -90,8 +105,11 @@ def test_errors_fall_to_the_floor(fitted):
 
 
 def test_declared_numbers_estimated_anew_are_in_the_error_after(line, record):
-    hidden = EffectEntry(effect="eccentric_roller", location="R6",
-                         parameters={"eccentricity_m": 3e-4, "angle_rad": 0.7})  # fmt: skip
+    hidden = EffectEntry(
+        effect="eccentric_roller",
+        location="R6",
+        parameters={"eccentricity_m": 3e-4, "angle_rad": 0.7},
+    )
     other = line.model_copy(update={"effects": (hidden,), "tolerances": {"*": 0.0}})
     twin = twin_of(other, record)
     measured = np.stack([record.columns[c] for c in twin.channels])
@@ -109,10 +127,22 @@ def test_declared_numbers_estimated_anew_are_in_the_error_after(line, record):
 
 def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record, tmp_path):
     _, nominal, right, _, judged = fitted
-    step = Step(hypothesis=right.hypotheses[0], score=nominal.cost - right.cost, runner_up="",
-                margin=100.0, rejected=())  # fmt: skip
-    found = Trace(nominal=nominal, fit=right, travels=[], before=[], after=[], steps=[step],
-                  corrections={"web.EA_N": 0.01})  # fmt: skip
+    step = Step(
+        hypothesis=right.hypotheses[0],
+        score=nominal.cost - right.cost,
+        runner_up="",
+        margin=100.0,
+        rejected=(),
+    )
+    found = Trace(
+        nominal=nominal,
+        fit=right,
+        travels=[],
+        before=[],
+        after=[],
+        steps=[step],
+        corrections={"web.EA_N": 0.01},
+    )
     result = verdict(found, judged, "short.csv")
     path = write_amended(LINE_FILE, tmp_path, found, [record], "sim-plant refine", result)
     amended = load_declaration(path)

@@ -16,13 +16,21 @@ CHANNELS = modelled_channels(LINE, [s.channel for s in LINE.sensors])
 
 def twin(*entries):
     line = LINE.model_copy(update={"effects": entries})
-    return Twin(declaration=line, channels=CHANNELS, speed_m_s=np.full(SAMPLES, 1.0),
-                tension_N=np.full(SAMPLES, 89.0), aff_m_s={})  # fmt: skip
+    return Twin(
+        declaration=line,
+        channels=CHANNELS,
+        speed_m_s=np.full(SAMPLES, 1.0),
+        tension_N=np.full(SAMPLES, 89.0),
+        aff_m_s={},
+    )
 
 
 def roller(angle_rad):
-    return EffectEntry(effect="eccentric_roller", location="R6",
-                       parameters={"eccentricity_m": 3e-4, "angle_rad": angle_rad})  # fmt: skip
+    return EffectEntry(
+        effect="eccentric_roller",
+        location="R6",
+        parameters={"eccentricity_m": 3e-4, "angle_rad": angle_rad},
+    )
 
 
 @pytest.mark.parametrize("start_rad", [0.3, 2.5, -1.2])
@@ -44,8 +52,9 @@ def test_what_has_no_angle_stays_as_declared():
 
 
 def test_a_profile_declared_without_an_angle_is_turned_too():
-    flat = EffectEntry(effect="out_of_round_roll", location="unwind",
-                       parameters={"shape": "flat", "size_m": 0.01})  # fmt: skip
+    flat = EffectEntry(
+        effect="out_of_round_roll", location="unwind", parameters={"shape": "flat", "size_m": 0.01}
+    )
     measured = twin(flat.model_copy(update={"parameters": {**flat.parameters, "angle_rad": 2.0}}))
     found, _ = in_phase(twin(flat), measured.simulate(Case(coarse=False, seed=5)))
     (entry,) = found.declaration.effects

@@ -17,8 +17,7 @@ COST = 41_000.0
 
 def found():
     fit = SimpleNamespace(cost=COST, hypotheses=())
-    return SimpleNamespace(nominal=fit, fit=fit, before=[[]], travels=[None], steps=[],
-                           aside=0.0)  # fmt: skip
+    return SimpleNamespace(nominal=fit, fit=fit, before=[[]], travels=[None], steps=[], aside=0.0)
 
 
 def rival(h, score):
@@ -32,10 +31,12 @@ def missed(monkeypatch):
     """Say what is lost without each effect; return the table to fill."""
     table = {}
     monkeypatch.setattr(
-        claim, "_missed",
-        lambda _, fit: table[fit.hypotheses[-1].key]
-        + claim.price(PROBLEM, len(fit.hypotheses[-1].names)),
-    )  # fmt: skip
+        claim,
+        "_missed",
+        lambda _, fit: (
+            table[fit.hypotheses[-1].key] + claim.price(PROBLEM, len(fit.hypotheses[-1].names))
+        ),
+    )
     return table
 
 

@@ -21,9 +21,11 @@ LINE = SimpleNamespace(
 TRAVEL = SimpleNamespace(declaration=LINE)
 BASIS = np.linalg.qr(np.random.default_rng(5).standard_normal((ROWS, 4)))[0]
 ANSWERS = {  # R2 answers nearly as the mean of R1 and R3, R4 as R1
-    "R1": BASIS[:, :2], "R3": BASIS[:, 2:],
-    "R2": 0.5 * (BASIS[:, :2] + BASIS[:, 2:]), "R4": BASIS[:, :2],
-}  # fmt: skip
+    "R1": BASIS[:, :2],
+    "R3": BASIS[:, 2:],
+    "R2": 0.5 * (BASIS[:, :2] + BASIS[:, 2:]),
+    "R4": BASIS[:, :2],
+}
 
 
 def unbalanced(place):
@@ -32,17 +34,25 @@ def unbalanced(place):
 
 def instead(monkeypatch, residual, chosen="R2", places=("R1", "R2", "R3", "R4")):
     problem = SimpleNamespace(
-        projector=Projector(np.zeros((ROWS, 1))), rows=ROWS,
-        bench=SimpleNamespace(one=lambda _: None), residual=lambda *_: residual,
-    )  # fmt: skip
+        projector=Projector(np.zeros((ROWS, 1))),
+        rows=ROWS,
+        bench=SimpleNamespace(one=lambda _: None),
+        residual=lambda *_: residual,
+    )
     monkeypatch.setattr(
         two_places, "columns_of", lambda _p, _f, hs: [ANSWERS[h.location] for h in hs]
     )
     ranked = []
     for place in places:
         gain = problem.projector.gain(residual, ANSWERS[place])
-        ranked.append(Scored(hypothesis=unbalanced(place), gain=gain, start=(0.0, 0.0),
-                             score=gain.drop - price(problem, 2)))  # fmt: skip
+        ranked.append(
+            Scored(
+                hypothesis=unbalanced(place),
+                gain=gain,
+                start=(0.0, 0.0),
+                score=gain.drop - price(problem, 2),
+            )
+        )
     ranked.sort(key=lambda s: -s.score)
     fit = SimpleNamespace(case=None, shifts={})
     return two_instead(problem, fit, TRAVEL, unbalanced(chosen), ranked)

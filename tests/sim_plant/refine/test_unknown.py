@@ -19,7 +19,7 @@ def left(*sizes, seed=1):
     noise = SimpleNamespace(analogue=ANALOGUE)
     problem = SimpleNamespace(
         noise=[noise], expected_cost=12_000.0, split=lambda _: [part], basis=[None]
-    )  # fmt: skip
+    )
     cost = float(np.sum(part**2))
     return problem, SimpleNamespace(residual=part, cost=cost, hypotheses=())
 
@@ -44,9 +44,11 @@ def test_broadband_is_claimed_for_a_channel_that_is_clearly_loud(monkeypatch, si
 def test_channels_that_move_together_as_no_noise_does_are_broadband(monkeypatch, share, kinds):
     problem, fit = left(1.0, 1.0, 1.0)
     pair = Coupling(
-        channels=("rewind_tension_N", "rewind_speed_rad_s"), from_Hz=1.25, to_Hz=2.5,
+        channels=("rewind_tension_N", "rewind_speed_rad_s"),
+        from_Hz=1.25,
+        to_Hz=2.5,
         score=share * COUPLED,
-    )  # fmt: skip
+    )
     monkeypatch.setattr(unknown, "strongest", lambda _: (None, 1.0, 0.0))
     monkeypatch.setattr(unknown, "improbable", lambda *_: None)
     monkeypatch.setattr(unknown, "oddest_pair", lambda *_: pair)

@@ -39,8 +39,7 @@ def test_eccentric_swrap_makes_hardly_any_harmonics() -> None:
 
 
 @pytest.mark.parametrize(
-    ("web", "angles_deg"),
-    [("tyvek", (37, -21, -45, -69)), ("pe", (30, -60, -95, -117))],
+    ("web", "angles_deg"), [("tyvek", (37, -21, -45, -69)), ("pe", (30, -60, -95, -117))]
 )
 def test_plant_phase_at_the_rolls_orders(web: str, angles_deg: tuple[float, ...]) -> None:
     found = [np.degrees(np.angle(-response(web).at(n * 0.39789))) for n in (1, 2, 3, 4)]
@@ -50,9 +49,14 @@ def test_plant_phase_at_the_rolls_orders(web: str, angles_deg: tuple[float, ...]
 def test_printed_law_is_unstable_where_the_independent_model_says() -> None:
     edges = np.array([1.7, 1.85, 1.95, 2.1, 5.7, 5.95, 6.25, 6.5])
     plant = measure_response(
-        lambda: open_euclid(speed_m_s=100.0 * FPM_M_S), "unwind", "unwind_tension_N", edges,
-        100.0 * FPM_M_S, TENSION_N, duration_s=30.0,
-    )  # fmt: skip
+        lambda: open_euclid(speed_m_s=100.0 * FPM_M_S),
+        "unwind",
+        "unwind_tension_N",
+        edges,
+        100.0 * FPM_M_S,
+        TENSION_N,
+        duration_s=30.0,
+    )
     unstable = np.abs(np.angle(-plant.values())) > 0.5 * np.pi
     # band 1.89-6.11 Hz
     np.testing.assert_array_equal(unstable, [False, False, True, True, True, True, False, False])

@@ -17,15 +17,24 @@ def test_both_printed_laws_give_the_same_correction() -> None:
     roll = RollParams(name="unwind", angle="angle", radius_m=RADIUS_M, line_speed="speed")
     block = BlockParams(roll="unwind", orders=(1, 2, 3), settle_s=8.0, amp_limit=0.02)
     params = ActuatorParams(
-        name="unwind", signal="tension", reference="reference", blocks=(block,),
-        law=LawKind.PRINTED, printed_gain=GAIN,
-    )  # fmt: skip
+        name="unwind",
+        signal="tension",
+        reference="reference",
+        blocks=(block,),
+        law=LawKind.PRINTED,
+        printed_gain=GAIN,
+    )
     runtime = PrintedLaw(params, phases={"unwind": RollPhase(roll, {"angle": 0, "speed": 1})})
     plant = PrintedAff(orders=(1, 2, 3), gain=GAIN, limit=0.02)
     inputs = Inputs(
-        reference=89.0, line_speed_m_s=SPEED_M_S, dt_s=DT_S, fresh=True, adapt=True,
-        limit_ratio=1.0, applied_ratio=1.0,
-    )  # fmt: skip
+        reference=89.0,
+        line_speed_m_s=SPEED_M_S,
+        dt_s=DT_S,
+        fresh=True,
+        adapt=True,
+        limit_ratio=1.0,
+        applied_ratio=1.0,
+    )
     psi = 0.0
     for k in range(4000):
         psi += SPEED_M_S / RADIUS_M * DT_S

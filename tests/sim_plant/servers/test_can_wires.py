@@ -40,9 +40,12 @@ class Bench:
 
         async def serve() -> None:
             options = ServeOptions(
-                can=protocol, can_interface=interface, can_channel=str(channel), realtime=False,
+                can=protocol,
+                can_interface=interface,
+                can_channel=str(channel),
+                realtime=False,
                 can_map=CONFIG / "plc" / f"can_{protocol}.yaml",
-            )  # fmt: skip
+            )
             self.service = PlantService(FakeLine(0.01), default_map(), options)
             self.loop = asyncio.get_running_loop()
             await self.service.run(lambda _: ready.set())

@@ -17,9 +17,23 @@ VALUES = {
 WORDS = {"plc_heartbeat": 7, "status": 0x6F, "roll_id": 3, "aff_echo": 0xBEEF}
 # by hand from the table of docs/architecture.md
 GOLDEN = [
-    7, 0x6F, 0x0001, 0x5C70, 9000, 0xFE0C, 10000, 1016, 3,
-    0xFFFF, 0xFFFE, 0x0000, 0x1000, 0xFFFF, 0xF000, 0xBEEF,
-]  # fmt: skip
+    7,
+    0x6F,
+    0x0001,
+    0x5C70,
+    9000,
+    0xFE0C,
+    10000,
+    1016,
+    3,
+    0xFFFF,
+    0xFFFE,
+    0x0000,
+    0x1000,
+    0xFFFF,
+    0xF000,
+    0xBEEF,
+]
 
 
 def edited(tmp_path, *changes):

@@ -66,8 +66,7 @@ def test_fading_counts_like_active():
 
 
 @pytest.mark.parametrize(
-    "state",
-    [0, StateBits.READY, StateBits.ARMED, StateBits.BYPASS, StateBits.FAULT, 0x0400],
+    "state", [0, StateBits.READY, StateBits.ARMED, StateBits.BYPASS, StateBits.FAULT, 0x0400]
 )
 def test_a_state_without_active_or_fading_does_not_count(state):
     scan = Bench().armed().scan(unwind=1000, state=state)
