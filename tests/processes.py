@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar
 
-from aff_runtime.app.request_client import ServiceClient
+from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from aff_runtime import __version__
-from aff_runtime.app.runtime_directory import default_directory
+from aff_runtime.app.link.runtime_directory import default_directory
 from aff_runtime.base.errors import AffError
 from aff_runtime.cli import check, operate, probe, probe_map, roll, run, status, top, wire_map
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.validation import load_record
+from aff_runtime.app.supervisor.validation import load_record
 from aff_runtime.cli.service import connect
 
 MARGIN_S = 40.0

@@ -7,16 +7,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.site_to_wire import register_map, wire_of
+from aff_runtime.app.wiring.site_to_wire import register_map, wire_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import WireError
 from aff_runtime.config.can_wire import can_map_of, wire_files
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import ModbusRtu, Site
-from aff_runtime.fieldbus.codec import WordCodec
-from aff_runtime.fieldbus.probe_map import MapProbe, open_read_only
-from aff_runtime.fieldbus.probe_map import probe_map as look
-from aff_runtime.fieldbus.serial_time import transaction_ms
+from aff_runtime.fieldbus.modbus.codec import WordCodec
+from aff_runtime.fieldbus.modbus.probe_map import MapProbe, open_read_only
+from aff_runtime.fieldbus.modbus.probe_map import probe_map as look
+from aff_runtime.fieldbus.modbus.serial_time import transaction_ms
 
 PERIOD_S = 0.02
 

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.files import replace_text
-from aff_runtime.app.roll_page import page
+from aff_runtime.app.link.files import replace_text
+from aff_runtime.app.report.roll_page import page
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.cli.service import connect
 

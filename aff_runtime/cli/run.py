@@ -36,8 +36,8 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Serve until stopped."""
-    from aff_runtime.app.run_options import RunOptions  # noqa: PLC0415  keeps `arm` quick
-    from aff_runtime.app.supervisor import Supervisor  # noqa: PLC0415
+    from aff_runtime.app.supervisor.run_options import RunOptions  # noqa: PLC0415  keeps `arm` quick
+    from aff_runtime.app.supervisor.supervisor import Supervisor  # noqa: PLC0415
 
     stamp = "" if "JOURNAL_STREAM" in os.environ else "%(asctime)s "
     logging.basicConfig(

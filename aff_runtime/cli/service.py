@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from aff_runtime.app.request_client import ServiceClient
-from aff_runtime.app.runtime_directory import RuntimePaths, default_directory, runtime_paths
+from aff_runtime.app.link.request_client import ServiceClient
+from aff_runtime.app.link.runtime_directory import RuntimePaths, default_directory, runtime_paths
 
 
 def paths_of(options: argparse.Namespace) -> RuntimePaths:

@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from aff_runtime.app.status import headline
+from aff_runtime.app.report.status import headline
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 from aff_runtime.cli.service import connect

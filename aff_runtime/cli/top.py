@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from aff_runtime.app.status import headline
+from aff_runtime.app.report.status import headline
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.cli.service import connect
 from aff_runtime.cli.status import block_lines

@@ -9,7 +9,7 @@ from aff_runtime.base.units import plain
 from aff_runtime.config.can_wire import can_map_of, network_of, wire_files
 from aff_runtime.config.channel_units import unit_of_channel
 from aff_runtime.config.models import Site
-from aff_runtime.fieldbus.can_layout import CanMap, Field, FrameLayout
+from aff_runtime.fieldbus.can.layout import CanMap, Field, FrameLayout
 
 _LEGEND = (
     "bits >> shift: of the frame read as one number; Intel: first byte lowest, Motorola: highest"

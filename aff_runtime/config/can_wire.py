@@ -13,12 +13,12 @@ from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Actuator, Site
 from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.rules.issue import Issue
-from aff_runtime.fieldbus.can_load import MOST_SHARE, bus_share
+from aff_runtime.fieldbus.can.load import MOST_SHARE, bus_share
 from aff_runtime.fieldbus.signal_names import NamedError, SignalNames, WireFileError
 
 if TYPE_CHECKING:
-    from aff_runtime.fieldbus.can_layout import CanCorrection, CanMap
-    from aff_runtime.fieldbus.canopen_402 import Network
+    from aff_runtime.fieldbus.can.layout import CanCorrection, CanMap
+    from aff_runtime.fieldbus.canopen.device_402 import Network
 
 _SAME = 1e-9
 
@@ -89,7 +89,7 @@ def can_map_of(site: Site, texts: dict[str, str]) -> CanMap:
         A file cannot be used, a signal does not exist, or the extra is not installed.
     """
     try:
-        from aff_runtime.fieldbus.can_dbc import can_map, load_dbc  # noqa: PLC0415 (extra)
+        from aff_runtime.fieldbus.can.dbc import can_map, load_dbc  # noqa: PLC0415 (extra)
     except ImportError as error:
         raise ConfigError(
             f"CAN needs the extra: pip install 'aff-runtime[can]' ({error})"
@@ -108,7 +108,7 @@ def network_of(site: Site, texts: dict[str, str]) -> Network:
     ConfigError
         As `can_map_of`.
     """
-    from aff_runtime.fieldbus.canopen_402 import NodeSite, network, object_of  # noqa: PLC0415
+    from aff_runtime.fieldbus.canopen.device_402 import NodeSite, network, object_of  # noqa: PLC0415
 
     section = site.gateway.canopen_402
     if section is None:

@@ -11,7 +11,7 @@ from aff_runtime.config.leaves import leaves
 from aff_runtime.config.models import Site
 from aff_runtime.config.registers import Row, block_of, read_rows, write_rows
 from aff_runtime.config.revision import revision_hash
-from aff_runtime.core.shape_basis import FADE_FROM_HZ, FADE_TO_HZ
+from aff_runtime.core.shape.basis import FADE_FROM_HZ, FADE_TO_HZ
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,7 +12,7 @@ from aff_runtime.config.channel_units import unit_of_channel
 from aff_runtime.config.findings import dotted
 from aff_runtime.config.models import Site
 from aff_runtime.config.registers import block_of, read_rows, write_rows
-from aff_runtime.fieldbus.serial_time import transaction_ms
+from aff_runtime.fieldbus.modbus.serial_time import transaction_ms
 
 _WIDTH = 36  # of "1000 counts = 1.53398078789 rad"
 

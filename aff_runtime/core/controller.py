@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
-from aff_runtime.core.bank import Bank
+from aff_runtime.core.blocks.bank import Bank
 from aff_runtime.core.impulse import LoopModel, from_response
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.monitor import SLOWEST_RAD_S
@@ -15,7 +15,7 @@ from aff_runtime.core.params import ActuatorParams, LawKind, SiteParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.printed import PrintedLaw
 from aff_runtime.core.response import Response
-from aff_runtime.core.shape_law import ShapeLaw
+from aff_runtime.core.shape.law import ShapeLaw
 
 
 class RollPhases:

@@ -9,16 +9,16 @@ from typing import Any
 import can
 
 from aff_runtime.base.ports import Clock
-from aff_runtime.fieldbus.can_gateway import CanGateway
-from aff_runtime.fieldbus.can_layout import CanMap
-from aff_runtime.fieldbus.can_link import PythonCanLink
-from aff_runtime.fieldbus.can_reader import CanReader
-from aff_runtime.fieldbus.can_writer import CanWriter
-from aff_runtime.fieldbus.canopen_402 import Network
-from aff_runtime.fieldbus.canopen_link import CanopenLink
-from aff_runtime.fieldbus.frame_socket import FrameSocketBus
-from aff_runtime.fieldbus.phase_lock import PhaseLock
-from aff_runtime.fieldbus.slcan_tty import SlcanTtyBus
+from aff_runtime.fieldbus.can.frame_socket import FrameSocketBus
+from aff_runtime.fieldbus.can.gateway import CanGateway
+from aff_runtime.fieldbus.can.layout import CanMap
+from aff_runtime.fieldbus.can.link import PythonCanLink
+from aff_runtime.fieldbus.can.phase_lock import PhaseLock
+from aff_runtime.fieldbus.can.reader import CanReader
+from aff_runtime.fieldbus.can.slcan_tty import SlcanTtyBus
+from aff_runtime.fieldbus.can.writer import CanWriter
+from aff_runtime.fieldbus.canopen.device_402 import Network
+from aff_runtime.fieldbus.canopen.link import CanopenLink
 
 
 def open_bus(

@@ -10,12 +10,12 @@ from pathlib import Path
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock, WordTransport
 from aff_runtime.fieldbus.loopback import Answer, LoopbackTransport
-from aff_runtime.fieldbus.modbus_frames import ModbusFrames, WireFunction
-from aff_runtime.fieldbus.modbus_tcp import ModbusTcpTransport
-from aff_runtime.fieldbus.registers import RegisterMap
+from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
+from aff_runtime.fieldbus.modbus.registers import RegisterMap
+from aff_runtime.fieldbus.modbus.tcp import ModbusTcpTransport
+from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire, Wire
+from aff_runtime.fieldbus.modbus.tls_wire import TlsWire
 from aff_runtime.fieldbus.replay import ReplayTransport, read_rows
-from aff_runtime.fieldbus.tcp_wire import TcpWire, Wire
-from aff_runtime.fieldbus.tls_wire import TlsWire
 
 
 def modbus_tcp(
@@ -92,7 +92,7 @@ def rtu_wire(device: str, *, baud: int, parity: str, stop_bits: int) -> Wire:
         When pyserial is not installed.
     """
     try:
-        from aff_runtime.fieldbus.rtu_wire import RtuWire  # noqa: PLC0415 (needs the can extra)
+        from aff_runtime.fieldbus.modbus.rtu_wire import RtuWire  # noqa: PLC0415 (needs the can extra)
     except ImportError as error:
         raise ConfigError(
             f"RTU needs pyserial: pip install 'aff-runtime[can]' ({error})"

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.ports import Clock
+from aff_runtime.fieldbus.can.heard_frames import HeardFrames
+from aff_runtime.fieldbus.can.layout import CanMap
+from aff_runtime.fieldbus.can.link import PythonCanLink
+from aff_runtime.fieldbus.can.reader import CanReader, Taken
 from aff_runtime.fieldbus.can_catalogue import open_bus
-from aff_runtime.fieldbus.can_layout import CanMap
-from aff_runtime.fieldbus.can_link import PythonCanLink
-from aff_runtime.fieldbus.can_reader import CanReader, Taken
-from aff_runtime.fieldbus.heard_frames import HeardFrames
 
 _HINTS = {
     "socketcan": "Does `ip -d link show` list it as UP? Set it up: "

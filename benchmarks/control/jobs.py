@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from aff_runtime.core.shape_law import ShapeLaw
-from aff_runtime.core.shape_profile import ShapeProfile
+from aff_runtime.core.shape.law import ShapeLaw
+from aff_runtime.core.shape.profile import ShapeProfile
 from benchmarks.control import cases, judge
 from benchmarks.control.laws import OWN, follower_law, oracle, rival, shape_law
 from benchmarks.control.lockstep import LawBuilder, Record, run

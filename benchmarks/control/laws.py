@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from aff_runtime.core.bank import Bank
+from aff_runtime.core.blocks.bank import Bank
 from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.params import ActuatorParams, BlockParams, DriveParams, LawKind, ShapeParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.printed import PrintedLaw
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
-from aff_runtime.core.shape_law import ShapeLaw
-from aff_runtime.core.shape_profile import ShapeProfile
+from aff_runtime.core.shape.law import ShapeLaw
+from aff_runtime.core.shape.profile import ShapeProfile
 from benchmarks.control.lines import nominal
 from benchmarks.control.lockstep import LIMIT_M_S, LawBuilder
 from benchmarks.control.nominal_loop import nominal_loop

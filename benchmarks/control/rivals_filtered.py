@@ -12,7 +12,7 @@ from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.phase import RollPhase
-from aff_runtime.core.shape_filter import LoopFilter
+from aff_runtime.core.shape.filter import LoopFilter
 
 
 class Rival:

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.assemble import assemble, cycle_of
-from aff_runtime.app.validation import load_record
+from aff_runtime.app.supervisor.validation import load_record
+from aff_runtime.app.wiring.assemble import assemble, cycle_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.ports import Law
 from aff_runtime.base.signals import Outcome, State

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from aff_runtime.base.errors import PlantError
 
 if TYPE_CHECKING:
-    from sim_plant.refine.outcome import Outcome
+    from sim_plant.refine.report.outcome import Outcome
 
 Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhere else)
 
@@ -81,11 +81,11 @@ def run(arguments: argparse.Namespace) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from sim_plant.effects.catalogue import BY_NAME  # noqa: PLC0415 - heavy imports
     from sim_plant.refine.example import write_example  # noqa: PLC0415
-    from sim_plant.refine.folder import check_folder  # noqa: PLC0415
-    from sim_plant.refine.outcome import Plan  # noqa: PLC0415
     from sim_plant.refine.pipeline import refine  # noqa: PLC0415
-    from sim_plant.refine.record_only import is_record_declaration  # noqa: PLC0415
-    from sim_plant.refine.record_pipeline import refine_records  # noqa: PLC0415
+    from sim_plant.refine.report.folder import check_folder  # noqa: PLC0415
+    from sim_plant.refine.report.outcome import Plan  # noqa: PLC0415
+    from sim_plant.refine.without_line.pipeline import refine_records  # noqa: PLC0415
+    from sim_plant.refine.without_line.record_filter import is_record_declaration  # noqa: PLC0415
 
     for name in arguments.without:
         if name not in BY_NAME:
@@ -129,7 +129,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def record_summary(result: dict[str, Any], out: Path, *, held: bool) -> str:
     """Return the verdict on records without a line as text."""
-    from sim_plant.refine.wording import coordinate_text  # noqa: PLC0415 - heavy imports
+    from sim_plant.refine.report.wording import coordinate_text  # noqa: PLC0415 - heavy imports
 
     lines = [f"\nverdict: {result['verdict']}"]
     for u in result["unknown"]:
@@ -152,7 +152,7 @@ def _last(result: dict[str, Any], out: Path, *, held: bool) -> str:
 
 def summary(outcome: Outcome) -> str:
     """Return the verdict and the error table as text."""
-    from sim_plant.refine.wording import coordinate_text, size_of  # noqa: PLC0415
+    from sim_plant.refine.report.wording import coordinate_text, size_of  # noqa: PLC0415
 
     result: dict[str, Any] = outcome.verdict
     lines = [f"\nverdict: {result['verdict']}"]

@@ -11,23 +11,23 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.amend import plain, write_amended, write_block
-from sim_plant.refine.bench import Bench
-from sim_plant.refine.claim import Trace
-from sim_plant.refine.folder import check_apart, check_folder, publish
-from sim_plant.refine.holdout import judge
-from sim_plant.refine.hypotheses import library
-from sim_plant.refine.match import declaration_for, limits, twin_of
-from sim_plant.refine.nuisances import declared_nuisances
-from sim_plant.refine.outcome import Outcome, Plan
-from sim_plant.refine.problem import Problem
-from sim_plant.refine.read import read_record
-from sim_plant.refine.record import Record
-from sim_plant.refine.report import write_report
-from sim_plant.refine.start_angles import in_phase
-from sim_plant.refine.trace import trace
-from sim_plant.refine.twin import Case, Twin
-from sim_plant.refine.verdict import verdict
+from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.start_angles import in_phase
+from sim_plant.refine.judge.holdout import judge
+from sim_plant.refine.model.hypotheses import library
+from sim_plant.refine.model.nuisances import declared_nuisances
+from sim_plant.refine.model.record_match import declaration_for, limits, twin_of
+from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.twin import Case, Twin
+from sim_plant.refine.records.read import read_record
+from sim_plant.refine.records.recording import Record
+from sim_plant.refine.report.amend import plain, write_amended, write_block
+from sim_plant.refine.report.folder import check_apart, check_folder, publish
+from sim_plant.refine.report.outcome import Outcome, Plan
+from sim_plant.refine.report.page import write_report
+from sim_plant.refine.report.verdict import verdict
+from sim_plant.refine.search.forward_selection import trace
+from sim_plant.refine.search.selection import Trace
 
 Say = Callable[[str], None]
 

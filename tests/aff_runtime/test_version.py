@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 
 import aff_runtime
-from aff_runtime.app.validate import _versions
+from aff_runtime.app.check.validate import _versions
 
 ROOT = Path(aff_runtime.__file__).parents[1]
 

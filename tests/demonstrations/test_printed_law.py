@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from aff_runtime.app.site_to_law import site_params
+from aff_runtime.app.wiring.site_to_law import site_params
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.params import BlockParams, LawKind, SiteParams
 from sim_plant.base.arrays import Array

@@ -11,13 +11,13 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import Command, Outcome
 from aff_runtime.config.can_wire import network_of, signal_names, wire_files
 from aff_runtime.config.loader import load_site
-from aff_runtime.fieldbus.can_dbc import can_map, field_of, load_dbc
-from aff_runtime.fieldbus.can_frames import Frame
-from aff_runtime.fieldbus.can_gateway import CanGateway
-from aff_runtime.fieldbus.can_reader import CanReader
-from aff_runtime.fieldbus.can_writer import CanWriter
-from aff_runtime.fieldbus.canopen_link import CanopenLink
-from aff_runtime.fieldbus.slcan_tty import parse_line
+from aff_runtime.fieldbus.can.dbc import can_map, field_of, load_dbc
+from aff_runtime.fieldbus.can.frames import Frame
+from aff_runtime.fieldbus.can.gateway import CanGateway
+from aff_runtime.fieldbus.can.reader import CanReader
+from aff_runtime.fieldbus.can.slcan_tty import parse_line
+from aff_runtime.fieldbus.can.writer import CanWriter
+from aff_runtime.fieldbus.canopen.link import CanopenLink
 from tests.aff_runtime.fieldbus.euclid_can import DATABASE, euclid_map, scan
 from tests.aff_runtime.fieldbus.fake_link import FakeLink
 from tests.fuzz.source import Source

@@ -13,12 +13,12 @@ from typing import Any
 
 import yaml
 
-from aff_runtime.app.shape_file import ShapeFile
+from aff_runtime.app.wiring.shape_file import ShapeFile
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Site
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
-from aff_runtime.core.shape_profile import ShapeProfile
+from aff_runtime.core.shape.profile import ShapeProfile
 from tests.fuzz.source import Source
 
 CONFIG = Path(__file__).parents[2] / "config"

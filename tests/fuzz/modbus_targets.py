@@ -10,8 +10,8 @@ from pymodbus.framer import FramerRTU
 from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import Command, Outcome
-from aff_runtime.fieldbus.codec import WordCodec
-from aff_runtime.fieldbus.modbus_frames import (
+from aff_runtime.fieldbus.modbus.codec import WordCodec
+from aff_runtime.fieldbus.modbus.frames import (
     READ,
     READ_WRITE,
     WRITE,
@@ -19,9 +19,15 @@ from aff_runtime.fieldbus.modbus_frames import (
     WireFunction,
     frame_length,
 )
-from aff_runtime.fieldbus.modbus_tcp import ModbusTcpTransport
-from aff_runtime.fieldbus.registers import Correction, Register, RegisterMap, WordOrder, WordType
-from aff_runtime.fieldbus.rtu_wire import RtuWire
+from aff_runtime.fieldbus.modbus.registers import (
+    Correction,
+    Register,
+    RegisterMap,
+    WordOrder,
+    WordType,
+)
+from aff_runtime.fieldbus.modbus.rtu_wire import RtuWire
+from aff_runtime.fieldbus.modbus.tcp import ModbusTcpTransport
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.registers import Registers
 from tests.aff_runtime.fieldbus.fake_wire import Arrivals, FakeWire

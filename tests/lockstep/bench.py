@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
-from aff_runtime.app.site_to_guard import guard_params
-from aff_runtime.app.site_to_law import site_params
-from aff_runtime.app.site_to_wire import register_map
+from aff_runtime.app.wiring.site_to_guard import guard_params
+from aff_runtime.app.wiring.site_to_law import site_params
+from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.ports import Law
@@ -19,9 +19,9 @@ from aff_runtime.config.loader import load_site
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.params import SiteParams
 from aff_runtime.core.response import Response
-from aff_runtime.fieldbus.codec import WordCodec
-from aff_runtime.fieldbus.gateway import WordGateway
-from aff_runtime.fieldbus.registers import RegisterMap
+from aff_runtime.fieldbus.modbus.codec import WordCodec
+from aff_runtime.fieldbus.modbus.gateway import WordGateway
+from aff_runtime.fieldbus.modbus.registers import RegisterMap
 from aff_runtime.loop.cycle import Cycle, CycleSettings
 from aff_runtime.loop.messages import Arm, Message
 from aff_runtime.loop.seams import Advice

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.app.site_to_wire import register_map
+from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.base.signals import State
 from aff_runtime.config.loader import load_site
-from aff_runtime.fieldbus.registers import WordType
+from aff_runtime.fieldbus.modbus.registers import WordType
 from aff_runtime.loop.messages import Arm, SupervisorLost
 from tests.lockstep.bench import PLC_MAP, SITE, Bench, Setup
 from tests.lockstep.fault_table import (

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from aff_runtime.app.shape_file import ShapeFile
-from aff_runtime.app.shape_keeper import ShapeKeeper
-from aff_runtime.app.site_to_law import site_params
+from aff_runtime.app.control.shape_keeper import ShapeKeeper
+from aff_runtime.app.wiring.shape_file import ShapeFile
+from aff_runtime.app.wiring.site_to_law import site_params
 from aff_runtime.base.signals import State
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.controller import Controller

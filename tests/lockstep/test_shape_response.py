@@ -8,7 +8,7 @@ import math
 
 import pytest
 
-from aff_runtime.app.shape_file import response_hash
+from aff_runtime.app.wiring.shape_file import response_hash
 from tests.lockstep.known_response import SPEED_M_S
 from tests.lockstep.test_shape_law import learned, ripple, started
 

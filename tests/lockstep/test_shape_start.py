@@ -12,7 +12,7 @@ import yaml
 from aff_runtime.config.loader import load_site
 from aff_runtime.loop.messages import Arm
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.amend import write_block
+from sim_plant.refine.report.amend import write_block
 from tests.lockstep.known_response import ROOT
 from tests.lockstep.test_shape_law import SITE, TURN_S, ripple, shop
 

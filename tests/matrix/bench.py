@@ -7,19 +7,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from aff_runtime.app.site_to_guard import guard_params
-from aff_runtime.app.site_to_wire import register_map
+from aff_runtime.app.wiring.site_to_guard import guard_params
+from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.ports import Gateway
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot, State
 from aff_runtime.config.can_wire import can_map_of, network_of, wire_files
 from aff_runtime.config.loader import load_site
-from aff_runtime.fieldbus.can_gateway import CanGateway
-from aff_runtime.fieldbus.can_reader import CanReader
-from aff_runtime.fieldbus.can_writer import CanWriter
-from aff_runtime.fieldbus.canopen_link import CanopenLink
-from aff_runtime.fieldbus.codec import WordCodec
-from aff_runtime.fieldbus.gateway import WordGateway
+from aff_runtime.fieldbus.can.gateway import CanGateway
+from aff_runtime.fieldbus.can.reader import CanReader
+from aff_runtime.fieldbus.can.writer import CanWriter
+from aff_runtime.fieldbus.canopen.link import CanopenLink
+from aff_runtime.fieldbus.modbus.codec import WordCodec
+from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.loop.cycle import Cycle, CycleSettings
 from aff_runtime.loop.messages import Arm, Bypass, Message, SupervisorLost
 from aff_runtime.loop.seams import Advice

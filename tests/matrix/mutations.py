@@ -8,8 +8,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from aff_runtime.base.signals import Outcome, State, Status
-from aff_runtime.fieldbus import can_gateway, can_reader, canopen_link, canopen_node, gateway
+from aff_runtime.fieldbus.can import gateway as can_gateway
+from aff_runtime.fieldbus.can import reader as can_reader
+from aff_runtime.fieldbus.canopen import link as canopen_link
+from aff_runtime.fieldbus.canopen import node as canopen_node
 from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness
+from aff_runtime.fieldbus.modbus import gateway
 from aff_runtime.loop import cycle
 from aff_runtime.safety import (
     echo_judge,
@@ -200,7 +204,7 @@ MUTANTS: tuple[Mutant, ...] = (
            change=always(True), likely=("turns",)),
     Mutant(name="liveness: the first set after a loss is believed", owner=Liveness,
            attribute="judge", change=_first_believed, likely=("drop", "restart"),
-           tests="tests/aff_runtime/fieldbus/test_gateway.py"),
+           tests="tests/aff_runtime/fieldbus/modbus/test_gateway.py"),
     Mutant(name="guard: an overrun is no cause", owner=guard.Guard, attribute="_causes_of_time",
            change=_without_overrun, likely=("!stall",), tests=SAFETY),
     Mutant(name="guard: a lost supervisor is no cause", owner=guard.Guard,
@@ -220,7 +224,7 @@ MUTANTS: tuple[Mutant, ...] = (
            change=_every_echo_ours, likely=("last",), tests=SAFETY),
     Mutant(name="words: the echo is not read", owner=gateway.WordCodec, attribute="aff_echo",
            change=always(None), likely=("last",), wire="modbus",
-           tests="tests/aff_runtime/fieldbus/test_gateway.py"),
+           tests="tests/aff_runtime/fieldbus/modbus/test_gateway.py"),
     Mutant(name="lease: the law's last word holds for ever", owner=lease.Lease, attribute="tick",
            change=always(False), likely=("!lazy",), tests=SAFETY),
     Mutant(name="states: nothing latches", owner=guard, attribute="advance",
@@ -256,24 +260,24 @@ MUTANTS: tuple[Mutant, ...] = (
            likely=("absurd",), tests=LOOP),
     Mutant(name="words: counters go on after a loss", owner=gateway.WordCodec, attribute="reset",
            change=always(None), likely=("restart",), wire="modbus",
-           tests="tests/aff_runtime/fieldbus/test_gateway.py "
-                 "tests/aff_runtime/fieldbus/test_codec.py"),
+           tests="tests/aff_runtime/fieldbus/modbus/test_gateway.py "
+                 "tests/aff_runtime/fieldbus/modbus/test_codec.py"),
     Mutant(name="CAN: every set is whole", owner=can_reader.CanReader, attribute="_is_whole",
            change=always(True), likely=("reorder", "lose", "partial"), wire="can"),
     Mutant(name="CAN: every heartbeat is in order", owner=can_reader.CanReader,
            attribute="_in_order", change=always(True), likely=("reorder",), wire="can",
-           tests="tests/aff_runtime/fieldbus/test_can_reader.py"),
+           tests="tests/aff_runtime/fieldbus/can/test_reader.py"),
     Mutant(name="CAN: a frame of any length will do", owner=can_reader.CanReader,
            attribute="take", change=_any_length, likely=("short",), wire="can",
-           tests="tests/aff_runtime/fieldbus/test_can_reader.py"),
+           tests="tests/aff_runtime/fieldbus/can/test_reader.py"),
     Mutant(name="CAN: a bad frame does no harm", owner=can_gateway.CanGateway,
            attribute="_receive", change=_believing, likely=("short", "second"), wire="can",
-           tests="tests/aff_runtime/fieldbus/test_can_gateway.py"),
+           tests="tests/aff_runtime/fieldbus/can/test_gateway.py"),
     Mutant(name="CAN: our own identifiers from elsewhere do no harm",
            owner=can_gateway.CanGateway, attribute="_receive", change=_own_frames_ignored,
            likely=("second",), wire="can",
            # in the cells the echo notices the second master as well
-           tests="tests/aff_runtime/fieldbus/test_can_gateway.py"),
+           tests="tests/aff_runtime/fieldbus/can/test_gateway.py"),
     Mutant(name="CANopen: operational without asking", owner=canopen_node.NodeKeeper,
            attribute="_heartbeat", change=always(None), likely=("reset",), wire="canopen"),
     Mutant(name="CANopen: no SYNC", owner=canopen_link.CanopenLink, attribute="sync",
@@ -281,7 +285,8 @@ MUTANTS: tuple[Mutant, ...] = (
     Mutant(name="CANopen: an emergency of a node does not count", owner=canopen_node.NodeKeeper,
            attribute="good", change=lambda _: property(
                lambda self: self.state is canopen_node.NodeState.OPERATIONAL),
-           likely=("reset",), wire="canopen", tests="tests/aff_runtime/fieldbus/test_canopen.py"),
+           likely=("reset",), wire="canopen",
+           tests="tests/aff_runtime/fieldbus/canopen/test_canopen.py"),
     Mutant(name="PLC: no watchdog", owner=plc.Plc, attribute="_heartbeat_moves",
            change=always(True), likely=("!kill",)),
     Mutant(name="PLC: one heartbeat makes up for all silence", owner=plc.Plc,

@@ -17,8 +17,8 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import Outcome, Snapshot
 from aff_runtime.config.can_wire import can_map_of, network_of, wire_files
 from aff_runtime.config.loader import load_site
+from aff_runtime.fieldbus.can.gateway import CanGateway
 from aff_runtime.fieldbus.can_catalogue import BusSite, can_gateway, canopen_gateway, open_bus
-from aff_runtime.fieldbus.can_gateway import CanGateway
 from sim_plant.servers.serve import PlantService, ServeOptions
 from tests.aff_runtime.fieldbus.euclid_can import command
 from tests.sim_plant.servers.fake_line import FakeLine, default_map

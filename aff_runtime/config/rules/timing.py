@@ -8,7 +8,7 @@ from aff_runtime.base.units import plain
 from aff_runtime.config.models import Site
 from aff_runtime.config.registers import block_of, read_rows, write_rows
 from aff_runtime.config.rules.issue import Issue
-from aff_runtime.fieldbus.serial_time import transaction_ms
+from aff_runtime.fieldbus.modbus.serial_time import transaction_ms
 
 ZERO_WITHIN_MS = 300.0
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from aff_runtime.app.request_client import ServiceClient
+from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.base.errors import AffError
 from aff_runtime.cli.status import lines
 from tests.aff_runtime.app.service_run import ROOT

@@ -11,16 +11,16 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from aff_runtime.app.assemble import controller_of
-from aff_runtime.app.loops import loop_rows
-from aff_runtime.app.site_to_guard import guard_params
-from aff_runtime.app.site_to_law import probe_params, site_params
+from aff_runtime.app.wiring.assemble import controller_of
+from aff_runtime.app.wiring.loops import loop_rows
+from aff_runtime.app.wiring.site_to_guard import guard_params
+from aff_runtime.app.wiring.site_to_law import probe_params, site_params
 from aff_runtime.base.signals import Outcome, Permission, Snapshot
 from aff_runtime.config.loader import load_site
-from aff_runtime.core.bank import Bank
+from aff_runtime.core.blocks.bank import Bank
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
-from aff_runtime.core.shape_law import ShapeLaw
+from aff_runtime.core.shape.law import ShapeLaw
 from aff_runtime.safety.limits import Limiter, makes_sense
 
 SITE = Path(__file__).parents[3] / "config" / "euclid.yaml"

@@ -9,7 +9,7 @@ import pytest
 from aff_runtime.cli.main import main
 from aff_runtime.cli.probe_map import table
 from aff_runtime.config.loader import load_site
-from aff_runtime.fieldbus.probe_map import MapProbe, ProbedWord
+from aff_runtime.fieldbus.modbus.probe_map import MapProbe, ProbedWord
 from tests.aff_runtime.fieldbus.rtu_slave import Slave
 
 ROOT = Path(__file__).parents[3]

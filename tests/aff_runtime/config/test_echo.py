@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.app.site_to_guard import guard_params
-from aff_runtime.app.site_to_wire import register_map
+from aff_runtime.app.wiring.site_to_guard import guard_params
+from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.can_wire import can_map_of, wire_files
 from aff_runtime.config.loader import load_site, read_site

@@ -15,7 +15,7 @@ from aff_runtime.config.check import check_site
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.tls_files import _certificates, issues, validity
 from tests.aff_runtime.config.shipped import EUCLID
-from tests.aff_runtime.fieldbus.test_tls_wire import make_certificate
+from tests.aff_runtime.fieldbus.modbus.test_tls_wire import make_certificate
 
 pytestmark = pytest.mark.skipif(
     shutil.which("openssl") is None, reason="openssl makes the certificates"

@@ -10,7 +10,7 @@ from aff_runtime.base.signals import Permission
 from aff_runtime.core.impulse import LoopModel, from_taps
 from aff_runtime.core.law import Inputs
 from aff_runtime.core.params import ActuatorParams, BlockParams, DriveParams, LawKind, ShapeParams
-from aff_runtime.core.shape_law import ShapeLaw
+from aff_runtime.core.shape.law import ShapeLaw
 from tests.aff_runtime.core.plants import ACTUATOR, CYCLE_S, SWRAP, UNWIND, LagDelay
 
 DRIVE = DriveParams(roll="unwind", K_ref_rad_s=15.0, zeta=1.1, inertia_kg_m2=0.4, tension_N=90.0)

@@ -7,18 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
-from aff_runtime.app.site_to_law import site_params
-from aff_runtime.app.site_to_wire import register_map
+from aff_runtime.app.wiring.site_to_law import site_params
+from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.ports import Law
 from aff_runtime.base.signals import Command, Permission, StateBits
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.params import ProbeParams, SiteParams
-from aff_runtime.core.probe import Probe
+from aff_runtime.core.probe.probe import Probe
 from aff_runtime.core.response import Provenance
-from aff_runtime.fieldbus.codec import WordCodec
-from aff_runtime.fieldbus.gateway import WordGateway
+from aff_runtime.fieldbus.modbus.codec import WordCodec
+from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from sim_plant.line import open_line
 from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.map_file import load_plc_map

@@ -304,8 +304,8 @@ def test_every_control_trap_of_the_field_has_its_test():
 
 
 def test_without_a_declared_drive_the_plain_blocks_stand_in():
-    from aff_runtime.core.bank import Bank
-    from aff_runtime.core.shape_law import ShapeLaw
+    from aff_runtime.core.blocks.bank import Bank
+    from aff_runtime.core.shape.law import ShapeLaw
 
     response = measured(KNOWN.at, np.geomspace(0.2, 18.0, 20))
     plain = Controller(

@@ -9,10 +9,10 @@ from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.signals import Snapshot
 from aff_runtime.config.can_wire import network_of, wire_files
 from aff_runtime.config.loader import load_site
-from aff_runtime.fieldbus.can_gateway import CanGateway
-from aff_runtime.fieldbus.can_reader import CanReader
-from aff_runtime.fieldbus.can_writer import CanWriter
-from aff_runtime.fieldbus.canopen_link import CanopenLink
+from aff_runtime.fieldbus.can.gateway import CanGateway
+from aff_runtime.fieldbus.can.reader import CanReader
+from aff_runtime.fieldbus.can.writer import CanWriter
+from aff_runtime.fieldbus.canopen.link import CanopenLink
 from sim_plant.servers.can_lockstep import LockstepBus
 from sim_plant.servers.canopen_node import CanopenNetwork
 from sim_plant.servers.faults import parse_fault

@@ -9,8 +9,8 @@ import cantools
 from aff_runtime.base.signals import Command
 from aff_runtime.config.can_wire import can_map_of, wire_files
 from aff_runtime.config.loader import load_site
-from aff_runtime.fieldbus.can_frames import Frame
-from aff_runtime.fieldbus.can_layout import CanMap
+from aff_runtime.fieldbus.can.frames import Frame
+from aff_runtime.fieldbus.can.layout import CanMap
 
 CONFIG = Path(__file__).parents[3] / "config"
 DATABASE = cantools.database.load_file(CONFIG / "euclid.dbc")

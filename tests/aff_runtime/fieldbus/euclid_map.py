@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from aff_runtime.base.signals import Command
-from aff_runtime.fieldbus.registers import Correction, Register, RegisterMap, WordType
+from aff_runtime.fieldbus.modbus.registers import Correction, Register, RegisterMap, WordType
 
 ANGLE_SCALE = 0.0015339807878856412  # 2 pi / 4096
 CHANNELS = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 
 from aff_runtime.base.clock import VirtualClock
-from aff_runtime.fieldbus.can_frames import Frame
+from aff_runtime.fieldbus.can.frames import Frame
 
 
 class FakeLink:

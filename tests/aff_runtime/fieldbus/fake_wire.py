@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from aff_runtime.base.clock import VirtualClock
-from aff_runtime.fieldbus.tcp_wire import CLOSED, Connecting
+from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, Connecting
 
 # what a request provokes: (delay in ns, bytes), bytes None for the end of the connection
 Arrivals = list[tuple[int, bytes | None]]

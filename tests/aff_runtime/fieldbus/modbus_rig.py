@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.modbus_frames import ModbusFrames, WireFunction
-from aff_runtime.fieldbus.modbus_tcp import ModbusTcpTransport
+from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
+from aff_runtime.fieldbus.modbus.tcp import ModbusTcpTransport
 from tests.aff_runtime.fieldbus.fake_wire import Arrivals, FakeWire
 from tests.aff_runtime.fieldbus.modbus_bytes import (
     function_of,

@@ -11,9 +11,9 @@ import pytest
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.modbus_frames import ModbusFrames, WireFunction
-from aff_runtime.fieldbus.modbus_tcp import ModbusTcpTransport
-from aff_runtime.fieldbus.tcp_wire import TcpWire
+from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
+from aff_runtime.fieldbus.modbus.tcp import ModbusTcpTransport
+from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire
 from tests.aff_runtime.fieldbus.modbus_bytes import (
     exception_reply,
     function_of,

@@ -15,7 +15,7 @@ from benchmarks.campaign.line import declaration
 from sim_plant.cli.main import main
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.open import make_line
-from sim_plant.refine.read import read_record
+from sim_plant.refine.records.read import read_record
 
 ROWS = 2000
 pytestmark = pytest.mark.timeout(300)

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.hypotheses import hypothesis, library
-from sim_plant.refine.linear import Projector
-from sim_plant.refine.screen import score_one
+from sim_plant.refine.fit.projection import Projector
+from sim_plant.refine.model.hypotheses import hypothesis, library
+from sim_plant.refine.search.screening import score_one
 
 LINE = load_declaration(Path(__file__).parents[3] / "config/lines/euclid.yaml")
 LIBRARY = library(LINE)

@@ -11,17 +11,17 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
-from sim_plant.refine.amend import write_amended, write_block
-from sim_plant.refine.bench import Bench
-from sim_plant.refine.claim import Step, Trace
-from sim_plant.refine.details import polished
-from sim_plant.refine.fit import empty_fit, refine_fit
-from sim_plant.refine.holdout import judge
-from sim_plant.refine.hypotheses import hypothesis
-from sim_plant.refine.match import twin_of
-from sim_plant.refine.problem import Problem
-from sim_plant.refine.record import Record
-from sim_plant.refine.verdict import verdict
+from sim_plant.refine.fit.gauss_newton import empty_fit, refine_fit
+from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.judge.holdout import judge
+from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.model.record_match import twin_of
+from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.records.recording import Record
+from sim_plant.refine.report.amend import write_amended, write_block
+from sim_plant.refine.report.verdict import verdict
+from sim_plant.refine.search.profile_detail import polished
+from sim_plant.refine.search.selection import Step, Trace
 
 LINE_FILE = Path(__file__).parents[3] / "config/lines/euclid.yaml"
 SAMPLES = 1200

@@ -1,0 +1,1 @@
+"""The check of a site file: a process of its own."""

@@ -1,0 +1,170 @@
+"""``python -m aff_runtime.app.check.validate SITE.yaml``: one verdict as JSON on standard output.
+
+Runs in its own short process because parsing would hold up anything that shares its interpreter.
+Exit code 0 whatever the verdict: ``{"record": {...} or null, "findings": [...]}``.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import sys
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from aff_runtime import __version__
+from aff_runtime.app.link.packets import MAX_PACKET_BYTES
+from aff_runtime.app.wiring.assemble import controller_of
+from aff_runtime.app.wiring.loops import loop_rows
+from aff_runtime.app.wiring.parameter_record import for_control
+from aff_runtime.app.wiring.shape_file import shape_path
+from aff_runtime.app.wiring.site_to_guard import guard_params
+from aff_runtime.app.wiring.site_to_wire import register_map, transport
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import AffError, ConfigError, WireError
+from aff_runtime.config.can_wire import wire_files
+from aff_runtime.config.loader import Reading, read_site
+from aff_runtime.config.revision import revision_hash
+from aff_runtime.core.response import Provenance, Response
+from aff_runtime.fieldbus.modbus.registers import RegisterMap
+
+MAX_RECORD_BYTES = MAX_PACKET_BYTES - 4096  # what goes with it in one packet
+MAX_RESPONSE_BYTES = 16 * MAX_RECORD_BYTES  # shorter ones are told what passes in one packet
+SAME_CYCLE_S = 1e-6
+
+
+def verdict(path: Path) -> dict[str, Any]:
+    """Return the parameter record of the file at ``path``, or what is wrong with it."""
+    try:
+        reading = read_site(path)
+        record = parameter_record(path, reading)
+    except AffError as error:
+        return {"record": None, "findings": str(error).splitlines()}
+    findings = [str(warning) for warning in reading.warnings]
+    return {"record": record, "findings": [*findings, *_outdated(reading, record)]}
+
+
+def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
+    """Return everything that the control process needs, ready for JSON.
+
+    Raises
+    ------
+    ConfigError
+        When a response file cannot be used or the rooms refuse the numbers.
+    """
+    site = reading.site
+    plain = site.model_dump(mode="json", by_alias=True)
+    folder = path.absolute().parent
+    files = {name: folder / actuator.response for name, actuator in site.actuators.items()}
+    texts = {name: _response_text(reading, name, file) for name, file in files.items()}
+    responses = {name: text for name, text in texts.items() if text is not None}
+    described = wire_files(site, folder)
+    if site.gateway.modbus is not None:
+        words = register_map(site)
+        if site.gateway.modbus_tcp is not None:
+            _look_up(reading, words, folder)
+    loops = loop_rows(site, responses)
+    controller_of(site, {"responses": responses, "loops": loops})
+    record = {
+        "site": plain,
+        "site_text": path.read_text(encoding="utf-8"),
+        "config_hash": revision_hash(site),
+        "permissives": [bit.name for bit in guard_params(site).permissives.all_bits],
+        "responses": responses,
+        "loops": loops,
+        "response_files": {name: str(file) for name, file in files.items()},
+        "shape_files": {
+            name: str(shape_path(file))
+            for name, file in files.items()
+            if site.actuators[name].uses_shape
+        },
+        "wire_files": described,
+        "folder": str(folder),
+        "versions": _versions(),
+    }
+    n_bytes = len(json.dumps(for_control(record)))
+    if n_bytes > MAX_RECORD_BYTES:
+        raise ConfigError(
+            f"{path}:1:1  with its responses it takes {n_bytes // 1000} kB, at most "
+            f"{MAX_RECORD_BYTES // 1000} kB pass to the control process; make it shorter"
+        )
+    return record
+
+
+def _look_up(reading: Reading, words: RegisterMap, folder: Path) -> None:
+    """Refuse a PLC whose name nobody knows: the service could not even start."""
+    try:
+        transport(reading.site, words, MonotonicClock(), folder).close()
+    except WireError as error:
+        path = ("gateway", "modbus_tcp", "host")
+        raise ConfigError(str(reading.tree.finding(path, str(error)))) from None
+
+
+def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
+    """Return the text of a learned response, None while it was never measured."""
+    try:
+        if file.exists() and not file.is_file():
+            raise ConfigError("is not a file; remove it and run the probe again")
+        if file.exists() and file.stat().st_size > MAX_RESPONSE_BYTES:
+            raise ConfigError("is too long for a response; remove it and run the probe again")
+        text = file.read_text(encoding="utf-8")
+        measured = Response.from_json(text).provenance
+        _of_this_place(measured, reading, actuator)
+        if abs(measured.cycle_s - reading.site.cycle_s) > SAME_CYCLE_S:
+            return None  # its delays were others; one without a cycle in it is taken as it is
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise ConfigError(_finding(reading, actuator, f"{file}: {error.strerror}")) from None
+    except UnicodeDecodeError:
+        text = f"{file}: not a response file: not text; run the probe again"
+        raise ConfigError(_finding(reading, actuator, text)) from None
+    except ConfigError as error:
+        raise ConfigError(_finding(reading, actuator, f"{file}: {error}")) from None
+    return text
+
+
+def _outdated(reading: Reading, record: dict[str, Any]) -> list[str]:
+    """Return a finding per response that is there and does not count: its cycle was another."""
+    return [
+        _finding(reading, name, f"{file}: measured at another cycle_ms; run the probe again")
+        for name, file in record["response_files"].items()
+        if name not in record["responses"] and Path(file).exists()
+    ]
+
+
+def _of_this_place(measured: Provenance, reading: Reading, actuator: str) -> None:
+    """Refuse a response that was measured with another actuator or on another signal."""
+    signal = reading.site.actuators[actuator].error.signal
+    if (measured.actuator, measured.signal) != (actuator, signal):
+        raise ConfigError(
+            f"measured from {measured.actuator} to {measured.signal}, not from {actuator} "
+            f"to {signal}; remove it and run the probe"
+        )
+
+
+def _finding(reading: Reading, actuator: str, text: str) -> str:
+    """Return a finding at the actuator's ``response`` key."""
+    return str(reading.tree.finding(("actuators", actuator, "response"), text))
+
+
+def _versions() -> dict[str, str]:
+    """Return the versions that a record should name."""
+    names = {"python": platform.python_version(), "aff-runtime": __version__}
+    for package in ("numpy", "pydantic", "pymodbus"):
+        try:
+            names[package] = version(package)
+        except PackageNotFoundError:
+            names[package] = "not installed"
+    return names
+
+
+def main(arguments: list[str]) -> int:
+    """Print the verdict on one file."""
+    json.dump(verdict(Path(arguments[0])), sys.stdout)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

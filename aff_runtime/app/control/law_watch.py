@@ -1,0 +1,143 @@
+"""What the guard and the operator hear of the law: objections, rising ripple, held blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isfinite, nan, tau
+
+from aff_runtime.app.report.block_status import RESTS
+from aff_runtime.app.wiring.recorded_law import RecordedLaw
+from aff_runtime.base.events import BY_NAME
+from aff_runtime.base.signals import State
+from aff_runtime.config.models import Site
+from aff_runtime.core.controller import Controller
+from aff_runtime.core.monitor import Trend
+from aff_runtime.core.ripple_watch import RippleWatch
+from aff_runtime.loop.seams import Advice
+
+STEADY_ASKS = 10  # a block is held, or free again, after this many answers alike
+EVENT_OF = {
+    int(Trend.CLAMPED): BY_NAME["BLOCK_CLAMPED"],
+    int(Trend.HELD_PHASE): BY_NAME["PHASE_UNSURE"],
+}
+RESTING = int(Trend.DIVERGING)
+TOLD = {*EVENT_OF, RESTING}
+
+
+class LawWatch:
+    """Asked every few ticks; a few microseconds per block, and silent until something changes.
+
+    Parameters
+    ----------
+    event : keeps an event code in the record.
+    say : passes a sentence to the supervisor's log.
+    """
+
+    def __init__(self, event: Callable[[int], None], say: Callable[[str], None]) -> None:
+        self._event = event
+        self._say = say
+        self._watches: dict[str, RippleWatch] = {}
+        self._wrong: set[str] = set()
+        self._held = HeldBlocks()
+        self._tick = 0
+
+    @property
+    def wrong(self) -> frozenset[str]:
+        """Actuators that made ripple rise and whose weights are about to be dropped."""
+        return frozenset(self._wrong)
+
+    def advise(
+        self, law: RecordedLaw, site: Site, *, state: State, quiet: bool, tick: int
+    ) -> Advice:
+        """Return the law side's word to the guard.
+
+        Parameters
+        ----------
+        state, quiet : of the guard.
+        tick : number of the present tick.
+        """
+        elapsed_s, self._tick = (tick - self._tick) * site.cycle_s, tick
+        if law.probe is not None:
+            self._watches.clear()
+            self._held = HeldBlocks()
+            return Advice()
+        controller = law.controller
+        is_open = state is State.ACTIVE
+        self._note_blocks(controller, is_open)
+        rose = self._watch_ripple(controller, site, is_open, elapsed_s)
+        self._forget_wrong(controller, site, quiet)
+        return Advice(
+            objections=tuple(
+                f"{actuator}: {text}"
+                for actuator, texts in controller.arming_objections().items()
+                for text in texts
+            ),
+            ripple_rose=rose,
+        )
+
+    def _watch_ripple(
+        self, controller: Controller, site: Site, is_open: bool, elapsed_s: float
+    ) -> bool:
+        speed_m_s = controller.line_speed_m_s
+        turns = elapsed_s * controller.slowest_omega_rad_s / tau
+        rose = False
+        for name, ripple in zip(site.actuators, controller.ripple(), strict=False):
+            watch = self._watches.setdefault(name, RippleWatch())
+            if not watch.step(ripple, is_open=is_open, speed_m_s=speed_m_s, turns=turns):
+                continue
+            rose = True
+            if name not in self._wrong:
+                self._wrong.add(name)
+                signal = site.actuators[name].error.signal
+                now, before = ripple[1], watch.reference
+                self._say(f"RIPPLE_ROSE {name}: {signal} {before:.3g} before, {now:.3g} now")
+        return rose
+
+    def _forget_wrong(self, controller: Controller, site: Site, quiet: bool) -> None:
+        """Drop what made ripple rise, once nothing of it goes out any more."""
+        if not quiet:
+            return
+        for name in self._wrong:
+            if name in site.actuators:
+                controller.forget(list(site.actuators).index(name))
+        self._wrong.clear()
+
+    def _note_blocks(self, controller: Controller, is_open: bool) -> None:
+        names = controller.telemetry_names()
+        values = controller.telemetry() if is_open else (nan,) * len(names)
+        rests = {f"{actuator}." for actuator in controller.shape_laws()}
+        for block, state in self._held.step(names, values):
+            if state == RESTING:
+                if block[: block.index(".") + 1] in rests:
+                    self._say(f"{block} {RESTS}")
+                continue
+            event = EVENT_OF[state]
+            self._event(event.code)
+            self._say(f"{event.name} {block}: {event.text}; {event.action}")
+
+
+class HeldBlocks:
+    """Finds the moment in which a block becomes held, once per change and not per flicker."""
+
+    def __init__(self) -> None:
+        self._count: dict[str, int] = {}
+        self._told: dict[str, int] = {}
+
+    def step(self, names: tuple[str, ...], values: tuple[float, ...]) -> list[tuple[str, int]]:
+        """Return (block, state) of blocks newly held; ``values`` NaN: no output is open."""
+        news: list[tuple[str, int]] = []
+        for name, value in zip(names, values, strict=True):
+            if not name.endswith(".state"):
+                continue
+            block = name.removesuffix(".state")
+            state = int(value) if isfinite(value) else -1
+            told = self._told.get(block, -1)
+            held = state if state in TOLD else -1
+            count = self._count.get(block, 0) + 1 if held != told else 0
+            if count >= STEADY_ASKS:
+                count = 0
+                self._told[block] = held
+                if held in TOLD:
+                    news.append((block, held))
+            self._count[block] = count
+        return news

@@ -1,0 +1,346 @@
+"""The control process's side of everything around it: ring, link, signals, watchdog.
+
+Implements ``loop.seams.Outside``: every call returns at once. The link carries JSON; reading a
+command costs some ten microseconds, reading a parameter record a millisecond, once per edit.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.app.control.commands import Commands
+from aff_runtime.app.control.law_watch import LawWatch
+from aff_runtime.app.control.probe_run import ProbeRun
+from aff_runtime.app.control.shape_keeper import ShapeKeeper
+from aff_runtime.app.control.trouble_log import TroubleLog
+from aff_runtime.app.link.packets import Link, LinkClosedError
+from aff_runtime.app.report.status import not_armed
+from aff_runtime.app.wiring.assemble import Assembly, controller_of, revision_of, site_of
+from aff_runtime.app.wiring.recorded_law import RecordedLaw
+from aff_runtime.app.wiring.site_to_guard import guard_params
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import AffError
+from aff_runtime.base.events import BY_NAME
+from aff_runtime.base.ports import Law
+from aff_runtime.base.signals import State
+from aff_runtime.loop.messages import Arm, Bypass, Message, Shadow, Stop, SupervisorLost, Swap
+from aff_runtime.loop.record import HEAD, record_columns
+from aff_runtime.loop.seams import Advice
+from aff_runtime.loop.watchdog import ServiceNotifier
+from aff_runtime.safety.params import GuardParams
+from aff_runtime.telemetry.ring import RingWriter
+
+ARM_PATIENCE_TICKS = 100
+ARM_LEAST_TICKS = 3
+ARMED = (State.ARMED, State.ACTIVE)
+AT_REST = (State.FAULT, State.BYPASS)
+FRESH = HEAD.index("fresh")
+CONFIG_DIFFERS = BY_NAME["CONFIG_DIFFERS"].code
+
+
+class ControlOutside:
+    """What the cycle calls.
+
+    Parameters
+    ----------
+    assembly : the rooms, wired.
+    link : to the supervisor.
+    ring : path of the ring; made anew whenever the columns change.
+    meta : what a reader of the ring should know; ``start_ns`` and real-time rights among it.
+    """
+
+    def __init__(self, assembly: Assembly, link: Link, ring: Path, meta: dict[str, Any]) -> None:
+        self._site = assembly.site
+        self._guard = assembly.guard
+        self._troubles = TroubleLog(assembly.gateway, self._say, self._show_wire)
+        self._law = assembly.law
+        self._link = link
+        self._commands = Commands(link)
+        self._ring_path = ring
+        self._meta = meta
+        self._notifier = ServiceNotifier(
+            {k: v for k, v in os.environ.items() if k == "NOTIFY_SOCKET"}
+        )
+        self._clock = MonotonicClock()
+        self._bypass_signal = False
+        self._shadow_wanted = bool(meta["shadow"])
+        self._tick = 0
+        self._record: Sequence[float] = ()
+        self._ring_columns: tuple[str, ...] = ()
+        self._arm_question: int | None = None
+        self._arm_tick = 0
+        self._probe: ProbeRun | None = None
+        self._next_law: RecordedLaw | None = None
+        self._revision = assembly.record["config_hash"]
+        self._watch = LawWatch(self._note, self._say)
+        self._shapes = ShapeKeeper(
+            assembly.record, self._site, tell=self._tell_shape, keep=self._keep_shape
+        )
+        self._advised_tick = 0
+        self._ring = self._new_ring()
+
+    def bypass_by_signal(self) -> None:
+        """Take the correction back; called by a signal handler."""
+        self._bypass_signal = True
+
+    def close(self) -> None:
+        """Hand on what was learned; remove the ring, the supervisor may be gone and cannot."""
+        self._shapes.close(self._law.controller)
+        self._ring.remove()
+
+    # --- what the cycle tells -----------------------------------------------------------------
+
+    def publish(self, record: Sequence[float]) -> None:
+        """Keep one record in the ring."""
+        self._tick = int(record[1])
+        self._record = record
+        if self._next_law is not None and self._next_law.is_stepping:
+            self._exchange_law(self._next_law)
+        self._ring.write((*record, *self._law.law_telemetry()))
+        self._troubles.look(self._tick)
+        first = len(HEAD)
+        self._shapes.listen(
+            self._law.controller,
+            record[first : first + len(self._site.gateway.read.channels)],
+            fresh=bool(record[FRESH]),
+            quiet=self._guard.quiet and self._law.probe is None,
+        )
+
+    def event(self, tick: int, t_ns: int, code: int) -> None:
+        """Keep one event in the ring."""
+        self._ring.event(tick, t_ns, code)
+
+    def fault_text(self, text: str) -> None:
+        """Pass the traceback of an internal fault to the supervisor's log."""
+        self._say(text[-4000:])
+
+    def blocked(self, reason: str) -> None:
+        """Tell the supervisor what stands against an armed output, for ``status``."""
+        self._link.send({"did": "BLOCKED", "text": reason})
+
+    def adopt(self, settings: object) -> None:
+        """Hand new settings to the guard."""
+        if isinstance(settings, GuardParams):
+            self._guard.adopt(settings)
+
+    def advise(self, law: Law) -> Advice:
+        """Return why the law's side would rather not arm, and whether ripple rose."""
+        if self._probe is not None or not isinstance(law, RecordedLaw):
+            return Advice()
+        state, quiet = self._guard.state, self._guard.quiet
+        elapsed_s = (self._tick - self._advised_tick) * self._site.cycle_s
+        self._advised_tick = self._tick
+        self._shapes.watch(
+            law.controller,
+            active=state is State.ACTIVE,
+            quiet=quiet,
+            wrong=self._watch.wrong,
+            elapsed_s=elapsed_s,
+        )
+        return self._watch.advise(law, self._site, state=state, quiet=quiet, tick=self._tick)
+
+    def tick_done(self, first_exchange_ok: bool) -> None:
+        """Feed the watchdog of the service manager."""
+        self._notifier.tick_done(first_exchange_ok)
+
+    # --- what the cycle asks ------------------------------------------------------------------
+
+    def poll(self) -> Sequence[Message]:
+        """Return what the supervisor, a signal or the probe wants."""
+        messages: list[Message] = []
+        if self._bypass_signal:
+            self._bypass_signal = False
+            messages.append(Bypass())
+            for overtaken in self._commands.overtake():
+                self._reply(overtaken, ok=False, message="bypassed meanwhile")
+        if self._shadow_wanted and self._tick % ARM_PATIENCE_TICKS == 0:
+            self._shadow_wanted = self._guard.state is not State.SHADOW
+            messages.append(Shadow(on=True))  # again, until the PLC is there
+        self._answer_arm()
+        if self._probe is not None:
+            messages += self._watch_probe(self._probe)
+        try:
+            said = self._commands.next()
+        except LinkClosedError:
+            return (*messages, SupervisorLost())
+        if said is not None:
+            try:
+                messages += self._obey(said)
+            except (AffError, ValueError, KeyError, TypeError) as error:
+                self._reply(said, ok=False, message=str(error))
+        return messages
+
+    def _obey(self, said: dict[str, Any]) -> list[Message]:
+        """Return the messages that one command stands for."""
+        handlers: dict[str, Callable[[dict[str, Any]], list[Message]]] = {
+            "ARM": self._arm,
+            "BYPASS": lambda _: [Bypass()],
+            "SHADOW": self._shadow,
+            "PROBE": self._start_probe,
+            "PARAMS": self._parameters,
+            "STOP": lambda _: [Stop()],
+            "DIFFERS": self._differs,
+            "FORGET": self._forget,
+        }
+        handler = handlers.get(str(said.get("do")))
+        return handler(said) if handler is not None else []
+
+    def _arm(self, said: dict[str, Any]) -> list[Message]:
+        """Pass on the operator's edge; the reply waits until the guard has decided."""
+        self._arm_question = int(said["id"])
+        self._arm_tick = self._tick
+        return [Arm()]
+
+    def _shadow(self, said: dict[str, Any]) -> list[Message]:
+        """Begin or end shadow operation."""
+        self._shadow_wanted = False
+        self._reply(said, ok=True)
+        return [Shadow(on=bool(said.get("on", True)))]
+
+    def _differs(self, said: dict[str, Any]) -> list[Message]:
+        """Note that the site file is not what runs."""
+        self._note(CONFIG_DIFFERS)
+        return []
+
+    def _forget(self, said: dict[str, Any]) -> list[Message]:
+        """Drop what was learned of rolls that are exchanged."""
+        if not self._guard.quiet:
+            self._reply(said, ok=False, message="a correction goes out; bypass first")
+        else:
+            self._shapes.forget(self._law.controller)
+            self._reply(said, ok=True)
+        return []
+
+    def _answer_arm(self) -> None:
+        """Reply to the operator once the guard has decided about the edge."""
+        if self._arm_question is None:
+            return
+        waited = self._tick - self._arm_tick
+        state = self._guard.state
+        ident = {"id": self._arm_question}
+        if state in ARMED:
+            self._reply(ident, ok=True, state=state.name)
+        elif waited > ARM_PATIENCE_TICKS or (waited > ARM_LEAST_TICKS and state not in AT_REST):
+            blocked = self._guard.first_blocking().removeprefix("blocked by ")
+            self._reply(ident, ok=False, message=not_armed(state, blocked), state=state.name)
+        else:
+            return
+        self._arm_question = None
+
+    # --- change of law ------------------------------------------------------------------------
+
+    def _parameters(self, said: dict[str, Any]) -> list[Message]:
+        """Go on with another parameter record from the next tick."""
+        if self._probe is not None:
+            self._reply(said, ok=False, message="a probe is under way; save the file after it")
+            return []
+        record = said["record"]
+        site = site_of(record)
+        present = self._law.controller
+        law = RecordedLaw(controller_of(site, record), adopt_from=present)
+        loses = set(present.telemetry_names()) - set(law.controller.telemetry_names())
+        self._site = site
+        self._shapes.follow(record, site)
+        self._revision = record["config_hash"]
+        self._next_law = law
+        self._reply(said, ok=True)
+        return [
+            Swap(
+                law=law,
+                take_over=None if loses else _follow,
+                guard_params=guard_params(site),
+                config_revision=revision_of(record),
+            )
+        ]
+
+    def _start_probe(self, said: dict[str, Any]) -> list[Message]:
+        """Put the probe in the law's place and arm for its duration."""
+        if self._probe is not None:
+            self._reply(said, ok=False, message="a probe is already under way")
+            return []
+        if self._next_law is not None:
+            self._reply(said, ok=False, message="an edit is being applied; try again")
+            return []
+        if self._guard.state is State.SHADOW:
+            self._reply(said, ok=False, message=not_armed(State.SHADOW, "SHADOW=1"))
+            return []
+        was_armed = self._guard.state in (*ARMED, State.FADING)
+        self._probe = ProbeRun(
+            self._site,
+            [str(name) for name in said["actuators"]] or list(self._site.actuators),
+            was_armed=was_armed,
+            config_hash=self._revision,
+            version=str(self._meta["versions"].get("aff-runtime", "")),
+        )
+        law = RecordedLaw(self._law.controller, probe=self._probe.probe)
+        self._next_law = law
+        self._reply(said, ok=True, duration_s=self._probe.duration_s)
+        return [Swap(law=law), Arm()]
+
+    def _watch_probe(self, run: ProbeRun) -> list[Message]:
+        """Return to the law when the probe has ended or cannot begin."""
+        if not run.has_ended(self._guard.state, self._tick):
+            return []
+        if run.failure(self._guard.first_blocking()):
+            self._link.send({"did": "PROBED", "error": run.failure(self._guard.first_blocking())})
+        else:
+            run.fit_in_child(self._link, dict(zip(self._ring_columns, self._record, strict=False)))
+        self._probe = None
+        law = RecordedLaw(self._law.controller)
+        self._next_law = law
+        back: list[Message] = [] if run.was_armed else [Bypass()]
+        return [*back, Swap(law=law)]
+
+    def _exchange_law(self, law: RecordedLaw) -> None:
+        """Follow the cycle to the law that it steps now; other columns need another ring."""
+        before = self._law.law_telemetry_names()
+        self._law, self._next_law = law, None
+        if law.law_telemetry_names() != before:
+            self._ring.close()
+            self._ring = self._new_ring()
+
+    def _new_ring(self) -> RingWriter:
+        """Create the ring for the present columns and tell the supervisor."""
+        outputs = [f"{name}_{_suffix(a.unit)}" for name, a in self._site.actuators.items()]
+        columns = record_columns(tuple(self._site.gateway.read.channels), outputs, ())
+        self._ring_columns = (*columns, *self._law.law_telemetry_names())
+        ring = RingWriter(self._ring_path, self._ring_columns, meta=self._meta)
+        self._link.send({"did": "RING", "rights": self._meta["rights"]})
+        return ring
+
+    def _note(self, code: int) -> None:
+        """Keep an event of the present tick."""
+        self._ring.event(self._tick, self._clock.now_ns(), code)
+
+    def _say(self, text: str) -> None:
+        """Pass a sentence to the supervisor's log."""
+        self._link.send({"did": "LOG", "text": text})
+
+    def _show_wire(self, troubles: tuple[str, ...]) -> None:
+        """Tell the supervisor what ails the wire, for ``status``."""
+        self._link.send({"did": "WIRE", "troubles": troubles})
+
+    def _tell_shape(self, actuator: str, text: str) -> None:
+        """Tell the supervisor what became of a shape."""
+        self._link.send({"did": "SHAPE", "actuator": actuator, "text": text})
+
+    def _keep_shape(self, actuator: str, text: str) -> None:
+        """Hand the supervisor a learned shape to be kept."""
+        self._link.send({"did": "LEARNED", "actuator": actuator, "file": text})
+
+    def _reply(self, said: dict[str, Any], **answer: Any) -> None:
+        """Answer the supervisor."""
+        if "id" in said:
+            self._link.send({"id": said["id"], **answer})
+
+
+def _follow(old: Law) -> None:
+    """Tell the cycle that no fade is needed: ``RecordedLaw`` adopts in its first step."""
+
+
+def _suffix(unit: str) -> str:
+    """Return a unit as the end of a column name."""
+    return unit.replace("/", "_").replace(" ", "_")

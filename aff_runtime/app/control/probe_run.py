@@ -1,0 +1,139 @@
+"""One probe inside the control process, and its fit in a child of it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+from collections.abc import Mapping, Sequence
+from math import nan
+from typing import Any
+
+from aff_runtime.app.link.packets import Link
+from aff_runtime.app.wiring.site_to_law import probe_params, site_params
+from aff_runtime.base.clock import wall_time_iso
+from aff_runtime.base.errors import AffError
+from aff_runtime.base.signals import State
+from aff_runtime.config.models import Site
+from aff_runtime.core.probe.probe import Probe, ProbeResult, Stage
+from aff_runtime.core.response import Provenance
+
+START_PATIENCE_S = 10.0
+
+
+class ProbeRun:
+    """From the operator's command to the fit.
+
+    Raises
+    ------
+    RefusedError
+        When the named actuators cannot be probed together.
+    """
+
+    def __init__(
+        self,
+        site: Site,
+        actuators: Sequence[str],
+        *,
+        was_armed: bool,
+        config_hash: str,
+        version: str,
+    ) -> None:
+        settings = probe_params(site, actuators)
+        self._site = site
+        self._config_hash = config_hash
+        self._version = version
+        self._settings = settings
+        self.probe = Probe(site_params(site), settings)
+        self.was_armed = was_armed
+        self.duration_s = settings.listen_s + settings.duration_s + START_PATIENCE_S
+        self._first_tick: int | None = None
+        self._failure = ""
+
+    def has_ended(self, state: State, tick: int) -> bool:
+        """Return whether the probe is done, aborted, or not getting under way."""
+        if self._first_tick is None:
+            self._first_tick = tick
+        if self.probe.stage in (Stage.DONE, Stage.ABORTED):
+            return True
+        waited_s = (tick - self._first_tick) * self._site.cycle_s
+        at_rest = state in (State.FAULT, State.BYPASS, State.OFF)
+        if waited_s > 1.0 and at_rest:
+            self._failure = f"not in operation (state {state.name})"
+        elif waited_s > self.duration_s:
+            self._failure = f"did not end in {self.duration_s:.0f} s (state {state.name})"
+        return bool(self._failure)
+
+    def failure(self, blocked: str) -> str:
+        """Return why there is nothing to fit, empty when there is something."""
+        if self.probe.stage is Stage.DONE:
+            return ""
+        reason = self.probe.reason or self._failure or "aborted"
+        return f"READY: {blocked}" if blocked else reason
+
+    def fit_in_child(self, link: Link, readings: Mapping[str, float]) -> None:
+        """Fit in a forked child: least squares would hold up ten ticks here.
+
+        The child gets ordinary priority (reset on fork), sends the result over the link and ends.
+
+        Parameters
+        ----------
+        link : to the supervisor.
+        readings : newest value per channel, for the provenance.
+        """
+        signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+        try:
+            child = os.fork()
+        except OSError as error:
+            link.send({"did": "PROBED", "error": f"the fit cannot start: {error.strerror}"})
+            return
+        if child == 0:
+            self._fit_and_exit(link, readings)
+
+    def _fit_and_exit(self, link: Link, readings: Mapping[str, float]) -> None:
+        """Send the result and leave without running anybody's clean-up."""
+        try:
+            with contextlib.suppress(OSError):
+                os.sched_setaffinity(0, range(os.cpu_count() or 1))
+            link.send({"did": "PROBED", "results": self.results(readings)})
+        except AffError as error:
+            link.send({"did": "PROBED", "error": str(error)})
+        except Exception as error:
+            link.send({"did": "PROBED", "error": f"the fit failed ({error!r}); probe again"})
+        finally:
+            os._exit(0)
+
+    def results(self, readings: Mapping[str, float]) -> list[dict[str, Any]]:
+        """Return one row of plain values per actuator, with the response file's text."""
+        about = {
+            name: Provenance(
+                actuator=name,
+                signal=self._site.actuators[name].error.signal,
+                measured_at=wall_time_iso(),
+                config_hash=self._config_hash,
+                version=self._version,
+                line_speed_m_s=readings.get(self._site.line.speed, nan),
+                radius_m=self._radius_m(name, readings),
+                cycle_s=self._site.cycle_s,
+            )
+            for name in self._settings.actuators
+        }
+        return [_plain(result) for result in self.probe.result(about)]
+
+    def _radius_m(self, actuator: str, readings: Mapping[str, float]) -> float:
+        """Return the present radius of the first roll that the actuator works on."""
+        roll = self._site.rolls[self._site.actuators[actuator].blocks[0].roll]
+        if roll.radius_m is not None:
+            return roll.radius_m
+        return readings.get(roll.radius or "", nan)
+
+
+def _plain(result: ProbeResult) -> dict[str, Any]:
+    """Return a result ready for JSON."""
+    return {
+        "actuator": result.actuator,
+        "sign": result.sign,
+        "remarks": list(result.remarks),
+        "delay_s": result.response.delay_s,
+        "text": result.response.to_json(),
+    }

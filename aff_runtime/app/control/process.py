@@ -1,0 +1,98 @@
+"""The control process: ``python -m aff_runtime.app.control.process --link-fd N --ring PATH``.
+
+Started by the supervisor with one end of a socketpair. It imports everything before its first
+tick and then does nothing but ticks: no logging, no files, no waiting for anybody but its
+deadline and the PLC. The end of the link, SIGTERM and SIGUSR1 all lead to zero.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import select
+import signal
+import socket
+import sys
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.app.control.outside import ControlOutside
+from aff_runtime.app.link.packets import Link, LinkClosedError
+from aff_runtime.app.wiring.assemble import assemble, cycle_of
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import AffError, WireError
+from aff_runtime.loop.realtime import RealtimeReport, RealtimeRequest, ask
+
+START_PATIENCE_S = 10.0
+
+
+def main(arguments: list[str]) -> int:
+    """Run the cycle until told to stop; return the exit code."""
+    parser = argparse.ArgumentParser(prog="aff_runtime.app.control.process")
+    parser.add_argument("--link-fd", type=int, required=True)
+    parser.add_argument("--ring", type=Path, required=True)
+    options = parser.parse_args(arguments)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # ctrl-c is the supervisor's
+    link = Link(socket.socket(fileno=options.link_fd))
+    try:
+        start = _first_message(link)
+        return _run(start, link, options.ring)
+    except LinkClosedError:
+        return WireError.exit_code
+    except AffError as error:
+        link.send({"did": "LOG", "text": str(error)})
+        return error.exit_code
+
+
+def _run(start: dict[str, Any], link: Link, ring: Path) -> int:
+    """Wire the rooms and tick."""
+    clock = MonotonicClock()
+    record = start["record"]
+    assembly = assemble(record, clock)
+    rights = ask(RealtimeRequest(cpus=_own_processor()))
+    meta = {
+        "config_hash": record["config_hash"],
+        "versions": record["versions"],
+        "rights": [
+            {"granted": grant.granted, "text": text}
+            for grant, text in zip(rights.grants, rights.lines(), strict=True)
+        ],
+        "machine": " ".join(os.uname()),
+        "start_ns": clock.now_ns(),
+        "shadow": bool(start.get("shadow")),
+    }
+    outside = ControlOutside(assembly, link, ring, meta)
+    cycle = cycle_of(assembly, outside)
+    signal.signal(signal.SIGUSR1, lambda *_: outside.bypass_by_signal())
+    signal.signal(signal.SIGTERM, lambda *_: cycle.request_stop())
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGUSR1})  # blocked by who started us
+    cycle.run()
+    outside.close()
+    assembly.gateway.close()
+    _release(rights)
+    return 0
+
+
+def _first_message(link: Link) -> dict[str, Any]:
+    """Wait for the parameter record."""
+    select.select([link], [], [], START_PATIENCE_S)
+    message = link.receive()
+    if message is None:
+        raise LinkClosedError
+    return message
+
+
+def _own_processor() -> tuple[int, ...]:
+    """Return the last processor when there are several: interrupts favour the first."""
+    allowed = sorted(os.sched_getaffinity(0))
+    return (allowed[-1],) if len(allowed) > 1 else ()
+
+
+def _release(rights: RealtimeReport) -> None:
+    """Let the processors sleep again."""
+    if rights.latency_fd >= 0:
+        os.close(rights.latency_fd)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,392 @@
+"""Learned shapes across starts: what is there is tried before it is used, what is learned kept.
+
+Lives in the control process. Trying costs a lock-in per column and tick and happens only while
+nothing goes out; saving sends one message when an output has closed.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from aff_runtime.app.wiring.shape_file import (
+    WAITS,
+    ShapeFile,
+    response_hash,
+    shape_basis_hash,
+    start_values,
+)
+from aff_runtime.base.clock import wall_time_iso
+from aff_runtime.config.models import Site
+from aff_runtime.core.controller import Controller, RollPhases
+from aff_runtime.core.params import SiteParams
+from aff_runtime.core.phase import Quality
+from aff_runtime.core.shape.law import ShapeLaw
+from aff_runtime.core.shape.profile import ShapeProfile
+from aff_runtime.core.shape.trial import Fit, ShapeTrial
+
+KEPT_AFTER_TURNS = 3.0
+RADIUS_UP, RADIUS_DOWN = 1.01, 0.85
+Orders = Mapping[tuple[str, int], complex]
+
+
+@dataclass(slots=True, kw_only=True)
+class _Known:
+    """One shape from elsewhere: where from, the deviations, what was learned of P."""
+
+    source: str
+    weight_m: Orders
+    correction: Orders
+    imbalance_m: Mapping[str, complex] = field(default_factory=dict)
+    file: ShapeFile | None = None
+
+
+@dataclass(slots=True)
+class _Trial:
+    """One law that could start from a known shape, and the listening for it."""
+
+    known: list[_Known]
+    heard_s: float = 0.0
+    trial: ShapeTrial | None = None
+    refused: list[str] = field(default_factory=list)
+
+
+class ShapeKeeper:
+    """Starts laws from saved or given shapes, and hands on what they have learned.
+
+    Parameters
+    ----------
+    record : parameter record; ``shapes`` are the texts of the shape files.
+    tell : takes (actuator, sentence): what became of a shape.
+    keep : takes (actuator, text of a shape file).
+    """
+
+    def __init__(
+        self,
+        record: Mapping[str, Any],
+        site: Site,
+        *,
+        tell: Callable[[str, str], None],
+        keep: Callable[[str, str], None],
+    ) -> None:
+        self._tell, self._keep = tell, keep
+        self._version = str(record["versions"].get("aff-runtime", ""))
+        self._shapes = dict(record.get("shapes", {}))
+        self._active_turns = 0.0
+        self._roll_id: int | None = None
+        self._active_roll_id: int | None = None
+        self._trials: dict[str, _Trial] = {}
+        self._used: set[str] = set()
+        self._announced: set[str] = set()
+        self._refused: set[tuple[str, str]] = set()  # corrections of another response, as said
+        self.follow(record, site)
+
+    def follow(self, record: Mapping[str, Any], site: Site) -> None:
+        """Go on with another parameter record; a shape that was used is not tried again."""
+        self._site = site
+        self._config_hash = str(record["config_hash"])
+        self._hash = {name: shape_basis_hash(site, name) for name in site.actuators}
+        measured = record.get("responses", {})
+        self._response = {name: response_hash(measured.get(name)) for name in site.actuators}
+        for name in site.actuators:
+            if name in self._used:
+                continue
+            known = self._known(name, start_values(record["site"], name))
+            if known:
+                self._trials[name] = _Trial(known)
+                self._announce(name, known[0].source)
+
+    def _announce(self, name: str, source: str) -> None:
+        """Say once what the trial needs, so that nobody arms before it by mistake."""
+        if name not in self._announced:
+            self._announced.add(name)
+            memory_s = self._site.actuators[name].response_memory_s
+            needs = f"it takes {memory_s:.0f} s and three turns with the line running"
+            self._tell(name, f"{source} {WAITS}: {needs}; arm after that")
+
+    def _known(self, actuator: str, given: Orders) -> list[_Known]:
+        """Return shapes to try for one actuator, the best first."""
+        known: list[_Known] = []
+        if actuator in self._shapes:
+            file = ShapeFile.from_json(self._shapes[actuator])
+            if file.belongs_to == self._hash[actuator]:
+                known.append(
+                    _Known(
+                        source=f"the shape saved {file.saved_at}",
+                        weight_m=file.profile.weight_m,
+                        correction=self._correction(actuator, file),
+                        imbalance_m=file.profile.imbalance_m,
+                        file=file,
+                    )
+                )
+            else:
+                text = "the saved shape is of another drive or encoder; the roll is learned anew"
+                self._tell(actuator, text)
+                del self._shapes[actuator]
+        if given:
+            source = "the start shape of the site file"
+            known.append(_Known(source=source, weight_m=given, correction={}))
+        return known
+
+    def _correction(self, actuator: str, file: ShapeFile) -> Orders:
+        """Return what a file knows of P; nothing when it learned that over another response.
+
+        A correction of another response would be taken for a moved encoder by the trial.
+        """
+        if file.response and file.response == self._response[actuator]:
+            return file.profile.correction
+        if (actuator, self._response[actuator]) in self._refused:
+            return {}
+        self._refused.add((actuator, self._response[actuator]))
+        whose = "of another response" if file.response else "of a response that it does not name"
+        text = f"the shape saved {file.saved_at} keeps its shape; its correction of P is {whose}"
+        self._tell(actuator, f"{text} and is learned anew")
+        return {}
+
+    # --- before anything goes out ---------------------------------------------------------------
+
+    def listen(
+        self, controller: Controller, values: Sequence[float], *, fresh: bool, quiet: bool
+    ) -> None:
+        """Take one tick while shapes wait for their trial; cheap when none does.
+
+        ``values`` are the snapshot's channels.
+        """
+        if not self._trials:
+            return
+        laws = controller.shape_laws()
+        for name in list(self._trials):
+            law = laws.get(name)
+            if law is None:
+                continue  # the plain blocks stand in until there is a response
+            if any(law.weights().values()):
+                self._drop(name)
+                continue
+            if not (quiet and law.is_open):
+                self._trials[name].heard_s, self._trials[name].trial = 0.0, None
+            elif fresh:
+                self._listen(name, law, controller, values)
+
+    def _drop(self, name: str) -> None:
+        """Give up a trial: the law has learned meanwhile, by an early ``arm``."""
+        self._used.add(name)
+        waiting = self._trials.pop(name)
+        for known in waiting.known:
+            if known.weight_m:
+                text = "learning began before its trial was over; the roll is learned anew"
+                self._tell(name, f"{known.source} is not used: {text}")
+
+    def _listen(
+        self, name: str, law: ShapeLaw, controller: Controller, values: Sequence[float]
+    ) -> None:
+        waiting = self._trials[name]
+        params = controller.site
+        signal, reference = _readings(params, name, values)
+        known = all(p.quality is Quality.GOOD for p in controller.phases.by_name.values())
+        if not known or not math.isfinite(signal - reference):
+            return
+        waiting.heard_s += params.cycle_s
+        if waiting.heard_s < self._site.actuators[name].response_memory_s:
+            return  # the filter of the loop is still filling
+        if waiting.trial is None:
+            waiting.trial = ShapeTrial(
+                [roll for roll, _ in law.keys], [order for _, order in law.keys], law.signal_sd
+            )
+        count = len(law.keys)
+        phi = law.seen()[:count]
+        turn_s = law.basis.turn_s[:count]
+        waiting.trial.step(signal - reference, phi, turn_s, params.cycle_s)
+        if waiting.trial.done:
+            del self._trials[name]
+            self._decide(name, law, controller.phases, waiting)
+
+    def _decide(self, name: str, law: ShapeLaw, phases: RollPhases, waiting: _Trial) -> None:
+        """Start from what fits, roll by roll, and say what became of the rest."""
+        assert waiting.trial is not None
+        start: dict[tuple[str, int], complex] = {}
+        correction: dict[tuple[str, int], complex] = {}
+        imbalance: dict[str, complex] = {}
+        self._used.add(name)
+        for roll in dict.fromkeys(roll for roll, _ in law.keys):
+            for known in waiting.known:
+                if not any(known_roll == roll for known_roll, _ in known.weight_m):
+                    continue
+                if (text := self._misfit(roll, known, phases)) is not None:
+                    self._tell(name, f"{roll}: {known.source} is not used: {text}")
+                    continue
+                weight, learned = _at(law, roll, known, phases)
+                heavy = _imbalance_at(roll, known, phases)
+                fit = waiting.trial.fit(roll, _with_imbalance(law, roll, weight, heavy), learned)
+                self._tell(name, f"{roll}: {_words(known.source, fit)}")
+                if not fit.fits:
+                    continue
+                for i, key in enumerate(law.keys):
+                    if key[0] == roll and key in known.weight_m:
+                        start[key] = weight[i] * cmath.exp(-1j * key[1] * fit.turned_rad)
+                        if key in known.correction:
+                            correction[key] = complex(learned[i])
+                if heavy:
+                    imbalance[roll] = heavy * cmath.exp(-1j * fit.turned_rad)
+                break
+        law.start_from(ShapeProfile(weight_m=start, correction=correction, imbalance_m=imbalance))
+
+    def _misfit(self, roll: str, known: _Known, phases: RollPhases) -> str | None:
+        """Return why the shape cannot be this roll's; None when it can."""
+        file = known.file
+        if file is None or self._site.rolls[roll].resets_on != "splice":
+            return None
+        if phases.roll_id != file.roll_id:
+            return f"it is of roll {file.roll_id}, now there is roll {phases.roll_id}"
+        saved_m, now_m = file.radius_m.get(roll, math.nan), phases.by_name[roll].radius_m
+        if not RADIUS_DOWN * saved_m <= now_m <= RADIUS_UP * saved_m:
+            return f"it was learned at radius {saved_m:.4f} m, now it is {now_m:.4f} m"
+        return None
+
+    # --- when an output has closed --------------------------------------------------------------
+
+    def watch(
+        self,
+        controller: Controller,
+        *,
+        active: bool,
+        quiet: bool,
+        wrong: frozenset[str],
+        elapsed_s: float,
+    ) -> None:
+        """Count turns with a correction; hand the shapes on once it is zero again."""
+        self._see_roll(controller)
+        if active:
+            self._active_roll_id = controller.phases.roll_id
+            self._active_turns += elapsed_s * controller.slowest_omega_rad_s / math.tau
+        elif quiet and self._active_turns > 0.0:
+            turns, self._active_turns = self._active_turns, 0.0
+            if turns >= KEPT_AFTER_TURNS:
+                self._save(controller, wrong)
+
+    def _see_roll(self, controller: Controller) -> None:
+        """Say that a new roll was put in."""
+        phases, before = controller.phases, self._roll_id
+        self._roll_id = phases.roll_id
+        if before is None or before == phases.roll_id:
+            return
+        for name, law in controller.shape_laws().items():
+            gone = [roll for roll in phases.spliced if any(r == roll for r, _ in law.keys)]
+            if gone:
+                text = f"roll {phases.roll_id} in the place of roll {before}"
+                self._tell(name, f"{text}: the shape of {', '.join(gone)} is forgotten")
+
+    def close(self, controller: Controller) -> None:
+        """Hand on what was learned; the cycle has ended."""
+        self.watch(controller, active=False, quiet=True, wrong=frozenset(), elapsed_s=0.0)
+
+    def _save(self, controller: Controller, wrong: frozenset[str]) -> None:
+        phases = controller.phases
+        # of a roll that was exchanged while the output closed, nothing is worth keeping
+        gone = phases.spliced if phases.roll_id != self._active_roll_id else ()
+        for name, law in controller.shape_laws().items():
+            profile = law.profile()
+            kept = {k: w for k, w in profile.weight_m.items() if w != 0j and k[0] not in gone}
+            origin = {roll: phases.by_name[roll].origin_rad for roll, _ in kept}
+            if not kept or name in wrong or not all(map(math.isfinite, origin.values())):
+                continue
+            heavy = {
+                roll: w * cmath.exp(1j * origin[roll])
+                for roll, w in profile.imbalance_m.items()
+                if roll in origin
+            }
+            turned = {(r, n): w * cmath.exp(1j * n * origin[r]) for (r, n), w in kept.items()}
+            drive = self._site.actuators[name].drive
+            file = ShapeFile(
+                actuator=name,
+                belongs_to=self._hash[name],
+                response=self._response[name],
+                config_hash=self._config_hash,
+                saved_at=wall_time_iso(),
+                version=self._version,
+                roll_id=phases.roll_id or 0,
+                radius_m={roll: phases.by_name[roll].radius_m for roll in origin},
+                web={
+                    "density_kg_m3": drive.web_density_kg_m3 if drive else 0.0,
+                    "width_m": drive.web_width_m if drive else 0.0,
+                },
+                profile=ShapeProfile(
+                    weight_m=turned, correction=profile.correction, imbalance_m=heavy
+                ),
+            )
+            try:
+                self._keep(name, file.to_json())
+            except ValueError:
+                self._tell(name, "the learned shape is not finite and is not saved")
+
+    def forget(self, controller: Controller) -> None:
+        """Drop the shapes of every roll that is exchanged; the rollers are kept."""
+        exchanged = set(controller.phases.spliced)
+        for waiting in self._trials.values():
+            for known in waiting.known:
+                kept = {k: w for k, w in known.weight_m.items() if k[0] not in exchanged}
+                known.weight_m = kept
+        for law in controller.shape_laws().values():
+            for roll in controller.phases.spliced:
+                law.reset_roll(roll)
+
+
+def _readings(params: SiteParams, name: str, values: Sequence[float]) -> tuple[float, float]:
+    """Return signal and reference of an actuator; the declared tension without a channel."""
+    actuator = next(a for a in params.actuators if a.name == name)
+    signal = values[params.channels.index(actuator.signal)]
+    if actuator.reference is not None:
+        return signal, values[params.channels.index(actuator.reference)]
+    return signal, actuator.drive.tension_N if actuator.drive is not None else 0.0
+
+
+def _at(
+    law: ShapeLaw, roll: str, known: _Known, phases: RollPhases
+) -> tuple[np.ndarray[Any, np.dtype[np.complex128]], np.ndarray[Any, np.dtype[np.complex128]]]:
+    """Return deviations and corrections of one roll's orders at the law's angle origin."""
+    origin = phases.by_name[roll].origin_rad
+    origin = origin if math.isfinite(origin) else 0.0
+    weight = np.zeros(len(law.keys), dtype=np.complex128)
+    correction = np.zeros(len(law.keys), dtype=np.complex128)
+    for i, key in enumerate(law.keys):
+        if key[0] == roll:
+            weight[i] = known.weight_m.get(key, 0j) * cmath.exp(-1j * key[1] * origin)
+            correction[i] = known.correction.get(key, 0j)
+    return weight, correction
+
+
+def _imbalance_at(roll: str, known: _Known, phases: RollPhases) -> complex:
+    """Return the imbalance column's weight at the law's angle origin; 0 without one."""
+    origin = phases.by_name[roll].origin_rad
+    origin = origin if math.isfinite(origin) else 0.0
+    return known.imbalance_m.get(roll, 0j) * cmath.exp(-1j * origin)
+
+
+def _with_imbalance(
+    law: ShapeLaw, roll: str, weight: np.ndarray[Any, np.dtype[np.complex128]], heavy: complex
+) -> np.ndarray[Any, np.dtype[np.complex128]]:
+    """Return deviations with order 1 as the signal sees it: shape and imbalance in one."""
+    seen = law.seen()
+    if not heavy or (roll, 1) not in law.keys or seen.size == len(law.keys):
+        return weight
+    first = law.keys.index((roll, 1))
+    both = weight.copy()
+    if abs(seen[first]) > 0.0:
+        both[first] += heavy * seen[-1] / seen[first]
+    return both
+
+
+def _words(source: str, fit: Fit) -> str:
+    """Return what became of a shape in a trial, as a sentence."""
+    if math.isnan(fit.agreement):
+        return f"starts from {source}; there is no ripple to try it on"
+    agreement = f"agreement {fit.agreement:.2f}, size {fit.ratio:.2f}"
+    if not fit.fits:
+        return f"{source} is not used: the ripple is another ({agreement}); learned anew"
+    turned = math.degrees(fit.turned_rad)
+    moved = f", turned by {turned:.0f} deg: the encoder's origin has moved" if turned else ""
+    return f"starts from {source} ({agreement}{moved})"

@@ -1,0 +1,1 @@
+"""Between processes: packets, requests, and the folder where they meet."""

@@ -1,0 +1,1 @@
+"""A record of the ring in words, with units."""

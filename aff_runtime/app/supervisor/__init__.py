@@ -1,0 +1,1 @@
+"""The supervisor: starts and watches the other processes, answers requests."""

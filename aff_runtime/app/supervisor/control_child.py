@@ -1,0 +1,96 @@
+"""The supervisor's handle on the control process."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.app.link.packets import Link, LinkClosedError, link_pair
+from aff_runtime.app.wiring.parameter_record import for_control
+
+
+class ControlChild:
+    """A started control process, its link, and how it ended.
+
+    Parameters
+    ----------
+    record : complete parameter record, sent as the first message.
+    ring : path of the ring it is to create.
+    shadow : compute and record, transmit zero.
+    """
+
+    def __init__(self, record: Mapping[str, Any], ring: Path, *, shadow: bool) -> None:
+        ring.unlink(missing_ok=True)
+        ours, theirs = link_pair()
+        # A bypass that comes before the process listens waits for it, and does not kill it.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGUSR1})
+        try:
+            self._process = subprocess.Popen(
+                [
+                    *(sys.executable, "-m", "aff_runtime.app.control.process"),
+                    *("--link-fd", str(theirs.fileno()), "--ring", str(ring)),
+                ],
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+            )
+        except OSError:
+            ours.close()
+            raise
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+            theirs.close()
+        self.link = Link(ours)
+        self.link.send({"do": "START", "record": for_control(record), "shadow": shadow})
+
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._process.pid
+
+    def ended(self) -> str | None:
+        """Return how the process ended, None while it lives."""
+        code = self._process.poll()
+        if code is None:
+            return None
+        return f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit {code}"
+
+    def replies(self) -> list[dict[str, Any]]:
+        """Return what the process has said since the last call."""
+        messages: list[dict[str, Any]] = []
+        try:
+            while (message := self.link.receive()) is not None:
+                messages.append(message)
+        except LinkClosedError:
+            return messages
+        return messages
+
+    def bypass_by_signal(self) -> None:
+        """Ask for bypass the way that needs no link."""
+        os.kill(self.pid, signal.SIGUSR1)
+
+    def stop(self, *, patience_s: float) -> bool:
+        """Let it fade to zero and end; kill it after ``patience_s``.
+
+        Return True when it ended by itself, in good order: its last commands were zero.
+        """
+        self.link.send({"do": "STOP"})
+        try:
+            self._process.wait(patience_s)
+        except subprocess.TimeoutExpired:
+            self._process.kill()  # the heartbeat stops: the PLC ramps its copy to zero
+            self._process.wait()
+            return False
+        return self._process.returncode == 0
+
+    def kill(self) -> None:
+        """End a process that never began to tick."""
+        self._process.kill()
+
+    def close(self) -> None:
+        """Release the link of a process that has ended."""
+        self.link.close()

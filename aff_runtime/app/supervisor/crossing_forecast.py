@@ -1,0 +1,126 @@
+"""When will orders of two rolls meet? Foretold from how a roll's radius shrinks with the web."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from aff_runtime.app.wiring.assemble import site_of
+from aff_runtime.config.crossings import Crossing, crossings_of
+from aff_runtime.config.models import Site
+
+EVERY_S = 1.0
+KEPT = 120
+LEAST = 10
+GAP_S = 5.0
+JUMP_SHARE = 0.01
+SIGMAS = 4.0
+STANDSTILL_M_S = 0.01
+
+
+class RadiusTrack:
+    """The radius over the web that has passed; R^2 falls by h/pi per metre of a web h thick."""
+
+    def __init__(self) -> None:
+        self._web_m = 0.0
+        self._seen: deque[tuple[float, float]] = deque(maxlen=KEPT)
+
+    def step(self, radius_m: float, speed_m_s: float, elapsed_s: float) -> None:
+        """Take one reading; a jump (another roll), a gap or a reading that is none begins anew."""
+        known = radius_m > 0.0 and math.isfinite(speed_m_s) and 0.0 < elapsed_s <= GAP_S
+        last = math.sqrt(self._seen[-1][1]) if self._seen else radius_m
+        if not known or abs(radius_m - last) > JUMP_SHARE * last:
+            self._seen.clear()
+        if radius_m > 0.0:
+            self._web_m += speed_m_s * elapsed_s if known else 0.0
+            self._seen.append((self._web_m, radius_m * radius_m))
+
+    def slope_m(self) -> float:
+        """Return d(R^2)/d(web), m; NaN while it is not surely other than zero."""
+        if len(self._seen) < LEAST:
+            return math.nan
+        web, square = np.array(self._seen).T
+        web = web - web.mean()
+        spread = float(web @ web)
+        if not spread > 0.0:
+            return math.nan
+        slope = float(web @ square) / spread
+        rest = square - square.mean() - slope * web
+        error = math.sqrt(float(rest @ rest) / (len(web) - 2) / spread)
+        return slope if abs(slope) > SIGMAS * error else math.nan
+
+
+class CrossingForecast:
+    """Follows the radii of the rolls and says which orders meet next, and when."""
+
+    def __init__(self) -> None:
+        self._revision = ""
+        self._site: Site | None = None
+        self._crossings: dict[str, tuple[Crossing, ...]] = {}
+        self._tracks: dict[str, RadiusTrack] = {}
+        self._latest: Mapping[str, float] = {}
+
+    def step(self, parameters: Mapping[str, Any], latest: Mapping[str, float] | None) -> None:
+        """Look at the newest record of the ring, once a second.
+
+        ``parameters`` is the parameter record in force.
+        """
+        if latest is None or not latest["fresh"]:
+            return
+        elapsed_s = latest["time_s"] - self._latest.get("time_s", -math.inf)
+        if 0.0 <= elapsed_s < EVERY_S:
+            return
+        self._latest = latest
+        self._follow(parameters)
+        if self._site is None:
+            return
+        speed_m_s = latest.get(self._site.line.speed, math.nan)
+        for name, track in self._tracks.items():
+            radius_m = latest.get(str(self._site.rolls[name].radius), math.nan)
+            track.step(radius_m, speed_m_s, elapsed_s)
+
+    def _follow(self, parameters: Mapping[str, Any]) -> None:
+        if self._revision == parameters["config_hash"]:
+            return
+        self._revision = str(parameters["config_hash"])
+        site = self._site = site_of(parameters)
+        self._crossings = {
+            name: tuple(c for c in crossings_of(site, actuator) if not c.always)
+            for name, actuator in site.actuators.items()
+        }
+        moving = {c.roll for found in self._crossings.values() for c in found}
+        self._tracks = {name: self._tracks.get(name, RadiusTrack()) for name in moving}
+
+    def words(self) -> list[str]:
+        """Return the next meeting of every actuator; empty while the radius does not tell."""
+        if self._site is None:
+            return []
+        speed_m_s = abs(self._latest.get(self._site.line.speed, math.nan))
+        said = []
+        for name, crossings in self._crossings.items():
+            coming = [(self._time_s(c, speed_m_s), c) for c in crossings]
+            ahead = [(t, c) for t, c in coming if 0.0 < t < math.inf]
+            if ahead:
+                time_s, first = min(ahead, key=lambda one: one[0])
+                said.append(f"{name}: in about {_duration(time_s)} {first}")
+        return said
+
+    def _time_s(self, crossing: Crossing, speed_m_s: float) -> float:
+        """Return the time to a meeting at this speed, s; negative: behind, NaN: not known."""
+        assert self._site is not None
+        radius_m = self._latest.get(str(self._site.rolls[crossing.roll].radius), math.nan)
+        slope_m = self._tracks[crossing.roll].slope_m()
+        if not speed_m_s > STANDSTILL_M_S:
+            return math.nan
+        return (crossing.radius_m**2 - radius_m**2) / (slope_m * speed_m_s)
+
+
+def _duration(time_s: float) -> str:
+    """Return a time as an operator says it."""
+    if time_s < 90.0:
+        return f"{max(1.0, round(time_s / 10.0)) * 10:.0f} s"
+    return f"{time_s / 60.0:.0f} min"

@@ -1,0 +1,141 @@
+"""Follows the site file of a running service: check, diff, apply between two ticks, or say no."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.app.supervisor.file_watch import FileWatch
+from aff_runtime.app.supervisor.pending import Pending
+from aff_runtime.app.supervisor.processes import Processes
+from aff_runtime.app.supervisor.validation import Validation, Verdict
+from aff_runtime.app.wiring.assemble import site_of
+from aff_runtime.app.wiring.parameter_record import for_control
+from aff_runtime.config.diff import diff_sites, may_apply_while_active
+
+ADOPT_PATIENCE_S = 2.0
+
+
+class EditSession:
+    """Watches the site file and the learned responses it names.
+
+    Attributes
+    ----------
+    differs : why the file is not the running configuration; empty when it is.
+    findings : warnings about the running file.
+    """
+
+    def __init__(
+        self, processes: Processes, pending: Pending, site: Path, verdict: Verdict
+    ) -> None:
+        self._processes = processes
+        self._pending = pending
+        self._site = site
+        self._watch = FileWatch(_watched(site, processes.record))
+        self._check: Validation | None = None
+        self._waiting: Verdict | None = None
+        self._handing_over = False
+        self.findings = verdict.findings
+        self.differs: tuple[str, ...] = ()
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a check or a hand-over is under way."""
+        return self._check is not None or self._handing_over
+
+    def step(self) -> None:
+        """Look at the file; take the verdict of a check that has ended."""
+        if self._watch.changed():
+            self.look_again()
+        if self._check is not None and (verdict := self._check.verdict()) is not None:
+            self._check = None
+            self._judge(verdict)
+        elif self._waiting is not None and not self._processes.is_live():
+            self._judge(self._waiting)
+
+    def look_again(self) -> None:
+        """Check the file now; a check under way is of an older file."""
+        self.close()
+        try:
+            self._check = Validation(self._site)
+        except OSError as error:
+            self._refuse(
+                [f"{self._site}:1:1  cannot be checked now: {error.strerror}; save again"]
+            )
+
+    def close(self) -> None:
+        """End a check under way."""
+        if self._check is not None:
+            self._check.abandon()
+            self._check = None
+
+    def _judge(self, verdict: Verdict) -> None:
+        """Apply, restart idle or let wait, whichever the edit allows."""
+        self._waiting = None
+        record, running = verdict.record, self._processes.record
+        if record is None:
+            self._refuse(verdict.findings)
+            return
+        found = diff_sites(site_of(running), site_of(record))
+        for change in found:
+            self._processes.note("EDIT", str(change))
+        if self._processes.control is None:
+            self._accept(record)  # the next start takes it
+        elif may_apply_while_active(found):
+            if found or record["responses"] != running["responses"]:
+                self._hand_over(record)
+            self.differs = ()
+        elif self._processes.is_live():
+            self._waiting = verdict
+            waiting = [c.path for c in found if not c.may_change_while_active]
+            self._refuse(
+                f"{path}: may not change while armed; waits for bypass" for path in waiting
+            )
+        else:
+            self._processes.stop()
+            self._accept(record)
+            for finding in verdict.findings:
+                self._processes.note("CONFIG_WARNING", finding)
+            self._processes.start()
+
+    def _hand_over(self, record: dict[str, Any]) -> None:
+        """Send the record to the control process, which takes it between two ticks."""
+        self._handing_over = True
+        ident = self._pending.expect(
+            None, lambda said: self._adopted(record, said), ADOPT_PATIENCE_S
+        )
+        control = self._processes.control
+        message = {"do": "PARAMS", "record": for_control(record), "id": ident}
+        if control is None or not control.link.send(message):
+            text = "the control process did not take the edit; save the file again"
+            self._pending.resolve({"id": ident, "ok": False, "message": text})
+
+    def _adopted(self, record: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
+        """Take the control process's word on a new parameter record."""
+        self._handing_over = False
+        if said.get("ok"):
+            self._accept(record)
+        else:
+            self._refuse([str(said.get("message", "refused"))])
+        return said
+
+    def _accept(self, record: dict[str, Any]) -> None:
+        """Take the record as the running one."""
+        self.differs = ()
+        self._processes.record = record
+        self._watch.watch(_watched(self._site, record))
+        self._processes.note("CONFIG_APPLIED", str(record["config_hash"])[:12])
+
+    def _refuse(self, why: Iterable[str]) -> None:
+        """Keep what runs and say why."""
+        self.differs = tuple(why)
+        for line in self.differs:
+            self._processes.note("CONFIG_DIFFERS", line)
+        if self._processes.control is not None:
+            self._processes.control.link.send({"do": "DIFFERS"})
+
+
+def _watched(site: Path, record: dict[str, Any]) -> list[Path]:
+    """Return the site file and the response files it names."""
+    return [site, *(Path(path) for path in record.get("response_files", {}).values())]

@@ -1,0 +1,65 @@
+"""Questions to the control process that still wait for their reply."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from aff_runtime.app.link.request_socket import Caller
+from aff_runtime.base.ports import Clock
+
+Answer = Callable[[dict[str, Any]], dict[str, Any]]
+
+
+@dataclass(slots=True, kw_only=True)
+class _Question:
+    """Who asked (None: the supervisor itself), how to answer, until when."""
+
+    caller: Caller | None
+    answer: Answer
+    until_ns: int
+
+
+class Pending:
+    """Matches replies to questions by number; every question gets exactly one answer."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._questions: dict[int, _Question] = {}
+        self._last = 0
+
+    def expect(self, caller: Caller | None, answer: Answer, patience_s: float) -> int:
+        """Return the number of a new question."""
+        self._last += 1
+        until_ns = self._clock.now_ns() + int(patience_s * 1e9)
+        self._questions[self._last] = _Question(caller=caller, answer=answer, until_ns=until_ns)
+        return self._last
+
+    def resolve(self, message: dict[str, Any]) -> None:
+        """Answer the question ``message["id"]``; a late reply has none and is dropped."""
+        question = self._questions.pop(int(message.get("id", 0)), None)
+        if question is None:
+            return
+        answer = question.answer({k: v for k, v in message.items() if k != "id"})
+        if question.caller is not None:
+            question.caller.reply(answer)
+
+    def expire(self) -> None:
+        """Answer those who have waited too long."""
+        now_ns = self._clock.now_ns()
+        for ident, question in list(self._questions.items()):
+            if now_ns >= question.until_ns:
+                text = "the control process did not reply in time"
+                self.resolve({"id": ident, "ok": False, "message": text})
+
+    def refuse_all(self, text: str) -> None:
+        """Answer everybody with a refusal."""
+        for ident in list(self._questions):
+            self.resolve({"id": ident, "ok": False, "message": text})
+
+    def forget(self, caller: Caller) -> None:
+        """Drop the questions of a caller who has hung up."""
+        for question in self._questions.values():
+            if question.caller is caller:
+                question.caller = None

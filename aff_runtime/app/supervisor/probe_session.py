@@ -1,0 +1,60 @@
+"""The supervisor's side of a probe: keep the responses, hand them on, tell the operator."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.app.link.files import replace_text
+from aff_runtime.app.link.request_socket import Caller
+from aff_runtime.app.supervisor.edit_session import EditSession
+from aff_runtime.app.supervisor.processes import Processes
+from aff_runtime.base.errors import RefusedError
+
+
+class ProbeSession:
+    """From the request to the answer.
+
+    Parameters
+    ----------
+    processes : for the record's file names and notes.
+    edits : looks at the files again, which hands the new responses to the running law.
+    caller : who asked.
+    """
+
+    def __init__(self, processes: Processes, edits: EditSession, caller: Caller) -> None:
+        self._processes = processes
+        self._edits = edits
+        self._caller = caller
+        self._answer: dict[str, Any] | None = None
+
+    def finish(self, message: dict[str, Any]) -> None:
+        """Write what was measured, or note why there is nothing."""
+        error = str(message.get("error", ""))
+        written: list[dict[str, Any]] = []
+        if not error:
+            try:
+                written = [self._keep(result) for result in message["results"]]
+            except OSError as failure:
+                error = f"{failure.filename}: {failure.strerror}; the response is not kept"
+        if error:
+            self._processes.note("PROBE", error)
+            code = RefusedError.exit_code
+            self._answer = {"ok": False, "message": error, "exit_code": code}
+            return
+        self._edits.look_again()
+        self._answer = {"ok": True, "results": written}
+
+    def has_answered(self) -> bool:
+        """Answer the caller once the running law has the new responses; True when done."""
+        if self._answer is None or (self._answer["ok"] and self._edits.is_busy):
+            return False
+        self._caller.reply(self._answer)
+        return True
+
+    def _keep(self, result: dict[str, Any]) -> dict[str, Any]:
+        """Replace one response file at once; return the result with its path."""
+        path = Path(self._processes.record["response_files"][result["actuator"]])
+        replace_text(path, result["text"] + "\n")
+        self._processes.note("PROBE", f"{result['actuator']}: {path}")
+        return {**result, "file": str(path)}

@@ -1,0 +1,229 @@
+"""Control process and recorder as one unit: started, watched, restarted idle, stopped."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any
+
+from aff_runtime.app.supervisor.control_child import ControlChild
+from aff_runtime.app.supervisor.recorder_child import RecorderChild
+from aff_runtime.app.supervisor.restart_policy import RestartPolicy
+from aff_runtime.app.supervisor.run_options import RunOptions
+from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
+from aff_runtime.base.ports import Clock
+from aff_runtime.base.signals import StateBits
+from aff_runtime.telemetry.ring import RingReader
+
+STOP_PATIENCE_S = 3.0
+RECORDER_PATIENCE_S = 5.0
+START_PATIENCE_NS = 15_000_000_000
+LIVE_BITS = StateBits.ARMED | StateBits.ACTIVE | StateBits.FADING
+LOUD_NOTES = ("CONFIG_DIFFERS", "CONFIG_WARNING", "CONTROL_DIED")
+LOG = logging.getLogger("aff_runtime")
+
+
+class Processes:
+    """The children of the supervisor.
+
+    Attributes
+    ----------
+    record : parameter record that the control process runs on, or will be started with.
+    control : None while there is no control process.
+    ring : None until the control process has made one.
+    blocked : the control process's word on what stands against an armed output.
+    troubles : its words on what ails the wire.
+    gave_up : the control process died too often.
+    shapes : learned shapes, kept across starts.
+    """
+
+    def __init__(
+        self,
+        options: RunOptions,
+        record: dict[str, Any],
+        clock: Clock,
+        *,
+        on_change: Callable[[], None],
+    ) -> None:
+        self._options = options
+        self._clock = clock
+        self._policy = RestartPolicy()
+        self._recorder: RecorderChild | None = None
+        self._recorder_policy = RestartPolicy()
+        self._recorder_lost = False
+        self._old_recorders: list[RecorderChild] = []
+        self._restart_at_ns: int | None = None
+        self._started_at_ns = 0
+        self._on_change = on_change
+        self.record = record
+        self.control: ControlChild | None = None
+        self.ring: RingReader | None = None
+        self.blocked = ""
+        self.troubles: list[str] = []
+        self.gave_up = False
+        self.shapes = ShapeShelf(self.note)
+
+    def start(self) -> None:
+        """Start the control process; its first words tell when there is a ring."""
+        self._restart_at_ns = None
+        self._started_at_ns = self._clock.now_ns()
+        self.blocked = ""
+        self.troubles = []
+        try:
+            record = {**self.record, "shapes": self.shapes.load(self.record)}
+            self.control = ControlChild(
+                record, self._options.paths.ring, shadow=self._options.shadow
+            )
+        except OSError as error:
+            LOG.error("the control process cannot be started (%s)", error.strerror)
+            self._come_back()
+            return
+        self._on_change()
+        LOG.info("control process %d started", self.control.pid)
+
+    def stop(self) -> bool:
+        """Let the control process fade and end, and the recorder flush in its own time.
+
+        Return whether its last commands were zero.
+        """
+        reached_zero = self.control is not None
+        if self.control is not None:
+            pid = self.control.pid
+            reached_zero = self.control.stop(patience_s=STOP_PATIENCE_S)
+            if not reached_zero:
+                LOG.error("control process %d did not end in good order", pid)
+            for message in self.control.replies():
+                self.shapes.hear(self.record, message)
+            self._forget_control()
+        self._release_ring()
+        return reached_zero
+
+    def finish(self) -> bool:
+        """Stop everything and wait for the recorders; return whether zero was sent last."""
+        reached_zero = self.stop()
+        for recorder in self._old_recorders:
+            recorder.wait(RECORDER_PATIENCE_S)
+        self._options.paths.ring.unlink(missing_ok=True)
+        return reached_zero
+
+    def watch(self) -> bool:
+        """Notice a death, restart when due; return True when the control process has died."""
+        for recorder in [r for r in self._old_recorders if not r.report()["alive"]]:
+            recorder.wait(0.0)
+            self._old_recorders.remove(recorder)
+        due_ns = self._restart_at_ns
+        if due_ns is not None and self._clock.now_ns() >= due_ns:
+            self.start()
+        self._look_after_recorder()
+        if self.control is None:
+            return False
+        if self.ring is None and self._clock.now_ns() > self._started_at_ns + START_PATIENCE_NS:
+            self.control.kill()
+        if (how := self.control.ended()) is None:
+            return False
+        self.note("CONTROL_DIED", f"control process {self.control.pid}: {how}")
+        for message in self.control.replies():
+            if message.get("did") == "LOG":
+                LOG.error("control: %s", message.get("text", ""))
+            self.shapes.hear(self.record, message)
+        self._forget_control()
+        self._release_ring()
+        self._come_back()
+        return True
+
+    def _look_after_recorder(self) -> None:
+        """Let another recorder follow a ring whose recorder died; not for ever."""
+        recorder, ring = self._recorder, self.ring
+        if recorder is None or ring is None or self._recorder_lost:
+            return
+        if recorder.report()["alive"] or not ring.writer_alive():
+            return
+        if self._recorder_policy.died(self._clock.now_ns() * 1e-9) is None:
+            LOG.error("the recorder died three times within 60 s; nothing is recorded from now on")
+            self._recorder_lost = True
+            return
+        LOG.error("the recorder died; another one takes over")
+        recorder.wait(0.0)
+        self._recorder = None
+        self._start_recorder(ring)
+
+    def _come_back(self) -> None:
+        """Plan the next start of the control process, or give up."""
+        pause_s = self._policy.died(self._clock.now_ns() * 1e-9)
+        if pause_s is None:
+            LOG.error("the control process died three times within 60 s; giving up")
+            self.gave_up = True
+        else:
+            LOG.warning("control restarts idle in %.1f s; it needs an operator's arm", pause_s)
+            self._restart_at_ns = self._clock.now_ns() + int(pause_s * 1e9)
+
+    def take_ring(self) -> None:
+        """Follow the ring that the control process has just made; begin a new record."""
+        self._release_ring()
+        try:
+            self.ring = RingReader(self._options.paths.ring)
+        except OSError:
+            return  # it ended before we looked
+        self._recorder_lost = False
+        self._start_recorder(self.ring)
+
+    def _start_recorder(self, ring: RingReader) -> None:
+        """Begin a new record of ``ring``; the service goes on without one if need be."""
+        recording = self.record["site"]["recording"]
+        directory = self._options.record_directory
+        if directory is None:
+            directory = self._options.site.absolute().parent / recording["directory"]
+        context = {
+            "name": self.record["site"]["line"]["name"],
+            "site_file": str(self._options.site.absolute()),
+            "max_MB": recording["max_MB"],
+            "segment_s": recording["segment_s"],
+            "site_text": self.record["site_text"],
+        }
+        try:
+            self._recorder = RecorderChild(ring, directory, context)
+        except OSError as error:
+            LOG.error("nothing is recorded: the recorder cannot be started (%s)", error.strerror)
+
+    def note(self, name: str, text: str) -> None:
+        """Put a line into the log and into the record's events."""
+        loud = name in LOUD_NOTES
+        LOG.log(logging.WARNING if loud else logging.INFO, "%s: %s", name, text)
+        if self._recorder is not None:
+            self._recorder.note(name, text)
+
+    def latest(self) -> dict[str, float] | None:
+        """Return the newest ring record by column name, None while there is none."""
+        return self.ring.status() if self.ring is not None else None
+
+    def recorder_report(self) -> dict[str, Any]:
+        """Return what the recorder says of itself."""
+        return self._recorder.report() if self._recorder is not None else {}
+
+    def is_live(self) -> bool:
+        """Return whether a correction may be going out."""
+        latest = self.latest()
+        return latest is not None and bool(int(latest["state_bits"]) & LIVE_BITS)
+
+    def bypass(self) -> None:
+        """Take the correction back, by link and by signal: one of them works."""
+        if self.control is not None and self.control.ended() is None:
+            self.note("OPERATOR", "bypass")
+            self.control.link.send({"do": "BYPASS"})
+            self.control.bypass_by_signal()
+
+    def _forget_control(self) -> None:
+        """Release the control process that has ended."""
+        if self.control is not None:
+            ended, self.control = self.control, None
+            self._on_change()
+            ended.close()
+
+    def _release_ring(self) -> None:
+        """Let go of the ring; its recorder ends by itself when everything is written."""
+        if self.ring is not None:
+            self.ring.close()
+            self.ring = None
+        if self._recorder is not None:
+            self._old_recorders.append(self._recorder)
+            self._recorder = None

@@ -1,0 +1,28 @@
+"""What the command line says about a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from aff_runtime.app.link.runtime_directory import RuntimePaths
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunOptions:
+    """Options of ``aff-runtime run``.
+
+    Attributes
+    ----------
+    site : the site file.
+    paths : socket and ring.
+    record_directory : folder of all records; None takes the site file's.
+    shadow : compute and record, transmit zero.
+    forget : start without the saved shapes of rolls that are exchanged.
+    """
+
+    site: Path
+    paths: RuntimePaths
+    record_directory: Path | None = None
+    shadow: bool = False
+    forget: bool = False

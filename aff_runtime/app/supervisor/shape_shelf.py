@@ -1,0 +1,99 @@
+"""The supervisor's side of learned shapes: files beside the responses, and words for status."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.app.link.files import replace_text
+from aff_runtime.app.wiring.shape_file import WAITS, ShapeFile, read_shapes
+from aff_runtime.base.errors import ConfigError
+from aff_runtime.core.shape.profile import ShapeProfile
+
+KEPT_WORDS = 8
+
+
+class ShapeShelf:
+    """Reads shapes for a control process that starts, keeps what one hands on.
+
+    Parameters
+    ----------
+    note : takes (name, text) for the log and the record.
+
+    Attributes
+    ----------
+    words : what became of shapes last, newest at the end.
+    """
+
+    def __init__(self, note: Callable[[str, str], None]) -> None:
+        self._note = note
+        self.words: list[str] = []
+
+    def load(self, record: Mapping[str, Any]) -> dict[str, str]:
+        """Return the texts of the shape files of a parameter record."""
+        texts, faults = read_shapes(record.get("shape_files", {}))
+        for fault in faults:
+            self._say(fault)
+        return texts
+
+    def hear(self, record: Mapping[str, Any], message: Mapping[str, Any]) -> bool:
+        """Take a message of the control process; False when it is not about shapes."""
+        actuator = str(message.get("actuator", ""))
+        if message.get("did") == "SHAPE":
+            self._over(actuator)
+            self._say(f"{actuator}: {message['text']}")
+        elif message.get("did") == "LEARNED":
+            self._keep(record, actuator, str(message["file"]))
+        else:
+            return False
+        return True
+
+    def _keep(self, record: Mapping[str, Any], actuator: str, text: str) -> None:
+        name = record.get("shape_files", {}).get(actuator)
+        if name is None:
+            return
+        try:
+            replace_text(Path(name), text + "\n")
+        except OSError as error:
+            self._say(f"{actuator}: {name}: {error.strerror}; the shape is not kept")
+            return
+        self._say(f"{actuator}: what was learned is kept in {name}")
+
+    def forget(self, record: Mapping[str, Any]) -> None:
+        """Take the shapes of rolls that are exchanged out of the files; rollers stay.
+
+        Raises
+        ------
+        ConfigError
+            When a file cannot be written.
+        """
+        exchanged = {
+            name for name, roll in record["site"]["rolls"].items() if roll["resets_on"] == "splice"
+        }
+        for actuator, text in self.load(record).items():
+            file = ShapeFile.from_json(text)
+            left = {k: w for k, w in file.profile.weight_m.items() if k[0] not in exchanged}
+            if len(left) == len(file.profile.weight_m):
+                continue
+            heavy = {r: w for r, w in file.profile.imbalance_m.items() if r not in exchanged}
+            kept = ShapeProfile(
+                weight_m=left, correction=file.profile.correction, imbalance_m=heavy
+            )
+            path = Path(record["shape_files"][actuator])
+            try:
+                replace_text(path, replace(file, profile=kept).to_json() + "\n")
+            except OSError as error:
+                raise ConfigError(
+                    f"{path}: {error.strerror}; the shape in this file is not forgotten"
+                ) from None
+            self._say(f"{actuator}: the shape of {', '.join(sorted(exchanged))} is forgotten")
+
+    def _over(self, actuator: str) -> None:
+        """Drop the word that a shape of this actuator waits: something became of it."""
+        self.words = [w for w in self.words if not (w.startswith(actuator + ":") and WAITS in w)]
+
+    def _say(self, text: str) -> None:
+        self.words = [*self.words[-KEPT_WORDS + 1 :], text]
+        self._note("SHAPE", text)

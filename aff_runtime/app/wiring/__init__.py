@@ -1,0 +1,1 @@
+"""From a site file to the parts that the control process runs."""

@@ -1,0 +1,177 @@
+"""Site file to the settings of the law and of the probe."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from aff_runtime.base.errors import RefusedError
+from aff_runtime.config.channel_units import unit_of_channel
+from aff_runtime.config.models import Actuator, Drive, Roll, Site
+from aff_runtime.core.params import (
+    ActuatorParams,
+    BlockParams,
+    DriveParams,
+    LawKind,
+    OutputKind,
+    ProbeParams,
+    RollParams,
+    ShapeParams,
+    SiteParams,
+)
+from aff_runtime.core.shape.basis import FADE_TO_HZ
+
+NOISE_N, NOISE_M_S = 0.6, 2e-4
+CYCLES_ON_THE_WAY = 3  # the angle's age, one tick to be sent, one PLC scan to the drive
+SHAPE_PROBE_TO_HZ = FADE_TO_HZ + 0.4  # a tone beside the highest order that goes out
+SHAPE_GRID = 20
+ORDERS_BEYOND = 8  # ripple above the highest order that the site corrects
+_COUNTS = {"u16": 2**16, "i16": 2**16, "u32": 2**32, "i32": 2**32}
+
+
+def site_params(site: Site) -> SiteParams:
+    """Return what the law needs of the site; disabled blocks are left out."""
+    return SiteParams(
+        cycle_s=site.cycle_s,
+        channels=tuple(site.gateway.read.channels),
+        rolls=tuple(_roll(site, name, roll) for name, roll in site.rolls.items()),
+        actuators=tuple(_actuator(site, name, a) for name, a in site.actuators.items()),
+        line_speed=site.line.speed,
+    )
+
+
+def probe_params(site: Site, actuators: Sequence[str]) -> ProbeParams:
+    """Return how the response of ``actuators`` is measured.
+
+    Raises
+    ------
+    RefusedError
+        When one of them does not exist or they differ in kind of output.
+    """
+    unknown = [name for name in actuators if name not in site.actuators]
+    if unknown:
+        known = ", ".join(site.actuators)
+        raise RefusedError(f"no actuator {unknown[0]!r} in the site file; there are {known}")
+    kinds = {site.actuators[name].output for name in actuators}
+    if len(kinds) != 1:
+        raise RefusedError(
+            "velocity and torque references have different amplitudes; "
+            "probe them one after the other with --actuator"
+        )
+    is_velocity = kinds == {"velocity_reference"}
+    shape = any(site.actuators[name].uses_shape for name in actuators)
+    return replace(
+        _shape_probe(site) if shape else ProbeParams(actuators=(), amplitude=0.0),
+        actuators=tuple(actuators),
+        amplitude=site.probe.amplitude_m_s if is_velocity else site.probe.amplitude_N_m,
+        duration_s=site.probe.duration_s,
+        offset_Hz=site.probe.offset_Hz,
+        extra_frequencies_Hz=tuple(site.probe.extra_frequencies_Hz),
+        max_speed_m_s=site.speed_max_m_s if math.isfinite(site.speed_max_m_s) else 0.0,
+    )
+
+
+def _shape_probe(site: Site) -> ProbeParams:
+    """Return what differs for the shape law: tones up to its fade, more ripple to tell apart."""
+    highest = max(max(b.orders) for a in site.actuators.values() for b in a.blocks)
+    return ProbeParams(
+        actuators=(),
+        amplitude=0.0,
+        f_max_Hz=SHAPE_PROBE_TO_HZ,
+        grid_points=SHAPE_GRID,
+        nuisance_orders=highest + ORDERS_BEYOND,
+    )
+
+
+def _roll(site: Site, name: str, roll: Roll) -> RollParams:
+    """Return where the angle of one roll comes from."""
+    return RollParams(
+        name=name,
+        angle=roll.angle,
+        angle_modulus_rad=_modulus_rad(site, roll.angle),
+        speed=roll.speed,
+        speed_is_surface=not (roll.speed or "").endswith("_rad_s"),
+        line_speed=roll.line_speed or site.line.speed,
+        radius=roll.radius,
+        radius_m=roll.radius_m,
+        radius_min_m=roll.smallest_radius_m,
+        radius_max_m=roll.largest_radius_m,
+        resets_on_splice=roll.resets_on == "splice",
+    )
+
+
+def _modulus_rad(site: Site, angle: str | None) -> float | None:
+    """Return the range after which an angle's counter starts over, rad."""
+    if angle is None or not site.gateway.read.channels[angle].wraps:
+        return None
+    channel = site.gateway.read.channels[angle]
+    return _COUNTS[channel.type] * abs(channel.scale) if channel.type is not None else None
+
+
+def _actuator(site: Site, name: str, actuator: Actuator) -> ActuatorParams:
+    """Return one correction output and its enabled blocks."""
+    params = _plain(name, actuator)
+    drive = actuator.drive
+    if not actuator.uses_shape or drive is None:
+        return params
+    transport_s = CYCLES_ON_THE_WAY * site.cycle_s
+    if drive.transport_ms is not None:
+        transport_s = drive.transport_ms * 1e-3
+    return replace(
+        params,
+        law=LawKind.SHAPE,
+        transport_s=transport_s,
+        drive=_drive(drive),
+        shape=ShapeParams(
+            memory_turns=actuator.memory_turns,
+            signal_sd=_noise(actuator),
+            weight_limit_m=actuator.shape_limit_m,
+            response_s=actuator.response_memory_s,
+        ),
+    )
+
+
+def _drive(drive: Drive) -> DriveParams:
+    """Return the declared drive, with what turns behind its gear seen at the roll."""
+    return DriveParams(
+        roll=drive.roll,
+        K_ref_rad_s=drive.speed_gain_rad_s,
+        zeta=drive.damping,
+        inertia_kg_m2=drive.total_inertia_kg_m2,
+        web_density_kg_m3=drive.web_density_kg_m3,
+        web_width_m=drive.web_width_m,
+        core_radius_m=drive.core_radius_m,
+        tension_N=drive.tension_N or 0.0,
+        torque_term=drive.tension_pulls,
+        imbalance=drive.imbalance,
+        web_leaves_rad=math.nan if drive.web_leaves_rad is None else drive.web_leaves_rad,
+    )
+
+
+def _noise(actuator: Actuator) -> float:
+    """Return how far one reading may be off, in the signal's unit."""
+    if unit_of_channel(actuator.error.signal) == "N":
+        return actuator.error.noise_N or NOISE_N
+    return actuator.error.noise_m_s or NOISE_M_S
+
+
+def _plain(name: str, actuator: Actuator) -> ActuatorParams:
+    """Return what both laws need."""
+    return ActuatorParams(
+        name=name,
+        signal=actuator.error.signal,
+        reference=actuator.error.reference,
+        output=OutputKind(actuator.output),
+        active_above_m_s=actuator.active_above_m_s,
+        blocks=tuple(
+            BlockParams(
+                roll=block.roll,
+                orders=tuple(block.orders),
+                settle_s=block.settle_s,
+                amp_limit=block.amp_limit,
+            )
+            for block in actuator.blocks
+            if block.enabled
+        ),
+    )

@@ -1,0 +1,1 @@
+"""The plain law: harmonic blocks in parallel."""

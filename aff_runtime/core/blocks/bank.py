@@ -1,0 +1,288 @@
+"""The plain law of one actuator: harmonic blocks in parallel on one error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from aff_runtime.base.signals import ActuatorStep
+from aff_runtime.core.blocks.block import HarmonicBlock
+from aff_runtime.core.blocks.sharing import gain_share
+from aff_runtime.core.gate import RAMP_S, SpeedGate
+from aff_runtime.core.law import ActuatorLaw, Inputs
+from aff_runtime.core.monitor import OrderMonitor, Trend
+from aff_runtime.core.params import ActuatorParams
+from aff_runtime.core.phase import Quality, RollPhase
+from aff_runtime.core.residual import Residual
+from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response, arming_objections
+
+SAMPLES_PER_TURN = 20.0
+FADE_FROM = 0.9
+MIN_OMEGA_RAD_S = 1e-3
+REFRESHED_PER_TICK = 4
+MAX_ELAPSED_S = 0.1
+RATIO_EPS = 1e-9
+
+
+class _Slot:
+    """One block with its roll, its monitor and what is known about its present frequency."""
+
+    __slots__ = (
+        "at",
+        "block",
+        "bound_rad",
+        "fade",
+        "heard",
+        "monitor",
+        "phase",
+        "rate_1_s",
+        "response",
+        "roll",
+        "scale",
+        "share",
+    )
+
+    def __init__(
+        self, roll: str, at: int, phases: Mapping[str, RollPhase], block: HarmonicBlock
+    ) -> None:
+        self.roll = roll
+        self.at = at
+        self.phase = phases[roll]
+        self.block = block
+        self.monitor = OrderMonitor()
+        self.response = 0j
+        self.heard = 1.0
+        self.bound_rad = math.pi
+        self.rate_1_s = 0.0
+        self.share = 0.0
+        self.scale = 1.0
+        self.fade = 0.0
+
+    @property
+    def omega_rad_s(self) -> float:
+        return self.block.order * self.phase.omega_rad_s
+
+    @property
+    def name(self) -> str:
+        return f"{self.roll}_{self.block.order}x"
+
+
+class Bank:
+    """Blocks of one actuator, their sum, and the bounds the guard needs.
+
+    A limit in force comes back as ``limit_ratio`` and shortens every weight alike, so a limit
+    neither winds up nor clips. P, phase bound and gain share of a few blocks are renewed per tick,
+    in turn: frequencies move slowly, and the tick stays short with many blocks.
+    """
+
+    def __init__(
+        self,
+        params: ActuatorParams,
+        *,
+        phases: Mapping[str, RollPhase],
+        response: Response | None,
+        cycle_s: float,
+    ) -> None:
+        self._p = params
+        self._response = response
+        self._lead_s = 0.5 * cycle_s + params.transport_s
+        self._omega_max = math.tau / (SAMPLES_PER_TURN * cycle_s)
+        self._residual = Residual(params.mean_tau_s)
+        self._gate = SpeedGate(params.active_above_m_s)
+        rolls = list(dict.fromkeys(b.roll for b in params.blocks))
+        self._rolls = [phases[roll] for roll in rolls]
+        self._slots = [
+            _Slot(b.roll, rolls.index(b.roll), phases, HarmonicBlock(n, b.settle_s, b.amp_limit))
+            for b in params.blocks
+            for n in b.orders
+        ]
+        self._omegas = [0.0] * len(self._slots)
+        self._rates = [0.0] * len(self._slots)
+        self._next = 0
+        self._adapting = False
+
+    def step(self, inputs: Inputs) -> ActuatorStep:
+        """Advance by one tick; weights move only on a fresh sample and with permission."""
+        if 0.0 < inputs.limit_ratio < 1.0 - RATIO_EPS:
+            for slot in self._slots:
+                slot.block.scale_weights(inputs.limit_ratio)
+        error = self._residual.step(
+            signal=inputs.signal, reference=inputs.reference, dt_s=inputs.dt_s, fresh=inputs.fresh
+        )
+        gate = self._gate.step(self._speed_m_s(inputs.line_speed_m_s), inputs.dt_s)
+        self._turn()
+        self._refresh()
+        self._adapting = inputs.adapt and gate == 1.0 and math.isfinite(error)
+        if math.isfinite(error):
+            self._learn(error, gate > 0.0 and inputs.applied_ratio > 0.01)
+        return self._sum(gate)
+
+    def _speed_m_s(self, line_speed_m_s: float) -> float:
+        """Return the line speed, or the fastest surface of the rolls when there is no channel."""
+        if math.isfinite(line_speed_m_s):
+            return line_speed_m_s
+        fastest = 0.0
+        for slot in self._slots:
+            fastest = max(fastest, abs(slot.phase.omega_rad_s * slot.phase.radius_m))
+        return fastest
+
+    def _turn(self) -> None:
+        scaled, limit = self._p.scales_with_speed, self._omega_max
+        fades_from = FADE_FROM * limit
+        rolls = [(phase.lead(self._lead_s), phase.omega_rad_s) for phase in self._rolls]
+        slowest = math.inf
+        for i, slot in enumerate(self._slots):
+            theta, turning = rolls[slot.at]
+            block = slot.block
+            block.turn(theta)
+            slot.scale = turning if scaled else 1.0
+            omega = self._omegas[i] = block.order * turning
+            size = abs(omega)
+            if size <= fades_from:
+                slot.fade = 1.0
+            else:
+                slot.fade = min(1.0, max(0.0, (limit - size) / ((1.0 - FADE_FROM) * limit)))
+            if MIN_OMEGA_RAD_S <= size < slowest:
+                slowest = size
+        self._residual.follow(slowest if slowest < math.inf else 0.0)
+
+    def _refresh(self) -> None:
+        """Renew what depends on frequency, a few blocks per tick."""
+        count = len(self._slots)
+        for _ in range(min(count, REFRESHED_PER_TICK)):
+            i = self._next
+            self._next = (i + 1) % count
+            slot = self._slots[i]
+            omega = self._omegas[i]
+            if self._response is None or abs(omega) < MIN_OMEGA_RAD_S:
+                slot.bound_rad = math.pi
+                slot.share = 0.0
+                continue
+            frequency_Hz = omega / math.tau
+            passed = self._residual.response(frequency_Hz)
+            slot.heard = abs(passed)
+            slot.response = self._response.at(frequency_Hz) * passed
+            slot.bound_rad = self._response.phase_error_bound_rad(frequency_Hz)
+            slot.rate_1_s = slot.block.adaptation_rate(self._response.memory_s(frequency_Hz))
+            self._rates[i] = slot.rate_1_s
+            slot.share = gain_share(i, self._omegas, self._rates)
+
+    def _learn(self, error: float, correcting: bool) -> None:
+        elapsed_s, adapting = self._residual.elapsed_s, self._adapting
+        dt_s = min(elapsed_s, MAX_ELAPSED_S)
+        sure = [
+            phase.quality is not Quality.LOST and abs(phase.omega_rad_s) >= MIN_OMEGA_RAD_S
+            for phase in self._rolls
+        ]
+        for slot in self._slots:
+            block = slot.block
+            slot.monitor.step(
+                error=error / slot.heard,
+                carrier=block.carrier,
+                omega_rad_s=slot.phase.omega_rad_s,
+                dt_s=elapsed_s,
+                correcting=correcting,
+            )
+            known = slot.bound_rad <= MAX_PHASE_ERROR_RAD and slot.fade == 1.0
+            if adapting and known and sure[slot.at]:
+                block.adapt(
+                    error=error,
+                    response=slot.response,
+                    scale=slot.scale,
+                    rate_1_s=slot.rate_1_s * slot.share,
+                    dt_s=dt_s,
+                )
+            else:
+                block.hold()
+
+    def _sum(self, gate: float) -> ActuatorStep:
+        value = peak = slew = 0.0
+        for slot, omega in zip(self._slots, self._omegas, strict=True):
+            block, scale = slot.block, slot.scale
+            amplitude = slot.fade * block.limit(scale)
+            value += slot.fade * block.output(scale)
+            peak += amplitude
+            slew += abs(omega) * amplitude + block.rate_1_s * abs(scale)
+        if self._gate.moving:
+            slew = gate * slew + peak / RAMP_S
+        if not math.isfinite(value + slew):
+            return ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
+        return ActuatorStep(value=gate * value, peak_bound=gate * peak, slew_bound=slew)
+
+    def reset_roll(self, roll: str) -> None:
+        """Forget the blocks of a roll that was changed."""
+        for slot in self._slots:
+            if slot.roll == roll:
+                slot.block.reset()
+                slot.monitor.reset()
+
+    def weights(self) -> Mapping[tuple[str, int], complex]:
+        """Return the complex weights by (roll, order), m when scaled with speed."""
+        return {(slot.roll, slot.block.order): slot.block.weight for slot in self._slots}
+
+    def adopt(self, old: ActuatorLaw) -> None:
+        """Take over weights, ripple, mean and gate; orders that ``old`` lacks start from zero."""
+        if isinstance(old, Bank):
+            self._follow(old)
+
+    def _follow(self, old: Bank) -> None:
+        if old._p.scales_with_speed != self._p.scales_with_speed:
+            return
+        learned = {(slot.roll, slot.block.order): slot for slot in old._slots}
+        for slot in self._slots:
+            before = learned.get((slot.roll, slot.block.order))
+            if before is not None:
+                slot.block.weight = before.block.weight
+                slot.monitor = before.monitor
+        if (old._p.signal, old._p.reference) == (self._p.signal, self._p.reference):
+            self._residual = old._residual
+        self._gate.share = old._gate.share
+        self._gate.opened = old._gate.opened
+
+    def objections(self) -> tuple[str, ...]:
+        """Return why this actuator may not arm at the present speed."""
+        wanted = [(slot.name, slot.omega_rad_s / math.tau) for slot in self._slots]
+        found = list(arming_objections(self._response, wanted))
+        limit_Hz = self._omega_max / math.tau
+        for name, frequency_Hz in wanted:
+            if abs(frequency_Hz) > limit_Hz:
+                found.append(f"{name}: {abs(frequency_Hz):.2f} Hz exceeds 1/20 of the sample rate")
+        return tuple(found)
+
+    def ripple(self) -> tuple[float, float]:
+        """Return the root sum of squares of all orders' amplitudes, before and now."""
+        before = now = 0.0
+        for slot in self._slots:
+            before += slot.monitor.before**2
+            now += slot.monitor.now**2
+        return math.sqrt(before), math.sqrt(now)
+
+    def telemetry(self) -> tuple[float, ...]:
+        """Return amplitude, phase, state and ripple per block."""
+        row: list[float] = []
+        for slot in self._slots:
+            w = slot.block.weight
+            row += (
+                slot.block.amplitude(slot.scale),
+                math.degrees(math.atan2(w.imag, w.real)),
+                float(self._state(slot)),
+                slot.monitor.before,
+                slot.monitor.now,
+            )
+        return tuple(row)
+
+    def telemetry_names(self) -> tuple[str, ...]:
+        """Return five columns per block."""
+        columns = (f"amplitude_{self._p.unit}", "phase_deg", "state", "ripple_before", "ripple")
+        return tuple(f"{slot.name}.{column}" for slot in self._slots for column in columns)
+
+    def _state(self, slot: _Slot) -> Trend:
+        if self._gate.share == 0.0:
+            return Trend.IDLE
+        if slot.fade < 1.0:
+            return Trend.HELD_FREQUENCY
+        if slot.bound_rad > MAX_PHASE_ERROR_RAD:
+            return Trend.HELD_PHASE
+        if slot.block.clamped:
+            return Trend.CLAMPED
+        return slot.monitor.trend() if self._adapting else Trend.FROZEN

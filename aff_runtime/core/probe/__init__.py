@@ -1,0 +1,1 @@
+"""The probe: tones out, response measured."""

@@ -1,0 +1,1 @@
+"""The shape law: weights are the roll's shape in metres."""

@@ -1,0 +1,257 @@
+"""What a shape does to the web, turned round: the velocity reference per metre of deviation."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.core.params import DriveParams
+from aff_runtime.core.phase import RollPhase
+from aff_runtime.core.shape.columns import Common
+
+Complexes = npt.NDArray[np.complex128]
+Floats = npt.NDArray[np.float64]
+FADE_FROM_HZ, FADE_TO_HZ = 17.0, 19.0
+SPEED_TAU_S = 0.3
+ABSURD = 1e4  # no line runs at that speed (m/s), no roll turns at it (rad/s)
+IMBALANCE_N_M_PER_M = 100.0
+
+
+class SpeedTrack:
+    """Line speed and its slope: a critically damped tracker, no lag behind a ramp."""
+
+    __slots__ = ("_seeded", "slope_m_s2", "speed_m_s")
+
+    def __init__(self) -> None:
+        self.speed_m_s = 0.0
+        self.slope_m_s2 = 0.0
+        self._seeded = False
+
+    def step(self, measured_m_s: float, dt_s: float) -> None:
+        """Take one reading; a missing one is predicted."""
+        self.speed_m_s += self.slope_m_s2 * dt_s
+        if not abs(measured_m_s) < ABSURD:
+            return
+        if not self._seeded:
+            self.speed_m_s = measured_m_s
+            self._seeded = True
+            return
+        keep = math.exp(-dt_s / SPEED_TAU_S)
+        miss = measured_m_s - self.speed_m_s
+        self.speed_m_s += (1.0 - keep * keep) * miss
+        self.slope_m_s2 += (1.0 - keep) ** 2 * miss / dt_s
+
+
+class ShapeBasis:
+    r"""b_n: the velocity reference that cancels one metre of deviation of order n.
+
+    Derivation. A roll of mean radius R with moment arm R + p, p = Re W q, q = e^{j n theta}, lets
+    out web at (R + p) w and its drive obeys J w' = J K (1 + c/s)(v/R - w) + T p, c = K/(4 zeta^2)
+    (source 2.24 and 4.37 with the moment arm). The web sees no ripple when w = w0 (1 - p/R); then
+
+        v = -[ z + s^2/(K (s + c)) z + (R T/(J K)) s/(s + c) q ],    z = w0 q
+
+    per metre of W: length rate through the velocity loop, and the torque that the tension puts on
+    the roll through the varying arm, which does not grow with speed. With z' = w0' q + j n w0 z
+    the middle term is (z' - c z + c l)/K with the low-pass l = c/(s + c) z, and s/(s + c) q is
+    q - c/(s + c) q: two low-passes per column are the only memory.
+
+    Columns: every order of the drive's own roll with both terms, T plus the weight of what sticks
+    out (``DriveParams.weight_of_shape_N``) for order 1; one for an imbalance beyond that,
+    -(R/(J K)) s/(s + c) q_1, 0.1 N m per millimetre; orders of other rolls with the first term.
+    Orders fade out between 17 and 19 Hz, where the loop gives no authority.
+    """
+
+    __slots__ = (
+        "_arm",
+        "_before",
+        "_core",
+        "_drive",
+        "_heaves",
+        "_imbalance",
+        "_index",
+        "_known",
+        "_lead_s",
+        "_low",
+        "_now",
+        "_own",
+        "_owns",
+        "_phases",
+        "_pull",
+        "_rolls",
+        "_span",
+        "_track",
+        "_turns",
+        "_work",
+        "b",
+        "fade",
+        "frequency_Hz",
+        "names",
+        "omega_rad_s",
+        "order",
+        "rolls",
+        "turn_s",
+    )
+
+    def __init__(
+        self,
+        columns: list[tuple[str, int]],
+        phases: dict[str, RollPhase],
+        drive: DriveParams,
+        lead_s: float,
+    ) -> None:
+        """Lay out the columns; an imbalance column follows when the drive's roll has order 1."""
+        heavy = drive.imbalance and (drive.roll, 1) in columns
+        entries = [*columns, (drive.roll, 1)] if heavy else list(columns)
+        count = len(entries)
+        self.rolls = tuple(dict.fromkeys(roll for roll, _ in entries))
+        self.names = [f"{roll}_{n}x" for roll, n in columns] + ["imbalance"] * heavy
+        self._phases = [phases[roll] for roll in self.rolls]
+        self._own = self.rolls.index(drive.roll)
+        self._index = np.array([self.rolls.index(roll) for roll, _ in entries])
+        self.order = np.array([float(n) for _, n in entries])
+        self._pull = np.array([float(roll == drive.roll) for roll, _ in entries])
+        self._pull *= float(drive.torque_term)
+        self._owns = np.ones(count)
+        self._imbalance = np.zeros(count)
+        if heavy:
+            self._owns[-1] = self._pull[-1] = 0.0
+            self._imbalance[-1] = IMBALANCE_N_M_PER_M
+        self._heaves = self._pull * (self.order == 1.0)
+        self._drive = drive
+        self._lead_s = lead_s
+        self._track = SpeedTrack()
+        # angle, omega, first term per metre (real; imaginary per order), s per turn, Hz: per roll
+        self._rolls = np.zeros((6, len(self.rolls)))
+        self._turns = np.zeros((6, count))
+        self._low = np.zeros((2, count), dtype=np.complex128)
+        self._before = np.zeros((2, count), dtype=np.complex128)
+        self._now = np.zeros((2, count), dtype=np.complex128)
+        self._work = np.zeros((2, count), dtype=np.complex128)
+        self._core = np.zeros(count, dtype=np.complex128)
+        self._arm = np.zeros(count, dtype=np.complex128)
+        self._known = (math.nan, math.nan)
+        self._span = 1.0 / (FADE_TO_HZ - FADE_FROM_HZ)
+        self.b = np.zeros(count, dtype=np.complex128)
+        self.fade = np.zeros(count)
+        self.frequency_Hz = np.zeros(count)
+        self.omega_rad_s = np.zeros(count)
+        self.turn_s = np.full(count, math.inf)
+
+    def step(self, line_speed_m_s: float, tension_N: float, dt_s: float) -> None:
+        """Advance to the angles the phases have now; the result is in ``b``, 1/s."""
+        K, c = self._drive.K_ref_rad_s, self._drive.corner_rad_s
+        self._track.step(line_speed_m_s, dt_s)
+        self._read_rolls(K, c)
+        turns = self._turns
+        np.take(self._rolls, self._index, axis=1, out=turns, mode="clip")
+        order, now, work, low = self.order, self._now, self._work, self._low
+        self.omega_rad_s, self.turn_s = turns[1], turns[4]
+        np.multiply(order, turns[5], out=self.frequency_Hz)
+        np.subtract(FADE_TO_HZ, self.frequency_Hz, out=self.fade)
+        self.fade *= self._span
+        np.maximum(self.fade, 0.0, out=self.fade)
+        np.minimum(self.fade, 1.0, out=self.fade)
+        np.multiply(order, turns[0], out=work[0].imag)
+        work[0].real = 0.0
+        np.exp(work[0], out=now[1])
+        np.multiply(turns[1], now[1], out=now[0])
+        keep = math.exp(-c * dt_s)
+        np.add(now, self._before, out=work)
+        work *= 0.5 * (1.0 - keep)
+        low *= keep
+        low += work
+        self._before, self._now = now, self._before
+        gain = self._torque(tension_N, K)
+        core = self._core
+        np.multiply(self._owns, turns[2], out=core.real)
+        np.multiply(order, turns[3], out=core.imag)
+        core.imag *= self._owns
+        core += gain
+        np.multiply(core, now[1], out=self.b)
+        np.multiply(self._owns, low[0], out=core)
+        core *= c / K
+        self.b += core
+        np.multiply(gain, low[1], out=core)
+        self.b -= core
+        self.b *= self.fade
+        np.negative(self.b, out=self.b)
+
+    def _read_rolls(self, K: float, c: float) -> None:
+        """Fill the numbers that every order of a roll shares; what is absurd turns nothing."""
+        rolls, track = self._rolls, self._track
+        for i, phase in enumerate(self._phases):
+            radius = phase.radius_m
+            known = radius > 0.0
+            omega = track.speed_m_s / radius if known else phase.omega_rad_s
+            acts_at = phase.theta_rad + phase.omega_rad_s * self._lead_s
+            alpha = track.slope_m_s2 / radius if known else 0.0
+            if abs(omega) < ABSURD and math.isfinite(acts_at):
+                angle = math.remainder(acts_at, math.tau)
+            else:
+                angle = omega = 0.0
+            size = abs(omega)
+            rolls[:, i] = (
+                angle,
+                omega,
+                omega - (c * omega - alpha) / K,
+                omega * omega / K,
+                math.tau / max(size, 1e-6),
+                size / math.tau,
+            )
+
+    def _torque(self, tension_N: float, K: float) -> Complexes:
+        """Return R/(J K) times a metre's torque per column, s.
+
+        T, with the weight of what sticks out for order 1; 0.1 N m per millimetre of an imbalance.
+        """
+        radius = self._phases[self._own].radius_m
+        if (radius, tension_N) != self._known:
+            self._known = (radius, tension_N)
+            arm = radius / (self._drive.inertia_at(radius) * K) if radius > 0.0 else 0.0
+            weight_N = self._drive.weight_of_shape_N(radius) if radius > 0.0 else 0j
+            self._arm[:] = tension_N * self._pull + self._imbalance + weight_N * self._heaves
+            self._arm *= arm
+        return self._arm
+
+    @property
+    def carrier(self) -> Complexes:
+        """e^{j n theta} of every column at the angle where its output acts."""
+        return np.asarray(self._before[1])
+
+    @property
+    def twins(self) -> tuple[int, int]:
+        """Columns of the own roll's order 1 and of its imbalance; (-1, -1) without one."""
+        if not self._imbalance.any():
+            return -1, -1
+        first = next(
+            i for i, o in enumerate(self.order) if o == 1.0 and self._index[i] == self._own
+        )
+        return first, self.order.size - 1
+
+    def restart(self) -> None:
+        """Forget the filters."""
+        self._low[:] = 0.0
+        self._before[:] = 0.0
+        self.b[:] = 0.0
+        self._track = SpeedTrack()
+
+    def adopt(self, old: ShapeBasis, both: Common) -> None:
+        """Go on from the filters of ``old``; a new order of a known roll knows how it turns."""
+        self._track = old._track
+        for i, roll in enumerate(self.rolls):
+            if roll in old.rolls:
+                self._rolls[:, i] = old._rolls[:, old.rolls.index(roll)]
+                mine = np.flatnonzero(self._index == i)
+                self._turns[:, mine] = self._rolls[:, i : i + 1]
+                self.omega_rad_s[mine], self.turn_s[mine] = (
+                    self._turns[1, mine],
+                    self._turns[4, mine],
+                )
+                self.frequency_Hz[mine] = self.order[mine] * self._turns[5, mine]
+        both.take(self._low, old._low)
+        both.take(self._before, old._before)
+        both.take(self.b, old.b)
+        both.take(self.fade, old.fade)

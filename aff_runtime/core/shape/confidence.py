@@ -1,0 +1,58 @@
+"""Which orders may go out: those whose response is known well enough at their frequency."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response
+from aff_runtime.core.shape.columns import Common
+
+Floats = npt.NDArray[np.float64]
+FADE_S = 1.0
+RENEWED_PER_TICK = 2
+
+
+class Trust:
+    """A share (0..1) per column; one whose phase could be wrong by 60 degrees fades and rests.
+
+    Without a measured response (a declared line's own) every column is trusted. Columns are
+    looked at in turn, a few per tick, so that none of them makes a tick long.
+    """
+
+    __slots__ = ("_next", "_response", "held", "moving", "share")
+
+    def __init__(self, count: int, response: Response | None) -> None:
+        self._response = response
+        self._next = 0
+        self.held = np.zeros(count, dtype=bool)
+        self.share = np.ones(count)
+        self.moving = False
+
+    def judge(self, frequency_Hz: Floats) -> None:
+        """Look at every column at once, at the start and before arming."""
+        for at in range(self.held.size):
+            self._look(at, float(frequency_Hz[at]))
+
+    def step(self, frequency_Hz: Floats, dt_s: float) -> None:
+        """Advance: renew a few columns, move all shares."""
+        if self._response is None:
+            return
+        for _ in range(RENEWED_PER_TICK):
+            self._next = (self._next + 1) % self.held.size
+            self._look(self._next, float(frequency_Hz[self._next]))
+        target = np.where(self.held, 0.0, 1.0)
+        self.moving = not bool((self.share == target).all())
+        if self.moving:
+            change = dt_s / FADE_S
+            self.share = self.share + np.clip(target - self.share, -change, change)
+
+    def _look(self, at: int, frequency_Hz: float) -> None:
+        if self._response is not None and frequency_Hz > 0.0:
+            bound = self._response.phase_error_bound_rad(frequency_Hz)
+            self.held[at] = bound > MAX_PHASE_ERROR_RAD
+
+    def adopt(self, old: Trust, both: Common) -> None:
+        """Go on from the shares of ``old``; what it held stays held until it is looked at."""
+        both.take(self.share, old.share)
+        both.take(self.held, old.held)

@@ -1,0 +1,205 @@
+"""One memory for all orders: a Kalman filter of disturbance and of P's correction per column."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.core.shape.columns import Common
+
+Floats = npt.NDArray[np.float64]
+Complexes = npt.NDArray[np.complex128]
+Seen = npt.NDArray[np.complex64] | Complexes
+START_DEVIATION_M = 1e-3
+START_CORRECTION = 0.6
+CORRECTION_PER_TURN = 0.01
+CORRECTION_PER_OCTAVE = 0.15
+TRAVEL_OCTAVES = 0.02
+BIAS_SDS_PER_SQRT_S = 0.17
+START_BIAS = 30.0
+SMALLEST_GAIN = 1e-6
+KNOWN_SHARE = 0.2
+KNOWN_M = 3e-5
+KNOWN_CORRECTION = 0.2
+FORGET_TICKS = 8
+
+
+class ShapeFilter:
+    r"""Estimates a_n, g_n and a bias from  e = Re sum_n a_n phi_n + g_n psi_n + bias.
+
+    ``a_n`` is what would be there without correction, in metres of column n; g_n = 1 + d_n is the
+    true P over the assumed one at that column's frequency. Process noise of a_n is set from the
+    information one turn brings, (1/memory)^2 / info_n, so every column forgets after the same
+    number of turns. d_n belongs to a frequency: it walks 0.15 per octave that its order moves, and
+    0.01 per turn for what changes on the line itself. No variance grows past its start value.
+
+    State, real: a_n and g_n as pairs re, im (n pairs each), bias. The covariance is updated by a
+    rank-one product of a vector with itself, which keeps it symmetric; process noise is added
+    every eighth reading for all of them.
+    """
+
+    __slots__ = (
+        "_diagonal",
+        "_drift",
+        "_fresh",
+        "_gain",
+        "_h",
+        "_memory_turns",
+        "_noise",
+        "_none",
+        "_passed_s",
+        "_sd",
+        "_seen",
+        "_start",
+        "_ticks",
+        "_turn_s",
+        "_work",
+        "count",
+        "covariance",
+        "deviation",
+        "gain",
+        "innovation",
+        "state",
+    )
+
+    def __init__(
+        self, count: int, memory_turns: float, signal_sd: float, drift: Floats | None = None
+    ) -> None:
+        """``drift``, (count,): share of the process noise of a_n per column, 1 when not given."""
+        self.count = count
+        self._drift = np.ones(count) if drift is None else drift
+        size = 4 * count + 1
+        self._memory_turns = memory_turns
+        self._sd = signal_sd
+        self._start = np.concatenate(
+            [
+                np.full(2 * count, START_DEVIATION_M**2),
+                np.full(2 * count, START_CORRECTION**2),
+                [(START_BIAS * signal_sd) ** 2],
+            ]
+        )
+        self._fresh = np.zeros(size)
+        self._fresh[2 * count : 4 * count : 2] = 1.0
+        self.state = self._fresh.copy()
+        # disturbance a_n, m, and 1 + d_n: the state itself, seen as complex numbers
+        self.deviation = self.state[: 2 * count].view(np.complex128)
+        self.gain = self.state[2 * count : 4 * count].view(np.complex128)
+        self.covariance = np.diag(self._start)
+        self._diagonal = self.covariance.ravel()[:: size + 1]
+        self._h = np.zeros(size)
+        self._h[-1] = 1.0
+        self._seen = self._h[:-1].view(np.complex128).reshape(2, count)
+        self._gain = np.zeros(size)
+        self._work = np.zeros((size, size))
+        self._noise = np.zeros(size)
+        self._turn_s = np.full(count, math.nan)
+        self._none = np.zeros(count)
+        self._passed_s = 0.0
+        self._ticks = 0
+        self.innovation = 0.0
+
+    @property
+    def correction(self) -> Complexes:
+        """Correction d_n of P."""
+        return self.gain - 1.0
+
+    def step(self, error: float, phi: Seen, psi: Seen, turn_s: Floats, dt_s: float) -> None:
+        """Take one reading of the signal's deviation from its reference."""
+        h, P, gain = self._h, self.covariance, self._gain
+        np.conjugate(phi, out=self._seen[0])
+        np.conjugate(psi, out=self._seen[1])
+        self.innovation = error - float(h @ self.state)
+        np.dot(P, h, out=gain)
+        spread = float(h @ gain) + self._sd * self._sd
+        gain *= 1.0 / math.sqrt(spread)
+        np.multiply(gain[:, None], gain, out=self._work)
+        P -= self._work
+        gain *= self.innovation / math.sqrt(spread)
+        self.state += gain
+        self._passed_s += dt_s
+        self._ticks += 1
+        if self._ticks % FORGET_TICKS == 0:
+            self._forget(phi, turn_s, self._passed_s, dt_s)
+            self._passed_s = 0.0
+
+    def _forget(self, phi: Seen, turn_s: Floats, passed_s: float, dt_s: float) -> None:
+        """Add the process noise of ``passed_s``, brought in by readings every ``dt_s``."""
+        n, noise = self.count, self._noise
+        turns = passed_s / turn_s
+        info = phi.real * phi.real + phi.imag * phi.imag
+        info *= 0.5 / (self._sd * self._sd)
+        info *= turn_s / dt_s
+        info += SMALLEST_GAIN / START_DEVIATION_M**2
+        pairs = noise[:-1].reshape(2, n, 2)
+        pairs[0] = (self._drift * turns / (info * self._memory_turns**2))[:, None]
+        pairs[1] = (CORRECTION_PER_TURN**2 * turns + self._travelled(turn_s))[:, None]
+        noise[-1] = (BIAS_SDS_PER_SQRT_S * self._sd) ** 2 * passed_s
+        room = 1.0 - self._diagonal / self._start
+        np.maximum(room, 0.0, out=room)
+        np.minimum(noise, self._start, out=noise)
+        noise *= room
+        self._diagonal += noise
+
+    def _travelled(self, turn_s: Floats) -> Floats:
+        """Return what the way in frequency since the last note adds to the variance of d."""
+        octaves = np.abs(np.log2(turn_s / self._turn_s))
+        far = ~(octaves < TRAVEL_OCTAVES)
+        if not far.any():
+            return self._none
+        self._turn_s[far] = turn_s[far]
+        return np.where(far & np.isfinite(octaves), CORRECTION_PER_OCTAVE**2 * octaves, 0.0)
+
+    def forget(self, columns: npt.NDArray[np.bool_], *, response: bool = False) -> None:
+        """Start the disturbances of some columns again; what was learned of P if ``response``."""
+        again = np.zeros(self.state.size, dtype=bool)
+        again[: 2 * self.count] = np.repeat(columns, 2)
+        if response:
+            again[2 * self.count : -1] = again[: 2 * self.count]
+        self._renew(again)
+
+    def _renew(self, again: npt.NDArray[np.bool_]) -> None:
+        self.state[again] = self._fresh[again]
+        self.covariance[again, :] = 0.0
+        self.covariance[:, again] = 0.0
+        self._diagonal[again] = self._start[again]
+
+    def restart(self) -> None:
+        """Forget everything."""
+        self._renew(np.ones(self.state.size, dtype=bool))
+
+    def expect(self, at: int, weight_m: complex, correction: complex | None) -> None:
+        """Start column ``at`` from a known shape: its disturbance is what the weight cancels."""
+        n = self.count
+        shape = slice(2 * at, 2 * at + 2)
+        again = np.zeros(self.state.size, dtype=bool)
+        again[shape] = again[2 * (n + at) : 2 * (n + at) + 2] = True
+        self._renew(again)
+        self.gain[at] = 1.0 + (correction or 0j)
+        self.deviation[at] = -self.gain[at] * weight_m
+        known = KNOWN_SHARE * abs(weight_m) + KNOWN_M
+        self._diagonal[shape] = min(known, START_DEVIATION_M) ** 2
+        if correction is not None:
+            self._diagonal[2 * (n + at) : 2 * (n + at) + 2] = KNOWN_CORRECTION**2
+
+    def adopt(self, old: ShapeFilter, both: Common) -> None:
+        """Go on where ``old`` stands, with what its columns know of each other."""
+        mine, theirs = _entries(both.mine, self.count), _entries(both.theirs, old.count)
+        self.state[mine] = old.state[theirs]
+        self.covariance[np.ix_(mine, mine)] = old.covariance[np.ix_(theirs, theirs)]
+        both.take(self._turn_s, old._turn_s)
+        self._passed_s, self._ticks = old._passed_s, old._ticks
+
+    def check(self) -> None:
+        """Start the covariance again should rounding ever have spoilt it; the state stays."""
+        if not (self._diagonal.min() > 0.0 and math.isfinite(float(self._diagonal.sum()))):
+            state = np.where(np.isfinite(self.state), self.state, 0.0)
+            self.restart()
+            self.state[:] = state
+
+
+def _entries(columns: npt.NDArray[np.int_], count: int) -> npt.NDArray[np.int_]:
+    """Return where the state holds a_n and g_n of some of ``count`` columns, and the bias."""
+    pairs = (2 * columns[:, None] + np.arange(2)).ravel()
+    return np.concatenate([pairs, 2 * count + pairs, [4 * count]])

@@ -1,0 +1,393 @@
+"""The shape law of one actuator: weights are the roll's shape in metres."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.base.signals import ActuatorStep
+from aff_runtime.core.gate import RAMP_S, SpeedGate
+from aff_runtime.core.impulse import LoopModel
+from aff_runtime.core.law import ActuatorLaw, Inputs
+from aff_runtime.core.monitor import Trend
+from aff_runtime.core.params import ActuatorParams, DriveParams
+from aff_runtime.core.phase import RollPhase
+from aff_runtime.core.response import Response, arming_objections
+from aff_runtime.core.shape.allocation import Room
+from aff_runtime.core.shape.basis import FADE_TO_HZ, ShapeBasis
+from aff_runtime.core.shape.bounds import PeakBound
+from aff_runtime.core.shape.columns import common
+from aff_runtime.core.shape.confidence import Trust
+from aff_runtime.core.shape.filter import LoopFilter
+from aff_runtime.core.shape.kalman import ShapeFilter
+from aff_runtime.core.shape.monitor import ShapeMonitor
+from aff_runtime.core.shape.presence import Presence
+from aff_runtime.core.shape.profile import ShapeProfile
+
+NEWTON_TURNS = 0.5
+IMBALANCE_DRIFT = 0.1
+GAIN_FROM, GAIN_TO = 1.0 / 3.0, 3.0
+ABSURD = 1e6
+CHECK_TICKS = 100
+SILENT = ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
+
+
+class ShapeLaw:
+    """Learns a shape per roll, and a correction of P per order; sends what cancels it.
+
+    v_ff = Re sum_n W_n b_n with b_n of ``ShapeBasis``; the filter estimates what is left of every
+    order, m_n = a_n + (1 + d_n) W_n, and the weight follows by Newton steps,
+    W_n <- W_n - rate m_n / (1 + d_n), so an error of the gain correction slows but leaves nothing
+    behind. The weights stay when the speed changes. What goes out of a column is its weight times
+    shares: of the speed gate, of the roll's presence (its angle is known, it was not changed), of
+    the limit's room, of the monitor's trust; the filter is told what went out, so none of these
+    is mistaken for the roll.
+    """
+
+    def __init__(
+        self,
+        params: ActuatorParams,
+        *,
+        drive: DriveParams,
+        phases: Mapping[str, RollPhase],
+        loop: LoopModel,
+        cycle_s: float,
+        response: Response | None = None,
+    ) -> None:
+        self._p = params
+        self._drive = drive
+        self._cycle_s = cycle_s
+        self._response = response
+        self._keys = params.orders
+        self._own = phases[drive.roll]
+        lead_s = 0.5 * cycle_s + params.transport_s
+        used = {name: phases[name] for name in dict.fromkeys(r for r, _ in self._keys)}
+        self.basis = ShapeBasis(list(self._keys), used, drive, lead_s)
+        count = self.basis.order.size
+        self._roll_of = [r for r, _ in self._keys] + [drive.roll] * (count - len(self._keys))
+        self._model = loop
+        self._loop = LoopFilter(loop, count)
+        self._first, self._heavy = self.basis.twins
+        drift = np.ones(count)
+        if self._heavy >= 0:
+            drift[self._heavy] = IMBALANCE_DRIFT
+        self.filter = ShapeFilter(count, params.shape.memory_turns, params.shape.signal_sd, drift)
+        self.monitor = ShapeMonitor(self._roll_of, params.shape.signal_sd, self.basis.twins)
+        self.presence = Presence(self._roll_of, used)
+        self.room = Room(count)
+        self.trust = Trust(count, response)
+        self._bounds = PeakBound(self.basis.order, self._roll_of, drive.roll)
+        self._gate = SpeedGate(params.active_above_m_s)
+        self.weight = np.zeros(count, dtype=np.complex128)
+        self._sent = np.zeros(count, dtype=np.complex128)
+        self._parts = np.zeros(count, dtype=np.complex128)
+        self._move = np.zeros(count, dtype=np.complex128)
+        self._signal_per_m = np.zeros(count)
+        self._step_1_s = np.zeros(count)
+        self._tension_N = drive.tension_N
+        self._ticks = 0
+        self.adapting = False
+
+    def step(self, inputs: Inputs) -> ActuatorStep:
+        """Advance by one tick; weights move only on a fresh sample and with permission."""
+        dt_s = inputs.dt_s
+        if not 0.0 < dt_s < math.inf:
+            return SILENT
+        self._ticks += 1
+        ratio = inputs.applied_ratio if 0.0 <= inputs.applied_ratio <= 1.0 else 0.0
+        b = self.basis.b
+        self.room.step(inputs.limit_ratio, b, self.weight, self._signal_per_m, dt_s)
+        self._loop.follow_radius(self._own.radius_m)
+        np.multiply(self._sent, b, out=self._parts)
+        self._parts *= ratio
+        self._loop.push(b, self._parts, round(dt_s / self._cycle_s))
+        self._settle_presence(dt_s)
+        self.trust.step(self.basis.frequency_Hz, dt_s)
+        speed_m_s = self._speed_m_s(inputs.line_speed_m_s)
+        gate = self._gate.step(speed_m_s, dt_s)
+        self._learn(inputs, gate, dt_s)
+        if 0.0 < inputs.reference < ABSURD:
+            self._tension_N = inputs.reference
+        self.basis.step(speed_m_s, self._tension_N, dt_s)
+        return self._send(gate)
+
+    def _speed_m_s(self, line_speed_m_s: float) -> float:
+        if math.isfinite(line_speed_m_s):
+            return line_speed_m_s
+        speed = self._own.omega_rad_s * self._own.radius_m
+        return speed if math.isfinite(speed) else 0.0
+
+    def _settle_presence(self, dt_s: float) -> None:
+        gone = self.presence.step(dt_s)
+        if gone is not None:
+            self._forget(gone)
+
+    def _forget(self, columns: npt.NDArray[np.bool_]) -> None:
+        self.weight[columns] = 0.0
+        self._sent[columns] = 0.0
+        self.filter.forget(columns)
+        self._loop.forget(columns)
+        self.monitor.reset(columns)
+
+    def _learn(self, inputs: Inputs, gate: float, dt_s: float) -> None:
+        reference = inputs.reference if math.isfinite(inputs.reference) else self._tension_N
+        error = inputs.signal - reference
+        good = inputs.fresh and abs(error) < ABSURD
+        self.adapting = inputs.adapt and gate == 1.0 and good and self.presence.known
+        if not self.adapting:
+            self._step_1_s[:] = 0.0
+            if inputs.applied_ratio == 0.0 and gate == 1.0 and good and self.presence.known:
+                self.monitor.listen(error, self._loop.read()[0], self.basis.turn_s, dt_s)
+            return
+        phi, psi = self._loop.read()
+        if self._heavy >= 0:  # one frequency, one correction of P: the imbalance has no own
+            psi[self._first] += psi[self._heavy]
+            psi[self._heavy] = 0.0
+        turn_s = self.basis.turn_s
+        self.filter.step(error, phi, psi, turn_s, dt_s)
+        if self._heavy >= 0:
+            self.filter.gain[self._heavy] = self.filter.gain[self._first]
+        deviation = self.filter.deviation
+        self.monitor.step(error, phi, self.filter, turn_s, dt_s)
+        if not self.monitor.calm and self.monitor.dropped.any():
+            self._start_anew(self.monitor.dropped)
+        if self._ticks % CHECK_TICKS == 0:
+            memory = self._p.shape.memory_turns
+            self.monitor.compare(self.basis.frequency_Hz, turn_s, memory)
+            self.filter.check()
+        if self.room.limited or inputs.limit_ratio < 1.0:
+            self._signal_per_m = np.abs(phi)
+        self._newton(deviation, turn_s, dt_s)
+
+    def _start_anew(self, columns: npt.NDArray[np.bool_]) -> None:
+        """Forget columns that lost their effect, and what was learned of P: it led them astray."""
+        self.weight[columns] = 0.0
+        self._sent[columns] = 0.0
+        self.filter.forget(columns, response=True)
+
+    def _newton(
+        self, deviation: npt.NDArray[np.complex128], turn_s: npt.NDArray[np.float64], dt_s: float
+    ) -> None:
+        gain, move = self.filter.gain, self._move
+        np.multiply(gain, self.weight, out=move)
+        move += deviation
+        size = np.abs(gain)
+        share = -np.expm1(-dt_s / (NEWTON_TURNS * turn_s))
+        share *= np.maximum(size, 1e-9) / np.minimum(np.maximum(size, GAIN_FROM), GAIN_TO)
+        move *= share
+        move /= gain
+        if not self.monitor.calm:
+            move[self.monitor.resting] = 0.0
+        if self._response is not None:
+            move[self.trust.held] = 0.0
+        self.weight -= move
+        limit = self._p.shape.weight_limit_m
+        if np.vdot(self.weight, self.weight).real > limit * limit:
+            self.weight *= limit / np.maximum(np.abs(self.weight), limit)
+        np.abs(move, out=self._step_1_s)
+        self._step_1_s *= 1.0 / dt_s
+
+    def _send(self, gate: float) -> ActuatorStep:
+        b = self.basis.b
+        sent, parts = self._sent, self._parts
+        np.multiply(self.weight, gate, out=sent)
+        sent *= self.room.share
+        sent *= self.presence.share
+        sent *= self.monitor.share
+        sent *= self.trust.share
+        np.multiply(sent, b, out=parts)
+        value = float(parts.real.sum())
+        peak, slew = self._bounds.of(parts, self.basis.carrier, self.basis.omega_rad_s)
+        peak = max(peak, abs(value))
+        # a weight that moves moves the output by no more than its shares
+        slew += float((self._step_1_s * self._shares()) @ np.abs(b))
+        if self._gate.moving or self.presence.moving or self.trust.moving:
+            slew += float(np.abs(self.weight * b).sum()) / min(RAMP_S, self.presence.fade_s)
+        if not math.isfinite(value + slew):
+            self._restart()
+            return SILENT
+        self.room.peak = peak
+        return ActuatorStep(value=value, peak_bound=peak, slew_bound=slew)
+
+    def _shares(self) -> npt.NDArray[np.float64]:
+        """Return how much of every column may go out, 0..1, the speed gate apart."""
+        shares = self.room.share * self.presence.share * self.monitor.share
+        return np.asarray(shares * self.trust.share)
+
+    def _restart(self) -> None:
+        """Start from nothing: a number stopped being one."""
+        self._forget(np.ones(self.weight.size, dtype=bool))
+        self.filter.restart()
+        self.basis.restart()
+        self.room.peak = 0.0
+
+    def reset_roll(self, roll: str) -> None:
+        """Let the shape of a changed roll fade, then forget it; P's correction stays."""
+        self.presence.leave(roll)
+
+    def weights(self) -> Mapping[tuple[str, int], complex]:
+        """Return the shape by (roll, order), m; an imbalance is not among them."""
+        return {key: complex(w) for key, w in zip(self._keys, self.weight, strict=False)}
+
+    def profile(self) -> ShapeProfile:
+        """Return what is worth keeping: orders that meet another roll's now are left out."""
+        correction = self.filter.correction
+        kept = [i for i in range(len(self._keys)) if not self.monitor.meets[i]]
+        heavy = self._heavy >= 0 and not self.monitor.meets[self._heavy]
+        return ShapeProfile(
+            weight_m={self._keys[i]: complex(self.weight[i]) for i in kept},
+            correction={self._keys[i]: complex(correction[i]) for i in kept},
+            imbalance_m={self._drive.roll: complex(self.weight[self._heavy])} if heavy else {},
+        )
+
+    def start_from(self, profile: ShapeProfile) -> None:
+        """Start with known shapes: from a saved profile or a refinement's verdict."""
+        for i, key in enumerate(self._keys):
+            if key in profile.weight_m:
+                self.weight[i] = profile.weight_m[key]
+                self.filter.expect(i, self.weight[i], profile.correction.get(key))
+        heavy = profile.imbalance_m.get(self._drive.roll)
+        if self._heavy >= 0 and heavy is not None:
+            self.weight[self._heavy] = heavy
+            known = profile.correction.get(self._keys[self._first])
+            self.filter.expect(self._heavy, heavy, known)
+
+    def adopt(self, old: ActuatorLaw) -> None:
+        """Go on where ``old`` stands, column by column; orders that it lacks start from zero."""
+        if isinstance(old, ShapeLaw):
+            self._follow(old)
+
+    def _follow(self, old: ShapeLaw) -> None:
+        self._gate.share, self._gate.opened = old._gate.share, old._gate.opened
+        self._tension_N = old._tension_N
+        if old._drive.roll != self._drive.roll:
+            self.start_from(old.profile())
+            return
+        both = common(self.basis.names, old.basis.names)
+        both.take(self.weight, old.weight)
+        both.take(self._sent, old._sent)
+        both.take(self._signal_per_m, old._signal_per_m)
+        self.basis.adopt(old.basis, both)
+        self.filter.adopt(old.filter, both)
+        self._loop.adopt(old._loop, both)
+        self.monitor.adopt(old.monitor, both)
+        self.room.adopt(old.room, both)
+        self.presence.adopt(old.presence, both)
+        self.trust.adopt(old.trust, both)
+        self._change_P(old._model, both.mine)
+
+    def _change_P(self, old: LoopModel, columns: npt.NDArray[np.int_]) -> None:
+        """Turn what was learned of P from an old response to the present one; shapes stay."""
+        if np.array_equal(old.taps, self._model.taps):
+            return
+        at = self.basis.frequency_Hz
+        radius_m = self._own.radius_m
+        for i in columns[self.basis.fade[columns] > 0.0]:
+            now = self._model.response(float(at[i]), self._cycle_s, radius_m)
+            ratio = old.response(float(at[i]), self._cycle_s, radius_m) / now if now else 1.0
+            self.filter.expect(int(i), self.weight[i], complex(self.filter.gain[i] * ratio) - 1.0)
+
+    def objections(self) -> tuple[str, ...]:
+        """Return why this actuator may not arm now.
+
+        An order whose response is not sure is held and does not stand against the others; one
+        of the drive's own roll must be sure.
+        """
+        if self._response is None:
+            return ()
+        self.trust.judge(self.basis.frequency_Hz)
+        wanted = [
+            (name, n * w / math.tau)
+            for name, n, w, roll, held in zip(
+                self.basis.names,
+                self.basis.order,
+                self.basis.omega_rad_s,
+                self._roll_of,
+                self.trust.held,
+                strict=True,
+            )
+            if roll == self._drive.roll and not held and abs(n * w) < math.tau * FADE_TO_HZ
+        ]
+        if not wanted:
+            return (f"no order of {self._drive.roll} has a sure response; run the probe",)
+        found = [arming_objections(self._response, [one]) for one in wanted]
+        return () if not all(found) else tuple(text for texts in found for text in texts)
+
+    def ripple(self) -> tuple[float, float]:
+        """Return the root sum of squares of all orders' amplitudes, without and now.
+
+        An imbalance has the frequency of order 1 and is in it. NaN before two turns were heard.
+        Without counts at least what is there now: what the filter has not yet told from noise is
+        no proof that the roll was quiet.
+        """
+        monitor = self.monitor
+        if not monitor.heard:
+            return math.nan, math.nan
+        now = monitor.now[: len(self._keys)]
+        without = np.fmax(monitor.without[: len(self._keys)], now)
+        return float(np.sqrt((without**2).sum())), float(np.sqrt((now**2).sum()))
+
+    def seen(self) -> npt.NDArray[np.complex128]:
+        """Return P[b_n] now, (columns,): what a metre of each column does to the signal."""
+        return np.asarray(self._loop.read()[0], dtype=np.complex128)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the line is fast enough for this law."""
+        return self._gate.share == 1.0
+
+    @property
+    def signal_sd(self) -> float:
+        """How far one reading may be off, in the signal's unit."""
+        return self._p.shape.signal_sd
+
+    @property
+    def keys(self) -> tuple[tuple[str, int], ...]:
+        """(roll, order) of every column that is a shape; they come before an imbalance."""
+        return self._keys
+
+    def telemetry(self) -> tuple[float, ...]:
+        """Return shape, state, ripple, correction of P and share per column."""
+        row: list[float] = []
+        correction = self.filter.correction
+        shares = self._shares()
+        for i, w in enumerate(self.weight):
+            row += (
+                1e3 * abs(w),
+                math.degrees(math.atan2(w.imag, w.real)),
+                float(self._state(i)),
+                float(self.monitor.without[i]),
+                float(self.monitor.now[i]),
+                float(abs(1.0 + correction[i])),
+                float(shares[i]),
+            )
+        return tuple(row)
+
+    def telemetry_names(self) -> tuple[str, ...]:
+        """Return seven columns per order; a shape is in millimetres, as a technician reads it."""
+        columns = (
+            "shape_mm",
+            "phase_deg",
+            "state",
+            "ripple_before",
+            "ripple",
+            "gain_of_P",
+            "share",
+        )
+        return tuple(f"{name}.{column}" for name in self.basis.names for column in columns)
+
+    def _state(self, at: int) -> Trend:
+        if self._gate.share == 0.0:
+            return Trend.IDLE
+        if self.basis.fade[at] < 1.0:
+            return Trend.HELD_FREQUENCY
+        if self.trust.held[at]:
+            return Trend.HELD_PHASE
+        if self.room.share[at] < 1.0:
+            return Trend.CLAMPED
+        if not self.adapting:
+            return Trend.FROZEN
+        return self.monitor.trend(at)

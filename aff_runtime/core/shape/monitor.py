@@ -1,0 +1,224 @@
+"""Does a column help? Its ripple with and without correction, and a verdict that holds it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.core.monitor import Trend
+from aff_runtime.core.shape.columns import Common
+
+Complexes = npt.NDArray[np.complex128]
+Seen = npt.NDArray[np.complex64] | Complexes
+Floats = npt.NDArray[np.float64]
+TURNS = 2.0
+SLOW_TURNS = 8.0
+HARM = 1.4
+SETTLED = 0.3
+HARM_TURNS = 4.0
+LOST_GAIN = 0.1
+LOST_SHARE = 0.7
+LOST_TURNS = 2.0
+REST_TURNS = 20.0
+FADE_S = 1.0
+JUDGE_TICKS = 8
+
+
+class Estimate(Protocol):
+    """What a filter says per column: disturbance, m, and true P over the assumed one."""
+
+    deviation: Complexes
+    gain: Complexes
+
+
+class ShapeMonitor:
+    """Per column: amplitude in the signal now (lock-in over two turns) and without correction.
+
+    ``without`` is what the filter attributes to the roll, |a_n phi_n|. A column whose ripple stays
+    above 1.4 times that for four turns does harm. One whose P has shrunk below a tenth while
+    0.7 of it is left, for two turns, has lost its effect (a drive that does not take the
+    correction), and its weight would wind up against nothing. Either way its ``share`` fades to
+    zero within a second and it rests for twenty turns; ``dropped`` marks one that had lost its
+    effect in the tick in which the last of it goes out, so that it can start anew. An imbalance
+    (``twins``) rests with order 1, whose P it shares. Columns that meet in frequency are not
+    judged: the signal cannot tell them apart, so ``meets`` marks them, and nothing learned then
+    is worth saving.
+    """
+
+    __slots__ = (
+        "_age",
+        "_astray",
+        "_bad",
+        "_judged",
+        "_lost",
+        "_noise",
+        "_others",
+        "_passed_s",
+        "_phasor",
+        "_pull",
+        "_rest",
+        "_size",
+        "_slow",
+        "_ticks",
+        "_twins",
+        "_work",
+        "calm",
+        "dropped",
+        "meets",
+        "now",
+        "share",
+        "without",
+    )
+
+    def __init__(
+        self, roll_of: Sequence[str], signal_sd: float, twins: tuple[int, int] = (-1, -1)
+    ) -> None:
+        count = len(roll_of)
+        names = np.array(roll_of)
+        self._others = names[:, None] != names[None, :]
+        self._phasor = np.zeros(count, dtype=np.complex128)
+        self._work = np.zeros(count, dtype=np.complex128)
+        self._size = np.zeros(count)
+        self._pull = np.zeros(count)
+        self._slow = np.zeros(count)
+        self._age = np.zeros(count)
+        self._bad = np.zeros(count)
+        self._lost = np.zeros(count)
+        self._astray = np.zeros(count, dtype=bool)
+        self._twins = twins
+        self._judged = np.zeros(count)
+        self._rest = np.zeros(count)
+        self._noise = signal_sd
+        self._ticks = 0
+        self._passed_s = 0.0
+        self.now = np.full(count, math.nan)
+        self.without = np.full(count, math.nan)
+        self.share = np.ones(count)
+        self.meets = np.zeros(count, dtype=bool)
+        self.dropped = np.zeros(count, dtype=bool)
+        self.calm = True  # no column rests or is on its way
+
+    def step(self, error: float, phi: Seen, found: Estimate, turn_s: Floats, dt_s: float) -> None:
+        """Take one good sample; ``phi`` carries the angle of every column.
+
+        ``found`` is the filter's estimate. The lock-in runs with every sample, sizes and verdicts
+        every eighth.
+        """
+        turns = self._lock_in(error, phi, turn_s, dt_s)
+        if turns is not None:
+            self._judge(turns, found, turn_s, dt_s)
+        if not self.calm:
+            change = dt_s / FADE_S
+            target = np.where(self._rest > 0.0, -change, change)
+            before = self.share
+            self.share = np.minimum(1.0, np.maximum(0.0, before + target))
+            self.dropped = (before > 0.0) & (self.share == 0.0) & self._astray
+
+    def listen(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> None:
+        """Take a sample while nothing goes out: what is there without correction, unjudged."""
+        if self._lock_in(error, phi, turn_s, dt_s) is not None:
+            self._judged[:] = 0.0
+
+    def _lock_in(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> Floats | None:
+        """Follow every column's amplitude; return the turns since it was last read, when it is."""
+        work, size, turns = self._work, self._size, None
+        if self._ticks % JUDGE_TICKS == 0:
+            turns, tick = self._passed_s / turn_s, dt_s / turn_s
+            self._passed_s = 0.0
+            self._age = np.minimum(self._age + turns, SLOW_TURNS)
+            # a roll that has not turned yet pulls nothing
+            self._pull = tick / np.minimum(np.maximum(self._age, np.maximum(tick, 1e-12)), TURNS)
+            self.now = np.abs(self._phasor)
+        self._ticks += 1
+        self._passed_s += dt_s
+        np.abs(phi, out=size)
+        np.maximum(size, 1e-9, out=size)
+        np.conjugate(phi, out=work)
+        work /= size
+        work *= 2.0 * error
+        work -= self._phasor
+        work *= self._pull
+        self._phasor += work
+        return turns
+
+    def _judge(self, turns: Floats, found: Estimate, turn_s: Floats, dt_s: float) -> None:
+        self._judged += turns
+        heard = np.minimum(self._judged, SLOW_TURNS)
+        self._slow += turns / np.maximum(heard, np.maximum(turns, 1e-9)) * (self.now - self._slow)
+        self.without = np.abs(found.deviation) * self._size
+        # what white noise of one reading leaves in a lock-in over two turns
+        noise = 2.0 * self._noise * np.sqrt(dt_s / (TURNS * turn_s))
+        bad = (self.now > HARM * self.without + 3.0 * noise) & (self._judged > TURNS)
+        bad &= ~self.meets
+        self._bad = np.where(bad, self._bad + turns, 0.0)
+        lost = (np.abs(found.gain) < LOST_GAIN) & (self.now > LOST_SHARE * self.without)
+        self._lost = np.where(lost, self._lost + turns, 0.0)
+        started = ((self._bad > HARM_TURNS) | (self._lost > LOST_TURNS)) & (self._rest <= 0.0)
+        self._astray = np.where(started, self._lost > LOST_TURNS, self._astray)
+        self._rest = np.where(started, REST_TURNS, np.maximum(0.0, self._rest - turns))
+        self._bad[started] = self._lost[started] = 0.0
+        first, heavy = self._twins
+        if heavy >= 0 and self._rest[first] > self._rest[heavy]:
+            self._rest[heavy], self._astray[heavy] = self._rest[first], self._astray[first]
+        self.calm = not self._rest.any() and bool((self.share == 1.0).all())
+
+    @property
+    def heard(self) -> bool:
+        """Whether every column was heard for two turns."""
+        return bool((self._age >= TURNS).all())
+
+    def compare(self, frequency_Hz: Floats, turn_s: Floats, memory_turns: float) -> None:
+        """Mark columns of different rolls that their memories cannot tell apart."""
+        apart = np.abs(frequency_Hz[:, None] - frequency_Hz[None, :])
+        memory_s = memory_turns * np.maximum.outer(turn_s, turn_s)
+        self.meets = (self._others & (apart * memory_s < 1.0)).any(axis=1)
+
+    @property
+    def resting(self) -> npt.NDArray[np.bool_]:
+        """Columns that did harm and are held."""
+        return self._rest > 0.0
+
+    def reset(self, columns: npt.NDArray[np.bool_]) -> None:
+        """Forget some columns, as after a splice."""
+        self._phasor[columns] = 0.0
+        for part in (self._slow, self._age, self._judged, self._bad, self._lost, self._rest):
+            part[columns] = 0.0
+        self._ticks = 0  # judge with the next sample, so that the lock-in starts with its age
+        self.now[columns] = self.without[columns] = math.nan
+
+    def adopt(self, old: ShapeMonitor, both: Common) -> None:
+        """Go on where ``old`` stands; other columns are heard from now on."""
+        for name in (
+            "_phasor",
+            "_pull",
+            "_slow",
+            "_age",
+            "_bad",
+            "_lost",
+            "_astray",
+            "_judged",
+            "_rest",
+            "now",
+            "without",
+            "share",
+            "meets",
+            "dropped",
+        ):
+            both.take(getattr(self, name), getattr(old, name))
+        self._ticks, self._passed_s = old._ticks, old._passed_s
+        self.calm = not self._rest.any() and bool((self.share == 1.0).all())
+
+    def trend(self, at: int) -> Trend:
+        """Return where a column stands."""
+        now, without = float(self.now[at]), float(self.without[at])
+        if not (math.isfinite(now) and math.isfinite(without)) or self._judged[at] < TURNS:
+            return Trend.IDLE
+        if self._rest[at] > 0.0 or self._bad[at] > 1.0:
+            return Trend.DIVERGING
+        if now <= SETTLED * without:
+            return Trend.SETTLED
+        return Trend.CONVERGING if now < 0.95 * self._slow[at] else Trend.STALLED

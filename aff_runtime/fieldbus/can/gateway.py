@@ -1,0 +1,143 @@
+"""The wire in SI over CAN: our frames out, one consistent set of the PLC's frames in."""
+
+from __future__ import annotations
+
+import math
+
+from aff_runtime.base.ports import Clock
+from aff_runtime.base.signals import NO_ECHO, Command, Outcome, Snapshot
+from aff_runtime.fieldbus.can.frames import FrameLink
+from aff_runtime.fieldbus.can.phase_lock import PhaseLock
+from aff_runtime.fieldbus.can.reader import CanReader, Taken
+from aff_runtime.fieldbus.can.writer import CanWriter
+from aff_runtime.fieldbus.intruder import Intruder
+from aff_runtime.fieldbus.liveness import Liveness, echo_age
+
+_MOST_FRAMES = 256  # read in one tick; a babbling bus must not hold the tick
+
+
+class CanGateway:
+    """``Gateway`` over cyclic CAN frames.
+
+    A tick never waits: it takes what has arrived since the last one, sends the command, and SYNC
+    where the bus has one (the answers belong to the next tick). How old the newest set is, the
+    driver's receive stamp says; without a stamp, or with one that cannot be (a stepped clock), the
+    set counts as old as it can be: from when the bus was last found empty. Heartbeat and
+    correction leave from here alone, so they stop with the control thread.
+
+    OK is a consistent set in this tick; TIMEOUT none; BAD_REPLY a frame of wrong length, or one
+    of our own identifiers from somebody else (a second master), whatever else arrived;
+    NOT_CONNECTED no bus, or nodes that do not all work; what can be sent is sent, so that a fade
+    reaches whoever still listens. What is fresh, and what the first set after a loss is worth,
+    ``Liveness`` says. Unless OK, ``values`` are NaN.
+
+    Parameters
+    ----------
+    link : the bus.
+    reader, writer : meaning of the frames.
+    clock : monotonic time.
+    lock : where the other side sets the pace, when the ticks should start; None without.
+
+    Attributes
+    ----------
+    foreign : frames that carried our identifiers.
+    shift_ns : how much later (negative: earlier) the next tick should start.
+    """
+
+    def __init__(
+        self,
+        link: FrameLink,
+        reader: CanReader,
+        writer: CanWriter,
+        clock: Clock,
+        lock: PhaseLock | None = None,
+    ) -> None:
+        self._link = link
+        self.reader = reader
+        self._writer = writer
+        self._clock = clock
+        self._ours = frozenset(writer.ids)
+        self._no_values = (math.nan,) * len(reader.values)
+        self._lock = lock
+        self._liveness = Liveness(clock.now_ns(), lost=True)
+        self._emptied_ns = self._arrived_ns = clock.now_ns()
+        self._stamped = False
+        self.shift_ns = 0
+        self.foreign = 0
+        self._intruder = Intruder(clock)
+
+    @property
+    def troubles(self) -> tuple[str, ...]:
+        """What the bus and its nodes say of themselves, and that somebody sends as we do."""
+        trouble = self._intruder.trouble
+        return (*self._link.troubles, trouble) if trouble else self._link.troubles
+
+    def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
+        """Send ``command``, return what the PLC says; never blocks past the deadline."""
+        began_ns = self._clock.now_ns()
+        self.shift_ns = 0
+        outcome = self._receive(deadline_ns) if self._link.ready() else Outcome.NOT_CONNECTED
+        if outcome is Outcome.OK and self._lock is not None and self._stamped:
+            self.shift_ns = self._lock.shift_ns(began_ns - self._arrived_ns)
+        if not (self._link.carries and self._send(command)):
+            outcome = Outcome.NOT_CONNECTED
+        t_ns = self._clock.now_ns()
+        reader, liveness = self.reader, self._liveness
+        if outcome is Outcome.NOT_CONNECTED:
+            reader.reset()
+        outcome = liveness.judge(outcome, reader.heartbeat, self._arrived_ns)
+        values, age = self._no_values, NO_ECHO
+        if outcome is Outcome.OK:
+            values, age = reader.values, echo_age(command.heartbeat, reader.aff_echo)
+        return Snapshot(
+            tick=tick,
+            t_ns=t_ns,
+            outcome=outcome,
+            fresh=liveness.fresh,
+            age_s=liveness.age_s(t_ns),
+            plc_heartbeat=liveness.heartbeat,
+            status=reader.status,
+            roll_id=reader.roll_id,
+            values=values,
+            echo_age=age,
+        )
+
+    def close(self) -> None:
+        """Release the bus."""
+        self._link.close()
+
+    def _send(self, command: Command) -> bool:
+        sent = all(self._link.send(frame) for frame in self._writer.encode(command))
+        return self._link.sync() and sent
+
+    def _receive(self, deadline_ns: int) -> Outcome:
+        """Take what has arrived, up to the deadline on a bus that never falls silent."""
+        have_set = bad = False
+        for _ in range(_MOST_FRAMES):
+            frame = self._link.receive(0)
+            if frame is None:
+                if not self._link.ready():
+                    return Outcome.NOT_CONNECTED
+                self._emptied_ns = self._clock.now_ns()
+                break
+            taken = self.reader.take(frame)
+            if taken is Taken.SET:
+                have_set = True
+                self._note_arrival()
+            elif taken is Taken.BAD:
+                bad = True
+            elif taken is Taken.IGNORED and (frame.can_id, frame.extended) in self._ours:
+                self.foreign += 1
+                self._intruder.heard("the frames of this gateway")
+                bad = True
+            if self._clock.now_ns() >= deadline_ns:
+                break
+        if bad:
+            return Outcome.BAD_REPLY
+        return Outcome.OK if have_set else Outcome.TIMEOUT
+
+    def _note_arrival(self) -> None:
+        """Keep when the frame just taken was here; the earliest it can be if that is not known."""
+        stamp_ns = self._link.arrived_ns
+        self._stamped = self._emptied_ns <= stamp_ns <= self._clock.now_ns()
+        self._arrived_ns = stamp_ns if self._stamped else self._emptied_ns

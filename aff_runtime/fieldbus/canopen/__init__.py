@@ -1,0 +1,1 @@
+"""CANopen: nodes by EDS."""

@@ -1,0 +1,1 @@
+"""Modbus: TCP, TLS and RTU."""

@@ -1,0 +1,184 @@
+"""Modbus TCP frames of one register map, made and read with pymodbus' framer and PDUs."""
+
+from __future__ import annotations
+
+import struct
+from enum import StrEnum
+from typing import Final
+
+from pymodbus.framer import FramerSocket
+from pymodbus.pdu import DecodePDU, ExceptionResponse, ModbusPDU
+from pymodbus.pdu.register_message import (
+    ReadHoldingRegistersRequest,
+    ReadWriteMultipleRegistersRequest,
+    WriteMultipleRegistersRequest,
+    WriteMultipleRegistersResponse,
+)
+
+from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.signals import Outcome
+from aff_runtime.fieldbus.modbus.registers import MAX_READ_WORDS, MAX_WRITE_WORDS
+
+READ: Final = 3
+WRITE: Final = 16
+READ_WRITE: Final = 23
+
+_HEADER: Final = struct.Struct(">HHH")
+_HEADER_BYTES: Final = 6
+_LEAST_LENGTH: Final = 3  # unit id, function, one byte
+_MOST_LENGTH: Final = 254  # unit id and a PDU of 253
+_NO_WORDS: Final[list[int]] = []
+
+
+class WireFunction(StrEnum):
+    """How one tick's transaction is spelt."""
+
+    FC23 = "fc23"
+    FC3_FC16 = "fc3_fc16"
+    FC3 = "fc3"
+
+
+class ModbusFrames:
+    """Requests and strict replies for one read block and one write block.
+
+    pymodbus checks neither counts nor the device's echo, and logs what it drops; so every reply
+    is checked here before the library decodes it.
+
+    Parameters
+    ----------
+    device_id : unit identifier, 0..255.
+    read_start, read_count : read block, wire addresses.
+    write_start, write_count : write block, wire addresses.
+
+    Raises
+    ------
+    ConfigError
+        When a number does not fit a frame.
+    """
+
+    def __init__(
+        self,
+        *,
+        device_id: int,
+        read_start: int,
+        read_count: int,
+        write_start: int = 0,
+        write_count: int = 0,
+    ) -> None:
+        if not 0 <= device_id <= 255:
+            raise ConfigError(f"device_id {device_id}: Modbus allows 0..255")
+        if not 1 <= read_count <= MAX_READ_WORDS or not 0 <= write_count <= MAX_WRITE_WORDS:
+            raise ConfigError(
+                f"{read_count} words to read and {write_count} to write: a frame carries "
+                f"1..{MAX_READ_WORDS} and 0..{MAX_WRITE_WORDS}"
+            )
+        if not 0 <= read_start <= 0x10000 - read_count:
+            raise ConfigError(f"read block at {read_start} leaves 0..65535")
+        if not 0 <= write_start <= 0x10000 - write_count:
+            raise ConfigError(f"write block at {write_start} leaves 0..65535")
+        self.last_exception_code = 0
+        self._device_id = device_id
+        self._read_count = read_count
+        self._write_start = write_start
+        self._write_count = write_count
+        self._framer = FramerSocket(DecodePDU(is_server=False))
+        self._read = ReadHoldingRegistersRequest(
+            dev_id=device_id, address=read_start, count=read_count
+        )
+        zeros = [0] * write_count
+        self._write = WriteMultipleRegistersRequest(
+            dev_id=device_id, address=write_start, registers=zeros
+        )
+        self._read_write = ReadWriteMultipleRegistersRequest(
+            read_address=read_start,
+            read_count=read_count,
+            write_address=write_start,
+            write_registers=zeros,
+            dev_id=device_id,
+        )
+
+    def read_request(self, tid: int) -> bytes:
+        """Return the FC3 request for the read block."""
+        self._read.transaction_id = tid
+        return self._framer.buildFrame(self._read)
+
+    def write_request(self, tid: int, words: list[int]) -> bytes:
+        """Return the FC16 request that writes ``words`` to the write block."""
+        self._write.transaction_id = tid
+        self._write.registers = words
+        return self._framer.buildFrame(self._write)
+
+    def read_write_request(self, tid: int, words: list[int]) -> bytes:
+        """Return the FC23 request that writes ``words``, then reads the read block."""
+        self._read_write.transaction_id = tid
+        self._read_write.write_registers = words
+        return self._framer.buildFrame(self._read_write)
+
+    def fits(self, words: list[int]) -> bool:
+        """Return True when ``words`` fill the write block exactly."""
+        return len(words) == self._write_count
+
+    def parse_reply(self, frame: bytes, function: int) -> tuple[Outcome, list[int]]:
+        """Judge one complete frame whose transaction id is already known to be right.
+
+        Parameters
+        ----------
+        frame : bytes of exactly one frame, as cut by ``frame_length``.
+        function : the function code that was asked.
+
+        Returns
+        -------
+        outcome, words
+            OK with the read words (none for FC16); EXCEPTION, its code in
+            ``last_exception_code``; BAD_REPLY for anything else.
+        """
+        if frame[6] != self._device_id:
+            return Outcome.BAD_REPLY, _NO_WORDS
+        if not self._has_right_shape(frame, function):
+            return Outcome.BAD_REPLY, _NO_WORDS
+        pdu = self._decode(frame)
+        if isinstance(pdu, ExceptionResponse):
+            self.last_exception_code = pdu.exception_code
+            return Outcome.EXCEPTION, _NO_WORDS
+        if isinstance(pdu, WriteMultipleRegistersResponse):
+            echoed = pdu.address == self._write_start and pdu.count == self._write_count
+            return (Outcome.OK if echoed else Outcome.BAD_REPLY), _NO_WORDS
+        if pdu is None or len(pdu.registers) != self._read_count:
+            return Outcome.BAD_REPLY, _NO_WORDS
+        return Outcome.OK, list(pdu.registers)
+
+    def _has_right_shape(self, frame: bytes, function: int) -> bool:
+        if frame[7] == function | 0x80:
+            return len(frame) == 9
+        if frame[7] != function:
+            return False
+        if function == WRITE:
+            return len(frame) == 12
+        return len(frame) == 9 + 2 * self._read_count and frame[8] == 2 * self._read_count
+
+    def _decode(self, frame: bytes) -> ModbusPDU | None:
+        _, _, _, body = self._framer.decode(frame)
+        return self._framer.decoder.decode(body)
+
+
+def frame_length(buffer: bytearray, filled: int) -> int:
+    """Return the length of the frame at the head of ``buffer``.
+
+    Returns
+    -------
+    int
+        Total bytes of the frame; 0 while more bytes are needed; -1 when the header breaks the
+        protocol (protocol id, impossible length).
+    """
+    if filled < _HEADER_BYTES:
+        return 0
+    _, protocol, length = _HEADER.unpack_from(buffer)
+    if protocol != 0 or not _LEAST_LENGTH <= length <= _MOST_LENGTH:
+        return -1
+    total: int = length + _HEADER_BYTES
+    return total if filled >= total else 0
+
+
+def transaction_id(buffer: bytearray) -> int:
+    """Return the transaction id of the frame at the head of ``buffer``."""
+    return buffer[0] << 8 | buffer[1]

@@ -1,0 +1,1 @@
+"""The weighted least-squares objective and its minimum."""

@@ -1,0 +1,124 @@
+"""Start angles of effects on a record: a state of the rolls, not of the line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.line.declaration import EffectEntry
+from sim_plant.refine.model.hypotheses import turned
+from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.twin import Added, Case, Twin
+from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
+
+COARSE_ANGLES = 24
+ZOOMS = 3
+
+
+def in_phase(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]]:
+    """Return the twin with its declared effects as they stood when the record began.
+
+    A declaration's angles are those of the record it was made from; on every other one the rolls
+    begin elsewhere. Also returned: by how much they are turned, rad, per location; none where
+    nothing declared has an angle.
+    """
+    entries = twin.declaration.effects
+    stated = tuple(_added(e) for e in entries if phased(_added(e)))
+    if not stated:
+        return twin, {}
+    others = tuple(e for e in entries if not phased(_added(e)))
+    bare = _with_effects(twin, others)
+    bench = Bench([bare], workers=1)
+    case = Case(effects=stated)
+    runs = bench.run([replace(case, coarse=False), replace(case, coarse=False, seed=0)])
+    if not all(np.isfinite(run[0]).all() for run in runs):
+        return twin, {}
+    model = declared_noise(bare, (runs[1][0] - runs[0][0])[None])
+    found, angles = start_angles(bench, measured, case, model)
+    return _with_effects(twin, (*others, *(e.entry() for e in found))), angles
+
+
+def _added(entry: EffectEntry) -> Added:
+    """Return a declared effect with every angle said that it may be turned by."""
+    effect, values = BY_NAME[entry.effect], dict(entry.parameters)
+    amplitude = {pair.angle: pair.amplitude for pair in effect.quadratures if pair.angle}
+    for name, row in effect.accepts.items():
+        if row.role == "angle" and (name not in amplitude or amplitude[name] in values):
+            values.setdefault(name, row.default)
+    return Added(entry.effect, entry.location, tuple(values.items()))
+
+
+def _with_effects(twin: Twin, entries: Sequence[EffectEntry]) -> Twin:
+    line = twin.declaration.model_copy(update={"effects": tuple(entries)})
+    return replace(twin, declaration=line)
+
+
+def phased(effect: Added) -> bool:
+    """Return whether an effect has an angle that another start of the rolls changes."""
+    record = BY_NAME[effect.effect]
+    return bool(record.quadratures) or any(
+        record.accepts[name].role == "angle" for name, _ in effect.parameters
+    )
+
+
+def turned_effect(effect: Added, angle_rad: float) -> Added:
+    """Return the effect with its body turned ``angle_rad`` further when the record begins."""
+    values = turned(BY_NAME[effect.effect], dict(effect.parameters), angle_rad)
+    return Added(effect.effect, effect.location, tuple(values.items()))
+
+
+def _with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) -> tuple[Added, ...]:
+    return tuple(
+        turned_effect(e, angle_rad) if e.location == location and phased(e) else e for e in effects
+    )
+
+
+def costs_of(bench: Bench, measured: Array, model: NoiseModel, cases: Sequence[Case]) -> Array:
+    """Return the weighted squared error of every case."""
+    zero = np.array([name.endswith("_angle_rad") for name in bench.twins[0].channels])
+    found = []
+    for run in bench.run(cases, keep=False):
+        residual = measured - run[0]
+        residual[zero] -= residual[zero, model.first :].mean(axis=1, keepdims=True)
+        white = model.whiten(residual)
+        white -= white.mean(axis=1, keepdims=True)
+        found.append(float(np.sum(white**2)))
+    return np.array(found)
+
+
+def _turns(case: Case, location: str, tries: Array) -> list[Case]:
+    """Return the case with the effects at ``location`` turned by each try."""
+    return [replace(case, effects=_with_turned(case.effects, location, float(a))) for a in tries]
+
+
+def start_angles(
+    bench: Bench, measured: Array, case: Case, model: NoiseModel
+) -> tuple[tuple[Added, ...], dict[str, float]]:
+    """Return the effects at this record's start angles, found by search, and the angles."""
+    angles: dict[str, float] = {}
+    for location in dict.fromkeys(e.location for e in case.effects if phased(e)):
+        width = 2.0 * math.pi / COARSE_ANGLES
+        grid: Array = np.arange(COARSE_ANGLES, dtype=np.float64) * width
+        costs = costs_of(bench, measured, model, _turns(case, location, grid))
+        best = float(grid[int(np.argmin(costs))])
+        for _ in range(ZOOMS):
+            grid = best + width * np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
+            best = _lowest(grid, costs_of(bench, measured, model, _turns(case, location, grid)))
+            width *= 0.3
+        angles[location] = math.remainder(best, 2.0 * math.pi)
+        case = replace(case, effects=_with_turned(case.effects, location, best))
+    return case.effects, angles
+
+
+def _lowest(grid: Array, values: Array) -> float:
+    """Return the minimum of a parabola through the points, kept inside the grid."""
+    centre = grid[len(grid) // 2]
+    fit = np.polyfit(grid - centre, values, 2)
+    if fit[0] <= 0.0:
+        return float(grid[int(np.argmin(values))])
+    return float(np.clip(centre - fit[1] / (2.0 * fit[0]), grid[0], grid[-1]))

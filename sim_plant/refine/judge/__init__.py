@@ -1,0 +1,1 @@
+"""Error before and after on a record that took no part in the fit."""

@@ -1,0 +1,140 @@
+"""Error before and after on a record that took no part in the fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.fit.start_angles import costs_of, start_angles, turned_effect
+from sim_plant.refine.model.roll_profiles import UNWOUND
+from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.twin import Added, Case
+from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
+
+Shifts = tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Judgement:
+    """Residual of one record without and with the effects found.
+
+    Attributes
+    ----------
+    channels : names.
+    before, after, floor : rms per channel; ``floor`` is what noise alone leaves.
+    measured, declared, amended : channels (channels, samples), for the overlay.
+    effects : with the start angles of this record.
+    angles_rad, unwound_m : states of rolls estimated on this record, per location: start angles,
+        and of a profile how much web has left the roll since it was formed; all else is as
+        fitted.
+    first : first judged sample.
+    travel_m : length of web that has passed, from the speed reference (samples,).
+    """
+
+    channels: tuple[str, ...]
+    before: Array
+    after: Array
+    floor: Array
+    measured: Array
+    declared: Array
+    amended: Array
+    effects: tuple[Added, ...]
+    angles_rad: dict[str, float]
+    unwound_m: dict[str, float]
+    first: int
+    travel_m: Array
+
+
+def rms(channels: Sequence[str], residual: Array, first: int) -> Array:
+    """Return the rms per channel from ``first`` on; an angle's zero is free."""
+    part = residual[:, first:].copy()
+    for c, name in enumerate(channels):
+        if name.endswith("_angle_rad"):
+            part[c] -= part[c].mean()
+    found: Array = np.sqrt(np.mean(part**2, axis=1))
+    return found
+
+
+def judge(
+    bench: Bench,
+    measured: Array,
+    effects: Sequence[Added],
+    shifts: Shifts = (),
+    *,
+    find_angles: bool,
+) -> Judgement:
+    """Return before and after on the bench's only record.
+
+    ``shifts`` are the declared numbers of the line as re-estimated with the effects. A roll's
+    start angle differs from record to record and is found anew (``find_angles``).
+    """
+    twin = bench.twins[0]
+    runs = bench.run([Case(coarse=False), Case(coarse=False, seed=0)])
+    declared, noisy = runs[0][0], runs[1][0]
+    model = declared_noise(twin, (noisy - declared)[None])
+    first = model.first
+    angles: dict[str, float] = {}
+    unwound: dict[str, float] = {}
+    final = tuple(effects)
+    if find_angles:
+        final, angles = start_angles(bench, measured, Case(effects=final, shifts=shifts), model)
+        final, unwound = _formed(bench, measured, Case(effects=final, shifts=shifts), model)
+    changed = Case(effects=final, shifts=shifts, coarse=False)
+    amended = bench.one(changed)[0] if final or shifts else declared
+    return Judgement(
+        channels=twin.channels,
+        before=rms(twin.channels, measured - declared, first),
+        after=rms(twin.channels, measured - amended, first),
+        floor=model.floor,
+        measured=measured,
+        declared=declared,
+        amended=amended,
+        effects=final,
+        angles_rad=angles,
+        unwound_m=unwound,
+        first=first,
+        travel_m=np.cumsum(np.abs(twin.speed_m_s)) * twin.declaration.sample_time_s,
+    )
+
+
+def _formed(
+    bench: Bench, measured: Array, case: Case, model: NoiseModel
+) -> tuple[tuple[Added, ...], dict[str, float]]:
+    """Return the effects with this record's roll as it is: how far it was unwound since formed.
+
+    Only where the fit has that number. It changes the length of a turn, so the angle goes with it.
+    """
+    found: dict[str, float] = {}
+    for effect in case.effects:
+        if UNWOUND in dict(effect.parameters):
+            best = _as_it_is(bench, measured, case, model, effect)
+            found[effect.location] = float(dict(best.parameters)[UNWOUND])
+            case = replace(case, effects=tuple(best if e is effect else e for e in case.effects))
+    return case.effects, found
+
+
+def _as_it_is(
+    bench: Bench, measured: Array, case: Case, model: NoiseModel, effect: Added
+) -> Added:
+    """Return a profile with the angle and the unwound length (rad, cm) that fit best."""
+    others = tuple(e for e in case.effects if e is not effect)
+    values = dict(effect.parameters)
+
+    def moved(x: Array) -> Added:
+        more = {**values, UNWOUND: 0.01 * float(x[1])}
+        return turned_effect(
+            Added(effect.effect, effect.location, tuple(more.items())), float(x[0])
+        )
+
+    def cost(x: Array) -> float:
+        there = replace(case, effects=(*others, moved(x)))
+        return float(costs_of(bench, measured, model, [there])[0])
+
+    start = np.array([0.0, 100.0 * float(values[UNWOUND])])
+    corners = start + np.array([[0.0, 0.0], [0.05, 0.0], [0.08, 0.5]])
+    options = {"initial_simplex": corners, "xatol": 2e-3, "fatol": 5.0, "maxfev": 60}
+    return moved(minimize(cost, start, method="Nelder-Mead", options=options).x)

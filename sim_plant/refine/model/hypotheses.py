@@ -1,0 +1,214 @@
+"""Every effect of the library at every place, as columns to try and numbers to fit."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+from sim_plant.base.effects import Effect, Value
+from sim_plant.effects.catalogue import CATALOGUE
+from sim_plant.line.build import build_arrays, timing_of
+from sim_plant.line.declaration import Declaration
+from sim_plant.line.locations import candidate_locations, places_of
+from sim_plant.refine.model.twin import Added
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hypothesis:
+    """One effect at one place, with the numbers to fit.
+
+    Attributes
+    ----------
+    effect, location : as in a declaration.
+    fixed : options that are chosen, not fitted.
+    names : fitted parameters; the first ``strengths`` of them make the effect.
+    start : values to try, the size of a first guess.
+    absent : values at which the effect is exactly absent.
+    low, high : physical bounds, from the effect's own file and from the line.
+    linear : per strength, whether the response is proportional to it in both directions.
+    """
+
+    effect: Effect
+    location: str
+    fixed: tuple[tuple[str, Value], ...]
+    names: tuple[str, ...]
+    strengths: int
+    start: tuple[float, ...]
+    absent: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    linear: tuple[bool, ...]
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Effect name and location."""
+        return self.effect.name, self.location
+
+    def added(self, values: Sequence[float]) -> Added:
+        """Return the effect with these parameter values, clipped to their bounds."""
+        clipped = [
+            min(max(float(v), lo), hi)
+            for v, lo, hi in zip(values, self.low, self.high, strict=True)
+        ]
+        pairs = zip(self.names, clipped, strict=True)
+        return Added(self.effect.name, self.location, (*self.fixed, *pairs))
+
+    def within(self, values: Sequence[float]) -> bool:
+        """Return whether all numbers are within their bounds."""
+        rows = zip(values, self.low, self.high, strict=True)
+        return all(low <= value <= high for value, low, high in rows)
+
+    def at_bound(self, values: Sequence[float]) -> bool:
+        """Return whether a number sits at a bound that is not its absence: no estimate."""
+        rows = zip(values, self.low, self.high, self.absent, strict=True)
+        return any(
+            bound != absent and abs(value - bound) < 1e-6 * abs(bound - absent)
+            for value, low, high, absent in rows
+            for bound in (low, high)
+            if math.isfinite(bound)
+        )
+
+    def probes(self) -> list[Added]:
+        """Return one case per strength: that one at its typical size, the others absent."""
+        found = []
+        for at in range(self.strengths):
+            values = list(self.absent)
+            values[self.strengths :] = self.start[self.strengths :]
+            values[at] = self.start[at]
+            found.append(self.added(values))
+        return found
+
+    def steps(self, values: Sequence[float]) -> list[float]:
+        """Return a finite-difference step per number, large against the chaos of quantised loops.
+
+        A quarter of the value or of the typical size where the response is linear; else a
+        twentieth of the value, or a hundredth of the typical size.
+        """
+        found = []
+        for name, value, start, absent in zip(
+            self.names, values, self.start, self.absent, strict=True
+        ):
+            row = self.effect.accepts[name]
+            if row.role == "angle" or row.step > 0.0:
+                found.append(row.step or 0.02)
+                continue
+            size, typical = abs(value - absent), abs(start - absent)
+            if row.role == "strength" and row.linear and name != "size_m":
+                step = 0.25 * max(size, typical)
+            else:
+                step = 0.05 * max(size, 0.2 * typical)
+            found.append(step if step > 0.0 else 1e-6)
+        return [-s if v + s > hi else s for s, v, hi in zip(found, values, self.high, strict=True)]
+
+
+FEWER_TRIES: dict[str, tuple[Value, ...]] = {
+    "load_cell_resonance": (6.0, 13.0, 30.0),
+    "rate_limit": (0.05, 0.2),
+    "slip": (0.0, 0.8, 1.2),
+    "viscoelastic_web": (0.3, 3.0),
+}
+BOUNCE_TRIES_HZ: tuple[Value, ...] = (2.6, 4.4)
+SCREENED = {
+    "bearing_drag": ("constant_N_m",),
+    "shaft_compliance_backlash": ("compliance_rad_N_m",),
+}
+"""A first look takes these alone."""
+
+
+def _tries(effect: Effect, name: str) -> tuple[Value, ...]:
+    if effect.name == "roll_bounce" and name == "frequency_Hz":
+        return BOUNCE_TRIES_HZ
+    return FEWER_TRIES.get(effect.name, effect.accepts[name].tries)
+
+
+def variants(effect: Effect) -> list[tuple[tuple[str, Value], ...]]:
+    """Return every combination of the values worth a candidate each."""
+    tried = [
+        [(name, value) for value in _tries(effect, name)]
+        for name, p in effect.accepts.items()
+        if p.tries and effect.name != "out_of_round_roll"
+    ]
+    return [tuple(choice) for choice in itertools.product(*tried)]
+
+
+def hypothesis(
+    effect: Effect,
+    location: str,
+    choice: Sequence[tuple[str, Value]] = (),
+    traced: Sequence[str] | None = None,
+    line: Declaration | None = None,
+) -> Hypothesis:
+    """Return one hypothesis; ``choice`` fixes options and starts searches elsewhere.
+
+    With ``line`` the bounds are narrowed to what is possible at this place of this line.
+    """
+    picked = dict(choice)
+    names = [n for n in (traced or effect.traced) if effect.accepts[n].role != "option"]
+    names.sort(key=lambda n: effect.accepts[n].role != "strength")
+    fixed = tuple((n, v) for n, v in picked.items() if n not in names)
+    rows = [effect.accepts[n] for n in names]
+    start = [float(picked.get(n, r.typical)) for n, r in zip(names, rows, strict=True)]
+    strengths = [r for r in rows if r.role == "strength"]
+    bounds = limits_at(line, effect, location) if line is not None else {}
+    low = [max(r.low, bounds.get(n, (r.low,))[0]) for n, r in zip(names, rows, strict=True)]
+    high = [min(r.high, bounds.get(n, (r.high,))[-1]) for n, r in zip(names, rows, strict=True)]
+    return Hypothesis(
+        effect=effect,
+        location=location,
+        fixed=fixed,
+        names=tuple(names),
+        strengths=len(strengths),
+        start=tuple(start),
+        absent=tuple(float(r.default) for r in rows),
+        low=tuple(low),
+        high=tuple(high),
+        linear=tuple(r.linear and low[k] < float(r.default) for k, r in enumerate(strengths)),
+    )
+
+
+def limits_at(line: Declaration, effect: Effect, location: str) -> dict[str, tuple[float, float]]:
+    """Return the bounds that this place of this line sets, the tightest of all it names."""
+    if effect.limits is None:
+        return {}
+    arrays = build_arrays(line, timing_of(line, line.sample_time_s))
+    found: dict[str, tuple[float, float]] = {}
+    for place in places_of(line, effect, location, effect.name):
+        for name, (low, high) in effect.limits(arrays, place).items():
+            old = found.get(name, (low, high))
+            found[name] = max(low, old[0]), min(high, old[1])
+    return found
+
+
+def library(line: Declaration, without: Collection[str] = ()) -> list[Hypothesis]:
+    """Return every hypothesis of the library on this line, effects in ``without`` left out."""
+    return [
+        hypothesis(effect, location, choice, SCREENED.get(effect.name), line)
+        for effect in CATALOGUE
+        if effect.name not in without
+        for location in candidate_locations(line, effect)
+        for choice in variants(effect)
+    ]
+
+
+def turned(effect: Effect, values: dict[str, Value], angle_rad: float) -> dict[str, Value]:
+    """Return parameters of the same effect with its body turned ``angle_rad`` further at start.
+
+    Pairs are taken as orders 1, 2, 3 ... when there are several (or as the order they name), as
+    one free phase otherwise.
+    """
+    found = dict(values)
+    for place, pair in enumerate(effect.quadratures, start=1):
+        order = float(place)
+        if pair.order:
+            order = float(values.get(pair.order, effect.parameters[pair.order]))
+        if pair.cos not in found and pair.sin not in found:
+            continue
+        size = complex(float(found.get(pair.cos, 0.0)), float(found.get(pair.sin, 0.0)))
+        size *= complex(math.cos(order * angle_rad), math.sin(order * angle_rad))
+        found[pair.cos], found[pair.sin] = size.real, size.imag
+    for name, value in values.items():
+        if effect.accepts[name].role == "angle":
+            found[name] = float(value) + angle_rad
+    return found

@@ -1,0 +1,230 @@
+"""Whether a record belongs to a line: refuse what does not, say what cannot be claimed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import Array
+from sim_plant.line.declaration import Declaration
+from sim_plant.line.load import load_declaration
+from sim_plant.refine.model.twin import REFERENCES, Case, Twin, modelled_channels
+from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.sanity import place_of
+
+SPEED_MISMATCH = 0.2
+TENSION_RANGE = (0.3, 3.3)
+"""Narrower than a pound taken for a newton, either way."""
+HIGHEST_STRAIN = 0.2
+LEAST_RUNNING = 0.1
+"""Share of the rows in which the line has to run."""
+
+
+def sidecar_of(path: Path) -> Path:
+    """Return where a record's own declaration would be: same stem, ``.yaml``."""
+    name = path.name
+    for ending in (".gz", ".csv", ".txt", ".parquet", ".mf4"):
+        name = name.removesuffix(ending)
+    return path.with_name(name + ".yaml")
+
+
+def declaration_for(line: Declaration, record: Record) -> Declaration:
+    """Return the line as it was at the start of this record: its sidecar overrides.
+
+    Raises
+    ------
+    PlantError
+        When the sidecar describes another line.
+    """
+    path = sidecar_of(record.path)
+    if not path.exists():
+        return line
+    own = load_declaration(path)
+    if [r.name for r in own.rollers] != [r.name for r in line.rollers]:
+        raise PlantError(f"{path}: declares other rollers than the line it is to be judged by")
+    return own.model_copy(
+        update={
+            "effects": own.effects or line.effects,
+            "corrections": {**line.corrections, **own.corrections},
+            "tolerances": {**line.tolerances, **own.tolerances},
+        }
+    )
+
+
+def twin_of(line: Declaration, record: Record) -> Twin:
+    """Return the twin of one record after checking that both belong together.
+
+    Raises
+    ------
+    PlantError
+        On a missing reference or channel, another sample time, or values that another unit
+        would explain.
+    """
+    own = declaration_for(line, record)
+    for name in REFERENCES:
+        if name not in record.columns:
+            raise PlantError(
+                f"{record.path}: column {name} is missing; the line runs under its references"
+            )
+    named = {s.channel for s in own.sensors}
+    absent = sorted(n for n in named - set(record.columns))
+    if absent:
+        raise PlantError(
+            f"{record.path}: declared channels are missing: {', '.join(absent)}; "
+            "record them, or take them out of the declaration"
+        )
+    sample = round(record.sample_time_s, 6)
+    if abs(sample - own.sample_time_s) > 1e-3 * own.sample_time_s:
+        side = sidecar_of(record.path)
+        where = side if side.exists() else "the line file"
+        raise PlantError(
+            f"{record.path}: sampled every {sample} s, declared {own.sample_time_s} s; "
+            f"correct sample_time_s in {where}, or the unit of the time column"
+        )
+    _plausible(own, record)
+    aff = {}
+    for name, values in record.columns.items():
+        if name == "aff_correction_m_s" and np.any(values):
+            aff["unwind"] = values
+    twin = Twin(
+        declaration=own,
+        channels=modelled_channels(own, list(record.columns)),
+        speed_m_s=record.columns[REFERENCES[0]],
+        tension_N=record.columns[REFERENCES[1]],
+        aff_m_s=aff,
+    )
+    try:
+        twin.line(Case(coarse=False))
+    except PlantError as error:
+        raise PlantError(f"{record.path}: its line cannot be built: {error}") from error
+    return twin
+
+
+def _plausible(line: Declaration, record: Record) -> None:
+    speed = record.columns["line_speed_ref_m_s"]
+    tension = record.columns["tension_ref_N"]
+    for name in REFERENCES:
+        if not np.any(record.columns[name]):
+            raise PlantError(
+                f"{record.path}: column {name} is 0 throughout; give a record of the running line"
+            )
+    _runs(record, speed)
+    strain = float(np.median(tension)) / line.web.EA_N
+    if not 0.0 < strain < HIGHEST_STRAIN:
+        raise PlantError(
+            f"{record.path}: column tension_ref_N: {np.median(tension):.4g} N would strain the "
+            f"declared web (EA {line.web.EA_N:g} N) by {100 * strain:.3g} %; a unit in the header "
+            "is wrong, or the line file is another line's"
+        )
+    _within(record, "tension_ref_N", 0.0, HIGHEST_STRAIN * line.web.EA_N)
+    if "aff_correction_m_s" in record.columns:
+        fastest = float(np.max(np.abs(speed)))
+        _within(record, "aff_correction_m_s", -fastest, fastest)
+    for sensor in line.sensors:
+        values = record.columns[sensor.channel]
+        if sensor.scale_radius_m is not None:
+            _compare(record.path, sensor.channel, values, speed, SPEED_MISMATCH)
+        elif sensor.noise_sd_rad_s is not None:
+            radius = line.rollers[line.body(sensor.roller)].radius_m
+            _compare(record.path, sensor.channel, values, speed / radius, 2.0 * SPEED_MISMATCH)
+        elif sensor.lsb_rad is not None:
+            radius = line.rollers[line.body(sensor.roller)].radius_m
+            _compare_angle(record, sensor.channel, speed / radius)
+        elif sensor.low_pass_Hz is not None:
+            ratio = float(np.median(values) / np.median(tension))
+            if not TENSION_RANGE[0] < ratio < TENSION_RANGE[1]:
+                raise PlantError(
+                    f"{record.path}: column {sensor.channel}: {ratio:.3g} times the tension "
+                    "reference; its unit in the header, or the reference's, is wrong"
+                )
+            highest = HIGHEST_STRAIN * line.web.EA_N
+            _within(record, sensor.channel, -highest, highest)
+        elif sensor.lsb_m is not None:
+            declared = line.rollers[line.body(sensor.roller)].radius_m
+            if abs(values[0] / declared - 1.0) > 0.02:
+                raise PlantError(
+                    f"{record.path}: column {sensor.channel} starts at {values[0]:g} m, the line "
+                    f"file declares {declared:g} m: not this record's line file, or another unit"
+                )
+
+
+def _runs(record: Record, speed: Array) -> None:
+    """Refuse a line that hardly runs, or runs backwards."""
+    fastest = float(np.max(np.abs(speed)))
+    running = np.abs(speed) > 0.1 * fastest
+    if float(np.mean(running)) < LEAST_RUNNING:
+        raise PlantError(
+            f"{record.path}: column line_speed_ref_m_s: the line stands, or creeps below a tenth "
+            f"of its {fastest:.4g} m/s, in {100 * float(np.mean(~running)):.1f} % of the rows; "
+            "give a record of the running line"
+        )
+    if float(np.median(speed[running])) < 0.0:
+        raise PlantError(
+            f"{record.path}: column line_speed_ref_m_s: the line runs backwards; give a record "
+            "from unwind to rewind, speeds counted that way"
+        )
+
+
+def _within(record: Record, name: str, low: float, high: float) -> None:
+    """Refuse a value that this line cannot have: a marker of a lost reading, or another unit."""
+    values = record.columns[name]
+    bad = np.flatnonzero((values < low) | (values > high))
+    if bad.size:
+        raise PlantError(
+            f"{record.path}: {place_of(record.path, int(bad[0]))}: column {name}: read "
+            f"{values[bad[0]]:.6g}; this line can have {low:.4g} to {high:.4g} ({bad.size} rows "
+            "are beyond); cut the record there, or correct the unit in the header"
+        )
+
+
+def _compare(path: Path, name: str, values, expected, share: float) -> None:  # type: ignore[no-untyped-def]
+    moving = np.abs(expected) > 0.1 * np.max(np.abs(expected))
+    ratio = float(np.median(values[moving] / expected[moving]))
+    if abs(ratio - 1.0) > share:
+        raise PlantError(
+            f"{path}: column {name}: {ratio:.4g} times what the speed reference and the declared "
+            f"radius give; {_causes(path)}"
+        )
+
+
+def _causes(path: Path) -> str:
+    return (
+        "a unit in the header is wrong, the line file is another line's, or a roll had another "
+        f"radius (then declare the line as it was in {sidecar_of(path).name} beside the record)"
+    )
+
+
+def _compare_angle(record: Record, name: str, expected: Array) -> None:
+    """Refuse an angle whose steps belong to another unit; steps back: the count starts over."""
+    steps = np.diff(record.columns[name])
+    onward = steps * np.sign(np.median(steps)) >= 0.0
+    turned = float(np.mean(steps[onward])) / record.sample_time_s
+    wanted = float(np.mean(expected[1:][onward]))
+    if turned < 0.0:
+        raise PlantError(
+            f"{record.path}: column {name}: counts backwards while the web runs forwards; "
+            "change its sign"
+        )
+    if not abs(turned / wanted - 1.0) < 2.0 * SPEED_MISMATCH:
+        raise PlantError(
+            f"{record.path}: column {name}: turns {turned / wanted:.4g} times as fast as the "
+            f"speed reference and the declared radius give; {_causes(record.path)}"
+        )
+
+
+def limits(twin: Twin) -> list[str]:
+    """Return what cannot be claimed from this record, as sentences."""
+    found = []
+    angles = [c for c in twin.channels if c.endswith("_angle_rad")]
+    if not angles:
+        found.append("no roll angle is recorded: orders rest on simulated angles")
+    if not any(s.scale_radius_m for s in twin.declaration.sensors if s.channel in twin.channels):
+        found.append("no web speed is recorded: wavelengths rest on the speed reference")
+    if float(np.ptp(twin.speed_m_s)) < 0.02 * float(np.mean(np.abs(twin.speed_m_s))):
+        found.append("one speed only: a line in time and a line in travel look the same")
+    if len([c for c in twin.channels if c.endswith("_N")]) < 2:
+        found.append("one tension only: where an effect sits rests on the drive speeds")
+    found.append("a wrong scale or zero of a load cell: the tension loop's integral hides it")
+    return found

@@ -1,0 +1,1 @@
+"""What a perfect model would leave: innovations and slow drift."""

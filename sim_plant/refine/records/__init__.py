@@ -1,0 +1,1 @@
+"""Measured records: read from CSV, Parquet or MDF4, with what is odd about them."""

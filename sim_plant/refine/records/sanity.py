@@ -1,0 +1,116 @@
+"""What is odd about a record: stamps, gaps, spikes, saturation, resolution."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import Array
+from sim_plant.refine.records.units import suffix_of
+
+LONGEST_GAP_SAMPLES = 1.7
+JITTER_SHARE = 0.02
+SPIKE_SIGMA = 12.0
+
+
+def even_grid(
+    path: Path, time_s: Array, columns: Mapping[str, Array]
+) -> tuple[float, dict[str, Array], list[str]]:
+    """Return sample time, columns on an even grid and what was said about the stamps.
+
+    Raises
+    ------
+    PlantError
+        When stamps go back, or rows are missing.
+    """
+    if time_s.size < 100:
+        raise PlantError(f"{path}: {time_s.size} rows are too few to judge")
+    steps = np.diff(time_s)
+    back = np.flatnonzero(steps < 0.0)
+    if back.size:
+        raise PlantError(f"{path}: {place_of(path, int(back[0]) + 1)}: time does not go on")
+    step = float(np.median(steps))
+    odd = np.flatnonzero((steps > LONGEST_GAP_SAMPLES * step) | (steps == 0.0))
+    misplaced = [int(k) for k in odd if _one_stamp_off(steps, int(k), step)]
+    gap = [int(k) for k in odd if int(k) not in misplaced]
+    if gap:
+        at = gap[0]
+        raise PlantError(
+            f"{path}: {len(gap)} gaps in time_s, the first after {place_of(path, at)} "
+            f"({steps[at]:.4g} s where {step:.4g} s is usual); give a record without gaps"
+        )
+    said = [f"{len(misplaced)} stamps sit on their neighbour's"] if misplaced else []
+    mean = float((time_s[-1] - time_s[0]) / (time_s.size - 1))
+    grid = time_s[0] + mean * np.arange(time_s.size)
+    late = float(np.max(np.abs(time_s - grid)))
+    found = {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
+    if late < JITTER_SHARE * mean:
+        return mean, found, said
+    apart = np.maximum.accumulate(time_s + 1e-9 * step * np.arange(time_s.size))
+    even = {name: np.interp(grid, apart, values) for name, values in found.items()}
+    return (
+        mean,
+        even,
+        [*said, f"stamps are uneven by up to {late:.2g} s: put on a grid of {mean:.6g} s"],
+    )
+
+
+def place_of(path: Path, row: int) -> str:
+    """Return where data row ``row`` (from 0) stands: a line of a text file, a row of others."""
+    text = path.name.lower().removesuffix(".gz").endswith((".csv", ".txt"))
+    return f"line {row + 2}" if text else f"row {row + 1}"
+
+
+def counted_on(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str]]:
+    """Return columns with angles that start over (each turn, or each few) counted on, and say so.
+
+    A step of more than half a turn against the way the roll turns is taken for a start over.
+    """
+    found, said = dict(columns), []
+    for name, values in columns.items():
+        if not name.endswith("_angle_rad"):
+            continue
+        steps = np.diff(values)
+        over = int(np.sum(steps * np.sign(np.median(steps)) < -np.pi))
+        if over:
+            found[name] = np.unwrap(values)
+            said.append(f"{name} starts over {over} times: counted on")
+    return found, said
+
+
+def _one_stamp_off(steps: Array, at: int, step: float) -> bool:
+    """Return whether an odd step is one misplaced stamp: with a neighbour it makes two."""
+    pairs = [steps[at] + steps[k] for k in (at - 1, at + 1) if 0 <= k < steps.size]
+    return bool(min(abs(pair - 2.0 * step) for pair in pairs) < 0.2 * step)
+
+
+def oddities(columns: Mapping[str, Array]) -> list[str]:
+    """Return sentences about spikes, saturation, resolution and columns that stand still."""
+    found = []
+    for name, values in columns.items():
+        if np.ptp(values) == 0.0:
+            found.append(f"{name} stands still at {values[0]:g}")
+            continue
+        levels, unit = np.unique(values), suffix_of(name).replace("_s", "/s")
+        smallest = float(np.min(np.diff(levels))) if levels.size > 1 else 0.0
+        if levels.size < 0.2 * values.size and smallest > 0.0 and "_ref_" not in name:
+            found.append(f"{name} is read in steps of {smallest:.3g} {unit}".rstrip())
+        for level, side in ((levels[-1], "top"), (levels[0], "bottom")):
+            stuck = float(np.mean(values == level))
+            if stuck > 0.05 and levels.size > 20 and "_ref_" not in name:
+                found.append(f"{name} sits at its {side} {level:g} for {100 * stuck:.0f} %")
+        spikes = count_spikes(values)
+        if spikes:
+            found.append(f"{name} has {spikes} spike{'s' * (spikes > 1)}")
+    return found
+
+
+def count_spikes(values: Array) -> int:
+    """Return how many single samples stand far off their neighbours (Hampel)."""
+    off = (values - median_filter(values, 7))[3:-3]  # at its ends a ramp looks like a spike
+    spread = max(1.4826 * float(np.median(np.abs(off - np.median(off)))), 0.5 * float(np.std(off)))
+    return 0 if spread == 0.0 else int(np.sum(np.abs(off) > SPIKE_SIGMA * spread))

@@ -1,0 +1,1 @@
+"""Verdict, amended line, AFF block and page."""

@@ -1,0 +1,61 @@
+"""What refine was asked and what it found."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sim_plant.line.declaration import EffectEntry
+from sim_plant.refine.judge.holdout import Judgement
+from sim_plant.refine.records.recording import Record
+from sim_plant.refine.search.selection import Trace
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """What to do.
+
+    Attributes
+    ----------
+    line : declaration.
+    records : to fit.
+    holdout : the first is judged; empty: the first record fitted is, and said to be no proof.
+    out : folder to write.
+    without : effects left out of the library.
+    workers : processes.
+    """
+
+    line: Path
+    records: tuple[Path, ...]
+    holdout: tuple[Path, ...]
+    out: Path
+    without: tuple[str, ...] = ()
+    workers: int = 2
+
+    @property
+    def command(self) -> str:
+        """The command that repeats this run."""
+        parts = ["sim-plant", "refine", str(self.line), *map(str, self.records)]
+        for path in self.holdout:
+            parts += ["--holdout", str(path)]
+        for name in self.without:
+            parts += ["--without", name]
+        return shlex.join([*parts, "--out", str(self.out)])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Outcome:
+    """What came out, with everything the report shows.
+
+    ``stated`` are the declared effects as they stood when the first record fitted began.
+    """
+
+    plan: Plan
+    records: tuple[Record, ...]
+    limits: tuple[str, ...]
+    trace: Trace
+    judgement: Judgement
+    verdict: dict[str, Any]
+    stated: tuple[EffectEntry, ...] = ()

@@ -1,0 +1,224 @@
+"""One self-contained HTML page for a process engineer who has to decide."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jinja2 import Environment, PackageLoader
+
+from sim_plant.refine.records.units import suffix_of
+from sim_plant.refine.report.figures import overlay, spectrum, told_by, wavenumber_map
+from sim_plant.refine.report.remedies import remedy
+from sim_plant.refine.report.wording import (
+    coordinate_text,
+    name_of,
+    number_rows,
+    place_of,
+    size_of,
+)
+from sim_plant.refine.search.unexplained import LINE_THRESHOLD
+
+if TYPE_CHECKING:
+    from sim_plant.refine.judge.holdout import Judgement
+    from sim_plant.refine.report.outcome import Outcome
+
+
+ABOVE_NOISE = 1.1
+"""After over floor from which a channel is said to hold more than noise."""
+SHOWN_SHIFTS = 5
+
+
+def headline(result: dict[str, Any]) -> str:
+    """Return the verdict in a few sentences: what, where, how large."""
+    names = [name_of(e) + (f", {size_of(e)}" if size_of(e) else "") for e in result["effects"]]
+    if result["verdict"] == "nothing":
+        return "Nothing found: the declared line explains the record fitted to its noise."
+    text = "Traced: " + "; ".join(names) + "." if names else ""
+    for item in result["unknown"]:
+        said = coordinate_text(item["class"], item["coordinate"])
+        text += f" Unknown: {said}; no effect of the library explains it."
+    for item in result["ambiguous"]:
+        text += f" {_words(item['effect'])} cannot be told from "
+        text += f"{', '.join(_words(other) for other in item['with'])}."
+        text += "".join(f" To tell: {what}." for what in item["experiments"])
+    return text.strip()
+
+
+def _words(name_at_place: str) -> str:
+    effect, place = name_at_place.split(" at ", 1)
+    return name_of({"effect": effect, "location": place})
+
+
+def confidence(result: dict[str, Any]) -> str:
+    """Return how far each effect is ahead of what else might explain the record."""
+    told = []
+    for e in result["effects"]:
+        if e.get("runner_up"):
+            told.append(
+                f"{name_of(e)} scores {e['score']:.0f}, the next best explanation "
+                f"({_words(e['runner_up'])}) {e['score'] - e['margin']:.0f}"
+            )
+        elif "score" in e:
+            told.append(
+                f"{name_of(e)} scores {e['score']:.0f}, no other explains the record as well"
+            )
+    return "; ".join(told) + ". A difference of 10 decides." if told else ""
+
+
+def gain(judged: Judgement, held: bool) -> str:
+    """Return what the amended line explains: on the tension and the channel that gained most."""
+    ranked = told_by(judged)
+    tensions = [k for k in ranked if judged.channels[k].endswith("_N")]
+    where = "On the held-out record" if held else "On the record fitted (no proof)"
+    said = []
+    for at in dict.fromkeys([*tensions[:1], ranked[0]]):
+        unit = suffix_of(judged.channels[at]).replace("_s", "/s")
+        before, after, floor = judged.before[at], judged.after[at], judged.floor[at]
+        said.append(
+            f"the error in {judged.channels[at]} is {before:.3g} {unit} rms as declared, "
+            f"{after:.3g} {unit} as amended; noise alone leaves {floor:.3g} {unit}"
+        )
+    return f"{where} {'. There '.join(said)}. {_left(judged, ranked)}"
+
+
+def _left(judged: Judgement, ranked: Sequence[int]) -> str:
+    """Return which tensions and speeds hold more than noise as amended."""
+    above = above_noise(judged, ranked)
+    if not above:
+        return "As amended, all tensions and speeds are within 10 % of noise."
+    told = ", ".join(f"{name} (x {ratio:.2f})" for name, ratio in above.items())
+    return f"As amended, more than 10 % above noise: {told}."
+
+
+def above_noise(judged: Judgement, ranked: Sequence[int]) -> dict[str, float]:
+    """Return the tensions and speeds that hold more than noise as amended, after over floor."""
+    return {
+        judged.channels[k]: float(judged.after[k] / judged.floor[k])
+        for k in ranked
+        if judged.after[k] >= ABOVE_NOISE * judged.floor[k]
+    }
+
+
+def next_step(result: dict[str, Any], block: bool, above: Collection[str] = ()) -> str:
+    """Return what the reader may do now; ``above``: channels that hold more than noise."""
+    if result["ambiguous"]:
+        return "Make the record that tells the candidates apart before anything is changed."
+    what = [remedy(e["effect"], place_of(e["location"])) for e in result["effects"]]
+    said = []
+    if block:
+        said.append(
+            "Paste the AFF block below into the site file. The ripple of a cancelled roller "
+            f"comes back when the service is off; to be rid of it: {'; '.join(what)}."
+        )
+    elif what:
+        said.append(f"This is no ripple to cancel: {'; '.join(what)}.")
+    if result["unknown"]:
+        said.append(
+            "Look for what turns or swings at that coordinate; the amended line does not "
+            "contain it."
+            if result["unknown"][0]["class"] in ("time", "travel", "angle")
+            else "Record again with more speeds and a tension step, and more channels."
+        )
+    if said:
+        return " ".join(said)
+    if above:
+        return (
+            f"Do not take the declaration for right: {', '.join(above)} above noise on the record "
+            "judged. Fit that record and judge on the other."
+        )
+    return "Nothing to do: the declaration stands."
+
+
+def best_each(rejected: Sequence[tuple[str, str, float]]) -> list[tuple[str, str, float]]:
+    """Return the best score of each effect and place: some were tried in several forms."""
+    best: dict[tuple[str, str], float] = {}
+    for effect, place, score in rejected:
+        best[effect, place] = max(score, best.get((effect, place), score))
+    return [(*where, score) for where, score in best.items()]
+
+
+def shift_rows(
+    corrections: Mapping[str, float], tolerances: Mapping[str, float]
+) -> list[dict[str, Any]]:
+    """Return declared numbers estimated anew, those first that used most of their tolerance."""
+    rows = []
+    for name, value in corrections.items():
+        known = tolerances.get(name, 0.0)
+        factor, unit = 100.0, "%"
+        if name.endswith((".offset", "_draw")):
+            factor, unit = 1.0, "N" if name.endswith(".offset") else "(absolute)"
+        rows.append(
+            {
+                "name": name,
+                "shift": f"{factor * value:+.3g} {unit}",
+                "tolerance": f"{factor * known:.3g} {unit}" if known else "",
+                "used": abs(value) / known if known else 0.0,
+            }
+        )
+    return sorted(rows, key=lambda row: (-row["used"], row["name"]))
+
+
+def write_report(
+    outcome: Outcome,
+    command: str,
+    amended: Path | None,
+    block: Path | None,
+    tolerances: Mapping[str, float],
+) -> Path:
+    """Write ``report.html``; return its path.
+
+    ``tolerances`` are those of the declared numbers, two standard deviations, by path.
+    """
+    judged, trace = outcome.judgement, outcome.trace
+    step_s = trace.travels[0].sample_time_s
+    rows = [
+        {
+            "name": n,
+            "before": b,
+            "after": a,
+            "floor": f,
+            "ratio": a / f if f else 0.0,
+            "was": b / f if f else 0.0,
+        }
+        for n, b, a, f in zip(
+            judged.channels, judged.before, judged.after, judged.floor, strict=True
+        )
+    ]
+    template = Environment(
+        loader=PackageLoader("sim_plant.refine.report", "."), autoescape=True
+    ).get_template("page.html.j2")
+    page = template.render(
+        headline=headline(outcome.verdict),
+        sure=confidence(outcome.verdict),
+        gain=gain(judged, bool(outcome.plan.holdout)),
+        next_step=next_step(
+            outcome.verdict, block is not None, above_noise(judged, told_by(judged))
+        ),
+        verdict=outcome.verdict,
+        rows=rows,
+        command=command,
+        limits=outcome.limits,
+        records=outcome.records,
+        held=outcome.plan.holdout,
+        steps=trace.steps,
+        angles=judged.angles_rad,
+        unwound=judged.unwound_m,
+        shifts=shift_rows(trace.corrections, tolerances),
+        shown_shifts=SHOWN_SHIFTS,
+        keys={k for e in outcome.verdict["effects"] for k in e["parameters"]},
+        best_each=best_each,
+        numbers=number_rows,
+        name_of=name_of,
+        place_of=place_of,
+        above=ABOVE_NOISE,
+        block=block.read_text(encoding="utf-8") if block else "",
+        amended=amended.name if amended else "",
+        overlay=overlay(judged, step_s),
+        order_map=wavenumber_map(judged, step_s),
+        spectra=spectrum(trace.before[0], trace.after[0], LINE_THRESHOLD),
+    )
+    path = outcome.plan.out / "report.html"
+    path.write_text(page, encoding="utf-8")
+    return path

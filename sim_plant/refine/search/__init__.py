@@ -1,0 +1,1 @@
+"""Forward selection: which effects explain the residual, one after another."""

@@ -1,0 +1,88 @@
+"""A free term for what the library does not explain, so that the search can go on beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.search.unexplained import Unknown
+from sim_plant.refine.spectra.coordinates import (
+    TWO_PI,
+    Travel,
+    hum_Hz,
+    is_periodic,
+    wavenumbers_1_m,
+)
+from sim_plant.refine.spectra.line_spectrum import speed_weights
+
+HARMONICS = {"angle": 16, "travel": 6, "time": 2}
+SAME = 0.006
+"""Coordinates closer than this (relative) are one line in a record of a minute."""
+SLOW = 8
+"""Half waves over the record by which a free line may change."""
+LINE_KINDS = frozenset(HARMONICS)
+
+
+def free_lines(found: Sequence[Unknown], travel: Travel) -> Array:
+    """Return orthonormal columns (judged samples, terms) of free lines and their harmonics.
+
+    Every line may grow with speed, and change slowly with time: that takes up a coordinate that
+    is a fraction of a bin off, and a resonance that the line crosses. A line that is a whole
+    order of a roll brings all orders of that roll.
+    """
+    nyquist = 0.5 / travel.sample_time_s
+    run = np.linspace(0.0, np.pi, travel.time_s.size)
+    slow = np.cos(np.outer(np.arange(1, SLOW + 1), run))
+    weights = np.vstack([speed_weights(travel.speed_m_s), slow])
+    columns: list[Array] = []
+    for item in found:
+        cycles, first = _cycles(item, travel)
+        rate = float(np.max(np.abs(np.gradient(cycles, travel.sample_time_s))))
+        for n in range(1, HARMONICS[item.kind] + 1):
+            if n * first * rate > nyquist:
+                break
+            turn = TWO_PI * n * first * cycles
+            columns += [w * wave for w in weights for wave in (np.cos(turn), np.sin(turn))]
+    basis, sizes, _ = np.linalg.svd(np.stack(columns, axis=1), full_matrices=False)
+    kept: Array = np.ascontiguousarray(basis[:, sizes > 1e-6 * sizes[0]])
+    return kept
+
+
+def taken_up(h: Hypothesis, found: Sequence[Unknown], travel: Travel) -> bool:
+    """Return whether a hypothesis shows where one of the free lines is, or at its harmonics.
+
+    A free term takes up all there, up to its own imperfection: no effect is claimed for that.
+    """
+    return is_periodic(h) and any(_meets(h, item, travel) for item in found)
+
+
+def _meets(h: Hypothesis, item: Unknown, travel: Travel) -> bool:
+    where = item.coordinate
+    if item.kind == "angle":
+        return h.location == where["roll"]
+    hum = hum_Hz(h, travel)
+    if item.kind == "time":
+        first, shows = float(where["frequency_Hz"]), [] if hum is None else [hum]
+    else:
+        first = float(where["wavenumber_1_m"])
+        shows = [] if h.location == "all" else wavenumbers_1_m(h, travel)
+    ratios = [at / first for at in shows]
+    return any(
+        1 <= round(r) <= HARMONICS[item.kind] and abs(r / round(r) - 1.0) < SAME for r in ratios
+    )
+
+
+def _cycles(item: Unknown, travel: Travel) -> tuple[Array, float]:
+    """Return the coordinate in cycles per unit (samples,) and the fundamental."""
+    where = item.coordinate
+    if item.kind == "time":
+        return travel.time_s, float(where["frequency_Hz"])
+    if item.kind == "travel":
+        return travel.travel_m, float(where["wavenumber_1_m"])
+    names = [r.name for r in travel.declaration.rollers]
+    turns: Array = travel.angles_rad[names.index(str(where["roll"]))] / TWO_PI
+    order = float(where["order"])
+    return turns, 1.0 if abs(order - round(order)) < 0.02 * max(1.0, order) else order

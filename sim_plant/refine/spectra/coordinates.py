@@ -1,0 +1,159 @@
+"""Where a periodic effect shows as a line: in time, in web travel, or in a roll's angle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.line.declaration import Declaration
+from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.twin import Case, Twin
+from sim_plant.refine.spectra.line_spectrum import LineSpectrum, line_spectrum, speed_weights
+
+TWO_PI = 2.0 * math.pi
+HIGHEST_ORDER = 16.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Travel:
+    """Time, web travel and the angles of all bodies over the judged samples of one record."""
+
+    declaration: Declaration
+    sample_time_s: float
+    time_s: Array
+    travel_m: Array
+    angles_rad: Array  # (bodies, samples)
+    speed_m_s: Array
+
+
+def travel_of(twin: Twin, measured: Array, case: Case, first: int) -> Travel:
+    """Return the coordinates of a record: measured angles where there are, else simulated."""
+    _, angles = twin.angles(case)
+    for sensor in twin.declaration.sensors:
+        if sensor.channel in twin.channels and sensor.channel.endswith("_angle_rad"):
+            body = twin.declaration.body(sensor.roller)
+            angles[body] = measured[twin.channels.index(sensor.channel)]
+    step = twin.declaration.sample_time_s
+    ends = {0, len(twin.declaration.rollers) - 1}
+    fixed = [
+        (k, r.radius_m)
+        for k, r in enumerate(twin.declaration.rollers)
+        if k not in ends and r.kind == "driven"
+    ]
+    time_s: Array = np.arange(first, measured.shape[1], dtype=np.float64) * step
+    body, radius = fixed[0] if fixed else (1, twin.declaration.rollers[1].radius_m)
+    return Travel(
+        declaration=twin.declaration,
+        sample_time_s=step,
+        time_s=time_s,
+        travel_m=angles[body, first:] * radius,
+        angles_rad=angles[:, first:],
+        speed_m_s=twin.speed_m_s[first:],
+    )
+
+
+def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
+    """Return free-line spectra in time, travel and the angle of both material rolls."""
+    weights = speed_weights(travel.speed_m_s)
+    nyquist = 0.5 / travel.sample_time_s
+    slow = 3.0 / (travel.time_s[-1] - travel.time_s[0])
+    fastest = float(np.max(np.abs(travel.speed_m_s)))
+    length = float(travel.travel_m[-1] - travel.travel_m[0])
+    found = [
+        line_spectrum(
+            whitened, travel.time_s, weights, kind="time", highest=0.98 * nyquist, lowest=slow
+        )
+    ]
+    if length > 1.0:
+        found.append(
+            line_spectrum(
+                whitened,
+                travel.travel_m,
+                weights,
+                kind="travel",
+                highest=0.98 * nyquist / fastest,
+                lowest=3.0 / length,
+            )
+        )
+    for body in (0, len(travel.declaration.rollers) - 1):
+        turns = travel.angles_rad[body] / TWO_PI
+        if turns[-1] - turns[0] > 6.0:
+            found.append(
+                line_spectrum(
+                    whitened,
+                    turns,
+                    weights,
+                    kind="angle",
+                    roll=travel.declaration.rollers[body].name,
+                    highest=HIGHEST_ORDER,
+                    lowest=3.0 / (turns[-1] - turns[0]),
+                )
+            )
+    return found
+
+
+def near(spectrum: LineSpectrum, coordinate: float, width: float = 0.006) -> float:
+    """Return the highest drop within ``width`` (relative) of a coordinate, and one bin."""
+    bin_width = float(spectrum.coordinate[1] - spectrum.coordinate[0])
+    reach = max(2.0 * bin_width, width * coordinate)
+    inside = np.abs(spectrum.coordinate - coordinate) <= reach
+    return float(spectrum.drop[inside].max()) if inside.any() else 0.0
+
+
+def alias_Hz(frequency_Hz: float, sample_time_s: float) -> float:
+    """Return where a frequency appears after sampling, 0..half the sample rate."""
+    rate = 1.0 / sample_time_s
+    folded = math.fmod(frequency_Hz, rate)
+    return min(folded, rate - folded)
+
+
+def orders_of(h: Hypothesis) -> list[float]:
+    """Return the orders of its roller at which an order-locked hypothesis shows."""
+    options = dict(h.fixed) | dict(zip(h.names, h.start, strict=True))
+    if h.effect.name == "out_of_round_roll":
+        return [float(n) for n in range(1, 7)]
+    if h.effect.name == "roll_bounce":
+        return [float(options["order"])]
+    return [float(options.get("order", 1.0))]
+
+
+def is_periodic(h: Hypothesis) -> bool:
+    """Return whether a hypothesis shows as lines: in time, in travel or in a roll's angle."""
+    return h.effect.order_locked or h.effect.name in ("roll_bounce", "mains_hum")
+
+
+def hum_Hz(h: Hypothesis, travel: Travel) -> float | None:
+    """Return where in time a hypothesis shows after sampling, Hz; None for all but hum."""
+    if h.effect.name != "mains_hum":
+        return None
+    options = dict(h.fixed) | dict(zip(h.names, h.start, strict=True))
+    return alias_Hz(float(options["frequency_Hz"]), travel.sample_time_s)
+
+
+def wavenumbers_1_m(h: Hypothesis, travel: Travel) -> list[float]:
+    """Return where in web travel the orders of a hypothesis at a roller show, 1/m."""
+    radius_m = travel.declaration.rollers[travel.declaration.body(h.location)].radius_m
+    return [n / (TWO_PI * radius_m) for n in orders_of(h)]
+
+
+def line_support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float | None:
+    """Return how strong the free lines are where this hypothesis would show; None: not a line."""
+    by_kind = {(s.kind, s.roll): s for s in found}
+    if not is_periodic(h):
+        return None
+    hum = hum_Hz(h, travel)
+    if hum is not None:
+        return near(by_kind["time", ""], hum, 0.003)
+    if h.location == "all":
+        return max(s.peak[1] for s in found if s.kind == "travel") if found else 0.0
+    spectrum = by_kind.get(("angle", h.location))
+    if spectrum is not None:
+        return max(near(spectrum, n) for n in orders_of(h))
+    spectrum = by_kind.get(("travel", ""))
+    if spectrum is None:
+        return 0.0
+    return max(near(spectrum, at) for at in wavenumbers_1_m(h, travel))

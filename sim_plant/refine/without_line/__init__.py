@@ -1,0 +1,1 @@
+"""Records without a line declaration: a filter, then free lines."""

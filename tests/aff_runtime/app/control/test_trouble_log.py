@@ -1,0 +1,41 @@
+"""What the wire knows of itself is said once it stands, and once more when it is over."""
+
+from __future__ import annotations
+
+from aff_runtime.app.control.trouble_log import EVERY_TICKS, TroubleLog
+
+
+class Wire:
+    """A gateway of which only the troubles matter."""
+
+    def __init__(self) -> None:
+        self.troubles: tuple[str, ...] = ()
+
+
+def looks(log: TroubleLog, count: int) -> None:
+    for tick in range(1, count * EVERY_TICKS + 1):
+        log.look(tick)
+
+
+def test_a_trouble_that_stands_is_said_once_and_its_end_too() -> None:
+    wire, said, shown = Wire(), [], []
+    log = TroubleLog(wire, said.append, shown.append)  # type: ignore[arg-type]
+    looks(log, 3)
+    assert said == shown == []
+    wire.troubles = ("unwind_drive (node 3): EMCY 0x3210",)
+    looks(log, 5)
+    assert said == ["wire: unwind_drive (node 3): EMCY 0x3210"]
+    wire.troubles = ()
+    looks(log, 5)
+    assert said[1:] == ["wire: no trouble any more"]
+    assert shown == [("unwind_drive (node 3): EMCY 0x3210",), ()]
+
+
+def test_a_trouble_of_a_moment_is_not_said() -> None:
+    wire, said = Wire(), []
+    log = TroubleLog(wire, said.append)  # type: ignore[arg-type]
+    wire.troubles = ("unwind_drive (node 3): is being configured",)
+    looks(log, 1)
+    wire.troubles = ()
+    looks(log, 4)
+    assert said == []

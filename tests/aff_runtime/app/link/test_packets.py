@@ -1,0 +1,43 @@
+"""The link keeps packet borders and tells death from silence."""
+
+from __future__ import annotations
+
+import pytest
+
+from aff_runtime.app.link.packets import MAX_PACKET_BYTES, Link, LinkClosedError, link_pair
+
+
+def test_messages_keep_their_borders_and_silence_is_none() -> None:
+    a, b = (Link(end) for end in link_pair())
+    a.send({"do": "arm"})
+    a.send({"do": "bypass"})
+    assert [b.receive(), b.receive(), b.receive()] == [{"do": "arm"}, {"do": "bypass"}, None]
+    a.close()
+    b.close()
+
+
+def test_a_parameter_record_of_100_kB_passes_in_one_packet() -> None:
+    a, b = (Link(end) for end in link_pair())
+    record = {"text": "x" * 100_000}
+    assert a.send(record)
+    assert b.receive() == record
+    a.close()
+    b.close()
+
+
+def test_what_was_said_before_death_is_heard_and_then_the_death() -> None:
+    a, b = (Link(end) for end in link_pair())
+    a.send({"do": "stop"})
+    a.close()
+    assert b.receive() == {"do": "stop"}
+    with pytest.raises(LinkClosedError):
+        b.receive()
+    b.close()
+
+
+def test_a_message_that_would_be_cut_is_not_sent_at_all() -> None:
+    a, b = (Link(end) for end in link_pair())
+    assert not a.send({"text": "x" * (MAX_PACKET_BYTES + 1)})
+    assert b.receive() is None
+    a.close()
+    b.close()

@@ -1,0 +1,46 @@
+"""What the service's log says of states and alarms."""
+
+from __future__ import annotations
+
+import logging
+
+import pytest
+
+from aff_runtime.app.supervisor.state_log import StateLog
+from aff_runtime.base.events import BY_NAME
+from aff_runtime.base.signals import State
+
+
+def record(state: State, alarm: str = "NONE") -> dict[str, float]:
+    return {"state": float(state), "alarm": float(BY_NAME[alarm].code)}
+
+
+def test_a_fault_is_a_warning_with_what_to_do(caplog: pytest.LogCaptureFixture) -> None:
+    log = StateLog()
+    with caplog.at_level(logging.INFO):
+        log.step(record(State.ACTIVE))
+        log.step(record(State.FAULT, "PLC_STALE"))
+    assert [r.levelno for r in caplog.records] == [logging.INFO, logging.WARNING]
+    assert caplog.messages[1].startswith("ACTIVE -> FAULT: PLC_STALE, PLC data is stale; check")
+
+
+def test_nothing_is_said_twice_and_another_alarm_is_said(caplog: pytest.LogCaptureFixture) -> None:
+    log = StateLog()
+    with caplog.at_level(logging.INFO):
+        for alarm in ("PLC_STALE", "PLC_STALE", "OVERRUN"):
+            log.step(record(State.FAULT, alarm))
+        log.step(None)
+    assert len(caplog.messages) == 2
+    assert "OVERRUN" in caplog.messages[1]
+
+
+def test_a_start_and_a_bypass_are_no_warnings(caplog: pytest.LogCaptureFixture) -> None:
+    log = StateLog()
+    with caplog.at_level(logging.INFO):
+        log.step(record(State.FAULT, "POWER_UP"))
+        log.step(record(State.READY))
+        log.step(record(State.BYPASS, "BYPASSED"))
+        log.restart()
+        log.step(record(State.FAULT, "POWER_UP"))
+    assert {r.levelno for r in caplog.records} == {logging.INFO}
+    assert len(caplog.messages) == 4

@@ -1,0 +1,216 @@
+"""The probe on known plants, under ripple of two rolls and noise."""
+
+import cmath
+import math
+import random
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.signals import Permission
+from aff_runtime.core.params import BlockParams, ProbeParams
+from aff_runtime.core.probe.estimate import Tone, fit_tones
+from aff_runtime.core.probe.excitation import Waveform, log_grid, spread
+from aff_runtime.core.probe.probe import Probe, Stage
+from aff_runtime.core.response import Provenance, Response
+from tests.aff_runtime.core.plants import (
+    ACTUATOR,
+    CYCLE_S,
+    FREE,
+    LagDelay,
+    Line,
+    site,
+    snapshot,
+    with_blocks,
+)
+
+RIPPLE = {("unwind", 1): 2.0 + 1j, ("unwind", 2): 1.0j, ("unwind", 3): 0.7, ("swrap", 1): 1.2}
+PARAMS = ProbeParams(
+    actuators=("unwind",),
+    amplitude=0.01,
+    duration_s=25.0,
+    f_max_Hz=6.0,
+    grid_points=10,
+    max_speed_m_s=2.0,
+)
+ORIGIN = {n: Provenance(actuator=n, signal="tension_N") for n in ("unwind", "follower")}
+BLOCKS = BlockParams(roll="unwind", orders=(1, 2, 3, 4), settle_s=8.0, amp_limit=0.02)
+
+
+def noise(sigma, seed=5):
+    rng = random.Random(seed)
+    return lambda: rng.gauss(0, sigma)
+
+
+def probed(plant, params=PARAMS, sigma=0.05):
+    line = Line(plant, RIPPLE, seed_noise=noise(sigma))
+    probe = Probe(site(with_blocks(BLOCKS)), params)
+    line.run(probe, 32.0)
+    assert probe.stage is Stage.DONE
+    return probe
+
+
+@pytest.mark.parametrize("plant", [(-400.0, 12, 0.96), (400.0, 30, 0.9)])
+def test_recovers_a_known_response_under_ripple_and_noise(plant):
+    (result,) = probed(LagDelay(*plant)).result(ORIGIN)
+    low, high = result.response.band_Hz
+    assert low < 5.0 / math.tau
+    assert high > 4 * 5.0 / math.tau
+    for f in (n * 5.0 / math.tau for n in (1, 2, 3, 4)):
+        error = result.response.at(f) / LagDelay(*plant).at(f)
+        assert abs(error) == pytest.approx(1.0, rel=0.02)
+        assert abs(math.degrees(cmath.phase(error))) < 2.0
+        assert result.response.phase_error_bound_rad(f) < math.radians(30)
+    assert result.sign == math.copysign(1, plant[0])
+    assert result.remarks == ()
+    assert Response.from_json(result.response.to_json()).points == result.response.points
+
+
+def test_standard_errors_are_honest():
+    plant = LagDelay(-400.0, 12, 0.96)
+    (result,) = probed(plant, sigma=1.0).result(ORIGIN)
+    misses = [
+        abs(cmath.rect(p.gain, p.phase_rad) / plant.at(p.frequency_Hz) - 1) / p.relative_error
+        for p in result.response.points
+    ]
+    # |complex error| over its rms is about 1; three times it is rare
+    assert 0.5 < math.sqrt(sum(m * m for m in misses) / len(misses)) < 1.8
+
+
+def test_excitation_never_exceeds_its_bound_and_starts_and_ends_at_zero():
+    line, probe, sent = Line(LagDelay(-400.0), {}), Probe(site(with_blocks(BLOCKS)), PARAMS), []
+    for _ in range(round(32 / CYCLE_S)):
+        (step,) = probe.step(snapshot(line.tick, *line.read()), CYCLE_S, FREE)
+        sent.append(step.value)
+        change = abs(step.value - sent[-2]) if len(sent) > 1 else 0.0
+        assert change <= step.slew_bound * CYCLE_S + 1e-12 or step.value == 0.0
+        line.advance(step.value)
+    assert max(map(abs, sent)) == pytest.approx(0.01)
+    active = [v for v in sent if v != 0.0]
+    assert abs(active[0]) < 2e-5
+    assert abs(active[-1]) < 2e-5
+
+
+def test_two_actuators_at_once_on_interleaved_tones():
+    follower = replace(
+        ACTUATOR,
+        name="follower",
+        signal="tension_ref_N",
+        reference=None,
+        blocks=(BlockParams(roll="swrap", orders=(1,), settle_s=8.0, amp_limit=0.02),),
+    )
+    first, second, cross = LagDelay(-400.0, 12, 0.96), LagDelay(150.0, 4, 0.8), LagDelay(80.0, 2)
+    params = replace(PARAMS, actuators=("unwind", "follower"), grid_points=5)
+    probe = Probe(site(with_blocks(BLOCKS), follower), params)
+    permission = Permission(adapt=True, applied_ratio=(1.0, 1.0), limit_ratio=(1.0, 1.0))
+    line, quiet, sent = Line(LagDelay(0.0), RIPPLE), noise(0.05), (0.0, 0.0)
+    for _ in range(round(34 / CYCLE_S)):
+        y, _, *rest = line.read()
+        y1 = y + first.step(sent[0]) + cross.step(sent[1]) + quiet()
+        y2 = 50.0 + second.step(sent[1]) + quiet()
+        steps = probe.step(snapshot(line.tick, y1, y2, *rest), CYCLE_S, permission)
+        sent = (steps[0].value, steps[1].value)
+        line.advance(0.0)
+    for result, plant in zip(probe.result(ORIGIN), (first, second), strict=True):
+        for p in result.response.points:
+            error = cmath.rect(p.gain, p.phase_rad) / plant.at(p.frequency_Hz)
+            assert abs(error - 1) < 0.03
+
+
+def test_share_that_the_guard_lets_through_is_taken_into_account():
+    plant = LagDelay(-400.0, 12, 0.96)
+    line, probe = Line(plant, RIPPLE), Probe(site(with_blocks(BLOCKS)), PARAMS)
+    share = Permission(adapt=True, applied_ratio=(0.8,), limit_ratio=(0.8,))
+    for _ in range(round(32 / CYCLE_S)):
+        (step,) = probe.step(snapshot(line.tick, *line.read()), CYCLE_S, share)
+        line.advance(0.8 * step.value)
+    (result,) = probe.result(ORIGIN)
+    for p in result.response.points:
+        assert p.gain == pytest.approx(abs(plant.at(p.frequency_Hz)), rel=0.01)
+
+
+def test_lost_permission_aborts_to_zero():
+    line, probe = Line(LagDelay(-400.0), {}), Probe(site(with_blocks(BLOCKS)), PARAMS)
+    line.run(probe, 12.0)
+    assert probe.stage is Stage.EXCITING
+    withdrawn = Permission(adapt=False, applied_ratio=(0.0,), limit_ratio=(1.0,))
+    line.run(probe, CYCLE_S, withdrawn)
+    line.run(probe, 1.0)
+    assert probe.stage is Stage.ABORTED
+    assert line.u == 0.0
+    with pytest.raises(RefusedError, match="permission"):
+        probe.result(ORIGIN)
+
+
+def test_record_full_of_holes_is_refused():
+    line, probe = Line(LagDelay(-400.0), {}), Probe(site(with_blocks(BLOCKS)), PARAMS)
+    line.run(probe, 6.0)
+    for _ in range(27 * 200):
+        values = (math.nan, *line.read()[1:])
+        (step,) = probe.step(snapshot(line.tick, *values), CYCLE_S, FREE)
+        line.advance(step.value)
+    with pytest.raises(RefusedError, match="too few"):
+        probe.result(ORIGIN)
+
+
+def test_spread_keeps_its_distance():
+    tones = spread([1.0, 1.0, 1.05, 2.0], [1.0, 2.01], 0.1)
+    everything = sorted([*tones, 1.0, 2.01])
+    assert len(tones) == 4
+    assert all(b - a >= 0.1 - 1e-12 for a, b in pairwise(everything))
+
+
+def test_log_grid_has_equal_ratios():
+    assert log_grid(1.0, 8.0, 4) == pytest.approx([1, 2, 4, 8])
+    assert log_grid(0.0, 8.0, 4) == []
+
+
+def test_waveform_uses_its_peak_better_than_equal_phases_would():
+    wave = Waveform(4000, CYCLE_S)
+    wave.plan([0.5 + 0.25 * k for k in range(16)], 1.0)
+    while not wave.fill(100):
+        pass
+    assert wave.amplitude(1.0) > 2 / 16
+
+
+def test_fast_tones_are_louder_and_the_sum_keeps_the_peak():
+    wave = Waveform(4000, CYCLE_S)
+    wave.plan([2.0, 6.0, 12.0], 1.0)
+    while not wave.fill(100):
+        pass
+    sent = np.array([wave.sample(k, 0.01) for k in range(4000)])
+    assert np.abs(sent).max() == pytest.approx(0.01)
+    # 2, 6 and 12 Hz are whole bins of the 18 s between the fades
+    spectrum = np.abs(np.fft.rfft(sent[200:3800]))
+    assert spectrum[[108, 216]] / spectrum[36] == pytest.approx([2.0, 3.0], rel=1e-3)
+
+
+def test_a_ripple_that_grows_does_not_spoil_the_tone_beside_it():
+    """An order at 1.0 Hz grows by a fifth in the record; tones 0.15 Hz from it and its double."""
+    time_s = np.arange(4000) * CYCLE_S
+    theta = math.tau * time_s
+    tones = [Tone(omega_rad_s=math.tau * f, phase_rad=0.3, amplitude=0.01) for f in (1.15, 2.15)]
+    P = 40.0 * np.exp(0.7j)
+    signal = sum(
+        (P * t.amplitude * np.exp(1j * (t.omega_rad_s * time_s + t.phase_rad))).real for t in tones
+    )
+    signal = signal + (1.0 + 0.01 * time_s) * (3.0 * np.cos(theta) + np.sin(2.0 * theta))
+    points = fit_tones(
+        time_s=time_s, signal=signal, angles_rad=[theta], nuisance_orders=2, own=tones, foreign=[]
+    )
+    for point in points:
+        assert cmath.rect(point.gain, point.phase_rad) == pytest.approx(P, rel=1e-6)
+        assert point.relative_error < 1e-6
+
+
+@pytest.mark.parametrize(("every", "begins"), [(10, True), (1, False)])
+def test_a_missing_sample_now_and_then_does_not_begin_the_listening_anew(every, begins):
+    line, probe = Line(LagDelay(-400.0, 12, 0.96), {}), Probe(site(with_blocks(BLOCKS)), PARAMS)
+    for tick in range(round(1.25 * PARAMS.listen_s / CYCLE_S)):
+        there = tick < 20 or tick % every != 0
+        probe.step(snapshot(tick, *line.read(), fresh=there), CYCLE_S, FREE)
+        line.advance(0.0)
+    assert (probe.stage > Stage.LISTENING) is begins

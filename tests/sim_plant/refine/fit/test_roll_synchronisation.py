@@ -1,0 +1,63 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sim_plant.refine.fit.roll_synchronisation import in_step, turns
+
+SAMPLES, STEP_S, FIRST = 4000, 0.01, 1000
+CHANNELS = ("unwind_angle_rad", "unwind_speed_rad_s", "rewind_speed_rad_s", "line_speed_m_s")
+UNWIND, REWIND = "rollers.unwind.effective_radius", "rollers.rewind.effective_radius"
+SPEED_RAD_S = np.linspace(6.0, 9.0, SAMPLES)
+SHRINK = np.linspace(1.0, 0.8, SAMPLES)
+"""Share of the first radius that is left: a shift in metres counts for more and more."""
+TWIN = SimpleNamespace(channels=CHANNELS, declaration=SimpleNamespace(sample_time_s=STEP_S))
+
+
+def line(unwind_shift, rewind_shift):
+    """Return channels of rolls whose effective radii are this much larger."""
+    unwind = SPEED_RAD_S / (1.0 + unwind_shift / SHRINK)
+    rewind = SPEED_RAD_S / (1.0 + rewind_shift)
+    angle = np.cumsum(unwind) * STEP_S
+    return np.stack([angle, unwind, rewind, np.ones(SAMPLES)])
+
+
+def problem(measured):
+    def one(case):
+        shifts = dict(case.shifts)
+        return [line(shifts.get(UNWIND, 0.0), shifts.get(REWIND, 0.0))]
+
+    return SimpleNamespace(
+        nuisances=[SimpleNamespace(name=UNWIND), SimpleNamespace(name=REWIND)],
+        bench=SimpleNamespace(one=one, twins=[TWIN]),
+        measured=[measured],
+        fine=[np.zeros((4, SAMPLES))],
+        coarse=[np.zeros((4, SAMPLES))],
+        noise=[SimpleNamespace(first=FIRST)],
+    )
+
+
+def test_rolls_are_brought_into_step_by_angle_and_by_speed():
+    found = in_step(problem(line(-0.004, 0.002)), {})
+    ours, theirs = line(found[UNWIND], found[REWIND]), line(-0.004, 0.002)
+    late = (ours - theirs)[0, FIRST:]
+    assert np.ptp(late) < 0.02
+    assert found[UNWIND] == pytest.approx(-0.004, rel=0.02)
+    assert found[REWIND] == pytest.approx(0.002, rel=0.02)
+
+
+def test_rolls_that_are_in_step_stay_as_they_are():
+    shifts = {"web.EA_N": 0.01}
+    assert in_step(problem(line(2e-5, 0.0)), shifts) == shifts
+
+
+def test_a_line_that_does_not_run_leaves_the_shifts_alone():
+    broken = problem(line(0.0, 0.0))
+    broken.bench.one = lambda _: [np.full((4, SAMPLES), np.nan)]
+    assert in_step(broken, {UNWIND: 0.001}) == {UNWIND: 0.001}
+
+
+def test_an_angle_word_goes_before_an_added_up_speed():
+    found = turns(TWIN, line(0.0, 0.0) + np.array([[5.0], [0.0], [0.0], [0.0]]))
+    assert set(found) == {UNWIND, REWIND}
+    assert found[UNWIND][0] > 5.0

@@ -1,0 +1,68 @@
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim_plant.line.declaration import EffectEntry
+from sim_plant.line.load import load_declaration
+from sim_plant.refine.fit.start_angles import in_phase, phased
+from sim_plant.refine.model.twin import Added, Case, Twin, modelled_channels
+
+LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
+SAMPLES = 1500
+CHANNELS = modelled_channels(LINE, [s.channel for s in LINE.sensors])
+
+
+def twin(*entries):
+    line = LINE.model_copy(update={"effects": entries})
+    return Twin(
+        declaration=line,
+        channels=CHANNELS,
+        speed_m_s=np.full(SAMPLES, 1.0),
+        tension_N=np.full(SAMPLES, 89.0),
+        aff_m_s={},
+    )
+
+
+def roller(angle_rad):
+    return EffectEntry(
+        effect="eccentric_roller",
+        location="R6",
+        parameters={"eccentricity_m": 3e-4, "angle_rad": angle_rad},
+    )
+
+
+@pytest.mark.parametrize("start_rad", [0.3, 2.5, -1.2])
+def test_a_declared_roller_begins_where_the_record_shows_it(start_rad):
+    measured = twin(roller(start_rad)).simulate(Case(coarse=False, seed=3))
+    found, angles = in_phase(twin(roller(1.0)), measured)
+    (entry,) = found.declaration.effects
+    off = math.remainder(entry.parameters["angle_rad"] - start_rad, 2.0 * math.pi)
+    assert abs(off) < 0.06
+    turned_rad = math.remainder(angles["R6"] - (start_rad - 1.0), 2.0 * math.pi)
+    assert turned_rad == pytest.approx(off, abs=1e-9)
+    assert entry.parameters["eccentricity_m"] == 3e-4
+
+
+def test_what_has_no_angle_stays_as_declared():
+    stiff = EffectEntry(effect="web_modulus", location="web", parameters={"factor": 1.2})
+    there = twin(stiff)
+    assert in_phase(there, np.zeros((len(CHANNELS), SAMPLES))) == (there, {})
+
+
+def test_a_profile_declared_without_an_angle_is_turned_too():
+    flat = EffectEntry(
+        effect="out_of_round_roll", location="unwind", parameters={"shape": "flat", "size_m": 0.01}
+    )
+    measured = twin(flat.model_copy(update={"parameters": {**flat.parameters, "angle_rad": 2.0}}))
+    found, _ = in_phase(twin(flat), measured.simulate(Case(coarse=False, seed=5)))
+    (entry,) = found.declaration.effects
+    assert math.remainder(entry.parameters["angle_rad"] - 2.0, 2.0 * math.pi) == pytest.approx(
+        0.0, abs=0.01
+    )
+
+
+def test_an_angle_makes_an_effect_one_that_is_turned():
+    assert phased(Added("eccentric_roller", "R6", (("cos_m", 1e-4),)))
+    assert not phased(Added("loop_delay", "unwind", (("delay_s", 0.05),)))

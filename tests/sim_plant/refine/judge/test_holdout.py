@@ -1,0 +1,50 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sim_plant.refine.judge.holdout import _formed
+from sim_plant.refine.model.twin import Added, Case
+
+SAMPLES = 4000
+TURN_RAD = np.linspace(0.0, 400.0, SAMPLES)
+NOISE = 0.01 * np.random.default_rng(4).standard_normal((1, SAMPLES))
+MODEL = SimpleNamespace(first=0, whiten=lambda values: values / 0.01)
+
+
+def tension(angle_rad, unwound_m):
+    """One order of a roll whose turn is the longer, the smaller the flat on it was made."""
+    return np.cos(TURN_RAD * (1.0 + 0.02 * unwound_m) + angle_rad)[None, :]
+
+
+def bench():
+    def run(cases, keep=True):
+        found = []
+        for case in cases:
+            p = dict(case.effects[-1].parameters)
+            found.append([tension(p["angle_rad"], p.get("unwound_m", 0.0))])
+        return found
+
+    twin = SimpleNamespace(channels=("unwind_tension_N",))
+    return SimpleNamespace(twins=[twin], run=run)
+
+
+def profile(**more):
+    values = {"shape": "flat", "size_m": 0.012, "angle_rad": 0.4, **more}
+    return Added("out_of_round_roll", "unwind", tuple(values.items()))
+
+
+def test_the_roll_of_the_held_out_record_is_taken_as_it_is():
+    measured = tension(0.42, 0.013) + NOISE
+    case = Case(effects=(profile(unwound_m=0.006),))
+    (found,), unwound = _formed(bench(), measured, case, MODEL)
+    p = dict(found.parameters)
+    assert p["angle_rad"] == pytest.approx(0.42, abs=0.005)
+    assert p["unwound_m"] == pytest.approx(0.013, abs=5e-4)
+    assert unwound == {"unwind": p["unwound_m"]}
+    assert p["size_m"] == 0.012  # all else is as fitted
+
+
+def test_a_profile_without_that_number_stays_as_fitted():
+    case = Case(effects=(profile(),))
+    assert _formed(bench(), tension(0.42, 0.013), case, MODEL) == (case.effects, {})

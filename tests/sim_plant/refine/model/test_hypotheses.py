@@ -1,0 +1,64 @@
+import math
+from pathlib import Path
+
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
+from sim_plant.line.load import load_declaration
+from sim_plant.refine.model.hypotheses import hypothesis, library, turned
+
+LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
+
+
+def test_every_effect_is_tried_and_one_can_be_left_out():
+    names = {h.effect.name for h in library(LINE)}
+    assert names == {effect.name for effect in CATALOGUE}
+    assert "slip" not in {h.effect.name for h in library(LINE, ["slip"])}
+
+
+def test_every_idler_may_be_eccentric():
+    places = {h.location for h in library(LINE) if h.effect.name == "eccentric_roller"}
+    assert {r.name for r in LINE.rollers if r.kind != "roll"} == places
+
+
+def test_a_probe_moves_one_strength_and_leaves_the_others_absent():
+    h = hypothesis(BY_NAME["eccentric_roller"], "R6")
+    first, second = (dict(p.parameters) for p in h.probes())
+    assert first["cos_m"] > 0.0 == first["sin_m"]
+    assert second["sin_m"] > 0.0 == second["cos_m"]
+
+
+def test_values_are_kept_within_bounds():
+    h = hypothesis(BY_NAME["web_modulus"], "web")
+    assert dict(h.added([-3.0]).parameters)["factor"] == h.low[0]
+
+
+def test_steps_stay_inside_the_bounds():
+    h = hypothesis(BY_NAME["web_modulus"], "web")
+    assert h.steps([h.high[0]])[0] < 0.0
+
+
+def test_turning_a_body_turns_its_phasor():
+    effect = BY_NAME["eccentric_roller"]
+    out = turned(effect, {"cos_m": 1.0, "sin_m": 0.0}, 0.5)
+    assert out["cos_m"] == pytest.approx(math.cos(0.5))
+    assert out["sin_m"] == pytest.approx(math.sin(0.5))
+
+
+def test_turning_a_roll_turns_order_n_by_n_times_the_angle():
+    effect = BY_NAME["out_of_round_roll"]
+    out = turned(effect, {"cos3_m": 1.0, "sin3_m": 0.0, "angle_rad": 0.1}, 0.2)
+    assert math.atan2(out["sin3_m"], out["cos3_m"]) == pytest.approx(0.6)
+    assert out["angle_rad"] == pytest.approx(0.3)
+
+
+def test_the_unbalance_of_a_bouncing_roll_turns_by_the_order_it_names():
+    values = {"cosn_kg_m": 1.0, "sinn_kg_m": 0.0, "order": 4.0}
+    out = turned(BY_NAME["roll_bounce"], values, 0.2)
+    assert math.atan2(out["sinn_kg_m"], out["cosn_kg_m"]) == pytest.approx(0.8)
+
+
+def test_a_ripple_is_tried_at_every_order_that_its_file_names():
+    orders = {dict(h.fixed)["order"] for h in library(LINE) if h.effect.name == "torque_ripple"}
+    assert orders == set(BY_NAME["torque_ripple"].accepts["order"].tries)
+    assert {1.0, 5.0, 36.0} <= orders

@@ -1,0 +1,144 @@
+"""Parquet and MDF4 files written by their own packages."""
+
+import numpy as np
+import pyarrow
+import pyarrow.parquet
+import pytest
+from asammdf import MDF, Signal
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.refine.records.read import read_record
+
+ROWS = 400
+STAMPS = np.round(0.01 * np.arange(ROWS), 4)
+FORCE = 90.0 + np.sin(STAMPS)
+
+
+def parquet(path, *fields):
+    names, arrays, units = zip(*fields, strict=True)
+    schema = [
+        pyarrow.field(n, a.type, metadata={"unit": u} if u else None)
+        for n, a, u in zip(names, arrays, units, strict=True)
+    ]
+    pyarrow.parquet.write_table(pyarrow.table(list(arrays), pyarrow.schema(schema)), path)
+    return path
+
+
+def mdf(path, *groups):
+    with MDF(version="4.10") as file:
+        for group in groups:
+            file.append(list(group))
+        file.save(path, overwrite=True)
+    return path
+
+
+def signal(name, unit="", stamps=STAMPS, samples=None, **more):
+    values = FORCE[: stamps.size] if samples is None else samples
+    return Signal(samples=values, timestamps=stamps, name=name, unit=unit, **more)
+
+
+def test_parquet_units_stand_in_the_name_or_in_the_fields_metadata(tmp_path):
+    path = parquet(
+        tmp_path / "r.parquet",
+        ("time [ms]", pyarrow.array(1e3 * STAMPS), ""),
+        ("unwind_tension", pyarrow.array(FORCE), "lbf"),
+        ("count", pyarrow.array(np.arange(ROWS, dtype=np.int32)), ""),
+    )
+    record = read_record(path)
+    assert record.sample_time_s == pytest.approx(0.01)
+    np.testing.assert_allclose(record.columns["unwind_tension_N"], 4.4482216152605 * FORCE)
+    np.testing.assert_array_equal(record.columns["count"], np.arange(ROWS))
+
+
+def test_parquet_time_of_day_becomes_seconds_from_the_first_row(tmp_path):
+    stamps = np.datetime64("2026-03-01T10:00:00") + (1e6 * STAMPS).astype("timedelta64[us]")
+    path = parquet(
+        tmp_path / "r.parquet",
+        ("time", pyarrow.array(stamps), ""),
+        ("unwind_tension_N", pyarrow.array(FORCE), ""),
+    )
+    record = read_record(path)
+    assert record.sample_time_s == pytest.approx(0.01)
+    assert record.samples == ROWS
+
+
+def test_a_parquet_null_is_a_missing_value_with_its_row(tmp_path):
+    values = [*FORCE[:50], None, *FORCE[51:]]
+    path = parquet(
+        tmp_path / "r.parquet",
+        ("time_s", pyarrow.array(STAMPS), ""),
+        ("unwind_tension_N", pyarrow.array(values), ""),
+    )
+    with pytest.raises(
+        PlantError, match="1 values are missing or not numbers, the first in row 51"
+    ):
+        read_record(path)
+
+
+def test_a_parquet_column_of_words_is_refused(tmp_path):
+    path = parquet(
+        tmp_path / "r.parquet",
+        ("time_s", pyarrow.array(STAMPS), ""),
+        ("state", pyarrow.array(["run"] * ROWS), ""),
+    )
+    with pytest.raises(PlantError, match="column state holds object; expected numbers"):
+        read_record(path)
+
+
+def test_mdf_channels_start_at_zero_seconds_in_si(tmp_path):
+    path = mdf(tmp_path / "r.mf4", [signal("unwind_tension", "lbf", STAMPS + 55.0)])
+    record = read_record(path)
+    assert record.sample_time_s == pytest.approx(0.01)
+    np.testing.assert_allclose(record.columns["unwind_tension_N"], 4.4482216152605 * FORCE)
+
+
+def test_a_unit_that_is_given_beats_the_one_in_the_name(tmp_path):
+    path = mdf(tmp_path / "r.mf4", [signal("unwind_tension_N", "lbf")])
+    found = read_record(path).columns["unwind_tension_N"]
+    np.testing.assert_allclose(found, 4.4482216152605 * FORCE)
+
+
+def test_a_slower_mdf_group_is_put_on_the_stamps_of_the_fastest_and_said(tmp_path):
+    slow = np.round(0.04 * np.arange(ROWS // 4), 4)
+    path = mdf(
+        tmp_path / "r.mf4",
+        [signal("unwind_tension_N")],
+        [signal("rewind_tension_N", "", slow, samples=2.0 * slow)],
+    )
+    record = read_record(path)
+    np.testing.assert_allclose(record.columns["rewind_tension_N"][:397], 2.0 * STAMPS[:397])
+    assert "rewind_tension_N has stamps of its own" in record.findings[0]
+
+
+def test_an_mdf_group_of_another_stretch_is_refused(tmp_path):
+    path = mdf(
+        tmp_path / "r.mf4",
+        [signal("unwind_tension_N")],
+        [signal("rewind_tension_N", "", STAMPS[:100])],
+    )
+    with pytest.raises(PlantError, match=r"rewind_tension_N runs from 0 s to 0.99 s, others"):
+        read_record(path)
+
+
+def test_an_invalidated_mdf_sample_is_a_missing_value(tmp_path):
+    bad = np.zeros(ROWS, dtype=bool)
+    bad[7] = True
+    path = mdf(tmp_path / "r.mf4", [signal("unwind_tension_N", invalidation_bits=bad)])
+    with pytest.raises(
+        PlantError, match="1 values are missing or not numbers, the first in row 8"
+    ):
+        read_record(path)
+
+
+@pytest.mark.parametrize("name", ["r.parquet", "r.mf4"])
+def test_a_file_of_something_else_is_refused(tmp_path, name):
+    (tmp_path / name).write_bytes(b"time_s,unwind_tension_N\n" * 50)
+    with pytest.raises(PlantError, match="not a readable"):
+        read_record(tmp_path / name)
+
+
+def test_a_missing_package_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "pyarrow.parquet", None)
+    (tmp_path / "r.parquet").write_bytes(b"")
+    with pytest.raises(PlantError, match="pip install pyarrow"):
+        read_record(tmp_path / "r.parquet")

@@ -1,0 +1,55 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
+from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.report.experiments import experiment, experiments
+from sim_plant.refine.report.page import headline
+from sim_plant.refine.report.verdict import verdict
+from sim_plant.refine.search.selection import Step
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "word"),
+    [
+        (("eccentric_roller", "R1"), ("eccentric_roller", "R2"), "turn R1 alone"),
+        (("unbalanced_roller", "swrap"), ("torque_ripple", "swrap"), "drive off"),
+        (("eccentric_roller", "swrap"), ("unbalanced_roller", "swrap"), "dial gauge"),
+        (("encoder_eccentricity", "unwind"), ("out_of_round_roll", "unwind"), "second encoder"),
+        (("bearing_drag", "R2"), ("load_cell_calibration", "R5"), "over R5"),
+        (("bearing_drag", "R2"), ("bearing_drag", "R3"), "R2 and R3 coast"),
+        (("web_modulus", "web"), ("wound_in_strain", "web"), "another tension"),
+    ],
+)
+def test_the_experiment_touches_what_differs(one, other, word):
+    assert word in experiment(one, other)
+
+
+def test_there_is_one_for_every_pair_of_effects_and_each_is_said_once():
+    for a in CATALOGUE:
+        for b in CATALOGUE:
+            assert experiment((a.name, "x"), (b.name, "y"))
+    rivals = (("eccentric_roller", "R2"), ("eccentric_roller", "R3"))
+    assert len(experiments(("eccentric_roller", "R1"), rivals)) == 1
+
+
+def test_the_verdict_names_the_equals_and_the_experiment():
+    h = hypothesis(BY_NAME["unbalanced_roller"], "swrap")
+    step = Step(
+        hypothesis=h,
+        score=500.0,
+        runner_up="torque_ripple at swrap",
+        margin=2.0,
+        rejected=(),
+        ambiguous=(("torque_ripple", "swrap"),),
+    )
+    fit = SimpleNamespace(hypotheses=(h,), values=((1e-3, 2e-3),), covariance=np.eye(2) * 1e-8)
+    found = SimpleNamespace(steps=[step], fit=fit, unknown=[])
+    result = verdict(found, None, "b.csv")
+    assert result["verdict"] == "not_identifiable"
+    (row,) = result["ambiguous"]
+    assert row["with"] == ["torque_ripple at swrap"]
+    assert "drive off" in row["experiments"][0]
+    assert row["experiments"][0] in headline(result)

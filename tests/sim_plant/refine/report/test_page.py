@@ -1,0 +1,207 @@
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.judge.holdout import Judgement
+from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.report.figures import told_by, wavenumber_map, worst_part
+from sim_plant.refine.report.page import (
+    best_each,
+    confidence,
+    gain,
+    headline,
+    next_step,
+    shift_rows,
+)
+from sim_plant.refine.report.remedies import REMEDIES, remedy
+from sim_plant.refine.report.verdict import MODEL_SHARE, standard_deviations
+
+CHANNELS = ("unwind_tension_N", "unwind_angle_rad", "unwind_radius_m", "line_speed_m_s")
+STEP_S = 0.01
+
+
+def judged(wavenumber_1_m=4.0):
+    """One tension with a line in web travel while the speed doubles, gone when amended."""
+    speed = np.where(np.arange(4000) < 2000, 1.0, 2.0)
+    travel = np.cumsum(speed) * STEP_S
+    measured = np.zeros((4, 4000))
+    measured[0] = np.cos(2.0 * np.pi * wavenumber_1_m * travel)
+    declared, amended = np.zeros((4, 4000)), measured.copy()
+    return Judgement(
+        channels=CHANNELS,
+        before=np.array([3.0, 900.0, 90.0, 2.0]),
+        after=np.array([0.26, 1.0, 1.0, 1.0]),
+        floor=np.array([0.25, 1.0, 1.0, 1.0]),
+        measured=measured,
+        declared=declared,
+        amended=amended,
+        effects=(),
+        angles_rad={},
+        unwound_m={},
+        first=100,
+        travel_m=travel,
+    )
+
+
+def result(**more):
+    return {"verdict": "traced", "effects": [], "unknown": [], "ambiguous": [], **more}
+
+
+EFFECT = {
+    "effect": "out_of_round_roll",
+    "location": "unwind",
+    "parameters": {"shape": "flat", "size_m": 0.0119, "angle_rad": 1.0},
+    "interval95": {"size_m": [0.0117, 0.0121]},
+}
+
+
+def test_sums_are_not_what_the_figures_show():
+    assert [CHANNELS[k] for k in told_by(judged())] == ["unwind_tension_N", "line_speed_m_s"]
+
+
+def test_the_first_lines_say_what_how_much_what_it_brings_and_what_to_do():
+    assert headline(result(effects=[EFFECT])) == (
+        "Traced: out of round roll at unwind, flat, size 11.9 mm (95 %: 11.7 to 12.1)."
+    )
+    said = gain(judged(), held=True)
+    assert "3 N rms as declared, 0.26 N as amended; noise alone leaves 0.25 N" in said
+    assert "no proof" in gain(judged(), held=False)
+
+
+@pytest.mark.parametrize(
+    ("found", "block", "word"),
+    [
+        (result(effects=[EFFECT]), True, "Paste the AFF block"),
+        (result(effects=[EFFECT]), False, "no ripple to cancel: look how unwind was stored"),
+        (result(unknown=[{"class": "travel"}]), False, "turns or swings"),
+        (result(unknown=[{"class": "state"}]), False, "more speeds"),
+        (result(effects=[EFFECT], ambiguous=[{}]), True, "tells the candidates apart"),
+        (result(), False, "declaration stands"),
+        (result(effects=[EFFECT], unknown=[{"class": "time"}]), True, "comes back when the"),
+        (result(effects=[EFFECT], unknown=[{"class": "time"}]), True, "turns or swings"),
+    ],
+)
+def test_the_next_step_fits_the_verdict(found, block, word):
+    assert word in next_step(found, block)
+
+
+def test_a_declaration_does_not_stand_that_is_wrong_on_the_record_judged():
+    said = next_step(result(), False, ["unwind_tension_N"])
+    assert "Do not take the declaration for right: unwind_tension_N above noise" in said
+
+
+def test_how_sure_names_the_next_best_and_by_how_much_it_is_behind():
+    row = {
+        "effect": "load_cell_filter",
+        "location": "all",
+        "score": 16173.2,
+        "runner_up": "load_cell_filter at R19",
+        "margin": 10200.4,
+        "parameters": {},
+    }
+    assert confidence(result(effects=[row])) == (
+        "load cell filter at all load cells scores 16173, the next best explanation "
+        "(load cell filter at R19) 5973. A difference of 10 decides."
+    )
+    assert confidence(result()) == ""
+
+
+def test_what_stays_above_noise_is_named_but_no_sums():
+    assert "all tensions and speeds are within 10 %" in gain(judged(), held=True)
+    loud = replace(judged(), after=np.array([0.3, 50.0, 50.0, 1.05]))
+    assert gain(loud, held=True).endswith("10 % above noise: unwind_tension_N (x 1.20).")
+
+
+@pytest.mark.parametrize(
+    ("kind", "where", "said"),
+    [
+        ("time", {"frequency_Hz": 3.33}, "3.33 Hz"),
+        # 1 / 4.18 m a turn, that over 2 pi as radius
+        (
+            "travel",
+            {"wavenumber_1_m": 4.18, "equivalent_radius_m": 0.0380754},
+            "every 239.2 mm of web (4.18 1/m); a roller of 38.08 mm radius",
+        ),
+        ("angle", {"roll": "unwind", "order": 4.0}, "4 times per turn of unwind"),
+        (
+            "state",
+            {"declared": "web.EA_N", "standard_deviations": -14.6},
+            "web.EA_N fits only -14.6",
+        ),
+        ("broadband", {}, "noise above the line's own"),
+    ],
+)
+def test_an_unknown_is_said_with_units(kind, where, said):
+    found = {"class": kind, "coordinate": where}
+    assert said in headline(result(verdict="unknown", unknown=[found]))
+
+
+def test_numbers_that_used_most_of_their_tolerance_come_first():
+    shifts = {"web.EA_N": 0.01, "sensors.c.offset": -0.05, "control.pull_roll_draw": 2e-6}
+    rows = shift_rows(shifts, {"web.EA_N": 0.1, "sensors.c.offset": 0.1})
+    assert [(r["name"], r["shift"], r["tolerance"]) for r in rows] == [
+        ("sensors.c.offset", "-0.05 N", "0.1 N"),
+        ("web.EA_N", "+1 %", "10 %"),
+        ("control.pull_roll_draw", "+2e-06 (absolute)", ""),
+    ]
+
+
+def test_every_form_of_a_rejected_effect_is_one_row():
+    rows = (("a", "R1", 9.0), ("b", "R1", 8.0), ("a", "R1", 7.0))
+    assert best_each(rows) == [("a", "R1", 9.0), ("b", "R1", 8.0)]
+
+
+def test_the_overlay_shows_where_the_declared_line_is_worst():
+    one = judged()
+    one.measured[0] = 0.0
+    one.measured[0, 2500:2600] = 5.0
+    part = worst_part(one, 0, 200)
+    assert part.stop - part.start == 200
+    assert part.start <= 2500
+    assert part.stop >= 2600
+    early = replace(one, first=2700)
+    assert worst_part(early, 0, 200).start >= 2700
+    assert worst_part(early, 0, 9999) == slice(2700, 4000)
+
+
+def test_every_effect_has_a_remedy_that_says_where():
+    assert set(REMEDIES) == set(BY_NAME)
+    by_place = {name for name in REMEDIES if remedy(name, "R99") != remedy(name, "R98")}
+    assert {n for n in BY_NAME if BY_NAME[n].place in ("body", "cell")} <= by_place
+    assert remedy("none such", "R1") == "put the machine, or its declaration, right"
+
+
+def test_a_line_in_web_travel_stands_still_on_the_map_at_every_speed(monkeypatch):
+    drawn = []
+    monkeypatch.setattr(
+        "matplotlib.axes.Axes.pcolormesh",
+        lambda axis, x, y, level, **_: drawn.append((x, y, level)),
+    )
+    wavenumber_map(judged(4.0), STEP_S)
+    (time_s, wavenumber, before), (_, _, after) = drawn
+    ridge = wavenumber[np.argmax(before, axis=0)]
+    slow = time_s < 18.0
+    assert 0 < slow.sum() < slow.size
+    assert np.abs(ridge - 4.0).max() < 2.0 * (wavenumber[1] - wavenumber[0])
+    assert before.max() > after.max() + 60.0
+
+
+def test_a_size_is_as_uncertain_as_the_model_and_an_angle_only_as_the_noise():
+    flat = hypothesis(
+        BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),), ("size_m", "angle_rad")
+    )
+    off_axis = hypothesis(BY_NAME["eccentric_roller"], "R6")
+    fit = SimpleNamespace(
+        hypotheses=(flat, off_axis),
+        values=((0.012, 1.0), (3e-4, 4e-4)),
+        covariance=np.diag([1e-10, 1e-6, 1e-14, 1e-14]),
+    )
+    size, angle, cos, sin = standard_deviations(fit)
+    assert size == pytest.approx(math.hypot(1e-5, MODEL_SHARE * 0.012))
+    assert angle == pytest.approx(1e-3)
+    # either component is as uncertain as the phasor: the error may stand across it
+    assert cos == pytest.approx(math.hypot(1e-7, MODEL_SHARE * 5e-4)) == pytest.approx(sin)

@@ -1,0 +1,67 @@
+import math
+
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.report.wording import HIDDEN, label, number_rows, scaled, size_of, unit_of
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "shown"),
+    [
+        (2.5e-4, "m", (0.25, "mm")),
+        (1.5, "m", (1.5, "m")),
+        (0.0449, "s", (44.9, "ms")),
+        (math.pi, "rad", (180.0, "deg")),
+        (0.9, "1", (0.9, "")),
+        (3.0, "N m", (3.0, "N m")),
+    ],
+)
+def test_a_value_is_shown_in_the_unit_that_reads_best(value, unit, shown):
+    factor, name = scaled(value, unit)
+    assert (pytest.approx(factor * value), name) == shown
+
+
+def test_no_label_keeps_its_unit_and_none_is_empty():
+    for name, effect in BY_NAME.items():
+        for parameter, known in effect.accepts.items():
+            text = label(parameter, unit_of(name, parameter))
+            assert text
+            if known.unit not in ("", "1"):
+                assert len(text) < len(parameter), (name, parameter)
+                assert not text.endswith((" m", " s", " N", " rad", " Hz", " kg")), text
+
+
+def test_interval_and_value_share_a_unit_also_where_they_lie_on_both_sides_of_it():
+    row = {
+        "effect": "splice",
+        "location": "web",
+        "parameters": {"at_length_m": 0.09},
+        "interval95": {"at_length_m": [0.05, 0.13]},
+    }
+    assert size_of(row) == "at length 90 mm (95 %: 50 to 130)"
+
+
+def test_a_number_that_the_library_set_is_not_told_as_found():
+    row = {
+        "effect": "roll_bounce",
+        "location": "unwind",
+        "parameters": {"mass_kg": 20.0, "order": 4.0, "frequency_Hz": 3.4},
+        "interval95": {"frequency_Hz": [3.39, 3.41]},
+    }
+    assert size_of(row) == (
+        "mass 20 kg (assumed; the others hold for it), order 4, "
+        "frequency 3.4 Hz (95 %: 3.39 to 3.41)"
+    )
+
+
+def test_components_and_angles_are_no_size():
+    row = {
+        "effect": "eccentric_roller",
+        "location": "R6",
+        "parameters": {"cos_m": 3e-4, "sin_m": 4e-4, "eccentricity_m": 5e-4, "angle_rad": 0.9273},
+    }
+    assert size_of(row) == "eccentricity 0.5 mm"
+    assert [n["unit"] for n in number_rows(row)] == ["mm", "mm", "mm", "deg"]
+    assert number_rows(row)[3]["value"] == "53.13"
+    assert sum(not n["key"].startswith(HIDDEN) for n in number_rows(row)) == 1

@@ -1,0 +1,80 @@
+"""Channels that move together otherwise than their noise does."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sim_plant.refine.search.coherence import oddest_pair
+from sim_plant.refine.search.unexplained import COUPLED
+
+SAMPLES, STEP_S = 6000, 0.01
+NAMES = ("unwind_tension_N", "unwind_speed_rad_s", "rewind_tension_N")
+
+
+def noise_of_a_loop(seed, samples=SAMPLES):
+    """Return three channels: a cell's noise, half of it in a drive's speed, and another cell."""
+    rng = np.random.default_rng(seed)
+    own = rng.standard_normal((3, samples))
+    own[1] = np.sqrt(0.5) * own[0] + np.sqrt(0.5) * own[1]
+    return own
+
+
+def band_limited(seed, low_Hz, high_Hz):
+    """Return noise of rms 1 within a band (SAMPLES,)."""
+    spectrum = np.fft.rfft(np.random.default_rng(seed).standard_normal(SAMPLES))
+    at = np.fft.rfftfreq(SAMPLES, STEP_S)
+    spectrum[(at < low_Hz) | (at > high_Hz)] = 0.0
+    values = np.fft.irfft(spectrum, SAMPLES)
+    return values / values.std()
+
+
+def odd(left, analogue=(True, True, True)):
+    """Return the oddest pair of what a fit leaves."""
+    twin = SimpleNamespace(channels=NAMES, declaration=SimpleNamespace(sample_time_s=STEP_S))
+    noise = SimpleNamespace(analogue=np.array(analogue), whiten=lambda values: values)
+    problem = SimpleNamespace(
+        bench=SimpleNamespace(twins=[twin]),
+        noise=[noise],
+        noisy=[np.stack([noise_of_a_loop(100 + k) for k in range(12)])],
+        split=lambda _: [left],
+    )
+    return oddest_pair(problem, SimpleNamespace(residual=left))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_noise_that_goes_through_a_loop_as_declared_is_not_odd(seed):
+    assert odd(noise_of_a_loop(seed)).score < 0.7 * COUPLED
+
+
+@pytest.mark.parametrize("shares", [(0.5, -0.5, 0.0), (0.0, 0.5, 0.5)])
+def test_a_push_that_reaches_two_channels_is_odd_in_its_band(shares):
+    left = noise_of_a_loop(1) + np.outer(shares, band_limited(2, 3.0, 4.5))
+    found = odd(left)
+    assert found.score > COUPLED
+    assert found.channels == tuple(n for n, s in zip(NAMES, shares, strict=True) if s)
+    assert (found.from_Hz, found.to_Hz) == pytest.approx((2.5, 5.0))
+
+
+def test_channels_that_no_longer_move_together_are_odd_as_well():
+    left = noise_of_a_loop(1)
+    left[1] = np.random.default_rng(3).standard_normal(SAMPLES)
+    found = odd(left)
+    assert found.score > COUPLED
+    assert found.channels == NAMES[:2]
+
+
+def test_noise_of_one_channel_alone_is_not_odd_however_loud():
+    left = noise_of_a_loop(1)
+    left[2] += 2.0 * band_limited(2, 2.0, 10.0)
+    assert odd(left).score < 0.7 * COUPLED
+
+
+def test_a_coarse_word_does_not_count():
+    left = noise_of_a_loop(1) + np.outer((0.5, -0.5, 0.0), band_limited(2, 3.0, 4.5))
+    assert odd(left, analogue=(True, False, True)).score < 0.7 * COUPLED
+
+
+def test_a_record_too_short_for_its_bands_claims_nothing():
+    left = noise_of_a_loop(1, samples=200)
+    assert odd(left).score < 0.7 * COUPLED

@@ -1,0 +1,114 @@
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.line.load import load_declaration
+from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.search.free_terms import free_lines, taken_up
+from sim_plant.refine.search.unexplained import Unknown
+from sim_plant.refine.spectra.coordinates import Travel
+
+LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
+TIME_S = np.arange(4000) * 0.01
+SPEED = np.interp(TIME_S, [0.0, 15.0, 25.0, 40.0], [0.8, 0.8, 1.3, 1.3])
+METRES = np.cumsum(SPEED) * 0.01
+TURNS = METRES / (2.0 * np.pi * 0.2)
+ANGLES = np.zeros((len(LINE.rollers), TIME_S.size))
+ANGLES[0] = 2.0 * np.pi * TURNS
+TRAVEL = Travel(
+    declaration=LINE,
+    sample_time_s=0.01,
+    time_s=TIME_S,
+    travel_m=METRES,
+    angles_rad=ANGLES,
+    speed_m_s=SPEED,
+)
+
+
+def left(basis, wave):
+    return float(np.linalg.norm(wave - basis @ (basis.T @ wave)) / np.linalg.norm(wave))
+
+
+def angle(order):
+    return Unknown(
+        kind="angle", coordinate={"roll": LINE.rollers[0].name, "order": order}, strength=1.0
+    )
+
+
+def test_columns_are_orthonormal():
+    basis = free_lines([angle(1.0)], TRAVEL)
+    assert np.allclose(basis.T @ basis, np.eye(basis.shape[1]), atol=1e-9)
+
+
+@pytest.mark.parametrize("order", [1, 3, 8])
+def test_a_roll_that_is_unknown_takes_all_its_orders_at_any_growth_with_speed(order):
+    basis = free_lines([angle(4.0)], TRAVEL)
+    wave = SPEED**2 * np.cos(order * ANGLES[0] + 0.7)
+    assert left(basis, wave) < 0.02
+
+
+def test_what_stands_elsewhere_is_left_alone():
+    basis = free_lines([angle(1.0)], TRAVEL)
+    assert left(basis, np.cos(2.0 * np.pi * 4.18 * METRES)) > 0.9
+    share = basis.shape[1] / TIME_S.size  # of noise: as much as it has dimensions
+    noise = np.random.default_rng(1).standard_normal(TIME_S.size)
+    assert left(basis, noise) == pytest.approx(np.sqrt(1.0 - share), abs=0.01)
+
+
+def test_a_line_that_crosses_a_resonance_is_taken():
+    speed = np.interp(TIME_S, [0.0, 20.0, 40.0], [0.8, 1.3, 0.8])
+    peak = 1.0 / (1.0 - (speed / 1.0) ** 2 + 0.2j * speed)
+    wave = (peak * np.exp(4j * ANGLES[0])).real
+    assert left(free_lines([angle(4.0)], TRAVEL), wave) < 0.25
+
+
+def test_a_wavenumber_a_quarter_bin_off_is_taken_all_the_same():
+    off = 4.18 + 0.25 / float(np.ptp(METRES))
+    item = Unknown(kind="travel", coordinate={"wavenumber_1_m": off}, strength=1.0)
+    assert left(free_lines([item], TRAVEL), np.cos(2.0 * np.pi * 4.18 * METRES)) < 0.1
+
+
+def test_a_line_in_time_is_taken_in_time_only():
+    item = Unknown(kind="time", coordinate={"frequency_Hz": 3.4}, strength=1.0)
+    basis = free_lines([item], replace(TRAVEL))
+    assert left(basis, np.sin(2.0 * np.pi * 3.4 * TIME_S)) < 1e-6
+    assert left(basis, np.cos(2.0 * np.pi * 3.4 * METRES)) > 0.9
+
+
+def test_orders_of_one_roll_are_one_unknown():
+    time = Unknown(kind="time", coordinate={"frequency_Hz": 3.4}, strength=1.0)
+    other = Unknown(kind="angle", coordinate={"roll": "rewind", "order": 1.0}, strength=1.0)
+    assert angle(4.0).like(angle(1.0))
+    assert not angle(1.0).like(other)
+    assert not time.like(time)
+
+
+R6_1_M = 1.0 / (2.0 * np.pi * LINE.rollers[LINE.body("R6")].radius_m)
+
+
+@pytest.mark.parametrize(
+    ("effect", "place", "choice", "line", "taken"),
+    [
+        ("torque_ripple", "unwind", {"order": 6}, angle(2.0), True),
+        ("bearing_drag", "unwind", {}, angle(2.0), False),
+        ("torque_ripple", "rewind", {"order": 6}, angle(2.0), False),
+        ("unbalanced_roller", "R6", {}, ("travel", "wavenumber_1_m", R6_1_M), True),
+        ("unbalanced_roller", "R6", {}, ("travel", "wavenumber_1_m", R6_1_M / 2.0), True),
+        ("unbalanced_roller", "R6", {}, ("travel", "wavenumber_1_m", R6_1_M * 1.02), False),
+        ("unbalanced_roller", "R6", {}, ("travel", "wavenumber_1_m", R6_1_M / 7.0), False),
+        # 60 Hz sampled at 100 Hz shows at 40 Hz
+        ("mains_hum", "R9", {"frequency_Hz": 60.0}, ("time", "frequency_Hz", 40.01), True),
+        ("mains_hum", "R9", {"frequency_Hz": 60.0}, ("time", "frequency_Hz", 37.0), False),
+        ("unbalanced_roller", "R6", {}, ("time", "frequency_Hz", 4.0), False),
+    ],
+)
+def test_an_effect_at_the_line_of_a_free_term_is_not_searched(effect, place, choice, line, taken):
+    unknown = line
+    if isinstance(line, tuple):
+        kind, name, at = line
+        unknown = Unknown(kind=kind, coordinate={name: float(at)}, strength=1.0)
+    h = hypothesis(BY_NAME[effect], place, tuple(choice.items()), line=LINE)
+    assert taken_up(h, [unknown], TRAVEL) is taken
