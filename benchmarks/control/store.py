@@ -24,7 +24,12 @@ COMMON = (
     *(p for room in ROOMS for p in (PLANT / room).glob("*.py")),
     EUCLID,
 )
-SHAPE = (*sorted((CORE / "shape").glob("*.py")), CORE / "gate.py", CORE / "params.py", BENCH / "laws.py")
+SHAPE = (
+    *sorted((CORE / "shape").glob("*.py")),
+    CORE / "gate.py",
+    CORE / "params.py",
+    BENCH / "laws.py",
+)
 OF_LAW: dict[str, tuple[Path, ...]] = {
     "plain blocks": (*sorted((CORE / "blocks").glob("*.py")), CORE / "residual.py"),
     "printed (5.14)": (CORE / "printed.py",),
