@@ -238,7 +238,7 @@ def test_T18_a_filter_in_the_amplifier_is_part_of_P():
         actuator(orders=(1, 2)), plant=slow(), known=LagDelay(GAIN_N_S_M, delay=2), ripple=ONE
     )
     blind.run(12.0)
-    assert np.angle(blind.law.filter.gain[0]) == pytest.approx(-math.atan(0.5), abs=0.05)
+    assert np.angle(blind.law.filter.response_ratio[0]) == pytest.approx(-math.atan(0.5), abs=0.05)
 
 
 def test_T19_a_repeated_sample_is_not_learned_from():
