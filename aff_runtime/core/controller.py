@@ -11,6 +11,7 @@ from aff_runtime.core.blocks.bank import Bank
 from aff_runtime.core.impulse import LoopModel, from_response
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.monitor import SLOWEST_RAD_S
+from aff_runtime.core.order_status import OrderStatus, order_statuses
 from aff_runtime.core.params import ActuatorParams, LawKind, SiteParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.printed import PrintedLaw
@@ -186,6 +187,10 @@ class Controller:
         for law in self._laws:
             row += law.telemetry()
         return tuple(row)
+
+    def order_statuses(self) -> tuple[OrderStatus, ...]:
+        """Return every order of every actuator as its law sees it now."""
+        return order_statuses(dict(zip(self.telemetry_names(), self.telemetry(), strict=True)))
 
     def telemetry_names(self) -> tuple[str, ...]:
         """Return the columns of ``telemetry``."""

@@ -13,6 +13,7 @@ from aff_runtime.core.gate import RAMP_S, SpeedGate
 from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.monitor import Trend
+from aff_runtime.core.order_status import STATE, Column, column_names, column_values
 from aff_runtime.core.params import ActuatorParams, DriveParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.response import Response, arming_objections
@@ -205,7 +206,7 @@ class ShapeLaw:
         peak, slew = self._bounds.of(parts, self.basis.carrier, self.basis.omega_rad_s)
         peak = max(peak, abs(value))
         # a weight that moves moves the output by no more than its shares
-        slew += float((self._step_1_s * self._shares()) @ np.abs(b))
+        slew += float((self._step_1_s * self.shares()) @ np.abs(b))
         if self._gate.moving or self.availability.moving or self.confidence.moving:
             slew += float(np.abs(self.weight * b).sum()) / min(RAMP_S, self.availability.fade_s)
         if not math.isfinite(value + slew):
@@ -214,7 +215,7 @@ class ShapeLaw:
         self.allocation.peak = peak
         return ActuatorStep(value=value, peak_bound=peak, slew_bound=slew)
 
-    def _shares(self) -> npt.NDArray[np.float64]:
+    def shares(self) -> npt.NDArray[np.float64]:
         """Return how much of every column may go out, 0..1, the speed gate apart."""
         shares = self.allocation.share * self.availability.share * self.monitor.share
         return np.asarray(shares * self.confidence.share)
@@ -351,33 +352,15 @@ class ShapeLaw:
 
     def telemetry(self) -> tuple[float, ...]:
         """Return shape, state, ripple, correction of P and share per column."""
-        row: list[float] = []
-        correction = self.filter.correction
-        shares = self._shares()
-        for i, w in enumerate(self.weight):
-            row += (
-                1e3 * abs(w),
-                math.degrees(math.atan2(w.imag, w.real)),
-                float(self._state(i)),
-                float(self.monitor.without[i]),
-                float(self.monitor.now[i]),
-                float(abs(1.0 + correction[i])),
-                float(shares[i]),
-            )
-        return tuple(row)
+        return column_values(self, COLUMNS)
 
     def telemetry_names(self) -> tuple[str, ...]:
         """Return seven columns per order; a shape is in millimetres, as a technician reads it."""
-        columns = (
-            "shape_mm",
-            "phase_deg",
-            "state",
-            "ripple_before",
-            "ripple",
-            "gain_of_P",
-            "share",
-        )
-        return tuple(f"{name}.{column}" for name in self.basis.names for column in columns)
+        return column_names(self.basis.names, COLUMNS)
+
+    def states(self) -> list[float]:
+        """Return the state of every column as the record keeps it."""
+        return [float(self._state(at)) for at in range(self.state.count)]
 
     def _state(self, at: int) -> Trend:
         if self._gate.share == 0.0:
@@ -391,3 +374,14 @@ class ShapeLaw:
         if not self.adapting:
             return Trend.FROZEN
         return self.monitor.trend(at)
+
+
+COLUMNS: tuple[Column[ShapeLaw], ...] = (
+    Column("shape_mm", lambda law: (1e3 * np.abs(law.weight)).tolist()),
+    Column("phase_deg", lambda law: np.degrees(np.angle(law.weight)).tolist()),
+    Column(STATE, lambda law: law.states()),
+    Column("ripple_before", lambda law: law.monitor.without.tolist()),
+    Column("ripple", lambda law: law.monitor.now.tolist()),
+    Column("gain_of_P", lambda law: np.abs(law.filter.response_ratio).tolist()),
+    Column("share", lambda law: law.shares().tolist()),
+)
