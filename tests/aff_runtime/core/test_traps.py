@@ -11,9 +11,8 @@ import pytest
 
 from aff_runtime.base.signals import Permission
 from aff_runtime.core.controller import Controller
-from aff_runtime.core.params import LawKind, RollParams, ShapeParams
+from aff_runtime.core.params import RollParams, ShapeParams
 from aff_runtime.core.phase import Quality, RollPhase, Source
-from aff_runtime.core.printed import PrintedLaw
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from tests.aff_runtime.config import test_check
 from tests.aff_runtime.core.plants import (
@@ -308,13 +307,10 @@ def test_without_a_declared_drive_the_plain_blocks_stand_in():
     from aff_runtime.core.shape.law import ShapeLaw
 
     response = measured(KNOWN.at, np.geomspace(0.2, 18.0, 20))
-    plain = Controller(
-        site(with_blocks(*ACTUATOR.blocks, law=LawKind.SHAPE)), {"unwind": response}
-    )
+    plain = Controller(site(with_blocks(*ACTUATOR.blocks, law="shape")), {"unwind": response})
     shaped = Controller(site(actuator(orders=(1,))), {"unwind": response})
     assert isinstance(plain._laws[0], Bank)
     assert isinstance(shaped._laws[0], ShapeLaw)
-    assert not isinstance(plain._laws[0], PrintedLaw)
 
 
 def test_an_angle_that_is_lost_is_replaced_by_the_line_speed():
