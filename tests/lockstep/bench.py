@@ -11,7 +11,6 @@ from pathlib import Path
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.app.wiring.site_to_law import site_params
 from aff_runtime.app.wiring.site_to_wire import register_map
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.ports import Law
 from aff_runtime.base.signals import Outcome, State
@@ -35,6 +34,7 @@ from sim_plant.servers.faults import parse_fault
 from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plc import Plc
+from tests.doubles.virtual_clock import VirtualClock
 from tests.lockstep.known_response import CYCLE_S, LINE, ROOT, SPEED_M_S
 
 SITE = ROOT / "config" / "euclid_blocks.yaml"
