@@ -27,7 +27,7 @@ def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
     T is the tension the roll was wound at. A bearing easier than declared is a tolerance of the
     declared friction, not this effect.
     """
-    tension_N = float(arrays.web["wound_in_strain"][0]) * float(np.max(arrays.spans["EA_N"]))
+    tension_N = float(arrays.web["supply_strain"][0]) * float(np.max(arrays.spans["EA_N"]))
     most = tension_N * float(arrays.bodies["radius_m"][place])
     return {"constant_N_m": (0.0, most)} if most > 0.0 else {}
 

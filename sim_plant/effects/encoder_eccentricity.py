@@ -22,7 +22,7 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     if eccentricity != 0.0:
         drive = arrays.drives[place]
         # c cos(theta) + s sin(theta) = e cos(theta - angle)
-        drive["encoder_eccentricity"] = abs(eccentricity)
+        drive["encoder_offset_ratio"] = abs(eccentricity)
         drive["encoder_angle_rad"] = -cmath.phase(eccentricity)
         drive["encoder_loop_share"] = float(parameters["loop_share"])
     return arrays

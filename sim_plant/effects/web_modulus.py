@@ -15,7 +15,7 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     """
     factor = float(parameters["factor"])
     arrays.spans["EA_N"] *= factor
-    arrays.web["wound_in_strain"] /= factor
+    arrays.web["supply_strain"] /= factor
     return arrays
 
 

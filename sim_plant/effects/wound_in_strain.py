@@ -13,13 +13,13 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
 
     The roll then turns by d eps / (1 + eps) faster or slower at the same line speed.
     """
-    arrays.web["wound_in_strain"] += float(parameters["strain"])
+    arrays.web["supply_strain"] += float(parameters["strain"])
     return arrays
 
 
 def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
     """Return the change at which the roll would have been wound with no strain at all."""
-    return {"strain": (-float(arrays.web["wound_in_strain"][place]), 0.02)}
+    return {"strain": (-float(arrays.web["supply_strain"][place]), 0.02)}
 
 
 EFFECT = Effect(
