@@ -7,6 +7,8 @@ from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
+from sim_plant.base.signatures import whole
+from sim_plant.effects.experiments import of_the_encoder
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
 PAIR = Quadrature(cos="cos", sin="sin", amplitude="eccentricity", angle="angle_rad")
@@ -52,6 +54,8 @@ EFFECT = Effect(
     quadratures=(PAIR,),
     apply=apply,
     text="an encoder off its centre: its speed wobbles once per turn while the roller runs even",
-    order_locked=True,
+    shows=whole(1),
+    remedy="centre the encoder of {place} and its coupling",
+    experiment=of_the_encoder,
     sensor_only=True,
 )
