@@ -115,7 +115,7 @@ def alias_Hz(frequency_Hz: float, sample_time_s: float) -> float:
 def orders_of(h: Hypothesis, radius_m: float) -> list[float]:
     """Return the orders at which a hypothesis shows on its roller of this radius; empty: none."""
     shows = h.effect.shows
-    return list(shows.at(h.at_start, radius_m)) if isinstance(shows, Orders) else [1.0]
+    return list(shows.at(h.at_start, radius_m)) if isinstance(shows, Orders) else []
 
 
 def is_periodic(h: Hypothesis) -> bool:
