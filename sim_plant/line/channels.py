@@ -81,7 +81,7 @@ def _angle(name: str, angles: int, body: int, lsb_rad: float, drives: Array) -> 
         exact_column=at,
         lsb=lsb_rad,
         theta_body=body,
-        eccentricity=0.0 if eccentric is None else float(eccentric["encoder_eccentricity"]),
+        eccentricity=0.0 if eccentric is None else float(eccentric["encoder_offset_ratio"]),
         eccentricity_angle_rad=0.0 if eccentric is None else float(eccentric["encoder_angle_rad"]),
     )
 

@@ -97,7 +97,7 @@ def encoder_speed(p: LineArrays, lay: Layout, s: LineState, d: int, share: float
     k = drive.body
     stiff = drive.shaft_stiffness_N_m == 0.0
     omega = s.y[lay.omega + k] if stiff else s.y[lay.motor + d]
-    eccentricity = share * drive.encoder_eccentricity
+    eccentricity = share * drive.encoder_offset_ratio
     if eccentricity != 0.0:
         turn = s.y[lay.theta + k] + s.y[lay.twist + d] + drive.encoder_angle_rad
         omega *= 1.0 + eccentricity * math.cos(turn)
