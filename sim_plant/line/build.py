@@ -112,7 +112,7 @@ def _web(declaration: Declaration) -> Records:
     web["density_kg_m3"] = given.density_kg_m3
     web["thickness_m"] = given.thickness_m
     web["width_m"] = given.width_m
-    web["wound_in_strain"] = given.wound_in_tension_N / given.EA_N
+    web["supply_strain"] = given.wound_in_tension_N / given.EA_N
     web["core_radius_m"] = declaration.initial_radii_m.core
     web["bounce_Hz"], web["bounce_damping"], web["bounce_order"] = 1.0, 0.05, 1.0
     web["splice_EA_ratio"], web["splice_thickness_ratio"] = 1.0, 1.0
