@@ -8,7 +8,7 @@ LAW    ?= shape
 WIRE   ?= modbus
 SECONDS ?= 130
 CASES  ?= 600
-.PHONY: campaign demo demo-refine picture refine-cases refine-pairs test check bench bench-control size matrix fuzz test-socketcan setup clean
+.PHONY: campaign demo demo-refine house picture refine-cases refine-pairs test check bench bench-control size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -41,6 +41,10 @@ refine-pairs: setup
 # (EXTRA="--part check --only case01" for some of them)
 refine-cases: setup
 	nice -n 19 $(BIN)/python -m benchmarks.cases --docs docs/results $(EXTRA)
+
+# rooms, floors, import arrows, longest functions; REV="main~9 HEAD" for other revisions
+house: setup
+	$(BIN)/python -m benchmarks.house $(addprefix --rev ,$(REV))
 
 # everything that decides whether a change may land
 test: setup check
