@@ -163,9 +163,9 @@ def test_a_declaration_that_contradicts_itself_is_refused(tmp_path, said):
     assert f"line.yaml: {said}" in refusal(tmp_path, changed(CONTRADICTIONS[said]))
 
 
-def test_records_of_other_lines_lose_nothing_on_the_way(shared):
-    """Every key and value of the shared declarations comes back from a Declaration unchanged."""
-    paths = sorted((shared / "lines").glob("line*.yaml"))
+def test_records_of_other_lines_lose_nothing_on_the_way(line_records):
+    """Every key and value of these declarations comes back from a Declaration unchanged."""
+    paths = sorted(line_records.glob("line*.yaml"))
     assert len(paths) == 16
     for path in paths:
         data = yaml.safe_load(path.read_text())

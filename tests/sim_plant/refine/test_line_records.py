@@ -1,4 +1,4 @@
-"""Every pair of shared/data/lines against its label, and with its effects taken out.
+"""Every pair of data/lines against its label, and with its effects taken out.
 
 Minutes a run, so only when asked for: AFF_LINES=1 python -m pytest <this file>. As one table:
 python -m tests.sim_plant.refine.pairs
@@ -9,12 +9,11 @@ import os
 import numpy as np
 import pytest
 
-from tests.sim_plant.refine.pairs import FOLDER, faults, labels, plan, verdict
+from tests.sim_plant.refine.pairs import faults, labels, plan, verdict
 
 RUNS = plan()
 
 pytestmark = [
-    pytest.mark.skipif(FOLDER is None, reason="line records are not here (shared/data/lines)"),
     pytest.mark.skipif(not os.environ.get("AFF_LINES"), reason="minutes a pair: set AFF_LINES=1"),
     pytest.mark.timeout(3600),
 ]
