@@ -11,6 +11,7 @@ from sim_plant.base.arrays import Array, LineArrays
 from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.layout import Layout
+from sim_plant.line.log_layout import log_layout
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,9 +37,7 @@ def channels_of(declaration: Declaration, lay: Layout, p: LineArrays) -> list[Ch
     PlantError
         When a speed is declared for a roller without a drive.
     """
-    cells, drives, n = p.cells.size, p.drives.size, lay.n
-    speeds = 3 * cells
-    angles = speeds + 2 * drives
+    log = log_layout(p.cells.size, p.drives.size, lay.n)
     cell_of = {s.channel: c for c, s in enumerate(cell_sensors(declaration))}
     found = []
     for sensor in declaration.sensors:
@@ -46,25 +45,25 @@ def channels_of(declaration: Declaration, lay: Layout, p: LineArrays) -> list[Ch
         where = np.flatnonzero(p.drives["body"] == body)
         if name in cell_of:
             c = cell_of[name]
-            found.append(
-                Channel(name=name, column=c, true_column=cells + c, exact_column=cells + c)
-            )
+            measured, true = log.measured_N + c, log.true_N + c
+            found.append(Channel(name=name, column=measured, true_column=true, exact_column=true))
         elif sensor.lsb_m is not None:
-            at = angles + n + (0 if body == 0 else 1)
+            at = log.radius_m + (0 if body == 0 else 1)
             found.append(
                 Channel(name=name, column=at, true_column=at, exact_column=at, lsb=sensor.lsb_m)
             )
         elif sensor.lsb_rad is not None:
-            found.append(_angle(name, angles, body, sensor.lsb_rad, p.drives[where]))
+            found.append(_angle(name, log.theta_rad, body, sensor.lsb_rad, p.drives[where]))
         elif where.size == 0:
             raise PlantError(f"sensors.{name}: {sensor.roller} has no drive")
         else:
-            at = speeds + int(where[0])
+            drive = int(where[0])
+            at = log.measured_rad_s + drive
             found.append(
                 Channel(
                     name=name,
                     column=at,
-                    true_column=at + drives,
+                    true_column=log.true_rad_s + drive,
                     exact_column=at,
                     scale=sensor.scale_radius_m or 1.0,
                 )
