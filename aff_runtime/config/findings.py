@@ -26,7 +26,7 @@ class Finding:
         """Return ``file:line:column  path: text``, the form editors jump to."""
         where = f"{self.file}:{self.line}:{self.column}"
         said = f"{self.path}: {self.text}" if self.path else self.text
-        return f"{where}  {printable(said)}"
+        return f"{printable(where)}  {printable(said)}"
 
 
 def in_file_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:
