@@ -12,6 +12,7 @@ from aff_runtime.app.supervisor.restart_policy import RestartPolicy
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import StateBits
 from aff_runtime.telemetry.ring import RingReader
 
@@ -71,9 +72,7 @@ class Processes:
         self.troubles = []
         try:
             record = {**self.record, "shapes": self.shapes.load(self.record)}
-            self.control = ControlChild(
-                record, self._options.paths.ring, shadow=self._options.shadow
-            )
+            self.control = ControlChild(record, shadow=self._options.shadow)
         except OSError as error:
             LOG.error("the control process cannot be started (%s)", error.strerror)
             self._come_back()
@@ -103,7 +102,6 @@ class Processes:
         reached_zero = self.stop()
         for recorder in self._old_recorders:
             recorder.wait(RECORDER_PATIENCE_S)
-        self._options.paths.ring.unlink(missing_ok=True)
         return reached_zero
 
     def watch(self) -> bool:
@@ -160,12 +158,10 @@ class Processes:
     def take_ring(self) -> None:
         """Follow the ring that the control process has just made; begin a new record."""
         self._release_ring()
-        try:
-            self.ring = RingReader(self._options.paths.ring)
-        except OSError:
-            return  # it ended before we looked
-        self._recorder_lost = False
-        self._start_recorder(self.ring)
+        self.ring = self.control.open_ring() if self.control is not None else None
+        if self.ring is not None:
+            self._recorder_lost = False
+            self._start_recorder(self.ring)
 
     def _start_recorder(self, ring: RingReader) -> None:
         """Begin a new record of ``ring``; the service goes on without one if need be."""
@@ -186,7 +182,8 @@ class Processes:
             LOG.error("nothing is recorded: the recorder cannot be started (%s)", error.strerror)
 
     def note(self, name: str, text: str) -> None:
-        """Put a line into the log and into the record's events."""
+        """Put a line into the log and into the record's events, foreign words made printable."""
+        text = printable(text)
         loud = name in LOUD_NOTES
         LOG.log(logging.WARNING if loud else logging.INFO, "%s: %s", name, text)
         if self._recorder is not None:
@@ -208,7 +205,6 @@ class Processes:
     def bypass(self) -> None:
         """Take the correction back, by link and by signal: one of them works."""
         if self.control is not None and self.control.ended() is None:
-            self.note("OPERATOR", "bypass")
             self.control.link.send({"do": "BYPASS"})
             self.control.bypass_by_signal()
 
