@@ -47,7 +47,10 @@ def is_alarm(answer: Mapping[str, Any]) -> bool:
 def lines(answer: Mapping[str, Any]) -> Iterator[str]:
     """Yield the status as text."""
     yield f"{answer['line']}: {headline(answer)}"
-    yield f"config   {answer['config_hash'][:12]}"
+    whole, site = answer["config_hash"], answer.get("site_hash", "")
+    yield f"config   {whole[:12]}, PLC word 0x{whole[-4:]}; site file alone {site[:12]}"
+    for text in answer.get("learned", []):
+        yield f"learned  {text}"
     for text in answer["config_differs"]:
         yield f"         differs: {text}"
     signals = answer.get("signals", {})

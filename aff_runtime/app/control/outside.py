@@ -244,6 +244,7 @@ class ControlOutside:
         self._site = site
         self._shapes.follow(record, site)
         self._revision = record["config_hash"]
+        self._meta = {**self._meta, "config_hash": self._revision}  # of the next ring
         self._next_law = law
         self._reply(said, ok=True)
         return [

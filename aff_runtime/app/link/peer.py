@@ -98,6 +98,6 @@ def author_of(path: Path) -> str:
     try:
         found = path.stat()
     except OSError as error:
-        return f"written by nobody knows whom ({error.strerror})"
+        return f"who wrote it is not known: {error.strerror}"
     when = datetime.fromtimestamp(found.st_mtime, UTC).isoformat(timespec="seconds")
-    return f"file written by uid {found.st_uid} ({user_name(found.st_uid)}) at {when}"
+    return f"file of uid {found.st_uid} ({user_name(found.st_uid)}), written {when}"

@@ -55,6 +55,8 @@ class ProbeSession:
     def _keep(self, result: dict[str, Any]) -> dict[str, Any]:
         """Replace one response file at once; return the result with its path."""
         path = Path(self._processes.record["response_files"][result["actuator"]])
-        replace_text(path, result["text"] + "\n")
+        text = result["text"] + "\n"
+        self._processes.probed.add(path, text)
+        replace_text(path, text)
         self._processes.note("PROBE", f"{result['actuator']}: {path}")
         return {**result, "file": str(path)}

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
+from aff_runtime.app.link.peer import own_process
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
+from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_words
 from aff_runtime.app.supervisor.restart_policy import RestartPolicy
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
+from aff_runtime.app.wiring.parameter_record import with_shapes
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import StateBits
+from aff_runtime.config.revision import SHORT
 from aff_runtime.telemetry.ring import RingReader
 
 STOP_PATIENCE_S = 3.0
@@ -36,6 +40,7 @@ class Processes:
     troubles : its words on what ails the wire.
     gave_up : the control process died too often.
     shapes : learned shapes, kept across starts.
+    probed : which responses a probe of this service wrote.
     """
 
     def __init__(
@@ -63,6 +68,9 @@ class Processes:
         self.troubles: list[str] = []
         self.gave_up = False
         self.shapes = ShapeShelf(self.note)
+        self.probed = ResponseLedger(lambda text: self.note("RESPONSES", text))
+        self._shape_texts: dict[str, str] = {}
+        self._started_by = str(own_process())
 
     def start(self) -> None:
         """Start the control process; its first words tell when there is a ring."""
@@ -70,8 +78,10 @@ class Processes:
         self._started_at_ns = self._clock.now_ns()
         self.blocked = ""
         self.troubles = []
+        self._shape_texts = self.shapes.load(self.record)
+        self.record = self.revised(self.record)
         try:
-            record = {**self.record, "shapes": self.shapes.load(self.record)}
+            record = {**self.record, "shapes": self._shape_texts}
             self.control = ControlChild(record, shadow=self._options.shadow)
         except OSError as error:
             LOG.error("the control process cannot be started (%s)", error.strerror)
@@ -79,6 +89,16 @@ class Processes:
             return
         self._on_change()
         LOG.info("control process %d started", self.control.pid)
+        self.note("CONFIG_APPLIED", self.revision_words())
+
+    def revised(self, record: Mapping[str, Any]) -> dict[str, Any]:
+        """Return a record with the revision that it has beside the shapes in use."""
+        return with_shapes(record, self._shape_texts)
+
+    def revision_words(self) -> str:
+        """Return what runs: the whole revision, the site's, the learned files'."""
+        whole, site = self.record["config_hash"][:SHORT], self.record["site_hash"][:SHORT]
+        return f"{whole}: site {site}; {'; '.join(learned_words(self.record, self.probed))}"
 
     def stop(self) -> bool:
         """Let the control process fade and end, and the recorder flush in its own time.
@@ -172,6 +192,9 @@ class Processes:
         context = {
             "name": self.record["site"]["line"]["name"],
             "site_file": str(self._options.site.absolute()),
+            "started_by": self._started_by,
+            "site_hash": self.record["site_hash"],
+            "learned": self.record["learned"],
             "max_MB": recording["max_MB"],
             "segment_s": recording["segment_s"],
             "site_text": self.record["site_text"],

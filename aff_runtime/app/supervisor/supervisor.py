@@ -21,6 +21,7 @@ from aff_runtime.app.supervisor.pending import Answer, Pending
 from aff_runtime.app.supervisor.probe_session import ProbeSession
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.request_desk import RequestDesk
+from aff_runtime.app.supervisor.response_ledger import learned_words
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.state_log import StateLog
 from aff_runtime.app.supervisor.validation import load_record
@@ -235,6 +236,8 @@ class Supervisor:
             "ok": True,
             "line": processes.record["site"]["line"]["name"],
             "config_hash": processes.record["config_hash"],
+            "site_hash": processes.record["site_hash"],
+            "learned": list(learned_words(processes.record, processes.probed)),
             "config_differs": list(self._edits.differs),
             "control_pid": processes.control.pid if processes.control is not None else 0,
             "state": "STARTING" if processes.control is not None else State.FAULT.name,
