@@ -9,7 +9,9 @@ from typing import Any
 
 import pytest
 
-from aff_runtime.app.link.request_socket import Caller
+from aff_runtime.app.link.peer import Peer
+from aff_runtime.app.link.request_socket import Asked, Caller
+from aff_runtime.app.link.requests import Request
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
 from aff_runtime.app.supervisor.supervisor import Supervisor
@@ -219,9 +221,10 @@ class Answered(Caller):
     """A caller that keeps its answer."""
 
     def __init__(self) -> None:
+        self.peer, self.owed = Peer(uid=1000, pid=7), 0
         self.said: list[Any] = []
 
-    def reply(self, answer: Any) -> None:
+    def send(self, answer: Any) -> None:
         self.said.append(answer)
 
 
@@ -237,7 +240,7 @@ def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) ->
         record=about, shapes=shelf, control=SimpleNamespace(link=link), note=lambda *_: None
     )
     caller = Answered()
-    made._answer(caller, {"do": "forget"})
+    made._do(Asked(caller, Request(do="forget")))
     path = Path(about["shape_files"]["unwind"])
     before = path.read_text()
     made._pending.resolve({"id": sent[0]["id"], "ok": quiet})
