@@ -22,9 +22,9 @@ from aff_runtime.app.supervisor.response_ledger import NAME, ResponseLedger, lea
 from aff_runtime.app.supervisor.validation import Verdict
 from aff_runtime.app.wiring.assemble import revision_of
 from aff_runtime.app.wiring.parameter_record import with_shapes
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from tests.aff_runtime.app.service_run import ServiceRun
+from tests.doubles.virtual_clock import VirtualClock
 from tests.processes import until
 
 ROOT = Path(__file__).parents[2]
