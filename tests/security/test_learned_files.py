@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 import yaml
 
-from aff_runtime.app.link.messages import Message, Parameters, Reply
 from aff_runtime.app.check.validate import verdict
+from aff_runtime.app.link.messages import Message, Parameters, Reply
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.pending import Pending
@@ -451,3 +451,79 @@ def test_what_is_no_file_in_place_of_a_response_is_refused_at_once(site: Path, k
     assert said["record"] is None
     (finding,) = said["findings"]
     assert str(path) in finding
+
+
+# --- the site file of a running service -----------------------------------------------------
+
+
+def _edit_gone(site: Path) -> None:
+    site.unlink()
+
+
+def _edit_folder(site: Path) -> None:
+    site.unlink()
+    site.mkdir()
+
+
+def _edit_pipe(site: Path) -> None:
+    site.unlink()
+    os.mkfifo(site)
+
+
+def _edit_link(site: Path) -> None:
+    site.unlink()
+    site.symlink_to("/etc/passwd")
+
+
+def _edit_torn(site: Path) -> None:
+    site.write_text(site.read_text()[:1000])
+
+
+def _edit_empty(site: Path) -> None:
+    site.write_text("")
+
+
+def _edit_tagged(site: Path) -> None:
+    site.write_text("!!python/object/apply:os.system ['true']\n")
+
+
+def _edit_hostile(site: Path) -> None:
+    site.write_text(
+        site.read_text().replace("\n  name: ", '\n  name: "a\\nINFO OPERATOR: arm"  # ', 1)
+    )
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        _edit_gone,
+        _edit_folder,
+        _edit_pipe,
+        _edit_link,
+        _edit_torn,
+        _edit_empty,
+        _edit_tagged,
+        _edit_hostile,
+    ],
+)
+@pytest.mark.parametrize("live", [True, False])
+def test_whatever_becomes_of_the_site_file_what_runs_goes_on_and_is_told(
+    house: House, site: Path, spoil: Callable[[Path], None], live: bool
+) -> None:
+    house.live = live
+    before = house.record
+    good = site.read_text()
+    spoil(site)
+    house.look()
+    assert house.record is before
+    assert [message["do"] for message in house.sent] == ["DIFFERS"]
+    assert house.edits.differs
+    for told in house.edits.differs:
+        assert told.isprintable()
+        assert told.startswith(f"{site}:")
+    if not site.is_file() or site.is_symlink():
+        site.rmdir() if site.is_dir() else site.unlink(missing_ok=True)
+    site.write_text(good)
+    house.look()
+    assert house.edits.differs == ()
+    assert house.record is before

@@ -10,7 +10,9 @@ from typing import Any
 import pytest
 
 from aff_runtime.app.link.messages import LogLine, Reply, ShapeLearned, ShapeNews
-from aff_runtime.app.link.request_socket import Caller
+from aff_runtime.app.link.peer import Peer
+from aff_runtime.app.link.request_socket import Asked, Caller
+from aff_runtime.app.link.requests import Request
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
 from aff_runtime.app.supervisor.supervisor import Supervisor
@@ -221,9 +223,10 @@ class Answered(Caller):
     """A caller that keeps its answer."""
 
     def __init__(self) -> None:
+        self.peer, self.owed = Peer(uid=1000, pid=7), 0
         self.said: list[Any] = []
 
-    def reply(self, answer: Any) -> None:
+    def send(self, answer: Any) -> None:
         self.said.append(answer)
 
 
@@ -231,7 +234,7 @@ class Answered(Caller):
 def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) -> None:
     about, shelf = record(tmp_path), ShapeShelf(lambda *_: None)
     shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
-    sent: list[dict[str, Any]] = []
+    sent: list[Any] = []
     link = SimpleNamespace(send=lambda message: sent.append(message) or True)
     made = Supervisor.__new__(Supervisor)  # its requests alone, without processes
     made._pending = Pending(MonotonicClock())
@@ -239,7 +242,7 @@ def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) ->
         record=about, shapes=shelf, control=SimpleNamespace(link=link), note=lambda *_: None
     )
     caller = Answered()
-    made._answer(caller, {"do": "forget"})
+    made._do(Asked(caller, Request(do="forget")))
     path = Path(about["shape_files"]["unwind"])
     before = path.read_text()
     made._pending.resolve(Reply(id=sent[0].id, ok=quiet))
