@@ -20,3 +20,9 @@ def meant(word: str, known: Iterable[str]) -> str:
     if near is not None:
         return f"Did you mean {near}?"
     return f"Known here: {', '.join(names)}." if names else "None is declared."
+
+
+def hint(word: str, known: Iterable[str]) -> str:
+    """Return ``; did you mean 'x'?`` for the end of a sentence, empty when nothing is near."""
+    near = nearest(word, known)
+    return f"; did you mean {near!r}?" if near is not None else ""
