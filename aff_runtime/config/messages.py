@@ -58,7 +58,7 @@ def _said(one: dict[str, Any], path: KeyPath, tree: MarkedTree, root: type[Secti
     declared = declared_at(root, path)
     if kind == "extra_forbidden":
         return f"unknown key. {meant(str(path[-1]), _siblings(path, root))}"
-    if kind == "unit":
+    if kind in ("unit", "unprintable"):
         return str(one["ctx"]["reason"])
     if declared is None:
         return f"{one['msg']}."

@@ -7,6 +7,7 @@ imports, or that run as programs, and the names that its ``__init__`` makes. All
 
 import ast
 import re
+from functools import cache
 
 from benchmarks.house.imports import imported, module_names
 from tests.house.documents import ROOT
@@ -37,12 +38,17 @@ def used(package):
     return sorted({*_shown_modules(package), *_made(package)}, key=_order)
 
 
+@cache
+def _imported(name):
+    return tuple(imported(name, TREES[name], KNOWN))
+
+
 def _shown_modules(package):
     """Yield what lies directly in a package and is used outside of it, or runs as a program."""
     inside = f"{package}."
-    for name, tree in TREES.items():
+    for name in TREES:
         if not f"{name}.".startswith(inside):
-            targets = imported(name, tree, KNOWN)
+            targets = _imported(name)
         elif _PROGRAM in KNOWN[name].read_text(encoding="utf-8"):
             targets = [name]
         else:
