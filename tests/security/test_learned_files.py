@@ -15,7 +15,7 @@ import pytest
 import yaml
 
 from aff_runtime.app.check.validate import verdict
-from aff_runtime.app.link.messages import Message, Parameters, Reply
+from aff_runtime.app.link.messages import ConfigDiffers, Message, Parameters, Reply
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.pending import Pending
@@ -516,7 +516,7 @@ def test_whatever_becomes_of_the_site_file_what_runs_goes_on_and_is_told(
     spoil(site)
     house.look()
     assert house.record is before
-    assert [message["do"] for message in house.sent] == ["DIFFERS"]
+    assert house.sent == [ConfigDiffers()]
     assert house.edits.differs
     for told in house.edits.differs:
         assert told.isprintable()
