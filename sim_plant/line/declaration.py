@@ -12,13 +12,24 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
 Tick = Annotated[float, Field(ge=1e-5, allow_inf_nan=False, strict=True)]
 """A drive's; the line is simulated at each, and faster ones only take longer."""
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, strict=True)]
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
+
+
+def _shows(name: str) -> str:
+    if not name.isprintable() or len(name) > LONGEST_NAME:
+        raise ValueError(f"expected at most {LONGEST_NAME} characters, all of which print")
+    return name
+
+
+LONGEST_NAME = 200
+Name = Annotated[str, AfterValidator(_shows)]
+"""What stands in tables, figures and on terminals as it is."""
 
 
 class Section(BaseModel):
@@ -50,7 +61,7 @@ class InitialRadii(Section):
 class Roller(Section):
     """One body that the web wraps, in web order."""
 
-    name: str
+    name: Name
     kind: Literal["roll", "idler", "driven"]
     radius_m: Positive
     inertia_kg_m2: Positive
@@ -65,8 +76,8 @@ class Roller(Section):
 class SpanEntry(Section):
     """One free span, tangent point to tangent point."""
 
-    start: str
-    end: str
+    start: Name
+    end: Name
     length_m: Positive
     direction_deg: Finite
 
@@ -81,7 +92,7 @@ class CoreInertia(Section):
 class Drive(Section):
     """Inner speed PI of one driven body."""
 
-    roller: str
+    roller: Name
     K_ref_rad_s: Positive
     zeta: Positive
     speed_reference: str
@@ -91,9 +102,9 @@ class Drive(Section):
 class TensionPi(Section):
     """Outer tension loop."""
 
-    loop: str
-    acts_on: str
-    load_cell: str
+    loop: Name
+    acts_on: Name
+    load_cell: Name
     gain_m_s_per_N: Positive
     corner_rad_s: Positive
     law: str
@@ -114,8 +125,8 @@ class Control(Section):
 class Sensor(Section):
     """One recorded channel; which keys it has says what it measures."""
 
-    channel: str
-    roller: str
+    channel: Name
+    roller: Name
     low_pass_Hz: Positive | None = None
     low_pass_order: Literal[1] | None = None
     noise_sd_N: NotNegative | None = None
@@ -131,8 +142,8 @@ class Sensor(Section):
 class EffectEntry(Section):
     """An effect that the line is known to have."""
 
-    effect: str
-    location: str
+    effect: Name
+    location: Name
     parameters: dict[str, Any] = Field(default_factory=dict)
 
 
@@ -161,7 +172,7 @@ class Declaration(Section):
     control: Control
     sensors: tuple[Sensor, ...]
     sensor_note: str = ""
-    reference_columns: tuple[str, ...] = ()
+    reference_columns: tuple[Name, ...] = ()
     operating_point: OperatingPoint = OperatingPoint()
     tolerances: dict[str, NotNegative] = Field(default_factory=dict)
     origins: dict[str, str] = Field(default_factory=dict)
