@@ -42,7 +42,7 @@ def read_plain(path: Path, longest_bytes: int) -> bytes:
         flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC
         with open(os.open(path, flags), "rb") as stream:
             _refuse_other_kinds(shown, os.fstat(stream.fileno()).st_mode)
-            payload = stream.read(longest_bytes + 1)
+            payload = _at_most(stream, longest_bytes + 1)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the name
         reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
         raise PlantError(f"{shown}: cannot be read ({reason})") from error
@@ -84,6 +84,15 @@ def text_stream(path: Path, payload: bytes, longest_bytes: int) -> TextIO:
 def megabytes(count: int) -> str:
     """Return a number of bytes as people say it."""
     return f"{count >> 20} MB" if count >= 1 << 20 else f"{count >> 10} kB"
+
+
+def _at_most(stream: BinaryIO, count: int) -> bytes:
+    """Return what is there, up to ``count`` bytes; room is taken as it comes, not for all."""
+    parts = []
+    while count > 0 and (part := stream.read(min(count, _CHUNK_BYTES))):
+        parts.append(part)
+        count -= len(part)
+    return b"".join(parts)
 
 
 def _refuse_other_kinds(shown: str, mode: int) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from yaml.reader import ReaderError
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
@@ -20,8 +21,11 @@ DEEPEST = 32
 MOST_VALUES = 50_000
 """Keys and values, those that aliases repeat counted each time: they can double line by line."""
 LONGEST_SCALAR = 20_000
-"""Characters of one value; a number's cost grows with the square of its digits."""
+"""Characters of one value."""
+LONGEST_NUMBER = 100
+"""Characters of a number; its cost grows with their square."""
 
+_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _SafeLoader: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
@@ -66,6 +70,11 @@ def parse_yaml(text: str, file: str) -> tuple[Any, Places]:
         where = _colons(error.problem_mark or error.context_mark)
         said = printable(error.problem or error.context or "cannot be read", 200)
         raise PlantError(f"{file}{where}: not YAML: {said}") from error
+    except ReaderError as error:
+        before = text.encode()[: error.position].decode(errors="ignore")
+        line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+        said = f"not YAML: {error.reason}"
+        raise PlantError(f"{file}:{line}:{column}: {printable(said, 200)}") from error
     except yaml.YAMLError as error:
         said = printable(" ".join(str(error).split()), 200)
         raise PlantError(f"{file}: not YAML: {said}") from error
@@ -134,6 +143,9 @@ class _Walk:
         self._values += 1
         if self._values > MOST_VALUES or len(at) > DEEPEST:
             said = "its aliases unfold to too much; write it out"
+            raise _RefusedError((_colons(node.start_mark), said))
+        if node.tag in _NUMBERS and len(node.value) > LONGEST_NUMBER:
+            said = f"a number has {len(node.value)} characters, more than {LONGEST_NUMBER}"
             raise _RefusedError((_colons(node.start_mark), said))
         self.places.setdefault(at, _place_of(node))
         if isinstance(node, yaml.SequenceNode):

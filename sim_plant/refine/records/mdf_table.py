@@ -41,7 +41,7 @@ def mdf_table(path: Path, payload: bytes) -> Table:
             refuse_formulas(path, mdf)
             _check_sizes(path, mdf)
             signals = list(mdf.iter_channels(skip_master=True, copy_master=False))
-    except PlantError:
+    except (PlantError, MemoryError):
         raise
     except Exception as error:  # its own and those of broken blocks: struct, zlib, index, value
         said = printable(f"{type(error).__name__}: {error}", 200)

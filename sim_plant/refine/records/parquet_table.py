@@ -34,6 +34,8 @@ def parquet_table(path: Path, payload: bytes) -> Table:
         schema = file.schema_arrow
         _check_footer(path, file, schema, arrow.types)
         table = file.read(use_threads=False)
+    except MemoryError:  # one of Arrow's own is also this
+        raise
     except (arrow.ArrowException, OSError, ValueError) as error:
         said = printable(str(error), 200)
         raise PlantError(f"{shown(path)}: not a readable Parquet file ({said})") from error

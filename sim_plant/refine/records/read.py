@@ -115,7 +115,8 @@ def _si_columns(path: Path, raw: Mapping[str, Array]) -> dict[str, Array]:
         name, factor = si_name(header, path)
         if name in columns:
             raise PlantError(f"{shown(path)}: column {name} appears twice, in two units")
-        columns[name] = values * factor
+        with np.errstate(over="ignore"):  # what is too large is refused below, with its row
+            columns[name] = values * factor
     return columns
 
 
