@@ -49,6 +49,9 @@ class FrameHub:
             listener.bind(str(self._path))
             self._path.chmod(0o600)
             listener.listen(8)
+        except WireError:
+            listener.close()
+            raise
         except OSError as error:
             listener.close()
             raise WireError(f"{self._path}: cannot listen there ({error})") from error
