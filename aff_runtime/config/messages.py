@@ -7,11 +7,11 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from aff_runtime.base.suggest import meant, nearest
 from aff_runtime.base.units import plain
 from aff_runtime.config.declared import Declared, declared_at, keys_of
 from aff_runtime.config.findings import Finding, KeyPath
 from aff_runtime.config.quantity import Section
-from aff_runtime.config.suggest import meant, nearest
 from aff_runtime.config.yaml_marks import MarkedTree
 
 _BOUNDS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}

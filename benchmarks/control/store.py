@@ -32,7 +32,7 @@ SHAPE = (
 )
 OF_LAW: dict[str, tuple[Path, ...]] = {
     "plain blocks": (*sorted((CORE / "blocks").glob("*.py")), CORE / "residual.py"),
-    "printed (5.14)": (CORE / "printed.py",),
+    "printed (5.14)": (BENCH / "printed.py",),
     "angle, no phase": (BENCH / "rivals_blocks.py",),
     "resonators": (BENCH / "rivals_blocks.py",),
     "FxLMS": (BENCH / "rivals_filtered.py", CORE / "shape" / "filter.py"),

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from sim_plant.base.plain_file import read_plain_text
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declaration import Declaration, LoadCell
 from sim_plant.line.yaml_places import LONGEST_BYTES, Place, parse_yaml
 
 LENGTH_TOLERANCE_M = 2e-3
@@ -53,17 +53,22 @@ def load_declaration(path: str | Path) -> Declaration:
 def _readable(shown: str, error: ValidationError, places: Mapping[Place, tuple[int, int]]) -> str:
     lines = []
     for item in error.errors():
-        at = tuple(item["loc"])
+        named = at = _without_kind(item["loc"])
         while at not in places:  # a missing key stands where its section does
             at = at[:-1]
         line, column = places[at]
-        where, given = printable(".".join(map(str, item["loc"])), 200), item.get("input")
+        where, given = printable(".".join(map(str, named)), 200), item.get("input")
         said = item["msg"] + _hint(given)
         if item["type"] == "missing":
             lines.append(f"{shown}:{line}:{column}: {where}: {said}")
         else:
             lines.append(f"{shown}:{line}:{column}: {where}: read {repr(given)[:60]}; {said}")
     return "\n".join(lines)
+
+
+def _without_kind(at: tuple[int | str, ...]) -> tuple[int | str, ...]:
+    """Return a place without the kind of sensor that stands between index and key."""
+    return (*at[:2], *at[3:]) if at[:1] == ("sensors",) else at
 
 
 def _hint(given: object) -> str:
@@ -125,7 +130,7 @@ def _references(line: Declaration, names: list[str]) -> list[str]:
             findings.append(f"{where}: roller {name} does not exist")
     findings += _twice("control.drives", [d.roller for d in line.control.drives])
     findings += _twice("sensors", [s.channel for s in line.sensors])
-    cells = {s.roller for s in line.sensors if s.low_pass_Hz is not None}
+    cells = {s.roller for s in line.sensors if isinstance(s, LoadCell)}
     findings += [
         f"sensors: a load cell needs a span on both sides, {name} has one"
         for name in (names[0], names[-1])
