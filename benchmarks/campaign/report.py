@@ -44,7 +44,7 @@ power coloured. SNR: rms of the effect over rms of the noise in its strongest te
 single effects 0.4 and 0.2, all others 0.6. Of an effect without a line of its own only what the
 declared tolerances cannot take up counts (root of that share of its chi-square in whitened
 tensions and speeds, each number moving at the price of its prior), up to a size that speaks for
-itself (`LARGEST`). "Where the record tells" leaves out cases that
+itself (`largest` of its row). "Where the record tells" leaves out cases that
 this generator itself shows to be undecided, whatever the tool: another effect or place answers
 to within a chi-square of 10 (eccentric idlers of one radius in one zone; at a drive, an unbalance
 and a torque ripple of order 1; two rollers of one radius like one between them), or the effect's
@@ -52,7 +52,7 @@ chi-square is below 100; for effects that are no lines 150, beside all declared 
 error: against this generator's own noise, not the tool's. Bounds are Wilson's, 95 %; where one
 holds both sides of a target, this many cases do not decide it. Not drawn: viscoelastic web, cell
 calibration and resonance, rate limit, splice, roll bounce, shaft compliance, radius error. Rules
-and thresholds of the search were set on cases of seeds 1 to 9 and on `shared/data/lines`; report
+and thresholds of the search were set on cases of seeds 1 to 9 and on `data/lines`; report
 on seeds from 100.
 """
 

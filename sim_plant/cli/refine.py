@@ -22,7 +22,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         "refine",
         help="trace what a line model lacks in records",
         description="Compare records with the declared line; name the effect, place and "
-        "size that explain what is left. docs/refine.md",
+        "size that explain what is left. docs/engineer/refine.md",
     )
     parser.add_argument(
         "line",
@@ -162,7 +162,7 @@ def summary(outcome: Outcome) -> str:
             f"    score {e['score']:.0f}, runner-up {e['runner_up']}, margin {e['margin']:.0f}"
         )
     for a in result["ambiguous"]:
-        lines.append(f"  not identifiable: {a['effect']} or {', '.join(a['with'])}")
+        lines.append(f"  not identifiable: {a['effect']} or {', '.join(map(str, a['with']))}")
         lines += [f"    to tell: {what}" for what in a["experiments"]]
     for u in result["unknown"]:
         lines.append(

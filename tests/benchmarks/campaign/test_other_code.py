@@ -8,11 +8,11 @@ import pytest
 
 import benchmarks.campaign
 from benchmarks.campaign import line as short
-from benchmarks.campaign.effects import NAMES, Fault, with_faults
+from benchmarks.campaign.effects import NAMES, Fault
 from benchmarks.campaign.machine import machine_of
 from benchmarks.campaign.make import floors
 from benchmarks.campaign.record import References, simulate
-from benchmarks.campaign.stage import rms
+from benchmarks.campaign.stage import rms, with_faults
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.open import make_line
 
