@@ -11,6 +11,7 @@ from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.report.roll_page import page
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.cli.service import connect
+from aff_runtime.cli.terminal import say
 
 ATTEMPTS = 50
 
@@ -50,5 +51,5 @@ def roll(options: argparse.Namespace) -> int:
         replace_text(options.out, page(answer))
     except OSError as error:
         raise ConfigError(f"{options.out}: {error.strerror}") from None
-    print(options.out)
+    say(options.out)
     return 0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -11,6 +10,7 @@ from aff_runtime.app.report.status import headline
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 from aff_runtime.cli.service import connect
+from aff_runtime.cli.terminal import say, say_json
 
 EXIT_ALARM = 5
 POWER_UP = BY_NAME["POWER_UP"].code
@@ -31,10 +31,10 @@ def status(options: argparse.Namespace) -> int:
     finally:
         client.close()
     if options.json:
-        print(json.dumps(answer, indent=1))
+        say_json(answer)
     else:
         for line in lines(answer):
-            print(line)
+            say(line)
     return EXIT_ALARM if is_alarm(answer) else 0
 
 
@@ -47,7 +47,10 @@ def is_alarm(answer: Mapping[str, Any]) -> bool:
 def lines(answer: Mapping[str, Any]) -> Iterator[str]:
     """Yield the status as text."""
     yield f"{answer['line']}: {headline(answer)}"
-    yield f"config   {answer['config_hash'][:12]}"
+    whole, site = answer["config_hash"], answer.get("site_hash", "")
+    yield f"config   {whole[:12]}, PLC word 0x{whole[-4:]}; site file alone {site[:12]}"
+    for text in answer.get("learned", []):
+        yield f"learned  {text}"
     for text in answer["config_differs"]:
         yield f"         differs: {text}"
     signals = answer.get("signals", {})

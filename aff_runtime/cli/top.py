@@ -10,13 +10,14 @@ from typing import Any
 
 from aff_runtime.app.report.status import headline
 from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.printable import printable
 from aff_runtime.cli.service import connect
 from aff_runtime.cli.status import block_lines
+from aff_runtime.cli.terminal import redraw, say
 
 WIDTH, HEIGHT = 80, 24
 BAR = 14
 PERIOD_NS = 500_000_000
-RED, PLAIN, HOME, CLEAR = "\x1b[31m", "\x1b[0m", "\x1b[H", "\x1b[J"
 NORMAL_STATES = ("ACTIVE", "ARMED", "READY", "SHADOW")
 
 
@@ -34,14 +35,13 @@ def top(options: argparse.Namespace) -> int:
     coloured = sys.stdout.isatty()
     try:
         if options.once:
-            print("\n".join(screen(client.ask("status"))))
+            for row in screen(client.ask("status")):
+                say(row)
             return 0
         while True:
             answer = client.ask("status")
-            rows = screen(answer)
-            if coloured and answer["state"] not in NORMAL_STATES:
-                rows[0] = f"{RED}{rows[0]}{PLAIN}"
-            print(HOME + "\x1b[K\n".join(rows) + CLEAR, end="", flush=True)
+            alarming = answer["state"] not in NORMAL_STATES
+            redraw(screen(answer), first_red=coloured and alarming)
             clock.sleep_until_ns(clock.now_ns() + PERIOD_NS)
     finally:
         client.close()
@@ -50,7 +50,7 @@ def top(options: argparse.Namespace) -> int:
 def screen(answer: Mapping[str, Any]) -> list[str]:
     """Return the rows of one screen, none wider than 80 or more than 24."""
     signals: Mapping[str, float | None] = answer.get("signals", {})
-    rows = textwrap.wrap(f"{answer['line']}  {headline(answer)}", WIDTH, max_lines=2)
+    rows = textwrap.wrap(printable(f"{answer['line']}  {headline(answer)}"), WIDTH, max_lines=2)
     rows += [_config_row(answer), _comm_row(answer)]
     rows.append("-" * WIDTH)
     rows += [
@@ -64,7 +64,7 @@ def screen(answer: Mapping[str, Any]) -> list[str]:
     rows += block_lines(_fitting(answer.get("blocks", []), HEIGHT - 3 - len(rows)))
     rows = rows[: HEIGHT - 1]
     rows.append("other terminal: aff-runtime arm | bypass | stop          ctrl-c leaves")
-    return [row[:WIDTH] for row in rows]
+    return [printable(row)[:WIDTH] for row in rows]
 
 
 def _fitting(blocks: Sequence[Mapping[str, Any]], room: int) -> list[Mapping[str, Any]]:

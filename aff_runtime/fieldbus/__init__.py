@@ -1,1 +1,11 @@
 """The wire: register codec and transports."""
+
+__all__ = [
+    "can",
+    "can_catalogue",
+    "canopen",
+    "catalogue",
+    "modbus",
+    "probe_frames",
+    "signal_names",
+]

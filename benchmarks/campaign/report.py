@@ -52,7 +52,7 @@ chi-square is below 100; for effects that are no lines 150, beside all declared 
 error: against this generator's own noise, not the tool's. Bounds are Wilson's, 95 %; where one
 holds both sides of a target, this many cases do not decide it. Not drawn: viscoelastic web, cell
 calibration and resonance, rate limit, splice, roll bounce, shaft compliance, radius error. Rules
-and thresholds of the search were set on cases of seeds 1 to 9 and on `shared/data/lines`; report
+and thresholds of the search were set on cases of seeds 1 to 9 and on `data/lines`; report
 on seeds from 100.
 """
 

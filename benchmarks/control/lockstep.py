@@ -17,6 +17,7 @@ from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.params import RollParams, SiteParams
 from aff_runtime.core.phase import RollPhase
 from benchmarks.control.lines import Hidden, with_hidden
+from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.kernel import log_frame, run_frames, step_frame
 from sim_plant.line.log_layout import LogLayout
@@ -256,7 +257,7 @@ class _Columns:
 
     def __init__(self, declaration: Declaration, log: LogLayout, hidden: Hidden) -> None:
         names = [r.name for r in declaration.rollers]
-        channels = [s.channel for s in declaration.sensors if s.low_pass_Hz is not None]
+        channels = [s.channel for s in cell_sensors(declaration)]
         driven = [d.roller for d in declaration.control.drives]
         self.log = log
         self.tension = channels.index("unwind_tension_N")

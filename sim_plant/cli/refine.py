@@ -22,7 +22,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         "refine",
         help="trace what a line model lacks in records",
         description="Compare records with the declared line; name the effect, place and "
-        "size that explain what is left. docs/refine.md",
+        "size that explain what is left. docs/engineer/refine.md",
     )
     parser.add_argument(
         "line",

@@ -9,7 +9,7 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array, LineArrays
 from sim_plant.line.build import cell_sensors
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declaration import Declaration, LoadCell, RollAngle, RollRadius
 from sim_plant.line.layout import Layout
 from sim_plant.line.log_layout import log_layout
 
@@ -43,32 +43,42 @@ def channels_of(declaration: Declaration, lay: Layout, p: LineArrays) -> list[Ch
     for sensor in declaration.sensors:
         name, body = sensor.channel, declaration.body(sensor.roller)
         where = np.flatnonzero(p.drives["body"] == body)
-        if name in cell_of:
-            c = cell_of[name]
-            measured, true = log.measured_N + c, log.true_N + c
-            found.append(Channel(name=name, column=measured, true_column=true, exact_column=true))
-        elif sensor.lsb_m is not None:
+        if isinstance(sensor, LoadCell):
+            cell = cell_of[name]
+            true = log.true_N + cell
+            found.append(_channel(name, log.measured_N + cell, true=true, exact=true))
+        elif isinstance(sensor, RollRadius):
             at = log.radius_m + (0 if body == 0 else 1)
-            found.append(
-                Channel(name=name, column=at, true_column=at, exact_column=at, lsb=sensor.lsb_m)
-            )
-        elif sensor.lsb_rad is not None:
+            found.append(_channel(name, at, lsb=sensor.lsb_m))
+        elif isinstance(sensor, RollAngle):
             found.append(_angle(name, log.theta_rad, body, sensor.lsb_rad, p.drives[where]))
         elif where.size == 0:
             raise PlantError(f"sensors.{name}: {sensor.roller} has no drive")
         else:
-            drive = int(where[0])
+            drive, scale = int(where[0]), sensor.scale_radius_m or 1.0
             at = log.measured_rad_s + drive
-            found.append(
-                Channel(
-                    name=name,
-                    column=at,
-                    true_column=log.true_rad_s + drive,
-                    exact_column=at,
-                    scale=sensor.scale_radius_m or 1.0,
-                )
-            )
+            found.append(_channel(name, at, true=log.true_rad_s + drive, scale=scale))
     return found
+
+
+def _channel(
+    name: str,
+    column: int,
+    *,
+    true: int | None = None,
+    exact: int | None = None,
+    scale: float = 1.0,
+    lsb: float = 0.0,
+) -> Channel:
+    """Return a channel whose true and exact values stand where the measured one does, or apart."""
+    return Channel(
+        name=name,
+        column=column,
+        true_column=column if true is None else true,
+        exact_column=column if exact is None else exact,
+        scale=scale,
+        lsb=lsb,
+    )
 
 
 def _angle(name: str, angles: int, body: int, lsb_rad: float, drives: Array) -> Channel:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from tests.fuzz import can_targets, config_targets, modbus_targets
+from tests.fuzz import can_targets, config_targets, modbus_targets, socket_targets
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,4 +32,5 @@ TARGETS = {
     "site_file": Target(run=config_targets.site, seeds=config_targets.SEEDS),
     "response_file": Target(run=config_targets.response, seeds=config_targets.SEEDS),
     "shape_file": Target(run=config_targets.shape, seeds=config_targets.SEEDS),
+    "control_socket": Target(run=socket_targets.socket_lines, seeds=socket_targets.SEEDS),
 }

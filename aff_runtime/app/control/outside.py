@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.control.commands import Commands
@@ -25,6 +24,7 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.ports import Law
+from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
 from aff_runtime.loop.messages import Arm, Bypass, Message, Shadow, Stop, SupervisorLost, Swap
 from aff_runtime.loop.record import HEAD, record_columns
@@ -48,18 +48,16 @@ class ControlOutside:
     ----------
     assembly : the rooms, wired.
     link : to the supervisor.
-    ring : path of the ring; made anew whenever the columns change.
     meta : what a reader of the ring should know; ``start_ns`` and real-time rights among it.
     """
 
-    def __init__(self, assembly: Assembly, link: Link, ring: Path, meta: dict[str, Any]) -> None:
+    def __init__(self, assembly: Assembly, link: Link, meta: dict[str, Any]) -> None:
         self._site = assembly.site
         self._guard = assembly.guard
         self._troubles = TroubleLog(assembly.gateway, self._say, self._show_wire)
         self._law = assembly.law
         self._link = link
         self._commands = Commands(link)
-        self._ring_path = ring
         self._meta = meta
         self._notifier = ServiceNotifier(
             {k: v for k, v in os.environ.items() if k == "NOTIFY_SOCKET"}
@@ -87,9 +85,9 @@ class ControlOutside:
         self._bypass_signal = True
 
     def close(self) -> None:
-        """Hand on what was learned; remove the ring, the supervisor may be gone and cannot."""
+        """Hand on what was learned; the ring ends."""
         self._shapes.close(self._law.controller)
-        self._ring.remove()
+        self._ring.close()
 
     # --- what the cycle tells -----------------------------------------------------------------
 
@@ -115,7 +113,8 @@ class ControlOutside:
 
     def fault_text(self, text: str) -> None:
         """Pass the traceback of an internal fault to the supervisor's log."""
-        self._say(text[-4000:])
+        for line in text[-4000:].split("\n"):
+            self._say(line)
 
     def blocked(self, reason: str) -> None:
         """Tell the supervisor what stands against an armed output, for ``status``."""
@@ -245,6 +244,7 @@ class ControlOutside:
         self._site = site
         self._shapes.follow(record, site)
         self._revision = record["config_hash"]
+        self._meta = {**self._meta, "config_hash": self._revision}  # of the next ring
         self._next_law = law
         self._reply(said, ok=True)
         return [
@@ -303,12 +303,14 @@ class ControlOutside:
             self._ring = self._new_ring()
 
     def _new_ring(self) -> RingWriter:
-        """Create the ring for the present columns and tell the supervisor."""
+        """Create the ring for the present columns and pass it to the supervisor."""
         outputs = [f"{name}_{_suffix(a.unit)}" for name, a in self._site.actuators.items()]
         columns = record_columns(tuple(self._site.gateway.read.channels), outputs, ())
         self._ring_columns = (*columns, *self._law.law_telemetry_names())
-        ring = RingWriter(self._ring_path, self._ring_columns, meta=self._meta)
-        self._link.send({"did": "RING", "rights": self._meta["rights"]})
+        ring = RingWriter(self._ring_columns, meta=self._meta)
+        descriptor = ring.open_for_readers()
+        self._link.send({"did": "RING", "rights": self._meta["rights"]}, descriptor)
+        os.close(descriptor)
         return ring
 
     def _note(self, code: int) -> None:
@@ -316,8 +318,8 @@ class ControlOutside:
         self._ring.event(self._tick, self._clock.now_ns(), code)
 
     def _say(self, text: str) -> None:
-        """Pass a sentence to the supervisor's log."""
-        self._link.send({"did": "LOG", "text": text})
+        """Pass a sentence to the supervisor's log, the wire's words in it made printable."""
+        self._link.send({"did": "LOG", "text": printable(text)})
 
     def _show_wire(self, troubles: tuple[str, ...]) -> None:
         """Tell the supervisor what ails the wire, for ``status``."""

@@ -1,4 +1,4 @@
-"""The control process: ``python -m aff_runtime.app.control.process --link-fd N --ring PATH``.
+"""The control process: ``python -m aff_runtime.app.control.process --link-fd N``.
 
 Started by the supervisor with one end of a socketpair. It imports everything before its first
 tick and then does nothing but ticks: no logging, no files, no waiting for anybody but its
@@ -13,7 +13,6 @@ import select
 import signal
 import socket
 import sys
-from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.control.outside import ControlOutside
@@ -21,6 +20,7 @@ from aff_runtime.app.link.packets import Link, LinkClosedError
 from aff_runtime.app.wiring.assemble import assemble, cycle_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, WireError
+from aff_runtime.base.printable import printable
 from aff_runtime.loop.realtime import RealtimeReport, RealtimeRequest, ask
 
 START_PATIENCE_S = 10.0
@@ -30,21 +30,21 @@ def main(arguments: list[str]) -> int:
     """Run the cycle until told to stop; return the exit code."""
     parser = argparse.ArgumentParser(prog="aff_runtime.app.control.process")
     parser.add_argument("--link-fd", type=int, required=True)
-    parser.add_argument("--ring", type=Path, required=True)
     options = parser.parse_args(arguments)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # ctrl-c is the supervisor's
     link = Link(socket.socket(fileno=options.link_fd))
     try:
         start = _first_message(link)
-        return _run(start, link, options.ring)
+        return _run(start, link)
     except LinkClosedError:
         return WireError.exit_code
     except AffError as error:
-        link.send({"did": "LOG", "text": str(error)})
+        for line in str(error).split("\n"):
+            link.send({"did": "LOG", "text": printable(line)})
         return error.exit_code
 
 
-def _run(start: dict[str, Any], link: Link, ring: Path) -> int:
+def _run(start: dict[str, Any], link: Link) -> int:
     """Wire the rooms and tick."""
     clock = MonotonicClock()
     record = start["record"]
@@ -61,7 +61,7 @@ def _run(start: dict[str, Any], link: Link, ring: Path) -> int:
         "start_ns": clock.now_ns(),
         "shadow": bool(start.get("shadow")),
     }
-    outside = ControlOutside(assembly, link, ring, meta)
+    outside = ControlOutside(assembly, link, meta)
     cycle = cycle_of(assembly, outside)
     signal.signal(signal.SIGUSR1, lambda *_: outside.bypass_by_signal())
     signal.signal(signal.SIGTERM, lambda *_: cycle.request_stop())

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import json
 import socket
+import struct
 from collections.abc import Mapping
 from typing import Any
 
 MAX_PACKET_BYTES = 1 << 18
+_DESCRIPTOR = struct.Struct("i")
 
 
 class LinkClosedError(Exception):
@@ -50,16 +52,41 @@ class Link:
         message: dict[str, Any] = json.loads(packet)
         return message
 
-    def send(self, message: Mapping[str, Any]) -> bool:
+    def receive_passed(self) -> tuple[dict[str, Any], int | None] | None:
+        """Return the next message and the descriptor that came with it; None without a message.
+
+        Raises
+        ------
+        LinkClosedError
+            When the other side is gone.
+        """
+        try:
+            packet, passed, _, _ = self._socket.recvmsg(
+                MAX_PACKET_BYTES, socket.CMSG_LEN(_DESCRIPTOR.size), socket.MSG_CMSG_CLOEXEC
+            )
+        except BlockingIOError:
+            return None
+        except OSError:
+            raise LinkClosedError from None
+        if not packet:
+            raise LinkClosedError
+        message: dict[str, Any] = json.loads(packet)
+        return message, _DESCRIPTOR.unpack(passed[0][2])[0] if passed else None
+
+    def send(self, message: Mapping[str, Any], descriptor: int | None = None) -> bool:
         """Send one message; return False when the other side is gone or does not read.
 
         A message that does not fit one packet is not sent either: the reader would see half.
+        ``descriptor`` : passed on with it; the reader gets one of its own.
         """
         packet = json.dumps(message).encode()
         if len(packet) > MAX_PACKET_BYTES:
             return False
         try:
-            self._socket.send(packet)
+            if descriptor is None:
+                self._socket.send(packet)
+            else:
+                socket.send_fds(self._socket, [packet], [descriptor])
         except OSError:
             return False
         return True

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from aff_runtime.app.link.request_socket import Caller
+from aff_runtime.app.link.request_socket import Asked, Caller
 from aff_runtime.base.ports import Clock
 
 Answer = Callable[[dict[str, Any]], dict[str, Any]]
@@ -16,7 +16,7 @@ Answer = Callable[[dict[str, Any]], dict[str, Any]]
 class _Question:
     """Who asked (None: the supervisor itself), how to answer, until when."""
 
-    caller: Caller | None
+    asked: Asked | None
     answer: Answer
     until_ns: int
 
@@ -29,11 +29,11 @@ class Pending:
         self._questions: dict[int, _Question] = {}
         self._last = 0
 
-    def expect(self, caller: Caller | None, answer: Answer, patience_s: float) -> int:
+    def expect(self, asked: Asked | None, answer: Answer, patience_s: float) -> int:
         """Return the number of a new question."""
         self._last += 1
         until_ns = self._clock.now_ns() + int(patience_s * 1e9)
-        self._questions[self._last] = _Question(caller=caller, answer=answer, until_ns=until_ns)
+        self._questions[self._last] = _Question(asked=asked, answer=answer, until_ns=until_ns)
         return self._last
 
     def resolve(self, message: dict[str, Any]) -> None:
@@ -42,8 +42,8 @@ class Pending:
         if question is None:
             return
         answer = question.answer({k: v for k, v in message.items() if k != "id"})
-        if question.caller is not None:
-            question.caller.reply(answer)
+        if question.asked is not None:
+            question.asked.answer(answer)
 
     def expire(self) -> None:
         """Answer those who have waited too long."""
@@ -61,5 +61,5 @@ class Pending:
     def forget(self, caller: Caller) -> None:
         """Drop the questions of a caller who has hung up."""
         for question in self._questions.values():
-            if question.caller is caller:
-                question.caller = None
+            if question.asked is not None and question.asked.caller is caller:
+                question.asked = None

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
+from aff_runtime.app.link.peer import own_process
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
+from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_words
 from aff_runtime.app.supervisor.restart_policy import RestartPolicy
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
+from aff_runtime.app.wiring.parameter_record import with_shapes
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import StateBits
+from aff_runtime.config.revision import SHORT
 from aff_runtime.telemetry.ring import RingReader
 
 STOP_PATIENCE_S = 3.0
@@ -35,6 +40,7 @@ class Processes:
     troubles : its words on what ails the wire.
     gave_up : the control process died too often.
     shapes : learned shapes, kept across starts.
+    probed : which responses a probe of this service wrote.
     """
 
     def __init__(
@@ -62,6 +68,9 @@ class Processes:
         self.troubles: list[str] = []
         self.gave_up = False
         self.shapes = ShapeShelf(self.note)
+        self.probed = ResponseLedger(lambda text: self.note("RESPONSES", text))
+        self._shape_texts: dict[str, str] = {}
+        self._started_by = str(own_process())
 
     def start(self) -> None:
         """Start the control process; its first words tell when there is a ring."""
@@ -69,17 +78,27 @@ class Processes:
         self._started_at_ns = self._clock.now_ns()
         self.blocked = ""
         self.troubles = []
+        self._shape_texts = self.shapes.load(self.record)
+        self.record = self.revised(self.record)
         try:
-            record = {**self.record, "shapes": self.shapes.load(self.record)}
-            self.control = ControlChild(
-                record, self._options.paths.ring, shadow=self._options.shadow
-            )
+            record = {**self.record, "shapes": self._shape_texts}
+            self.control = ControlChild(record, shadow=self._options.shadow)
         except OSError as error:
             LOG.error("the control process cannot be started (%s)", error.strerror)
             self._come_back()
             return
         self._on_change()
         LOG.info("control process %d started", self.control.pid)
+        self.note("CONFIG_APPLIED", self.revision_words())
+
+    def revised(self, record: Mapping[str, Any]) -> dict[str, Any]:
+        """Return a record with the revision that it has beside the shapes in use."""
+        return with_shapes(record, self._shape_texts)
+
+    def revision_words(self) -> str:
+        """Return what runs: the whole revision, the site's, the learned files'."""
+        whole, site = self.record["config_hash"][:SHORT], self.record["site_hash"][:SHORT]
+        return f"{whole}: site {site}; {'; '.join(learned_words(self.record, self.probed))}"
 
     def stop(self) -> bool:
         """Let the control process fade and end, and the recorder flush in its own time.
@@ -103,7 +122,6 @@ class Processes:
         reached_zero = self.stop()
         for recorder in self._old_recorders:
             recorder.wait(RECORDER_PATIENCE_S)
-        self._options.paths.ring.unlink(missing_ok=True)
         return reached_zero
 
     def watch(self) -> bool:
@@ -160,12 +178,10 @@ class Processes:
     def take_ring(self) -> None:
         """Follow the ring that the control process has just made; begin a new record."""
         self._release_ring()
-        try:
-            self.ring = RingReader(self._options.paths.ring)
-        except OSError:
-            return  # it ended before we looked
-        self._recorder_lost = False
-        self._start_recorder(self.ring)
+        self.ring = self.control.open_ring() if self.control is not None else None
+        if self.ring is not None:
+            self._recorder_lost = False
+            self._start_recorder(self.ring)
 
     def _start_recorder(self, ring: RingReader) -> None:
         """Begin a new record of ``ring``; the service goes on without one if need be."""
@@ -176,6 +192,9 @@ class Processes:
         context = {
             "name": self.record["site"]["line"]["name"],
             "site_file": str(self._options.site.absolute()),
+            "started_by": self._started_by,
+            "site_hash": self.record["site_hash"],
+            "learned": self.record["learned"],
             "max_MB": recording["max_MB"],
             "segment_s": recording["segment_s"],
             "site_text": self.record["site_text"],
@@ -186,7 +205,8 @@ class Processes:
             LOG.error("nothing is recorded: the recorder cannot be started (%s)", error.strerror)
 
     def note(self, name: str, text: str) -> None:
-        """Put a line into the log and into the record's events."""
+        """Put a line into the log and into the record's events, foreign words made printable."""
+        text = printable(text)
         loud = name in LOUD_NOTES
         LOG.log(logging.WARNING if loud else logging.INFO, "%s: %s", name, text)
         if self._recorder is not None:
@@ -208,7 +228,6 @@ class Processes:
     def bypass(self) -> None:
         """Take the correction back, by link and by signal: one of them works."""
         if self.control is not None and self.control.ended() is None:
-            self.note("OPERATOR", "bypass")
             self.control.link.send({"do": "BYPASS"})
             self.control.bypass_by_signal()
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES, Link, LinkClosedError, link_pair
@@ -40,4 +42,26 @@ def test_a_message_that_would_be_cut_is_not_sent_at_all() -> None:
     assert not a.send({"text": "x" * (MAX_PACKET_BYTES + 1)})
     assert b.receive() is None
     a.close()
+    b.close()
+
+
+def test_a_descriptor_goes_with_its_message_and_with_no_other() -> None:
+    a, b = (Link(end) for end in link_pair())
+    ours, theirs = os.pipe()
+    assert a.send({"did": "RING"}, ours)
+    assert a.send({"did": "LOG"})
+    os.close(ours)
+    message, passed = b.receive_passed() or ({}, None)
+    assert message == {"did": "RING"}
+    assert passed is not None
+    os.write(theirs, b"through")
+    assert os.read(passed, 100) == b"through"
+    assert not os.get_inheritable(passed)
+    assert b.receive_passed() == ({"did": "LOG"}, None)
+    assert b.receive_passed() is None
+    for descriptor in (theirs, passed):
+        os.close(descriptor)
+    a.close()
+    with pytest.raises(LinkClosedError):
+        b.receive_passed()
     b.close()
