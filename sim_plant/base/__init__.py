@@ -5,6 +5,7 @@ __all__ = [
     "effects",
     "jit",
     "order_tracking",
+    "plain_file",
     "ports",
     "profiles",
     "runge_kutta",

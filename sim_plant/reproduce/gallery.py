@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
-from multiprocessing import get_context
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.base.worker_pool import LostJobError, WorkerPool
 from sim_plant.reproduce.catalogue import BY_IDENTITY, CATALOGUE
 from sim_plant.reproduce.entry import Experiment, Result
 
@@ -23,6 +22,8 @@ CHAPTERS = {
     5: "Adaptive feed-forward",
     6: "Future work",
 }
+LIMIT_S = 3600.0
+"""For one experiment; the longest takes minutes of a core."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,20 +58,27 @@ def run_one(identity: str) -> Result:
 def run_all(
     experiments: Sequence[Experiment], jobs: int, progress: Callable[[str], None]
 ) -> list[Done]:
-    """Return the results in catalogue order, ``jobs`` processes at a time."""
+    """Return the results in catalogue order, ``jobs`` processes at a time.
+
+    Raises
+    ------
+    LostJobError
+        When an experiment has lost every process that was given it.
+    """
     if jobs <= 1 or len(experiments) <= 1:
         found = []
         for e in experiments:
             found.append(Done(e, e.run()))
             progress(f"{e.identity:14s} {e.title}")
         return found
-    with ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn")) as pool:
-        tasks = [pool.submit(run_one, e.identity) for e in experiments]
-        found = []
-        for e, task in zip(experiments, tasks, strict=True):
-            found.append(Done(e, task.result()))
+    results: dict[int, Result] = {}
+    with WorkerPool(run_one, jobs, limit_s=LIMIT_S, tell=progress) as pool:
+        for number, result in pool.run([e.identity for e in experiments]):
+            if isinstance(result, LostJobError):
+                raise result
+            e, results[number] = experiments[number], result
             progress(f"{e.identity:14s} {e.title}")
-    return found
+    return [Done(e, results[number]) for number, e in enumerate(experiments)]
 
 
 def write_gallery(done: Sequence[Done], folder: Path) -> Path:

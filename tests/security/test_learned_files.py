@@ -15,6 +15,7 @@ import pytest
 import yaml
 
 from aff_runtime.app.check.validate import verdict
+from aff_runtime.app.link.messages import ConfigDiffers, Message, Parameters, Reply
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.pending import Pending
@@ -182,7 +183,7 @@ class House:
     def __init__(self, site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         self.live = True
         self.said: list[tuple[str, str]] = []
-        self.sent: list[dict[str, Any]] = []
+        self.sent: list[Message] = []
         self.record = checked(site)
         self.probed = ResponseLedger(str)
         self.control = SimpleNamespace(link=SimpleNamespace(send=self._send))
@@ -204,7 +205,7 @@ class House:
     def revision_words(self) -> str:
         return "; ".join(learned_words(self.record, self.probed))
 
-    def _send(self, message: dict[str, Any]) -> bool:
+    def _send(self, message: Message) -> bool:
         self.sent.append(message)
         return True
 
@@ -215,8 +216,9 @@ class House:
 
     def step(self) -> None:
         self.edits.step()
-        for message in [m for m in self.sent if m["do"] == "PARAMS" and "id" in m]:
-            self._pending.resolve({"id": message.pop("id"), "ok": True})
+        for message in self.sent:
+            if isinstance(message, Parameters):
+                self._pending.resolve(Reply(id=message.id, ok=True))
 
     @property
     def running(self) -> str:
@@ -252,7 +254,7 @@ def test_a_response_exchanged_while_armed_waits_for_bypass_and_says_so(
     house.look()
     house.step()
     assert house.running == before
-    assert not [m for m in house.sent if m["do"] == "PARAMS"]
+    assert not [m for m in house.sent if isinstance(m, Parameters)]
     (told,) = house.edits.differs
     assert f"{learned(site)}: response {before[:12]} -> {after[:12]}" in told
     assert "no probe of this service wrote it" in told
@@ -286,7 +288,7 @@ def test_the_former_file_put_back_ends_the_waiting(house: House, site: Path) -> 
     house.live = False
     house.step()
     assert house.edits.differs == ()
-    assert not [m for m in house.sent if m["do"] == "PARAMS"]
+    assert not [m for m in house.sent if isinstance(m, Parameters)]
 
 
 def test_what_our_own_probe_has_just_written_comes_in_at_once(house: House, site: Path) -> None:
@@ -514,7 +516,7 @@ def test_whatever_becomes_of_the_site_file_what_runs_goes_on_and_is_told(
     spoil(site)
     house.look()
     assert house.record is before
-    assert [message["do"] for message in house.sent] == ["DIFFERS"]
+    assert house.sent == [ConfigDiffers()]
     assert house.edits.differs
     for told in house.edits.differs:
         assert told.isprintable()

@@ -2,6 +2,7 @@
 
 __all__ = [
     "files",
+    "messages",
     "packets",
     "peer",
     "request_client",

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from aff_runtime.app.link.messages import Bypass, LogLine
 from aff_runtime.app.link.peer import own_process
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
@@ -65,7 +66,7 @@ class Processes:
         self.control: ControlChild | None = None
         self.ring: RingReader | None = None
         self.blocked = ""
-        self.troubles: list[str] = []
+        self.troubles: tuple[str, ...] = ()
         self.gave_up = False
         self.shapes = ShapeShelf(self.note)
         self.probed = ResponseLedger(lambda text: self.note("RESPONSES", text))
@@ -77,7 +78,7 @@ class Processes:
         self._restart_at_ns = None
         self._started_at_ns = self._clock.now_ns()
         self.blocked = ""
-        self.troubles = []
+        self.troubles = ()
         self._shape_texts = self.shapes.load(self.record)
         self.record = self.revised(self.record)
         try:
@@ -141,8 +142,8 @@ class Processes:
             return False
         self.note("CONTROL_DIED", f"control process {self.control.pid}: {how}")
         for message in self.control.replies():
-            if message.get("did") == "LOG":
-                LOG.error("control: %s", message.get("text", ""))
+            if isinstance(message, LogLine):
+                LOG.error("control: %s", message.text)
             self.shapes.hear(self.record, message)
         self._forget_control()
         self._release_ring()
@@ -228,7 +229,7 @@ class Processes:
     def bypass(self) -> None:
         """Take the correction back, by link and by signal: one of them works."""
         if self.control is not None and self.control.ended() is None:
-            self.control.link.send({"do": "BYPASS"})
+            self.control.link.send(Bypass())
             self.control.bypass_by_signal()
 
     def _forget_control(self) -> None:
