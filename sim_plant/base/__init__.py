@@ -11,4 +11,5 @@ __all__ = [
     "runge_kutta",
     "signatures",
     "svg",
+    "worker_pool",
 ]
