@@ -8,6 +8,7 @@ from typing import Any
 
 from aff_runtime.app.link.messages import Bypass, LogLine
 from aff_runtime.app.link.peer import own_process
+from aff_runtime.app.report.status_answer import RecorderReport
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
 from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_words
@@ -127,7 +128,7 @@ class Processes:
 
     def watch(self) -> bool:
         """Notice a death, restart when due; return True when the control process has died."""
-        for recorder in [r for r in self._old_recorders if not r.report()["alive"]]:
+        for recorder in [r for r in self._old_recorders if not r.report().alive]:
             recorder.wait(0.0)
             self._old_recorders.remove(recorder)
         due_ns = self._restart_at_ns
@@ -155,7 +156,7 @@ class Processes:
         recorder, ring = self._recorder, self.ring
         if recorder is None or ring is None or self._recorder_lost:
             return
-        if recorder.report()["alive"] or not ring.writer_alive():
+        if recorder.report().alive or not ring.writer_alive():
             return
         if self._recorder_policy.died(self._clock.now_ns() * 1e-9) is None:
             LOG.error("the recorder died three times within 60 s; nothing is recorded from now on")
@@ -217,9 +218,9 @@ class Processes:
         """Return the newest ring record by column name, None while there is none."""
         return self.ring.status() if self.ring is not None else None
 
-    def recorder_report(self) -> dict[str, Any]:
+    def recorder_report(self) -> RecorderReport | None:
         """Return what the recorder says of itself."""
-        return self._recorder.report() if self._recorder is not None else {}
+        return self._recorder.report() if self._recorder is not None else None
 
     def is_live(self) -> bool:
         """Return whether a correction may be going out."""

@@ -11,6 +11,7 @@ import os
 import selectors
 import signal
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from aff_runtime.app.link.messages import (
@@ -27,7 +28,8 @@ from aff_runtime.app.link.messages import (
     WireTroubles,
 )
 from aff_runtime.app.link.request_socket import Asked, RequestSocket
-from aff_runtime.app.report.status import describe
+from aff_runtime.app.report.status import live_status
+from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.pending import Answer, Pending, as_answer
@@ -176,7 +178,7 @@ class Supervisor:
         request = asked.request
         match request.do:
             case "status":
-                asked.answer(self._status())
+                asked.answer(self._status().to_json())
             case "arm":
                 self._command(asked)
                 self._ask_control(lambda ident: Arm(id=ident), asked)
@@ -245,32 +247,35 @@ class Supervisor:
             self._probe.has_answered()
             self._probe = None
 
-    def _status(self) -> dict[str, Any]:
+    def _status(self) -> StatusAnswer:
         """Return the answer to a status request."""
-        processes = self._processes
-        answer: dict[str, Any] = {
-            "ok": True,
-            "line": processes.record["site"]["line"]["name"],
-            "config_hash": processes.record["config_hash"],
-            "site_hash": processes.record["site_hash"],
-            "learned": list(learned_words(processes.record, processes.probed)),
-            "config_differs": list(self._edits.differs),
-            "control_pid": processes.control.pid if processes.control is not None else 0,
-            "state": "STARTING" if processes.control is not None else State.FAULT.name,
-            "recorder": processes.recorder_report(),
-            "probing": self._probe is not None,
-            "shapes": list(processes.shapes.words),
-            "crossings": self._forecast.words(),
-        }
+        processes, record = self._processes, self._processes.record
+        state = "STARTING" if processes.control is not None else State.FAULT.name
+        live = None
         latest = processes.latest()
         if processes.ring is not None and latest is not None:
-            answer.update(
-                describe(latest, processes.record["permissives"], processes.record["site"])
+            guard_state, live = live_status(latest, record["permissives"], record["site"])
+            state = guard_state.name
+            live = replace(
+                live,
+                wire=processes.troubles,
+                blocked_by=processes.blocked.removeprefix("blocked by "),
+                meta=processes.ring.header["meta"],
             )
-            answer["wire"] = processes.troubles
-            answer["blocked_by"] = processes.blocked.removeprefix("blocked by ")
-            answer["meta"] = processes.ring.header["meta"]
-        return answer
+        return StatusAnswer(
+            line=record["site"]["line"]["name"],
+            state=state,
+            config_hash=record["config_hash"],
+            site_hash=record["site_hash"],
+            learned=tuple(learned_words(record, processes.probed)),
+            config_differs=tuple(self._edits.differs),
+            control_pid=processes.control.pid if processes.control is not None else 0,
+            probing=self._probe is not None,
+            recorder=processes.recorder_report(),
+            shapes=tuple(processes.shapes.words),
+            crossings=tuple(self._forecast.words()),
+            live=live,
+        )
 
     def _bypass_by_signal(self) -> None:
         """Take the correction back; a signal does not tell who sent it."""
