@@ -30,11 +30,11 @@ HEAD = """# Campaign: `sim-plant refine` on records that other code made
 
 Written by `make campaign` (`python -m benchmarks.campaign --cases N --seed S --workers 2
 --out DIR`; it goes on where it was stopped). The records come from `benchmarks/campaign`, which
-imports nothing of `sim_plant` but its command line: circles with moving centres and polygons of
-4096 points instead of support functions, velocity Verlet at 0.5 ms on unstretched lengths instead
-of Runge-Kutta on strains, its own drives, loops and sensors. On a healthy line both codes agree
-to 1 % of the noise in the tensions and 5 % in the speeds, and their answers to the same effect to
-1 to 3 % (`tests/benchmarks/campaign`).
+imports nothing of `sim_plant` but its command line and the folder for compiled code: circles with
+moving centres and polygons of 4096 points instead of support functions, velocity Verlet at 0.5 ms
+on unstretched lengths instead of Runge-Kutta on strains, its own drives, loops and sensors. On a
+healthy line both codes agree to 1 % of the noise in the tensions and 5 % in the speeds, and their
+answers to the same effect to 1 to 3 % (`tests/benchmarks/campaign`).
 
 A line of nine bodies, three load cells, four drive speeds, two angles, one radius, 60 s at 10 ms,
 three speeds, a tension step. In every case every declared number lies anywhere within its

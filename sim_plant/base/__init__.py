@@ -5,9 +5,11 @@ __all__ = [
     "effects",
     "jit",
     "order_tracking",
+    "plain_file",
     "ports",
     "profiles",
     "runge_kutta",
     "signatures",
     "svg",
+    "worker_pool",
 ]

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.cli.output import say
 
 if TYPE_CHECKING:
     from sim_plant.refine.report.outcome import Outcome
@@ -119,11 +120,11 @@ def run(arguments: argparse.Namespace) -> int:
             raise PlantError(f"--out {arguments.out}: cannot be written ({error})") from error
         plan = replace(plan, records=(first,), holdout=(second,))
     if is_record_declaration(plan.line):
-        found = refine_records(plan, lambda text: print(text, flush=True))
-        print(record_summary(found, plan.out, held=bool(holdout)))
+        found = refine_records(plan, say)
+        say(record_summary(found, plan.out, held=bool(holdout)))
         return 0
-    outcome = refine(plan, lambda text: print(text, flush=True))
-    print(summary(outcome))
+    outcome = refine(plan, say)
+    say(summary(outcome))
     return 0
 
 

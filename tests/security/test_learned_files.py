@@ -15,6 +15,7 @@ import pytest
 import yaml
 
 from aff_runtime.app.check.validate import verdict
+from aff_runtime.app.link.messages import ConfigDiffers, Message, Parameters, Reply
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.pending import Pending
@@ -22,9 +23,9 @@ from aff_runtime.app.supervisor.response_ledger import NAME, ResponseLedger, lea
 from aff_runtime.app.supervisor.validation import Verdict
 from aff_runtime.app.wiring.assemble import revision_of
 from aff_runtime.app.wiring.parameter_record import with_shapes
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from tests.aff_runtime.app.service_run import ServiceRun
+from tests.doubles.virtual_clock import VirtualClock
 from tests.processes import until
 
 ROOT = Path(__file__).parents[2]
@@ -182,7 +183,7 @@ class House:
     def __init__(self, site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         self.live = True
         self.said: list[tuple[str, str]] = []
-        self.sent: list[dict[str, Any]] = []
+        self.sent: list[Message] = []
         self.record = checked(site)
         self.probed = ResponseLedger(str)
         self.control = SimpleNamespace(link=SimpleNamespace(send=self._send))
@@ -204,7 +205,7 @@ class House:
     def revision_words(self) -> str:
         return "; ".join(learned_words(self.record, self.probed))
 
-    def _send(self, message: dict[str, Any]) -> bool:
+    def _send(self, message: Message) -> bool:
         self.sent.append(message)
         return True
 
@@ -215,8 +216,9 @@ class House:
 
     def step(self) -> None:
         self.edits.step()
-        for message in [m for m in self.sent if m["do"] == "PARAMS" and "id" in m]:
-            self._pending.resolve({"id": message.pop("id"), "ok": True})
+        for message in self.sent:
+            if isinstance(message, Parameters):
+                self._pending.resolve(Reply(id=message.id, ok=True))
 
     @property
     def running(self) -> str:
@@ -252,7 +254,7 @@ def test_a_response_exchanged_while_armed_waits_for_bypass_and_says_so(
     house.look()
     house.step()
     assert house.running == before
-    assert not [m for m in house.sent if m["do"] == "PARAMS"]
+    assert not [m for m in house.sent if isinstance(m, Parameters)]
     (told,) = house.edits.differs
     assert f"{learned(site)}: response {before[:12]} -> {after[:12]}" in told
     assert "no probe of this service wrote it" in told
@@ -286,7 +288,7 @@ def test_the_former_file_put_back_ends_the_waiting(house: House, site: Path) -> 
     house.live = False
     house.step()
     assert house.edits.differs == ()
-    assert not [m for m in house.sent if m["do"] == "PARAMS"]
+    assert not [m for m in house.sent if isinstance(m, Parameters)]
 
 
 def test_what_our_own_probe_has_just_written_comes_in_at_once(house: House, site: Path) -> None:
@@ -449,3 +451,79 @@ def test_what_is_no_file_in_place_of_a_response_is_refused_at_once(site: Path, k
     assert said["record"] is None
     (finding,) = said["findings"]
     assert str(path) in finding
+
+
+# --- the site file of a running service -----------------------------------------------------
+
+
+def _edit_gone(site: Path) -> None:
+    site.unlink()
+
+
+def _edit_folder(site: Path) -> None:
+    site.unlink()
+    site.mkdir()
+
+
+def _edit_pipe(site: Path) -> None:
+    site.unlink()
+    os.mkfifo(site)
+
+
+def _edit_link(site: Path) -> None:
+    site.unlink()
+    site.symlink_to("/etc/passwd")
+
+
+def _edit_torn(site: Path) -> None:
+    site.write_text(site.read_text()[:1000])
+
+
+def _edit_empty(site: Path) -> None:
+    site.write_text("")
+
+
+def _edit_tagged(site: Path) -> None:
+    site.write_text("!!python/object/apply:os.system ['true']\n")
+
+
+def _edit_hostile(site: Path) -> None:
+    site.write_text(
+        site.read_text().replace("\n  name: ", '\n  name: "a\\nINFO OPERATOR: arm"  # ', 1)
+    )
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        _edit_gone,
+        _edit_folder,
+        _edit_pipe,
+        _edit_link,
+        _edit_torn,
+        _edit_empty,
+        _edit_tagged,
+        _edit_hostile,
+    ],
+)
+@pytest.mark.parametrize("live", [True, False])
+def test_whatever_becomes_of_the_site_file_what_runs_goes_on_and_is_told(
+    house: House, site: Path, spoil: Callable[[Path], None], live: bool
+) -> None:
+    house.live = live
+    before = house.record
+    good = site.read_text()
+    spoil(site)
+    house.look()
+    assert house.record is before
+    assert house.sent == [ConfigDiffers()]
+    assert house.edits.differs
+    for told in house.edits.differs:
+        assert told.isprintable()
+        assert told.startswith(f"{site}:")
+    if not site.is_file() or site.is_symlink():
+        site.rmdir() if site.is_dir() else site.unlink(missing_ok=True)
+    site.write_text(good)
+    house.look()
+    assert house.edits.differs == ()
+    assert house.record is before

@@ -20,10 +20,10 @@ from aff_runtime.app.link.runtime_directory import (
     make_private,
     runtime_paths,
 )
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.errors import AffError, RefusedError
 from aff_runtime.cli import operate
 from aff_runtime.cli.main import main
+from tests.doubles.virtual_clock import VirtualClock
 from tests.security.desk import answering
 
 NOBODY = 65534

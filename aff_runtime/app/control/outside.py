@@ -7,7 +7,7 @@ command costs some ten microseconds, reading a parameter record a millisecond, o
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from aff_runtime.app.control.commands import Commands
@@ -15,6 +15,7 @@ from aff_runtime.app.control.law_watch import LawWatch
 from aff_runtime.app.control.probe_run import ProbeRun
 from aff_runtime.app.control.shape_keeper import ShapeKeeper
 from aff_runtime.app.control.trouble_log import TroubleLog
+from aff_runtime.app.link import messages
 from aff_runtime.app.link.packets import Link, LinkClosedError
 from aff_runtime.app.report.status import not_armed
 from aff_runtime.app.wiring.assemble import Assembly, controller_of, revision_of, site_of
@@ -59,6 +60,7 @@ class ControlOutside:
         self._link = link
         self._commands = Commands(link)
         self._meta = meta
+        self._rights = tuple(messages.Right(**right) for right in meta["rights"])
         self._notifier = ServiceNotifier(
             {k: v for k, v in os.environ.items() if k == "NOTIFY_SOCKET"}
         )
@@ -118,7 +120,7 @@ class ControlOutside:
 
     def blocked(self, reason: str) -> None:
         """Tell the supervisor what stands against an armed output, for ``status``."""
-        self._link.send({"did": "BLOCKED", "text": reason})
+        self._link.send(messages.Blocked(text=reason))
 
     def adopt(self, settings: object) -> None:
         """Hand new settings to the guard."""
@@ -149,69 +151,70 @@ class ControlOutside:
 
     def poll(self) -> Sequence[Message]:
         """Return what the supervisor, a signal or the probe wants."""
-        messages: list[Message] = []
+        wanted: list[Message] = []
         if self._bypass_signal:
             self._bypass_signal = False
-            messages.append(Bypass())
+            wanted.append(Bypass())
             for overtaken in self._commands.overtake():
                 self._reply(overtaken, ok=False, message="bypassed meanwhile")
         if self._shadow_wanted and self._tick % ARM_PATIENCE_TICKS == 0:
             self._shadow_wanted = self._guard.state is not State.SHADOW
-            messages.append(Shadow(on=True))  # again, until the PLC is there
+            wanted.append(Shadow(on=True))  # again, until the PLC is there
         self._answer_arm()
         if self._probe is not None:
-            messages += self._watch_probe(self._probe)
+            wanted += self._watch_probe(self._probe)
         try:
             said = self._commands.next()
         except LinkClosedError:
-            return (*messages, SupervisorLost())
+            return (*wanted, SupervisorLost())
         if said is not None:
             try:
-                messages += self._obey(said)
+                wanted += self._obey(said)
             except (AffError, ValueError, KeyError, TypeError) as error:
                 self._reply(said, ok=False, message=str(error))
-        return messages
+        return wanted
 
-    def _obey(self, said: dict[str, Any]) -> list[Message]:
-        """Return the messages that one command stands for."""
-        handlers: dict[str, Callable[[dict[str, Any]], list[Message]]] = {
-            "ARM": self._arm,
-            "BYPASS": lambda _: [Bypass()],
-            "SHADOW": self._shadow,
-            "PROBE": self._start_probe,
-            "PARAMS": self._parameters,
-            "STOP": lambda _: [Stop()],
-            "DIFFERS": self._differs,
-            "FORGET": self._forget,
-        }
-        handler = handlers.get(str(said.get("do")))
-        return handler(said) if handler is not None else []
+    def _obey(self, said: messages.Message) -> list[Message]:
+        """Return what one command means to the cycle."""
+        found: list[Message] = []
+        match said:
+            case messages.Arm():
+                found = self._arm(said)
+            case messages.Bypass():
+                found = [Bypass()]
+            case messages.Shadow():
+                found = self._shadow(said)
+            case messages.MeasureResponse():
+                found = self._start_probe(said)
+            case messages.Parameters():
+                found = self._parameters(said)
+            case messages.Stop():
+                found = [Stop()]
+            case messages.ConfigDiffers():
+                self._note(CONFIG_DIFFERS)
+            case messages.Forget():
+                self._forget(said)
+        return found
 
-    def _arm(self, said: dict[str, Any]) -> list[Message]:
+    def _arm(self, said: messages.Arm) -> list[Message]:
         """Pass on the operator's edge; the reply waits until the guard has decided."""
-        self._arm_question = int(said["id"])
+        self._arm_question = said.id
         self._arm_tick = self._tick
         return [Arm()]
 
-    def _shadow(self, said: dict[str, Any]) -> list[Message]:
+    def _shadow(self, said: messages.Shadow) -> list[Message]:
         """Begin or end shadow operation."""
         self._shadow_wanted = False
         self._reply(said, ok=True)
-        return [Shadow(on=bool(said.get("on", True)))]
+        return [Shadow(on=said.on)]
 
-    def _differs(self, said: dict[str, Any]) -> list[Message]:
-        """Note that the site file is not what runs."""
-        self._note(CONFIG_DIFFERS)
-        return []
-
-    def _forget(self, said: dict[str, Any]) -> list[Message]:
+    def _forget(self, said: messages.Forget) -> None:
         """Drop what was learned of rolls that are exchanged."""
         if not self._guard.quiet:
             self._reply(said, ok=False, message="a correction goes out; bypass first")
         else:
             self._shapes.forget(self._law.controller)
             self._reply(said, ok=True)
-        return []
 
     def _answer_arm(self) -> None:
         """Reply to the operator once the guard has decided about the edge."""
@@ -219,24 +222,26 @@ class ControlOutside:
             return
         waited = self._tick - self._arm_tick
         state = self._guard.state
-        ident = {"id": self._arm_question}
-        if state in ARMED:
-            self._reply(ident, ok=True, state=state.name)
-        elif waited > ARM_PATIENCE_TICKS or (waited > ARM_LEAST_TICKS and state not in AT_REST):
-            blocked = self._guard.first_blocking().removeprefix("blocked by ")
-            self._reply(ident, ok=False, message=not_armed(state, blocked), state=state.name)
-        else:
-            return
+        message = ""
+        if state not in ARMED:
+            if not (
+                waited > ARM_PATIENCE_TICKS or (waited > ARM_LEAST_TICKS and state not in AT_REST)
+            ):
+                return
+            message = not_armed(state, self._guard.first_blocking().removeprefix("blocked by "))
+        ok = state in ARMED
+        reply = messages.Reply(id=self._arm_question, ok=ok, message=message, state=state.name)
+        self._link.send(reply)
         self._arm_question = None
 
     # --- change of law ------------------------------------------------------------------------
 
-    def _parameters(self, said: dict[str, Any]) -> list[Message]:
+    def _parameters(self, said: messages.Parameters) -> list[Message]:
         """Go on with another parameter record from the next tick."""
         if self._probe is not None:
             self._reply(said, ok=False, message="a probe is under way; save the file after it")
             return []
-        record = said["record"]
+        record = said.record
         site = site_of(record)
         present = self._law.controller
         law = RecordedLaw(controller_of(site, record), adopt_from=present)
@@ -256,7 +261,7 @@ class ControlOutside:
             )
         ]
 
-    def _start_probe(self, said: dict[str, Any]) -> list[Message]:
+    def _start_probe(self, said: messages.MeasureResponse) -> list[Message]:
         """Put the probe in the law's place and arm for its duration."""
         if self._probe is not None:
             self._reply(said, ok=False, message="a probe is already under way")
@@ -270,14 +275,15 @@ class ControlOutside:
         was_armed = self._guard.state in (*ARMED, State.FADING)
         self._probe = ProbeRun(
             self._site,
-            [str(name) for name in said["actuators"]] or list(self._site.actuators),
+            said.actuators or tuple(self._site.actuators),
             was_armed=was_armed,
             config_hash=self._revision,
             version=str(self._meta["versions"].get("aff-runtime", "")),
         )
         law = RecordedLaw(self._law.controller, probe=self._probe.probe)
         self._next_law = law
-        self._reply(said, ok=True, duration_s=self._probe.duration_s)
+        duration_s = self._probe.duration_s
+        self._link.send(messages.Reply(id=said.id, ok=True, duration_s=duration_s))
         return [Swap(law=law), Arm()]
 
     def _watch_probe(self, run: ProbeRun) -> list[Message]:
@@ -285,7 +291,8 @@ class ControlOutside:
         if not run.has_ended(self._guard.state, self._tick):
             return []
         if run.failure(self._guard.first_blocking()):
-            self._link.send({"did": "PROBED", "error": run.failure(self._guard.first_blocking())})
+            reason = run.failure(self._guard.first_blocking())
+            self._link.send(messages.Probed(error=reason))
         else:
             run.fit_in_child(self._link, dict(zip(self._ring_columns, self._record, strict=False)))
         self._probe = None
@@ -309,7 +316,7 @@ class ControlOutside:
         self._ring_columns = (*columns, *self._law.law_telemetry_names())
         ring = RingWriter(self._ring_columns, meta=self._meta)
         descriptor = ring.open_for_readers()
-        self._link.send({"did": "RING", "rights": self._meta["rights"]}, descriptor)
+        self._link.send(messages.RingMade(rights=self._rights), descriptor)
         os.close(descriptor)
         return ring
 
@@ -319,24 +326,24 @@ class ControlOutside:
 
     def _say(self, text: str) -> None:
         """Pass a sentence to the supervisor's log, the wire's words in it made printable."""
-        self._link.send({"did": "LOG", "text": printable(text)})
+        self._link.send(messages.LogLine(text=printable(text)))
 
     def _show_wire(self, troubles: tuple[str, ...]) -> None:
         """Tell the supervisor what ails the wire, for ``status``."""
-        self._link.send({"did": "WIRE", "troubles": troubles})
+        self._link.send(messages.WireTroubles(troubles=troubles))
 
     def _tell_shape(self, actuator: str, text: str) -> None:
         """Tell the supervisor what became of a shape."""
-        self._link.send({"did": "SHAPE", "actuator": actuator, "text": text})
+        self._link.send(messages.ShapeNews(actuator=actuator, text=text))
 
     def _keep_shape(self, actuator: str, text: str) -> None:
         """Hand the supervisor a learned shape to be kept."""
-        self._link.send({"did": "LEARNED", "actuator": actuator, "file": text})
+        self._link.send(messages.ShapeLearned(actuator=actuator, file=text))
 
-    def _reply(self, said: dict[str, Any], **answer: Any) -> None:
-        """Answer the supervisor."""
-        if "id" in said:
-            self._link.send({"id": said["id"], **answer})
+    def _reply(self, said: messages.Message, *, ok: bool, message: str = "") -> None:
+        """Answer the supervisor, when it asked."""
+        if isinstance(said, messages.Question):
+            self._link.send(messages.Reply(id=said.id, ok=ok, message=message))
 
 
 def _follow(old: Law) -> None:

@@ -13,9 +13,9 @@ import select
 import signal
 import socket
 import sys
-from typing import Any
 
 from aff_runtime.app.control.outside import ControlOutside
+from aff_runtime.app.link.messages import LogLine, Start
 from aff_runtime.app.link.packets import Link, LinkClosedError
 from aff_runtime.app.wiring.assemble import assemble, cycle_of
 from aff_runtime.base.clock import MonotonicClock
@@ -40,14 +40,14 @@ def main(arguments: list[str]) -> int:
         return WireError.exit_code
     except AffError as error:
         for line in str(error).split("\n"):
-            link.send({"did": "LOG", "text": printable(line)})
+            link.send(LogLine(text=printable(line)))
         return error.exit_code
 
 
-def _run(start: dict[str, Any], link: Link) -> int:
+def _run(start: Start, link: Link) -> int:
     """Wire the rooms and tick."""
     clock = MonotonicClock()
-    record = start["record"]
+    record = start.record
     assembly = assemble(record, clock)
     rights = ask(RealtimeRequest(cpus=_own_processor()))
     meta = {
@@ -59,7 +59,7 @@ def _run(start: dict[str, Any], link: Link) -> int:
         ],
         "machine": " ".join(os.uname()),
         "start_ns": clock.now_ns(),
-        "shadow": bool(start.get("shadow")),
+        "shadow": start.shadow,
     }
     outside = ControlOutside(assembly, link, meta)
     cycle = cycle_of(assembly, outside)
@@ -73,11 +73,11 @@ def _run(start: dict[str, Any], link: Link) -> int:
     return 0
 
 
-def _first_message(link: Link) -> dict[str, Any]:
+def _first_message(link: Link) -> Start:
     """Wait for the parameter record."""
     select.select([link], [], [], START_PATIENCE_S)
     message = link.receive()
-    if message is None:
+    if not isinstance(message, Start):
         raise LinkClosedError
     return message
 

@@ -1,4 +1,4 @@
-"""The socketpair between supervisor and control process: one JSON text per packet.
+"""The socketpair between supervisor and control process: one message per packet.
 
 Packets keep their borders, so neither side ever reassembles. The end of the stream means that
 the other process is dead, however it died.
@@ -6,11 +6,10 @@ the other process is dead, however it died.
 
 from __future__ import annotations
 
-import json
 import socket
 import struct
-from collections.abc import Mapping
-from typing import Any
+
+from aff_runtime.app.link.messages import Message, decode, encode
 
 MAX_PACKET_BYTES = 1 << 18
 _DESCRIPTOR = struct.Struct("i")
@@ -33,13 +32,15 @@ class Link:
         """Return the descriptor, for select."""
         return self._socket.fileno()
 
-    def receive(self) -> dict[str, Any] | None:
+    def receive(self) -> Message | None:
         """Return the next message or None when there is none.
 
         Raises
         ------
         LinkClosedError
             When the other side is gone.
+        MessageError
+            When it says what is no message.
         """
         try:
             packet = self._socket.recv(MAX_PACKET_BYTES)
@@ -49,16 +50,17 @@ class Link:
             raise LinkClosedError from None
         if not packet:
             raise LinkClosedError
-        message: dict[str, Any] = json.loads(packet)
-        return message
+        return decode(packet)
 
-    def receive_passed(self) -> tuple[dict[str, Any], int | None] | None:
+    def receive_passed(self) -> tuple[Message, int | None] | None:
         """Return the next message and the descriptor that came with it; None without a message.
 
         Raises
         ------
         LinkClosedError
             When the other side is gone.
+        MessageError
+            When it says what is no message.
         """
         try:
             packet, passed, _, _ = self._socket.recvmsg(
@@ -70,16 +72,15 @@ class Link:
             raise LinkClosedError from None
         if not packet:
             raise LinkClosedError
-        message: dict[str, Any] = json.loads(packet)
-        return message, _DESCRIPTOR.unpack(passed[0][2])[0] if passed else None
+        return decode(packet), _DESCRIPTOR.unpack(passed[0][2])[0] if passed else None
 
-    def send(self, message: Mapping[str, Any], descriptor: int | None = None) -> bool:
+    def send(self, message: Message, descriptor: int | None = None) -> bool:
         """Send one message; return False when the other side is gone or does not read.
 
         A message that does not fit one packet is not sent either: the reader would see half.
         ``descriptor`` : passed on with it; the reader gets one of its own.
         """
-        packet = json.dumps(message).encode()
+        packet = encode(message)
         if len(packet) > MAX_PACKET_BYTES:
             return False
         try:

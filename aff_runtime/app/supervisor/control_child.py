@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.link.messages import Message, Start, Stop
 from aff_runtime.app.link.packets import Link, LinkClosedError, link_pair
 from aff_runtime.app.wiring.parameter_record import for_control
 from aff_runtime.telemetry.ring import RingReader
@@ -46,7 +47,7 @@ class ControlChild:
             theirs.close()
         self.link = Link(ours)
         self._rings: deque[int] = deque()
-        self.link.send({"do": "START", "record": for_control(record), "shadow": shadow})
+        self.link.send(Start(record=for_control(record), shadow=shadow))
 
     @property
     def pid(self) -> int:
@@ -60,9 +61,9 @@ class ControlChild:
             return None
         return f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit {code}"
 
-    def replies(self) -> list[dict[str, Any]]:
+    def replies(self) -> list[Message]:
         """Return what the process has said since the last call."""
-        messages: list[dict[str, Any]] = []
+        messages: list[Message] = []
         try:
             while (received := self.link.receive_passed()) is not None:
                 message, passed = received
@@ -92,7 +93,7 @@ class ControlChild:
 
         Return True when it ended by itself, in good order: its last commands were zero.
         """
-        self.link.send({"do": "STOP"})
+        self.link.send(Stop())
         try:
             self._process.wait(patience_s)
         except subprocess.TimeoutExpired:

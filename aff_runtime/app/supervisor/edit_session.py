@@ -6,9 +6,10 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.link.messages import ConfigDiffers, Parameters, Reply
 from aff_runtime.app.link.peer import author_of
 from aff_runtime.app.supervisor.file_watch import FileWatch
-from aff_runtime.app.supervisor.pending import Pending
+from aff_runtime.app.supervisor.pending import Pending, as_answer
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.response_exchange import exchanged_responses
 from aff_runtime.app.supervisor.validation import Validation, Verdict
@@ -108,23 +109,23 @@ class EditSession:
         """Send the record to the control process, which takes it between two ticks."""
         self._handing_over = True
         ident = self._pending.expect(
-            None, lambda said: self._adopted(record, said), ADOPT_PATIENCE_S
+            None, lambda reply: self._adopted(record, reply), ADOPT_PATIENCE_S
         )
         control = self._processes.control
-        message = {"do": "PARAMS", "record": for_control(record), "id": ident}
+        message = Parameters(id=ident, record=for_control(record))
         if control is None or not control.link.send(message):
             text = "the control process did not take the edit; save the file again"
-            self._pending.resolve({"id": ident, "ok": False, "message": text})
+            self._pending.resolve(Reply(id=ident, ok=False, message=text))
 
-    def _adopted(self, record: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
+    def _adopted(self, record: dict[str, Any], reply: Reply) -> dict[str, Any]:
         """Take the control process's word on a new parameter record."""
         self._handing_over = False
-        if said.get("ok"):
+        if reply.ok:
             self._accept(record)
             self._processes.note("CONFIG_APPLIED", self._processes.revision_words())
         else:
-            self._refuse([str(said.get("message", "refused"))])
-        return said
+            self._refuse([reply.message or "refused"])
+        return as_answer(reply)
 
     def _accept(self, record: dict[str, Any]) -> None:
         """Take the record as the running one."""
@@ -138,7 +139,7 @@ class EditSession:
         for line in self.differs:
             self._processes.note("CONFIG_DIFFERS", line)
         if self._processes.control is not None:
-            self._processes.control.link.send({"do": "DIFFERS"})
+            self._processes.control.link.send(ConfigDiffers())
 
 
 def _watched(site: Path, record: dict[str, Any]) -> list[Path]:

@@ -6,10 +6,23 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from aff_runtime.app.link.messages import Reply
 from aff_runtime.app.link.request_socket import Asked, Caller
 from aff_runtime.base.ports import Clock
 
-Answer = Callable[[dict[str, Any]], dict[str, Any]]
+Answer = Callable[[Reply], dict[str, Any]]
+
+
+def as_answer(reply: Reply) -> dict[str, Any]:
+    """Return a reply as the answer of the request socket: what it leaves open is left out."""
+    answer: dict[str, Any] = {"ok": reply.ok}
+    if reply.message:
+        answer["message"] = reply.message
+    if reply.state:
+        answer["state"] = reply.state
+    if reply.duration_s is not None:
+        answer["duration_s"] = reply.duration_s
+    return answer
 
 
 @dataclass(slots=True, kw_only=True)
@@ -36,12 +49,12 @@ class Pending:
         self._questions[self._last] = _Question(asked=asked, answer=answer, until_ns=until_ns)
         return self._last
 
-    def resolve(self, message: dict[str, Any]) -> None:
-        """Answer the question ``message["id"]``; a late reply has none and is dropped."""
-        question = self._questions.pop(int(message.get("id", 0)), None)
+    def resolve(self, reply: Reply) -> None:
+        """Answer the question of this number; a late reply has none and is dropped."""
+        question = self._questions.pop(reply.id, None)
         if question is None:
             return
-        answer = question.answer({k: v for k, v in message.items() if k != "id"})
+        answer = question.answer(reply)
         if question.asked is not None:
             question.asked.answer(answer)
 
@@ -51,12 +64,12 @@ class Pending:
         for ident, question in list(self._questions.items()):
             if now_ns >= question.until_ns:
                 text = "the control process did not reply in time"
-                self.resolve({"id": ident, "ok": False, "message": text})
+                self.resolve(Reply(id=ident, ok=False, message=text))
 
     def refuse_all(self, text: str) -> None:
         """Answer everybody with a refusal."""
         for ident in list(self._questions):
-            self.resolve({"id": ident, "ok": False, "message": text})
+            self.resolve(Reply(id=ident, ok=False, message=text))
 
     def forget(self, caller: Caller) -> None:
         """Drop the questions of a caller who has hung up."""

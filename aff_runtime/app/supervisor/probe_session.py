@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.link.files import replace_text
+from aff_runtime.app.link.messages import Probed, ProbeResult
 from aff_runtime.app.link.request_socket import Asked
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.processes import Processes
@@ -28,13 +30,13 @@ class ProbeSession:
         self._asked = asked
         self._answer: dict[str, Any] | None = None
 
-    def finish(self, message: dict[str, Any]) -> None:
+    def finish(self, probed: Probed) -> None:
         """Write what was measured, or note why there is nothing."""
-        error = str(message.get("error", ""))
+        error = probed.error
         written: list[dict[str, Any]] = []
         if not error:
             try:
-                written = [self._keep(result) for result in message["results"]]
+                written = [self._keep(result) for result in probed.results]
             except OSError as failure:
                 error = f"{failure.filename}: {failure.strerror}; the response is not kept"
         if error:
@@ -52,11 +54,11 @@ class ProbeSession:
         self._asked.answer(self._answer)
         return True
 
-    def _keep(self, result: dict[str, Any]) -> dict[str, Any]:
+    def _keep(self, result: ProbeResult) -> dict[str, Any]:
         """Replace one response file at once; return the result with its path."""
-        path = Path(self._processes.record["response_files"][result["actuator"]])
-        text = result["text"] + "\n"
+        path = Path(self._processes.record["response_files"][result.actuator])
+        text = result.text + "\n"
         self._processes.probed.add(path, text)
         replace_text(path, text)
-        self._processes.note("PROBE", f"{result['actuator']}: {path}")
-        return {**result, "file": str(path)}
+        self._processes.note("PROBE", f"{result.actuator}: {path}")
+        return {**asdict(result), "file": str(path)}

@@ -6,7 +6,9 @@ import logging
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from aff_runtime.app.link.messages import Bypass, LogLine
 from aff_runtime.app.link.peer import own_process
+from aff_runtime.app.report.status_answer import RecorderReport
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
 from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_words
@@ -65,7 +67,7 @@ class Processes:
         self.control: ControlChild | None = None
         self.ring: RingReader | None = None
         self.blocked = ""
-        self.troubles: list[str] = []
+        self.troubles: tuple[str, ...] = ()
         self.gave_up = False
         self.shapes = ShapeShelf(self.note)
         self.probed = ResponseLedger(lambda text: self.note("RESPONSES", text))
@@ -77,7 +79,7 @@ class Processes:
         self._restart_at_ns = None
         self._started_at_ns = self._clock.now_ns()
         self.blocked = ""
-        self.troubles = []
+        self.troubles = ()
         self._shape_texts = self.shapes.load(self.record)
         self.record = self.revised(self.record)
         try:
@@ -126,7 +128,7 @@ class Processes:
 
     def watch(self) -> bool:
         """Notice a death, restart when due; return True when the control process has died."""
-        for recorder in [r for r in self._old_recorders if not r.report()["alive"]]:
+        for recorder in [r for r in self._old_recorders if not r.report().alive]:
             recorder.wait(0.0)
             self._old_recorders.remove(recorder)
         due_ns = self._restart_at_ns
@@ -141,8 +143,8 @@ class Processes:
             return False
         self.note("CONTROL_DIED", f"control process {self.control.pid}: {how}")
         for message in self.control.replies():
-            if message.get("did") == "LOG":
-                LOG.error("control: %s", message.get("text", ""))
+            if isinstance(message, LogLine):
+                LOG.error("control: %s", message.text)
             self.shapes.hear(self.record, message)
         self._forget_control()
         self._release_ring()
@@ -154,7 +156,7 @@ class Processes:
         recorder, ring = self._recorder, self.ring
         if recorder is None or ring is None or self._recorder_lost:
             return
-        if recorder.report()["alive"] or not ring.writer_alive():
+        if recorder.report().alive or not ring.writer_alive():
             return
         if self._recorder_policy.died(self._clock.now_ns() * 1e-9) is None:
             LOG.error("the recorder died three times within 60 s; nothing is recorded from now on")
@@ -216,9 +218,9 @@ class Processes:
         """Return the newest ring record by column name, None while there is none."""
         return self.ring.status() if self.ring is not None else None
 
-    def recorder_report(self) -> dict[str, Any]:
+    def recorder_report(self) -> RecorderReport | None:
         """Return what the recorder says of itself."""
-        return self._recorder.report() if self._recorder is not None else {}
+        return self._recorder.report() if self._recorder is not None else None
 
     def is_live(self) -> bool:
         """Return whether a correction may be going out."""
@@ -228,7 +230,7 @@ class Processes:
     def bypass(self) -> None:
         """Take the correction back, by link and by signal: one of them works."""
         if self.control is not None and self.control.ended() is None:
-            self.control.link.send({"do": "BYPASS"})
+            self.control.link.send(Bypass())
             self.control.bypass_by_signal()
 
     def _forget_control(self) -> None:

@@ -10,14 +10,29 @@ import logging
 import os
 import selectors
 import signal
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
+from aff_runtime.app.link.messages import (
+    Arm,
+    Blocked,
+    Forget,
+    LogLine,
+    MeasureResponse,
+    Probed,
+    Question,
+    Reply,
+    RingMade,
+    Shadow,
+    WireTroubles,
+)
 from aff_runtime.app.link.request_socket import Asked, RequestSocket
-from aff_runtime.app.report.status import describe
+from aff_runtime.app.report.status import live_status
+from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
 from aff_runtime.app.supervisor.edit_session import EditSession
-from aff_runtime.app.supervisor.pending import Answer, Pending
+from aff_runtime.app.supervisor.pending import Answer, Pending, as_answer
 from aff_runtime.app.supervisor.probe_session import ProbeSession
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.request_desk import RequestDesk
@@ -118,29 +133,32 @@ class Supervisor:
         """Take what the control process says."""
         control = self._processes.control
         for message in control.replies() if control is not None else []:
-            did = message.get("did")
-            if did == "RING":
-                self._processes.take_ring()
-                self._states.restart()
-                self._greet(message)
-            elif did == "BLOCKED":
-                self._processes.blocked = str(message["text"])
-            elif did == "WIRE":
-                self._processes.troubles = [str(text) for text in message["troubles"]]
-            elif did == "PROBED" and self._probe is not None:
-                self._probe.finish(message)
-            elif did == "LOG":
-                LOG.warning("control: %s", message.get("text", ""))
-            elif not self._processes.shapes.hear(self._processes.record, message):
-                self._pending.resolve(message)
+            match message:
+                case RingMade():
+                    self._processes.take_ring()
+                    self._states.restart()
+                    self._greet(message)
+                case Blocked():
+                    self._processes.blocked = message.text
+                case WireTroubles():
+                    self._processes.troubles = message.troubles
+                case Probed():
+                    if self._probe is not None:
+                        self._probe.finish(message)
+                case LogLine():
+                    LOG.warning("control: %s", message.text)
+                case Reply():
+                    self._pending.resolve(message)
+                case _:
+                    self._processes.shapes.hear(self._processes.record, message)
 
-    def _greet(self, message: dict[str, Any]) -> None:
+    def _greet(self, made: RingMade) -> None:
         """Log real-time rights and tell the service manager, once."""
         if self._told_ready:
             return
         self._told_ready = True
-        for right in message.get("rights", []):
-            LOG.log(logging.INFO if right["granted"] else logging.WARNING, "%s", right["text"])
+        for right in made.rights:
+            LOG.log(logging.INFO if right.granted else logging.WARNING, "%s", right.text)
         self._notifier.tick_done(True)
         LOG.info("ready; `aff-runtime arm` enables the correction")
 
@@ -160,20 +178,20 @@ class Supervisor:
         request = asked.request
         match request.do:
             case "status":
-                asked.answer(self._status())
+                asked.answer(self._status().to_json())
             case "arm":
                 self._command(asked)
-                self._ask_control({"do": "ARM"}, asked)
+                self._ask_control(lambda ident: Arm(id=ident), asked)
             case "shadow":
                 self._command(asked, "on" if request.on else "off")
-                self._ask_control({"do": "SHADOW", "on": request.on}, asked)
+                self._ask_control(lambda ident: Shadow(id=ident, on=request.on), asked)
             case "bypass":
                 self._processes.bypass()
                 self._command(asked)
                 asked.answer({"ok": True})
             case "forget":
                 self._command(asked)
-                self._ask_control({"do": "FORGET"}, asked, self._forget_files)
+                self._ask_control(lambda ident: Forget(id=ident), asked, self._forget_files)
             case "probe":
                 self._start_probe(asked)
             case "stop":
@@ -186,24 +204,24 @@ class Supervisor:
         said = " ".join((asked.request.do, *words))
         self._processes.note("OPERATOR", f"{said} by {asked.who}")
 
-    def _forget_files(self, said: dict[str, Any]) -> dict[str, Any]:
+    def _forget_files(self, reply: Reply) -> dict[str, Any]:
         """Forget in the files too once the control process has; a refusal leaves them alone."""
-        if said.get("ok"):
+        if reply.ok:
             try:
                 self._processes.shapes.forget(self._processes.record)
             except ConfigError as error:
                 return {"ok": False, "message": str(error), "exit_code": error.exit_code}
-        return said
+        return as_answer(reply)
 
     def _ask_control(
-        self, message: dict[str, Any], asked: Asked, answer: Answer = lambda said: said
+        self, question: Callable[[int], Question], asked: Asked, answer: Answer = as_answer
     ) -> None:
-        """Send ``message`` to the control process; ``answer`` to its reply goes to the caller."""
+        """Put a question to the control process; ``answer`` to its reply goes to the caller."""
         control = self._processes.control
         ident = self._pending.expect(asked, answer, 2.0)
-        if control is None or not control.link.send({**message, "id": ident}):
+        if control is None or not control.link.send(question(ident)):
             text = "the control process is not running; see `aff-runtime status`"
-            self._pending.resolve({"id": ident, "ok": False, "message": text})
+            self._pending.resolve(Reply(id=ident, ok=False, message=text))
 
     def _start_probe(self, asked: Asked) -> None:
         """Have the control process measure; the caller is answered when it is fitted."""
@@ -214,47 +232,50 @@ class Supervisor:
         self._probe = ProbeSession(self._processes, self._edits, asked)
         ident = self._pending.expect(None, self._probe_began, 2.0)
         self._command(asked, *actuators)
-        control.link.send({"do": "PROBE", "actuators": actuators, "id": ident})
+        control.link.send(MeasureResponse(id=ident, actuators=tuple(actuators)))
 
-    def _probe_began(self, said: dict[str, Any]) -> dict[str, Any]:
+    def _probe_began(self, reply: Reply) -> dict[str, Any]:
         """Tell the caller when the control process would not begin."""
-        if not said.get("ok"):
-            self._end_probe(str(said.get("message", "refused")))
-        return said
+        if not reply.ok:
+            self._end_probe(reply.message or "refused")
+        return as_answer(reply)
 
     def _end_probe(self, reason: str) -> None:
         """Tell the caller of a probe that it came to nothing."""
         if self._probe is not None:
-            self._probe.finish({"error": reason})
+            self._probe.finish(Probed(error=reason))
             self._probe.has_answered()
             self._probe = None
 
-    def _status(self) -> dict[str, Any]:
+    def _status(self) -> StatusAnswer:
         """Return the answer to a status request."""
-        processes = self._processes
-        answer: dict[str, Any] = {
-            "ok": True,
-            "line": processes.record["site"]["line"]["name"],
-            "config_hash": processes.record["config_hash"],
-            "site_hash": processes.record["site_hash"],
-            "learned": list(learned_words(processes.record, processes.probed)),
-            "config_differs": list(self._edits.differs),
-            "control_pid": processes.control.pid if processes.control is not None else 0,
-            "state": "STARTING" if processes.control is not None else State.FAULT.name,
-            "recorder": processes.recorder_report(),
-            "probing": self._probe is not None,
-            "shapes": list(processes.shapes.words),
-            "crossings": self._forecast.words(),
-        }
+        processes, record = self._processes, self._processes.record
+        state = "STARTING" if processes.control is not None else State.FAULT.name
+        live = None
         latest = processes.latest()
         if processes.ring is not None and latest is not None:
-            answer.update(
-                describe(latest, processes.record["permissives"], processes.record["site"])
+            guard_state, live = live_status(latest, record["permissives"], record["site"])
+            state = guard_state.name
+            live = replace(
+                live,
+                wire=processes.troubles,
+                blocked_by=processes.blocked.removeprefix("blocked by "),
+                meta=processes.ring.header["meta"],
             )
-            answer["wire"] = processes.troubles
-            answer["blocked_by"] = processes.blocked.removeprefix("blocked by ")
-            answer["meta"] = processes.ring.header["meta"]
-        return answer
+        return StatusAnswer(
+            line=record["site"]["line"]["name"],
+            state=state,
+            config_hash=record["config_hash"],
+            site_hash=record["site_hash"],
+            learned=tuple(learned_words(record, processes.probed)),
+            config_differs=tuple(self._edits.differs),
+            control_pid=processes.control.pid if processes.control is not None else 0,
+            probing=self._probe is not None,
+            recorder=processes.recorder_report(),
+            shapes=tuple(processes.shapes.words),
+            crossings=tuple(self._forecast.words()),
+            live=live,
+        )
 
     def _bypass_by_signal(self) -> None:
         """Take the correction back; a signal does not tell who sent it."""

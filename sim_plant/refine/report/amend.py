@@ -13,6 +13,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import load_declaration
+from sim_plant.line.yaml_places import load_yaml
 from sim_plant.refine.model.place import Place
 from sim_plant.refine.records.recording import Record
 from sim_plant.refine.report.start_values import start_values
@@ -66,7 +67,7 @@ def write_amended(
     path = out / FILE
     if path.resolve() == source.resolve():
         raise PlantError(f"{path}: is the line file itself; choose another --out")
-    data = yaml.safe_load(source.read_text(encoding="utf-8"))
+    data = load_yaml(source)[0]
     fitted = dict(data.get("corrections", {}))
     for name, amount in trace.corrections.items():
         fitted[name] = fitted.get(name, 0.0) + amount
