@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -58,7 +57,7 @@ def gain_unit(actuator: Mapping[str, Any]) -> str:
 
 def table(result: Mapping[str, Any], unit: str) -> Iterator[str]:
     """Yield one probed actuator as text; ``unit`` is that of its gain."""
-    response = json.loads(result["text"])
+    response = result["response"]
     yield f"{result['actuator']}: sign {result['sign']:+d}, delay {result['delay_s'] * 1e3:.0f} ms"
     yield f"      Hz {unit:>10}   phase deg  error %  coherence"
     for point in response["points"]:

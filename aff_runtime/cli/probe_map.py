@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.wiring.site_to_wire import register_map, wire_of
+from aff_runtime.app.wiring.site_to_wire import register_map
+from aff_runtime.app.wiring.wires import wire_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import WireError
 from aff_runtime.cli.terminal import say

@@ -31,8 +31,9 @@ def coordinate_of(fault: dict[str, Any]) -> dict[str, float]:
     return {"wavenumber_1_m": order / (2.0 * math.pi * radius)} if radius else {}
 
 
-def do(seed: int, number: int, folder: Path) -> dict[str, Any]:
-    """Make one case, refine it, and return the row."""
+def run_case(job: tuple[int, int, Path]) -> dict[str, Any]:
+    """Make one case (seed, number, folder to work in), refine it, and return the row."""
+    seed, number, folder = job
     case = case_number(seed, number)
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)

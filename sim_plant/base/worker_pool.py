@@ -54,7 +54,8 @@ class WorkerPool(Generic[Job, Result]):
 
     Parameters
     ----------
-    work : function of one job, found by import in the worker; so is ``begin``.
+    work : function of one job, found by import in the worker (not one of a ``__main__.py``, which
+        no worker imports); so is ``begin``.
     limit_s : a job without an answer after this time has its worker ended, and is repeated; the
         start of a worker does not count.
     name : what an error calls a job.
@@ -248,14 +249,19 @@ def _serve(pipe: connection.Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to answer
     threading.Thread(target=_end_with_parent, daemon=True).start()
     with contextlib.suppress(EOFError, ConnectionError):
-        work, begin, arguments = pickle.loads(pipe.recv_bytes())
-        if begin is not None:
-            begin(*arguments)
+        orders = pipe.recv_bytes()
+        try:
+            work, begin, arguments = pickle.loads(orders)
+            if begin is not None:
+                begin(*arguments)
+        except Exception as error:  # another worker would come no further
+            pipe.send_bytes(_failure(error))
+            return
         pipe.send_bytes(READY)
         while True:
-            job = pickle.loads(pipe.recv_bytes())
+            job = pipe.recv_bytes()
             try:
-                answer = pickle.dumps((work(job), None))
+                answer = pickle.dumps((work(pickle.loads(job)), None))
             except Exception as error:  # whatever a job raises is its answer
                 answer = _failure(error)
             pipe.send_bytes(answer)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import csv
+import json
 import logging
 import re
 from collections.abc import Iterator
@@ -99,6 +100,12 @@ def test_a_file_name_cannot_forge_a_finding(
         site.write_text("version: 2\n")
     except (OSError, ValueError):
         pytest.skip("no file system takes such a name")
+    with pytest.raises(ConfigError) as refused:
+        load_site(site)
+    assert all(
+        isinstance(row, str) and row.isprintable() for row in str(refused.value).split("\n")
+    )
+    assert all(row.startswith("/") for row in str(refused.value).split("\n"))
     assert main(["check", str(site), "--brief"]) == 2
     said = capsys.readouterr()
     assert said.out == ""
@@ -224,6 +231,24 @@ def test_what_the_service_answers_reaches_the_terminal_as_plain_lines(
         counts.append(said.count("\n"))
         assert_harmless(said, counts[0])
     assert len(set(counts)) == 1
+
+
+@hostile
+def test_a_device_profile_cannot_add_lines_of_its_own(
+    tmp_path: Path, text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shipped = sorted((ROOT / "config" / "devices").glob("*.yaml"))[0]
+    rows = yaml.safe_load(shipped.read_text())
+    profile = tmp_path / "device.yaml"
+    counts = []
+    for words in ("plain", text.replace("\udc80", "?")):  # no file has a lone surrogate
+        profile.write_text(
+            json.dumps({**rows, "device": words, "manual": words + " of it, page 1"})
+        )
+        assert main(["map", "--device", str(profile)]) == 0
+        said = capsys.readouterr().out
+        counts.append(said.count("\n"))
+        assert_harmless(said, counts[0])
 
 
 @hostile

@@ -20,7 +20,8 @@ from aff_runtime.app.wiring.loops import loop_rows
 from aff_runtime.app.wiring.parameter_record import for_control
 from aff_runtime.app.wiring.shape_file import shape_path
 from aff_runtime.app.wiring.site_to_guard import guard_params
-from aff_runtime.app.wiring.site_to_wire import register_map, transport
+from aff_runtime.app.wiring.site_to_wire import register_map
+from aff_runtime.app.wiring.wires import transport
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
 from aff_runtime.config.can_wire import wire_files

@@ -9,4 +9,5 @@ __all__ = [
     "site_to_guard",
     "site_to_law",
     "site_to_wire",
+    "wires",
 ]

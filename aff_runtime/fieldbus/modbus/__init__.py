@@ -2,11 +2,11 @@
 
 __all__ = [
     "codec",
+    "connections",
     "frames",
     "gateway",
     "probe_map",
     "registers",
-    "rtu_wire",
     "serial_time",
     "tcp",
     "tcp_wire",

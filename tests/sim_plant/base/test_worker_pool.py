@@ -32,6 +32,10 @@ def remember(word):
     _begun.append(word)
 
 
+def refuse():
+    raise ValueError("nothing to begin with")
+
+
 def end_of(job):
     """Note who is at work at the same time, and end the worker where the job says so."""
     folder, name, ends = job
@@ -117,3 +121,10 @@ def test_a_worker_that_cannot_begin_is_told_as_that():
         pytest.raises(LostJobError, match=r"^8: 3 worker .* the last one ended with exit code 3;"),
     ):
         pool.map([8])
+
+
+def test_an_error_in_beginning_comes_back_at_once():
+    with WorkerPool(half, 1, limit_s=LIMIT_S, begin=refuse) as pool:
+        with pytest.raises(ValueError, match="nothing to begin with"):
+            pool.map([8])
+        assert not pool._busy

@@ -47,18 +47,17 @@ def test_refine_finds_it_at_its_roller_with_the_radius_of_the_nip() -> None:
     """Ground 0.06 mm too large, so no radius that is tried is its own."""
     hidden = {"nip_radius_m": 0.04003, "amplitude_N": 20.0, "angle_rad": 0.7}
     found = traced(effect("nip_pulse", "pull_roll", **hidden))
-    (step,) = found.steps
-    assert (step.hypothesis.key, step.ambiguous) == (Place("nip_pulse", "pull_roll"), ())
-    cos_N, sin_N, radius_m = found.fit.values[0]
-    assert math.hypot(cos_N, sin_N) == pytest.approx(20.0, rel=0.05)
-    assert math.atan2(sin_N, cos_N) == pytest.approx(0.7, abs=0.05)
-    assert radius_m == pytest.approx(0.04003, rel=2e-4)
-    assert found.unknown == []
+    assert found.places == (Place("nip_pulse", "pull_roll"),)
+    assert (found.ambiguous, found.unknown) == (((),), ())
+    (numbers,) = found.numbers
+    assert math.hypot(numbers["cos_N"], numbers["sin_N"]) == pytest.approx(20.0, rel=0.05)
+    assert math.atan2(numbers["sin_N"], numbers["cos_N"]) == pytest.approx(0.7, abs=0.05)
+    assert numbers["nip_radius_m"] == pytest.approx(0.04003, rel=2e-4)
 
 
 def test_a_whole_ratio_is_a_ripple_of_that_order_until_the_nip_is_opened() -> None:
     nip = effect("nip_pulse", "pull_roll", nip_radius_m=RADIUS_M / 2.0, cos_N=20.0)
-    (step,) = traced(nip).steps
-    assert step.hypothesis.key == Place("torque_ripple", "pull_roll")
-    said = experiment(Place("nip_pulse", "pull_roll"), step.hypothesis.key)
+    ripple = Place("torque_ripple", "pull_roll")
+    assert traced(nip).places == (ripple,)
+    said = experiment(Place("nip_pulse", "pull_roll"), ripple)
     assert said.startswith("open the nip of pull_roll")

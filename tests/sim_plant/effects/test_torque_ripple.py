@@ -28,8 +28,7 @@ def test_a_mesh_of_a_few_teeth_shows_at_its_count() -> None:
 def test_refine_finds_it_at_its_drive_and_order() -> None:
     hidden = effect("torque_ripple", "pull_roll", order=5.0, cos_N_m=0.3, sin_N_m=-0.4)
     found = traced(hidden)
-    (step,) = found.steps
-    assert (step.hypothesis.key, step.ambiguous) == (Place("torque_ripple", "pull_roll"), ())
-    assert dict(step.hypothesis.fixed)["order"] == 5.0
-    assert found.fit.values[0] == pytest.approx((0.3, -0.4), rel=0.05)
-    assert found.unknown == []
+    assert found.places == (Place("torque_ripple", "pull_roll"),)
+    assert (found.ambiguous, found.unknown) == (((),), ())
+    (numbers,) = found.numbers
+    assert numbers == pytest.approx({"order": 5.0, "cos_N_m": 0.3, "sin_N_m": -0.4}, rel=0.05)

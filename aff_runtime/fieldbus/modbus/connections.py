@@ -1,13 +1,11 @@
-"""Every way to reach a PLC, one row each; nothing is found by searching."""
+"""How a Modbus connection is made from its parts."""
 
 from __future__ import annotations
 
 import ssl
-from collections.abc import Callable
-from dataclasses import dataclass
 
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.base.ports import Clock, WordTransport
+from aff_runtime.base.ports import Clock
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
 from aff_runtime.fieldbus.modbus.registers import RegisterMap
 from aff_runtime.fieldbus.modbus.tcp import ModbusTcpTransport
@@ -105,19 +103,3 @@ def _frames(device_id: int, register_map: RegisterMap) -> ModbusFrames:
         write_start=register_map.write_start,
         write_count=register_map.write_count,
     )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Adapter:
-    """One row: the name in the site file, what it is, and how to make one."""
-
-    name: str
-    text: str
-    build: Callable[..., WordTransport]
-
-
-ADAPTERS: tuple[Adapter, ...] = (
-    Adapter(name="modbus_tcp", text="Modbus TCP client, FC23 or FC16 + FC3", build=modbus_tcp),
-    Adapter(name="modbus_rtu", text="Modbus RTU master on a serial line", build=modbus_rtu),
-)
-BY_NAME = {adapter.name: adapter for adapter in ADAPTERS}
