@@ -92,7 +92,11 @@ def table(site: Site, seen: MapProbe) -> Iterator[str]:
     owners[words.roll_id] = "roll_id"
     if words.aff_echo is not None:
         owners[words.aff_echo] = "aff_echo"
-    values = WordCodec(words).decode([word.u16 for word in seen.words])[3]
+    codec, block = WordCodec(words), [word.u16 for word in seen.words]
+    values = codec.decode(block)[3]
+    for register, value in zip(words.applied, codec.applied(block), strict=True):
+        if register is not None:
+            owners[register.address] = f"applied.{register.name} = {value:.6g}"
     owners |= {
         channel.address: f"{channel.name} = {value:.6g}"
         for channel, value in zip(words.channels, values, strict=True)

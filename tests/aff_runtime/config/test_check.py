@@ -62,9 +62,9 @@ def test_order_n_has_n_times_the_frequency_at_every_speed():
 
 def test_words_counts_and_crossings():
     facts = check_site(EUCLID).facts
-    assert facts.read_block == (0, 16)
+    assert facts.read_block == (0, 18)
     assert facts.write_block == (100, 10)
-    assert facts.words_per_tick == 26
+    assert facts.words_per_tick == 28
     assert [round(limit.counts) for limit in facts.limits] == [5000, 2000, 1000, 4000, 3000]
     (name, crossing) = facts.crossings[0]
     assert (name, crossing.order, crossing.other_order) == ("unwind", 1, 1)
