@@ -7,10 +7,12 @@ import os
 import threading
 from concurrent.futures import ProcessPoolExecutor
 
+from sim_plant.base.worker_context import spawn_context
+
 
 def pool_of(workers: int) -> ProcessPoolExecutor:
     """Return processes that end with this one, killed too: a case takes minutes."""
-    return ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _watch_parent)
+    return ProcessPoolExecutor(workers, spawn_context(), _watch_parent)
 
 
 def _watch_parent() -> None:

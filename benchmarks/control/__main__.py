@@ -9,6 +9,7 @@ import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
+from multiprocessing import get_context
 from pathlib import Path
 
 from benchmarks.control import cases, extras, report, store
@@ -96,7 +97,7 @@ def run_jobs(jobs: Sequence[Job], folder: Path, processes: int) -> tuple[int, fl
         nominal_loop(material, cycle_s=cycle_s)  # once, before the workers are forked
     spent_s = 0.0
     ended = 0
-    with ProcessPoolExecutor(processes) as pool:
+    with ProcessPoolExecutor(processes, get_context("fork")) as pool:
         waiting = [pool.submit(do_together, part, folder) for part in together(todo)]
         for done in as_completed(waiting):
             for row in done.result():

@@ -15,6 +15,7 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -102,7 +103,7 @@ def main() -> int:
     laws = [law for law in GRIDS if law in given.laws.split(",")]
     best: dict[str, Any] = json.loads(given.out.read_text()) if given.out.exists() else {}
     tried: dict[str, list[Any]] = {law: [] for law in laws}
-    with ProcessPoolExecutor(given.processes) as pool:
+    with ProcessPoolExecutor(given.processes, get_context("fork")) as pool:
         for law, setting, mean, rows in pool.map(score, _jobs(laws)):
             text = " ".join(f"{r:.3f}" for r in rows)
             sys.stderr.write(f"{law:16s} {setting} {mean:.3f}: {text}\n")

@@ -7,12 +7,12 @@ import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
-from multiprocessing import get_context
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.base.worker_context import spawn_context
 from sim_plant.reproduce.catalogue import BY_IDENTITY, CATALOGUE
 from sim_plant.reproduce.entry import Experiment, Result
 
@@ -64,7 +64,7 @@ def run_all(
             found.append(Done(e, e.run()))
             progress(f"{e.identity:14s} {e.title}")
         return found
-    with ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(max_workers=jobs, mp_context=spawn_context()) as pool:
         tasks = [pool.submit(run_one, e.identity) for e in experiments]
         found = []
         for e, task in zip(experiments, tasks, strict=True):

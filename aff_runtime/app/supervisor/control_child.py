@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.link.packets import Link, LinkClosedError, link_pair
 from aff_runtime.app.wiring.parameter_record import for_control
+from aff_runtime.base.python_child import module_command
 
 
 class ControlChild:
@@ -32,7 +32,7 @@ class ControlChild:
         try:
             self._process = subprocess.Popen(
                 [
-                    *(sys.executable, "-m", "aff_runtime.app.control.process"),
+                    *module_command("aff_runtime.app.control.process"),
                     *("--link-fd", str(theirs.fileno()), "--ring", str(ring)),
                 ],
                 pass_fds=[theirs.fileno()],

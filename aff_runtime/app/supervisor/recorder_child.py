@@ -6,11 +6,12 @@ import contextlib
 import json
 import os
 import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.supervisor.child_environment import without_service_manager
+from aff_runtime.base.python_child import module_command
 from aff_runtime.telemetry.ring import RingReader
 
 
@@ -21,10 +22,11 @@ class RecorderChild:
         # By descriptor: the file may be removed or replaced before the recorder has started.
         name = f"/dev/fd/{ring.fileno()}"
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "aff_runtime.telemetry.recorder", name, str(directory)],
+            [*module_command("aff_runtime.telemetry.recorder"), name, str(directory)],
             pass_fds=[ring.fileno()],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
+            env=without_service_manager(),
         )
         assert self._process.stdin is not None
         assert self._process.stdout is not None
@@ -35,6 +37,11 @@ class RecorderChild:
         self._write(context)
         os.set_blocking(self._input, False)
         os.set_blocking(self._output, False)
+
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._process.pid
 
     def note(self, name: str, text: str) -> None:
         """Have a line put into ``events.csv``."""

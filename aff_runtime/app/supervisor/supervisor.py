@@ -45,7 +45,7 @@ class Supervisor:
     """
 
     def __init__(self, options: RunOptions) -> None:
-        verdict = load_record(options.site)
+        verdict = load_record(options.site, options.state_directory)
         self._requests = RequestSocket(options.paths.socket)
         self._clock = MonotonicClock()
         self._notifier = ServiceNotifier(os.environ, every_ticks=1)
@@ -58,7 +58,7 @@ class Supervisor:
         self._states = StateLog()
         self._forecast = CrossingForecast()
         self._link_fd: int | None = None
-        self._edits = EditSession(self._processes, self._pending, options.site, verdict)
+        self._edits = EditSession(self._processes, self._pending, options, verdict)
         self._probe: ProbeSession | None = None
         self._stop_callers: list[Caller] = []
         self._stopping = False

@@ -14,6 +14,7 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
+from sim_plant.base.worker_context import spawn_context
 from sim_plant.refine.model.twin import Case, Twin
 
 _twins: list[Twin] = []
@@ -57,9 +58,7 @@ class Bench:
         self._known: dict[tuple[int, Case], Array] = {}
         self._pool: ProcessPoolExecutor | None = None
         if workers > 1:
-            self._pool = ProcessPoolExecutor(
-                workers, multiprocessing.get_context("spawn"), _adopt, (self.twins,)
-            )
+            self._pool = ProcessPoolExecutor(workers, spawn_context(), _adopt, (self.twins,))
 
     def __enter__(self) -> Bench:
         return self
