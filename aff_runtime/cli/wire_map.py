@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.cli.service import add_state_dir
+from aff_runtime.cli.terminal import say
 from aff_runtime.config.devices import load_device
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.wire_table import wire_lines
@@ -31,5 +32,5 @@ def show(options: argparse.Namespace) -> int:
         site = load_site(options.site, options.state_dir)
         lines = list(wire_lines(site, options.site.absolute().parent))
     for line in lines:
-        print(line)
+        say(line)
     return 0

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.cli.output import say
 
 if TYPE_CHECKING:
     from sim_plant.refine.report.outcome import Outcome
@@ -22,7 +23,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         "refine",
         help="trace what a line model lacks in records",
         description="Compare records with the declared line; name the effect, place and "
-        "size that explain what is left. docs/refine.md",
+        "size that explain what is left. docs/engineer/refine.md",
     )
     parser.add_argument(
         "line",
@@ -119,11 +120,11 @@ def run(arguments: argparse.Namespace) -> int:
             raise PlantError(f"--out {arguments.out}: cannot be written ({error})") from error
         plan = replace(plan, records=(first,), holdout=(second,))
     if is_record_declaration(plan.line):
-        found = refine_records(plan, lambda text: print(text, flush=True))
-        print(record_summary(found, plan.out, held=bool(holdout)))
+        found = refine_records(plan, say)
+        say(record_summary(found, plan.out, held=bool(holdout)))
         return 0
-    outcome = refine(plan, lambda text: print(text, flush=True))
-    print(summary(outcome))
+    outcome = refine(plan, say)
+    say(summary(outcome))
     return 0
 
 
@@ -162,7 +163,7 @@ def summary(outcome: Outcome) -> str:
             f"    score {e['score']:.0f}, runner-up {e['runner_up']}, margin {e['margin']:.0f}"
         )
     for a in result["ambiguous"]:
-        lines.append(f"  not identifiable: {a['effect']} or {', '.join(a['with'])}")
+        lines.append(f"  not identifiable: {a['effect']} or {', '.join(map(str, a['with']))}")
         lines += [f"    to tell: {what}" for what in a["experiments"]]
     for u in result["unknown"]:
         lines.append(

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
-import yaml
 from pydantic import ValidationError
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.yaml_places import Place, read_places
+from aff_runtime.base.printable import printable
+from sim_plant.base.plain_file import read_plain_text
+from sim_plant.line.declaration import Declaration, LoadCell
+from sim_plant.line.yaml_places import LONGEST_BYTES, Place, parse_yaml
 
 LENGTH_TOLERANCE_M = 2e-3
 
@@ -25,49 +27,48 @@ def load_declaration(path: str | Path) -> Declaration:
         When the file cannot be read, is not YAML, has wrong keys or numbers, or its geometry
         contradicts itself; the message names file, key and remedy.
     """
+    shown = printable(str(path))
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise PlantError(f"{path}: cannot be read ({error}). Give a line declaration.") from error
-    try:
-        data, places, repeated = read_places(text)
-    except yaml.YAMLError as error:
-        raise PlantError(f"{path}: not YAML: {error}") from error
+        text = read_plain_text(Path(path), LONGEST_BYTES)
+    except PlantError as error:
+        raise PlantError(f"{error}. Give a line declaration.") from error
+    data, places = parse_yaml(text, shown)
     if not isinstance(data, dict):
-        raise PlantError(f"{path}: holds no keys; expected schema: web-line-declaration/1")
+        raise PlantError(f"{shown}: holds no keys; expected schema: web-line-declaration/1")
     if "schema" not in data and "gateway" in data:
         raise PlantError(
-            f"{path}:1:1: is a site file, which aff-runtime reads. "
+            f"{shown}:1:1: is a site file, which aff-runtime reads. "
             "Give a line declaration, such as config/lines/euclid.yaml."
         )
-    if repeated:
-        raise PlantError("\n".join(f"{path}:{finding}" for finding in repeated))
     try:
         declaration = Declaration.model_validate(data)
     except ValidationError as error:
-        raise PlantError(_readable(path, error, places)) from error
+        raise PlantError(_readable(shown, error, places)) from error
     findings = consistency(declaration)
     if findings:
-        raise PlantError("\n".join(f"{path}: {finding}" for finding in findings))
+        raise PlantError("\n".join(f"{shown}: {printable(finding)}" for finding in findings))
     return declaration
 
 
-def _readable(
-    path: str | Path, error: ValidationError, places: dict[Place, tuple[int, int]]
-) -> str:
+def _readable(shown: str, error: ValidationError, places: Mapping[Place, tuple[int, int]]) -> str:
     lines = []
     for item in error.errors():
-        at = tuple(item["loc"])
+        named = at = _without_kind(item["loc"])
         while at not in places:  # a missing key stands where its section does
             at = at[:-1]
         line, column = places[at]
-        where, given = ".".join(map(str, item["loc"])), item.get("input")
+        where, given = printable(".".join(map(str, named)), 200), item.get("input")
         said = item["msg"] + _hint(given)
         if item["type"] == "missing":
-            lines.append(f"{path}:{line}:{column}: {where}: {said}")
+            lines.append(f"{shown}:{line}:{column}: {where}: {said}")
         else:
-            lines.append(f"{path}:{line}:{column}: {where}: read {repr(given)[:60]}; {said}")
+            lines.append(f"{shown}:{line}:{column}: {where}: read {repr(given)[:60]}; {said}")
     return "\n".join(lines)
+
+
+def _without_kind(at: tuple[int | str, ...]) -> tuple[int | str, ...]:
+    """Return a place without the kind of sensor that stands between index and key."""
+    return (*at[:2], *at[3:]) if at[:1] == ("sensors",) else at
 
 
 def _hint(given: object) -> str:
@@ -129,7 +130,7 @@ def _references(line: Declaration, names: list[str]) -> list[str]:
             findings.append(f"{where}: roller {name} does not exist")
     findings += _twice("control.drives", [d.roller for d in line.control.drives])
     findings += _twice("sensors", [s.channel for s in line.sensors])
-    cells = {s.roller for s in line.sensors if s.low_pass_Hz is not None}
+    cells = {s.roller for s in line.sensors if isinstance(s, LoadCell)}
     findings += [
         f"sensors: a load cell needs a span on both sides, {name} has one"
         for name in (names[0], names[-1])

@@ -9,12 +9,14 @@ import yaml
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
+from sim_plant.effects import eccentric_roller
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
+from sim_plant.line.yaml_places import load_yaml
 
 HIDDEN = EffectEntry(
-    effect="eccentric_roller",
+    effect=eccentric_roller.EFFECT.name,
     location="R6",
     parameters={"eccentricity_m": 2.5e-4, "angle_rad": 1.0},
 )
@@ -46,7 +48,7 @@ def write_example(line_path: Path, folder: Path, duration_s: float = 60.0) -> tu
             "line does not have; give RECORDs of your own, or config/lines/euclid.yaml"
         )
     folder.mkdir(parents=True, exist_ok=True)
-    data = yaml.safe_load(line_path.read_text(encoding="utf-8"))
+    data = load_yaml(line_path)[0]
     data["sample_time_s"] = 0.01
     data.pop("effects", None)
     paths = []

@@ -45,7 +45,7 @@ def find(
     say: Say,
 ) -> Trace:
     """Return the trace of these records."""
-    with Bench(twins, workers) as bench:
+    with Bench(twins, workers, say) as bench:
         say("simulating the declared line, its noise and its tolerances")
         measured = [measured_of(t, r) for t, r in zip(twins, records, strict=True)]
         check_runs(bench, records)
@@ -107,7 +107,7 @@ def refine(plan: Plan, say: Say) -> Outcome:
         say(f"{len(found.corrections)} declared numbers estimated anew with the effects")
     shown, twin = (held[0], held_twins[0]) if held else (records[0], twins[0])
     say(f"judging on {shown.path.name}")
-    with Bench([twin], plan.workers) as bench:
+    with Bench([twin], plan.workers, say) as bench:
         shifts = tuple(sorted(found.corrections.items()))
         judged = judge(
             bench, measured_of(twin, shown), found.fit.effects, shifts, find_angles=bool(held)

@@ -16,11 +16,12 @@ from aff_runtime.app.supervisor import edit_session, validation
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.processes import Processes
+from aff_runtime.app.supervisor.response_ledger import ResponseLedger
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.validation import Validation, load_record
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.errors import ConfigError
 from tests.aff_runtime.config.shipped import edited
+from tests.doubles.virtual_clock import VirtualClock
 from tests.processes import until
 
 ROOT = Path(__file__).parents[2]
@@ -118,6 +119,7 @@ class Running:
     def __init__(self, record: dict[str, Any]) -> None:
         self.record = record
         self.control = None
+        self.probed = ResponseLedger(lambda text: self.note("PROBE", text))
         self.notes: list[tuple[str, str]] = []
 
     def note(self, name: str, text: str) -> None:

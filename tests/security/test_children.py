@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import os
 import re
 import subprocess
@@ -10,6 +11,7 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,7 +19,6 @@ from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
 from aff_runtime.app.supervisor.validation import Validation, load_record
 from aff_runtime.base.python_child import module_command
-from aff_runtime.telemetry.ring import RingReader
 from sim_plant.base.worker_context import spawn_context
 from tests.processes import until
 
@@ -65,7 +66,7 @@ def forbidden(source: str) -> Iterator[str]:
                 yield f"multiprocessing.{name}"
             case ast.ImportFrom(module=str(module), names=names) if module.startswith(
                 "multiprocessing"
-            ) and any(alias.name != "get_context" for alias in names):
+            ) and any(alias.name not in ("get_context", "connection") for alias in names):
                 yield module
             case ast.Call(func=ast.Name(id="get_context") | ast.Attribute(attr="get_context")) if (
                 not ast.unparse(node).endswith(FORKED)
@@ -150,21 +151,28 @@ def test_the_check_runs_nothing_of_the_folder(trap: Path) -> None:
     assert ran(trap) == []
 
 
-def test_control_process_and_recorder_run_nothing_of_the_folder(trap: Path) -> None:
-    record = load_record(SITE).record
-    assert record is not None
-    ring, runs = trap / "ring", trap / "runs"
-    control = ControlChild(record, ring, shadow=True)
+@contextlib.contextmanager
+def both(record: dict[str, Any], runs: Path) -> Iterator[tuple[ControlChild, RecorderChild]]:
+    """Have a control process and its recorder at work."""
+    control = ControlChild(record, shadow=True)
     try:
         until("the control process has made a ring", lambda: bool(control.replies()))
-        reader = RingReader(ring)
+        reader = control.open_ring()
+        assert reader is not None
         recorder = RecorderChild(reader, runs, {"name": "line", "site_text": ""})
-        until("the recorder has made a run", lambda: bool([*runs.glob("*/run.yaml")]))
+        yield control, recorder
     finally:
         control.stop(patience_s=5.0)
         control.close()
     recorder.wait(5.0)
     reader.close()
+
+
+def test_control_process_and_recorder_run_nothing_of_the_folder(trap: Path) -> None:
+    record = load_record(SITE).record
+    assert record is not None
+    with both(record, trap / "runs"):
+        until("the recorder has made a run", lambda: bool([*trap.glob("runs/*/run.yaml")]))
     assert ran(trap) == []
 
 
@@ -207,15 +215,6 @@ def test_of_all_children_the_control_process_alone_can_speak_to_systemd(
     verdict = check.verdict(wait_s=60.0)
     assert verdict is not None
     assert verdict.record is not None
-    control = ControlChild(verdict.record, tmp_path / "ring", shadow=True)
-    try:
+    with both(verdict.record, tmp_path) as (control, recorder):
         assert environment(control.pid)["NOTIFY_SOCKET"] == "/run/none"
-        until("the control process has made a ring", lambda: bool(control.replies()))
-        reader = RingReader(tmp_path / "ring")
-        recorder = RecorderChild(reader, tmp_path, {"name": "line", "site_text": ""})
         assert not told.keys() & environment(recorder.pid).keys()
-    finally:
-        control.stop(patience_s=5.0)
-        control.close()
-    recorder.wait(5.0)
-    reader.close()

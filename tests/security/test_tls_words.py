@@ -20,7 +20,7 @@ from aff_runtime.config.check import check_site
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.tls_files import issues
 from aff_runtime.config.x509 import REVOCATION_LIST, list_dates, list_issuer, pem_blocks, subject
-from aff_runtime.fieldbus.catalogue import modbus_tcp
+from aff_runtime.fieldbus.modbus.connections import modbus_tcp
 from aff_runtime.fieldbus.modbus.tls_wire import client_context
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.registers import Registers

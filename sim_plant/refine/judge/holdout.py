@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 from sim_plant.base.arrays import Array
+from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.start_angles import costs_of, start_angles, turned_effect
-from sim_plant.refine.model.roll_profiles import UNWOUND
 from sim_plant.refine.model.simulation_pool import Bench
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
@@ -110,22 +110,23 @@ def _formed(
     """
     found: dict[str, float] = {}
     for effect in case.effects:
-        if UNWOUND in dict(effect.parameters):
-            best = _as_it_is(bench, measured, case, model, effect)
-            found[effect.location] = float(dict(best.parameters)[UNWOUND])
+        profiles = BY_NAME[effect.effect].profiles
+        if profiles is not None and profiles.age in dict(effect.parameters):
+            best = _as_it_is(bench, measured, case, model, effect, profiles.age)
+            found[effect.location] = float(dict(best.parameters)[profiles.age])
             case = replace(case, effects=tuple(best if e is effect else e for e in case.effects))
     return case.effects, found
 
 
 def _as_it_is(
-    bench: Bench, measured: Array, case: Case, model: NoiseModel, effect: Added
+    bench: Bench, measured: Array, case: Case, model: NoiseModel, effect: Added, age: str
 ) -> Added:
-    """Return a profile with the angle and the unwound length (rad, cm) that fit best."""
+    """Return a profile with the angle and the ``age`` (rad, cm) that fit best."""
     others = tuple(e for e in case.effects if e is not effect)
     values = dict(effect.parameters)
 
     def moved(x: Array) -> Added:
-        more = {**values, UNWOUND: 0.01 * float(x[1])}
+        more = {**values, age: 0.01 * float(x[1])}
         return turned_effect(
             Added(effect.effect, effect.location, tuple(more.items())), float(x[0])
         )
@@ -134,7 +135,7 @@ def _as_it_is(
         there = replace(case, effects=(*others, moved(x)))
         return float(costs_of(bench, measured, model, [there])[0])
 
-    start = np.array([0.0, 100.0 * float(values[UNWOUND])])
+    start = np.array([0.0, 100.0 * float(values[age])])
     corners = start + np.array([[0.0, 0.0], [0.05, 0.0], [0.08, 0.5]])
     options = {"initial_simplex": corners, "xatol": 2e-3, "fatol": 5.0, "maxfev": 60}
     return moved(minimize(cost, start, method="Nelder-Mead", options=options).x)

@@ -1,1 +1,3 @@
 """Verdict, amended line, AFF block and page."""
+
+__all__ = ["amend", "folder", "outcome", "page", "verdict", "wording"]

@@ -13,6 +13,8 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import load_declaration
+from sim_plant.line.yaml_places import load_yaml
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.records.recording import Record
 from sim_plant.refine.report.start_values import start_values
 from sim_plant.refine.report.verdict import aff_blocks, declared_entries
@@ -31,11 +33,13 @@ BLOCK_HEAD = """\
 
 
 def plain(value: Any) -> Any:
-    """Return a value with numpy numbers and tuples made plain for YAML and JSON."""
+    """Return a value with numpy numbers, tuples and places made plain for YAML and JSON."""
     if isinstance(value, dict):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
         return [plain(v) for v in value]
+    if isinstance(value, Place):
+        return str(value)
     if hasattr(value, "item"):
         return value.item()
     return value
@@ -63,7 +67,7 @@ def write_amended(
     path = out / FILE
     if path.resolve() == source.resolve():
         raise PlantError(f"{path}: is the line file itself; choose another --out")
-    data = yaml.safe_load(source.read_text(encoding="utf-8"))
+    data = load_yaml(source)[0]
     fitted = dict(data.get("corrections", {}))
     for name, amount in trace.corrections.items():
         fitted[name] = fitted.get(name, 0.0) + amount

@@ -17,8 +17,6 @@ MODEL_SHARE = 0.0066
 """Standard deviation of a size because no model is exact, as a share of it: what the lines that
 other code simulated show (a flat spot 1.2 %, a delay 0.8 %, a modulus 0.5 %, an eccentricity 0.3 %
 off, one record each). Noise alone would promise a hundredth of that on a strong effect."""
-SHARED_NAMES = {"unbalanced_measuring_roller": "unbalanced_roller"}
-"""Names that version 1 does not know, and what they are there."""
 
 
 def standard_deviations(fit: Fit) -> list[float]:
@@ -57,14 +55,14 @@ def effect_rows(trace: Trace) -> list[dict[str, Any]]:
                 intervals[pair.amplitude] = [size - spread, size + spread]
         rows.append(
             {
-                "effect": SHARED_NAMES.get(h.effect.name, h.effect.name),
+                "effect": h.effect.name_in_version_1 or h.effect.name,
                 "location": h.location,
                 "parameters": parameters,
                 "interval95": intervals,
                 "score": step.score,
-                "runner_up": step.runner_up,
+                "runner_up": step.runner_up or "",
                 "margin": step.margin,
-                "cancel": h.effect.order_locked and not h.effect.sensor_only,
+                "cancel": bool(h.effect.cancel_orders),
                 "text": h.effect.text,
             }
         )
@@ -72,7 +70,7 @@ def effect_rows(trace: Trace) -> list[dict[str, Any]]:
 
 
 def verdict(trace: Trace, judgement: Judgement | None, holdout: str) -> dict[str, Any]:
-    """Return the whole verdict as plain values."""
+    """Return the whole verdict; ``amend.plain`` makes the values of version 1 of it."""
     word = "nothing"
     if trace.steps:
         word = "traced"
@@ -98,8 +96,8 @@ def verdict(trace: Trace, judgement: Judgement | None, holdout: str) -> dict[str
         ],
         "ambiguous": [
             {
-                "effect": " at ".join(s.hypothesis.key),
-                "with": [" at ".join(k) for k in s.ambiguous],
+                "effect": s.hypothesis.key,
+                "with": list(s.ambiguous),
                 "experiments": experiments(s.hypothesis.key, s.ambiguous),
             }
             for s in trace.steps
@@ -124,11 +122,7 @@ def aff_blocks(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     for row in rows:
         if not row["cancel"] or row["effect"] not in BY_NAME:
             continue
-        orders = [1]
-        if row["effect"] == "out_of_round_roll":
-            orders = [1, 2, 3, 4]
-        if "order" in row["parameters"]:
-            orders = [round(float(row["parameters"]["order"]))]
+        orders = list(BY_NAME[row["effect"]].cancelled(row["parameters"]))
         blocks.append(
             {"roll": row["location"], "orders": orders, "settle_s": 6.0, "amp_limit_m_s": 0.02}
         )

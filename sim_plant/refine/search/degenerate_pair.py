@@ -15,6 +15,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Problem
 from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.screening import Scored, columns_of, price
 from sim_plant.refine.spectra.coordinates import Travel, wavenumbers_1_m
 
@@ -25,8 +26,8 @@ NUMBERS = 2
 
 def two_instead(
     problem: Problem, fit: Fit, travel: Travel, chosen: Hypothesis, ranked: Sequence[Scored]
-) -> tuple[tuple[str, str], ...]:
-    """Return (effect, location) of two places that explain more than ``chosen``, or nothing.
+) -> tuple[Place, ...]:
+    """Return two places that explain more than ``chosen``, or nothing.
 
     Both by one linear step, each number at its price; ``ranked`` are first looks at ``fit``.
     """

@@ -1,4 +1,4 @@
-"""One effect fitted beside those that are there already, an out-of-round roll by its profiles."""
+"""One effect fitted beside those that are there already, by its profiles where it has some."""
 
 from __future__ import annotations
 
@@ -13,15 +13,13 @@ from sim_plant.refine.fit.objective import Problem
 from sim_plant.refine.fit.roll_synchronisation import felt_radius, in_step
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.model.parameter_effects import within_tolerance
-from sim_plant.refine.model.roll_profiles import EFFECT as OUT_OF_ROUND
-from sim_plant.refine.model.roll_profiles import profile_starts
 from sim_plant.refine.search.screening import Scored, price
 
 
 def fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
     """Return ``fit`` with one more effect, None where its numbers are no estimate."""
     h = scored.hypothesis
-    if h.effect.name != OUT_OF_ROUND:
+    if h.effect.profiles is None:
         return fitted(problem, fit, h, scored.start, fit.shifts)
     # a profile brings its own mean radius
     shifts = {name: value for name, value in fit.shifts.items() if name != felt_radius(h.location)}
@@ -65,7 +63,7 @@ def reseated(problem: Problem, fit: Fit) -> Fit:
     """
     line = problem.bench.twins[0].declaration
     for k, h in enumerate(fit.hypotheses):
-        if h.effect.name != OUT_OF_ROUND:
+        if h.effect.profiles is None:
             continue
         rest = replace(
             fit,
@@ -89,6 +87,9 @@ def _worth(problem: Problem, fit: Fit) -> float:
 def _profiles(
     problem: Problem, fit: Fit, h: Hypothesis
 ) -> list[tuple[Hypothesis, tuple[float, ...]]]:
+    profiles = h.effect.profiles
+    if profiles is None:
+        return []
     shifts = in_step(problem, fit.shifts, fit.hypotheses, fit.values)
     case = case_of(fit.hypotheses, fit.values, shifts)
     runs = problem.bench.run(
@@ -100,4 +101,5 @@ def _profiles(
     line = problem.bench.twins[0].declaration
     radius = line.rollers[line.body(h.location)].radius_m
     inner: Array = columns.T @ cut
-    return profile_starts(h.location, radius, inner, cut.T @ residual, h.start)
+    found = profiles.starts(radius, inner, cut.T @ residual, h.start)
+    return [(hypothesis(h.effect, h.location, p.choice, p.names), p.start) for p in found]

@@ -117,15 +117,15 @@ def _search(
     line (a delay, a filter) can have changed how the line answers the first.
     """
     lines, others = worth_trying(library, found.travels, found.after)
-    bounce = [h for h in lines if h.effect.name == "roll_bounce"]
-    plain = [h for h in lines if h.effect.name != "roll_bounce"]
+    resonant = [h for h in lines if h.effect.resonant]
+    plain = [h for h in lines if not h.effect.resonant]
     say(f"cost {found.fit.cost:.0f}, noise alone {problem.expected_cost:.0f}")
     half: tuple[Step, Fit] | None = None
     floor = min(problem.expected_cost, found.fit.cost - 225.0)
     names = frozenset(h.effect.name for h in library)
     pulled = _beyond_tolerance(problem, found, names, say)
     full: tuple[Step, Fit] | None = None
-    for group in (plain, bounce, others):
+    for group in (plain, resonant, others):
         accepted = _best_of(problem, found, group, say, pulled if group is others else ())
         if accepted is None:
             continue
@@ -185,7 +185,7 @@ def _beyond_tolerance(
         if fit is None:
             continue
         score = found.fit.cost - fit.cost - price(problem, len(h.names))
-        say(f"  {h.effect.name} at {h.location}, beyond tolerance: score {score:.0f}")
+        say(f"  {h.key}, beyond tolerance: score {score:.0f}")
         fits.append((score, fit, h))
     return fits
 

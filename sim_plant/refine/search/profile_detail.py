@@ -8,18 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.effects.out_of_round_roll import PAIRS
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, jacobian, refine_fit
 from sim_plant.refine.fit.objective import Problem
 from sim_plant.refine.fit.roll_synchronisation import in_step
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.model.roll_profiles import EFFECT as OUT_OF_ROUND
-from sim_plant.refine.model.roll_profiles import UNWOUND
 from sim_plant.refine.search.completeness import unsure
 from sim_plant.refine.search.screening import price
 
-ORDERS: tuple[str, ...] = tuple(name for pair in PAIRS for name in (pair.cos, pair.sin))
-UNWOUND_STARTS_M = (0.006, 0.012, -0.006, -0.012)
 STRONG = 1e5
 """Cost explained from which a profile is looked at for where it was formed."""
 WEAK = 1e4
@@ -73,7 +68,7 @@ def shaped(fit: Fit) -> list[int]:
     return [
         k
         for k, h in enumerate(fit.hypotheses)
-        if h.effect.name == OUT_OF_ROUND and "size_m" in h.names
+        if h.effect.profiles is not None and h.effect.profiles.size in h.names
     ]
 
 
@@ -85,7 +80,8 @@ def refined_profiles(problem: Problem, fit: Fit) -> Fit:
     """
     for at in shaped(fit):
         fit = _formed(problem, fit, at)
-        fit = _tried(problem, fit, at, ORDERS)
+        pairs = fit.hypotheses[at].effect.quadratures
+        fit = _tried(problem, fit, at, tuple(n for pair in pairs for n in (pair.cos, pair.sin)))
     return fit
 
 
@@ -98,11 +94,14 @@ def _formed(problem: Problem, fit: Fit, at: int) -> Fit:
     other age, so it need not pay: one that is as good as noise is known to is kept, with its
     interval, and found anew where the effects are judged.
     """
-    if UNWOUND in fit.hypotheses[at].names or _explained(problem, fit) < STRONG:
+    profiles = fit.hypotheses[at].effect.profiles
+    if profiles is None or profiles.age in fit.hypotheses[at].names:
+        return fit
+    if _explained(problem, fit) < STRONG:
         return fit
     best, least = fit, fit.cost + unsure(problem)
-    for start_m in UNWOUND_STARTS_M:
-        wider = _wider(problem, fit, at, (UNWOUND,), {UNWOUND: start_m})
+    for start in profiles.age_tries:
+        wider = _wider(problem, fit, at, (profiles.age,), {profiles.age: start})
         if not wider.hypotheses[at].within(wider.values[at]):
             continue
         shifts = in_step(problem, {}, wider.hypotheses, wider.values)

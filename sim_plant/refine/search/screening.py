@@ -13,6 +13,7 @@ from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Problem
 from sim_plant.refine.fit.projection import Gain
 from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.spectra.coordinates import Travel, line_support
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
@@ -83,7 +84,7 @@ def worth_trying(
         seen = [value for value in support if value is not None]
         if not seen:
             others.append(h)
-        elif max(seen) >= (0.3 * strongest if h.effect.name == "roll_bounce" else least):
+        elif max(seen) >= (0.3 * strongest if h.effect.resonant else least):
             lines.append(h)
     return lines, others
 
@@ -130,7 +131,7 @@ def neighbours(
 ) -> list[Hypothesis]:
     """Return hypotheses not ranked yet within two idlers of the best of their effect."""
     idlers = [name for name in rollers if name]
-    near: set[tuple[str, str]] = set()
+    near: set[Place] = set()
     for name in {s.hypothesis.effect.name for s in ranked}:
         best = [s for s in ranked if s.hypothesis.effect.name == name]
         for s in best[:2]:
@@ -140,7 +141,7 @@ def neighbours(
                 and s.hypothesis.location in idlers
             ):
                 at = idlers.index(s.hypothesis.location)
-                near |= {(name, other) for other in idlers[max(0, at - 2) : at + 3]}
+                near |= {Place(name, other) for other in idlers[max(0, at - 2) : at + 3]}
     done = {s.hypothesis.key for s in ranked}
     return [h for h in hypotheses if h.key in near and h.key not in done]
 

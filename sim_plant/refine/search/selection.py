@@ -10,6 +10,7 @@ import numpy as np
 from sim_plant.refine.fit.gauss_newton import Fit, refine_fit
 from sim_plant.refine.fit.objective import Problem
 from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.degenerate_pair import two_instead
 from sim_plant.refine.search.effect_fit import fit_one
 from sim_plant.refine.search.screening import Scored, price
@@ -45,10 +46,10 @@ class Step:
 
     hypothesis: Hypothesis
     score: float
-    runner_up: str
+    runner_up: Place | None
     margin: float
-    rejected: tuple[tuple[str, str, float], ...]  # effect, location, score
-    ambiguous: tuple[tuple[str, str], ...] = ()
+    rejected: tuple[tuple[Place, float], ...]  # and its score
+    ambiguous: tuple[Place, ...] = ()
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -88,7 +89,7 @@ def claim(
             continue
         h = fit.hypotheses[-1]
         score = found.fit.cost - fit.cost - price(problem, len(h.names))
-        say(f"  {h.effect.name} at {h.location}: score {score:.0f}")
+        say(f"  {h.key}: score {score:.0f}")
         fits.append((score, fit, h))
     fits = sorted((row for row in fits if np.isfinite(row[0])), key=lambda row: -row[0])
     fits = [row for k, row in enumerate(fits) if row[2].key not in {f[2].key for f in fits[:k]}]
@@ -107,24 +108,21 @@ def claim(
     others.sort(key=lambda row: -row[0])
     runner, second = (others[0][1], others[0][0]) if others else (None, 0.0)
     if runner and score < WEAK and score - second < MARGIN and not is_line(h, found):
-        say(
-            f"  {h.effect.name} at {h.location}: weak, and not to be told from "
-            f"{runner.effect.name} at {runner.location}"
-        )
+        say(f"  {h.key}: weak, and not to be told from {runner.key}")
         return None
-    say(f"  best: {h.effect.name} at {h.location}, score {score:.0f}")
-    two: tuple[tuple[str, str], ...] = ()
+    say(f"  best: {h.key}, score {score:.0f}")
+    two: tuple[Place, ...] = ()
     if score < BEYOND_DOUBT:  # above this, two places only mend what the model has wrong
         two = two_instead(problem, found.fit, found.travels[0], h, ranked)
     if two:
-        say(f"  as well told by {' and '.join(' at '.join(key) for key in two)} together")
+        say(f"  as well told by {' and '.join(map(str, two))} together")
     alike = [k.key for s, k in others if score - s < MARGIN]
     step = Step(
         hypothesis=h,
         score=score,
-        runner_up=" at ".join(runner.key) if runner else "",
+        runner_up=runner.key if runner else None,
         margin=score - max(second, 0.0),
-        rejected=tuple((k.effect.name, k.location, s) for s, k in others[:12]),
+        rejected=tuple((k.key, s) for s, k in others[:12]),
         ambiguous=tuple(dict.fromkeys([*alike, *two])),
     )
     return step, fit
@@ -171,7 +169,7 @@ def _looked_at_again(
         if raw < BEYOND_DOUBT:
             score = min(raw, _missed(problem, fit) - price(problem, len(h.names)))
             if score < least:
-                say(f"  {h.effect.name} at {h.location}: not missed when all else is fitted again")
+                say(f"  {h.key}: not missed when all else is fitted again")
         again.append((score, fit, h))
         best = max(best, score)
     rest = [(min(raw, best) if again else raw, fit, h) for raw, fit, h in fits[len(again) :]]

@@ -130,7 +130,7 @@ def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record
     step = Step(
         hypothesis=right.hypotheses[0],
         score=nominal.cost - right.cost,
-        runner_up="",
+        runner_up=None,
         margin=100.0,
         rejected=(),
     )

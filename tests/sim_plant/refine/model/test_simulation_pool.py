@@ -12,11 +12,16 @@ from tests.orphans import outlived
 
 KEEPER = """
 import os, time
+import numpy as np
 from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.twin import Case
+class Twin:
+    channels, speed_m_s = (), np.zeros(1)
+    def simulate(self, case):
+        return os.getpid()
 if __name__ == "__main__":
-    with Bench([], workers=2) as bench:
-        jobs = [bench._pool.submit(os.getpid) for _ in range(8)]
-        print(*sorted({job.result() for job in jobs}), flush=True)
+    with Bench([Twin()], workers=2) as bench:
+        print(*sorted({run[0] for run in bench.run([Case(seed=n) for n in range(8)])}), flush=True)
         time.sleep(600)
 """
 

@@ -8,6 +8,7 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.projection import Projector
 from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.search import degenerate_pair as two_places
 from sim_plant.refine.search.degenerate_pair import two_instead
 from sim_plant.refine.search.screening import Scored, price
@@ -65,7 +66,7 @@ def noise(seed=1):
 def test_two_of_one_radius_that_explain_more_are_named(monkeypatch):
     residual = ANSWERS["R1"] @ [25.0, 3.0] + ANSWERS["R3"] @ [15.0, 9.0] + noise()
     found = instead(monkeypatch, residual)
-    assert set(found) == {("unbalanced_roller", "R1"), ("unbalanced_roller", "R3")}
+    assert set(found) == {Place("unbalanced_roller", "R1"), Place("unbalanced_roller", "R3")}
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -61,7 +61,8 @@ def test_a_detail_that_fits_one_half_only_is_not(problem, monkeypatch):
 def formed(monkeypatch, *, explained, costs, plain=1000.0, roll="unwind"):
     """Return the fit that is kept: its ``unwound_m``, None where it has none."""
     wider = hypothesis(BY_NAME["out_of_round_roll"], roll, traced=("unwound_m",), line=LINE)
-    old = SimpleNamespace(hypotheses=(SimpleNamespace(names=("size_m",)),), cost=plain, start=None)
+    named = SimpleNamespace(effect=wider.effect, names=("size_m",))
+    old = SimpleNamespace(hypotheses=(named,), cost=plain, start=None)
     monkeypatch.setattr(details, "_explained", lambda *_: explained)
     monkeypatch.setattr(details, "in_step", lambda *_: {})
     monkeypatch.setattr(details, "unsure", lambda _: 100.0)
