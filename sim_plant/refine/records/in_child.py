@@ -6,7 +6,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -15,6 +14,7 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
+from aff_runtime.base.python_child import module_command
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import megabytes
 from sim_plant.refine.records.limits import COLUMNS, VALUES, shown
@@ -54,7 +54,7 @@ def table_from_child(
     PlantError
         What the reader says of the file, or that it took too much memory or time, or ended.
     """
-    command = [sys.executable, "-P", "-m", "sim_plant.refine.records.child"]
+    command = module_command("sim_plant.refine.records.child")
     command += [kind, str(path), str(cpu_s), str(memory_bytes)]
     with (
         tempfile.TemporaryDirectory(prefix="sim-plant-record-") as folder,
