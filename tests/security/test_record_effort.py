@@ -11,6 +11,7 @@ import yaml
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.line.load import load_declaration
+from sim_plant.line.record_file import LONGEST_LINE, read_columns
 from sim_plant.refine.records.sanity import even_grid
 from sim_plant.refine.records.text_table import text_table
 from tests.aff_runtime.config.shipped import ROOT
@@ -32,6 +33,14 @@ def test_cells_in_quotes_are_read():
         "time_s": [0.01, 0.02],
         "x_N": [1.5, 2.5],
     }
+
+
+def test_a_line_without_end_is_not_handed_to_numpy(tmp_path):
+    """It took 22 bytes for each character of the line."""
+    file = tmp_path / "r.csv"
+    file.write_text("time_s,x_N\n0,1\n" + "1," * (LONGEST_LINE // 2 + 1), encoding="ascii")
+    with pytest.raises(PlantError, match=rf"line 3 is longer than {LONGEST_LINE} characters"):
+        read_columns(file)
 
 
 def calls_of(act):
