@@ -13,7 +13,8 @@ from aff_runtime.base.signals import State
 from aff_runtime.cli.service import connect
 
 EXIT_ALARM = 5
-POWER_UP = BY_NAME["POWER_UP"].code
+RESTING = (State.FAULT.name, State.BYPASS.name)
+NO_ALARM = (BY_NAME["POWER_UP"].code, BY_NAME["BYPASSED"].code)
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
@@ -39,9 +40,9 @@ def status(options: argparse.Namespace) -> int:
 
 
 def is_alarm(answer: Mapping[str, Any]) -> bool:
-    """Return whether a real alarm stands: a service that has just started has none."""
+    """Return whether a real alarm stands: just started and bypassed are none."""
     alarm = int(answer.get("alarm", {}).get("code", 0))
-    return answer["state"] == State.FAULT.name and alarm != POWER_UP
+    return answer["state"] in RESTING and alarm not in NO_ALARM
 
 
 def lines(answer: Mapping[str, Any]) -> Iterator[str]:

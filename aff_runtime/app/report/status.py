@@ -95,7 +95,7 @@ def _rest(alarm: Mapping[str, Any], blocked: str) -> str:
     name, text, action = str(alarm["name"]), str(alarm["text"]), str(alarm["action"])
     why = text if name in (POWER_UP, BYPASSED) else f"{name}, {text}"
     if blocked.split(" ", maxsplit=1)[0] == name:
-        return f"{why}; {action}"
+        return f"{blocked}, {text}; {action}"  # with the signal or the numbers, where it has them
     if blocked:
         return f"{why}; blocked by {explain(blocked)}"
     return f"{why}; {action}" if name in (POWER_UP, BYPASSED) else f"{why}, over now; {action}"
