@@ -11,13 +11,13 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.fit.objective import Problem
-from sim_plant.refine.fit.start_angles import in_phase
-from sim_plant.refine.judge.holdout import judge
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.start_angles import at_start_angles
+from sim_plant.refine.judge.holdout import evaluate
 from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.nuisances import declared_nuisances
 from sim_plant.refine.model.record_match import declaration_for, limits, twin_of
-from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case, Twin
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Record
@@ -26,10 +26,10 @@ from sim_plant.refine.report.folder import check_apart, check_folder, publish
 from sim_plant.refine.report.outcome import Outcome, Plan
 from sim_plant.refine.report.page import write_report
 from sim_plant.refine.report.verdict import verdict
-from sim_plant.refine.search.forward_selection import trace
-from sim_plant.refine.search.selection import Trace
+from sim_plant.refine.search.forward_selection import forward_selection
+from sim_plant.refine.search.selection import Selection
 
-Say = Callable[[str], None]
+Progress = Callable[[str], None]
 
 
 def measured_of(twin: Twin, record: Record) -> Any:
@@ -42,20 +42,20 @@ def find(
     records: Sequence[Record],
     without: Collection[str],
     workers: int,
-    say: Say,
-) -> Trace:
+    progress: Progress,
+) -> Selection:
     """Return the trace of these records."""
-    with Bench(twins, workers) as bench:
-        say("simulating the declared line, its noise and its tolerances")
+    with SimulationPool(twins, workers) as pool:
+        progress("simulating the declared line, its noise and its tolerances")
         measured = [measured_of(t, r) for t, r in zip(twins, records, strict=True)]
-        check_runs(bench, records)
-        problem = Problem(bench, measured)
-        found = trace(problem, library(twins[0].declaration, without), say)
-        say(f"{bench.simulations} simulations")
+        check_runs(pool, records)
+        objective = Objective(pool, measured)
+        found = forward_selection(objective, library(twins[0].declaration, without), progress)
+        progress(f"{pool.simulations} simulations")
     return found
 
 
-def check_runs(bench: Bench, records: Sequence[Record]) -> None:
+def check_runs(pool: SimulationPool, records: Sequence[Record]) -> None:
     """Refuse a declared line that does not run under the references of its record.
 
     Raises
@@ -63,7 +63,7 @@ def check_runs(bench: Bench, records: Sequence[Record]) -> None:
     PlantError
         When a simulation of it, at the quick or at the declared drive tick, comes to no end.
     """
-    for runs in bench.run([Case(), Case(coarse=False)]):
+    for runs in pool.run([Case(), Case(coarse=False)]):
         for record, run in zip(records, runs, strict=True):
             if not np.isfinite(run).all():
                 raise PlantError(
@@ -73,7 +73,7 @@ def check_runs(bench: Bench, records: Sequence[Record]) -> None:
                 )
 
 
-def refine(plan: Plan, say: Say) -> Outcome:
+def refine(plan: Plan, progress: Progress) -> Outcome:
     """Run everything and write the folder; nothing is written before all inputs are accepted.
 
     Raises
@@ -88,37 +88,37 @@ def refine(plan: Plan, say: Say) -> Outcome:
     held = [read_record(p) for p in plan.holdout]
     held_twins = [twin_of(line, r) for r in held]
     check_apart(records, held)
-    twins, records = in_step_with(twins, records)
-    held_twins, held = in_step_with(held_twins, held)
+    twins, records = at_their_start_angles(twins, records)
+    held_twins, held = at_their_start_angles(held_twins, held)
     if held:
-        check_runs(Bench(held_twins[:1], workers=1), held[:1])
+        check_runs(SimulationPool(held_twins[:1], workers=1), held[:1])
     said = list(dict.fromkeys(text for t in twins for text in limits(t)))
     if not held:
         said.append("no held-out record: the error after is that of the record fitted")
     if len(held) > 1:
         said.append(f"more than one held-out record: the errors are those of {held[0].path.name}")
     for text in said:
-        say(f"cannot be claimed: {text}")
+        progress(f"cannot be claimed: {text}")
     for record in (*records, *held):
         for text in record.findings:
-            say(f"{record.path.name}: {text}")
-    found = find(twins, records, plan.without, plan.workers, say)
+            progress(f"{record.path.name}: {text}")
+    found = find(twins, records, plan.without, plan.workers, progress)
     if found.corrections:
-        say(f"{len(found.corrections)} declared numbers estimated anew with the effects")
+        progress(f"{len(found.corrections)} declared numbers estimated anew with the effects")
     shown, twin = (held[0], held_twins[0]) if held else (records[0], twins[0])
-    say(f"judging on {shown.path.name}")
-    with Bench([twin], plan.workers) as bench:
+    progress(f"judging on {shown.path.name}")
+    with SimulationPool([twin], plan.workers) as pool:
         shifts = tuple(sorted(found.corrections.items()))
-        judged = judge(
-            bench, measured_of(twin, shown), found.fit.effects, shifts, find_angles=bool(held)
+        judged = evaluate(
+            pool, measured_of(twin, shown), found.fit.effects, shifts, find_angles=bool(held)
         )
     result = verdict(found, judged, str(shown.path))
     outcome = Outcome(
         plan=plan,
         records=(*records, *held),
         limits=tuple(said),
-        trace=found,
-        judgement=judged,
+        selection=found,
+        evaluation=judged,
         verdict=result,
         stated=twins[0].declaration.effects,
     )
@@ -126,13 +126,13 @@ def refine(plan: Plan, say: Say) -> Outcome:
     return outcome
 
 
-def in_step_with(
+def at_their_start_angles(
     twins: Sequence[Twin], records: Sequence[Record]
 ) -> tuple[list[Twin], list[Record]]:
     """Return twins whose declared effects begin where their record does, and records saying so."""
     found, told = [], []
     for twin, record in zip(twins, records, strict=True):
-        turned, angles = in_phase(twin, measured_of(twin, record))
+        turned, angles = at_start_angles(twin, measured_of(twin, record))
         text = tuple(
             f"what is declared at {place} begins {angle_rad:+.3g} rad further on than declared"
             for place, angle_rad in angles.items()
@@ -146,11 +146,11 @@ def write_all(outcome: Outcome, command: str) -> None:
     """Write verdict, amended line, AFF block and report into the plan's folder."""
     plan, line = outcome.plan, load_declaration(outcome.plan.line)
     amended = None
-    if outcome.trace.steps:
+    if outcome.selection.steps:
         amended = write_amended(
             plan.line,
             plan.out,
-            outcome.trace,
+            outcome.selection,
             outcome.records,
             command,
             outcome.verdict,

@@ -9,7 +9,7 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.twin import Added, Case
 
@@ -70,13 +70,13 @@ def case_of(
     return Case(effects=effects, shifts=tuple(sorted(shifts.items())), coarse=coarse)
 
 
-def empty_fit(problem: Problem, shifts: dict[str, float] | None = None) -> Fit:
+def nominal_fit(objective: Objective, shifts: dict[str, float] | None = None) -> Fit:
     """Return the declared line itself, its strong nuisances re-estimated from ``shifts``."""
-    return refine_fit(problem, (), (), shifts or {}, rounds=3)
+    return gauss_newton_fit(objective, (), (), shifts or {}, rounds=3)
 
 
 def jacobian(
-    problem: Problem,
+    objective: Objective,
     hypotheses: Sequence[Hypothesis],
     values: Sequence[tuple[float, ...]],
     shifts: dict[str, float],
@@ -89,30 +89,32 @@ def jacobian(
             moved[at] = tuple(x + step * (j == k) for j, x in enumerate(v))
             cases.append(case_of(hypotheses, moved, shifts))
             steps.append(step)
-    base, *runs = problem.bench.run([case_of(hypotheses, values, shifts), *cases])
-    columns = [problem.column(r, base, s) for r, s in zip(runs, steps, strict=True)]
-    rows = problem.projector.nuisances.shape[0]
+    base, *runs = objective.pool.run([case_of(hypotheses, values, shifts), *cases])
+    columns = [objective.column(r, base, s) for r, s in zip(runs, steps, strict=True)]
+    rows = objective.projector.nuisances.shape[0]
     return np.stack(columns, axis=1) if columns else np.zeros((rows, 0))
 
 
-def _moved_shifts(problem: Problem, shifts: dict[str, float], change: Array) -> dict[str, float]:
+def _moved_shifts(
+    objective: Objective, shifts: dict[str, float], change: Array
+) -> dict[str, float]:
     found = dict(shifts)
-    norms = np.linalg.norm(problem.projector.nuisances[: problem.rows], axis=0)
-    for row, delta, norm in zip(problem.nuisances, change, norms, strict=False):
+    norms = np.linalg.norm(objective.projector.nuisances[: objective.rows], axis=0)
+    for row, delta, norm in zip(objective.nuisances, change, norms, strict=False):
         if abs(delta) * norm > STRONG:
             found[row.name] = found.get(row.name, 0.0) + float(delta)
     return found
 
 
-def _astray(problem: Problem, shifts: dict[str, float], trial: dict[str, float]) -> bool:
-    rows = zip(problem.nuisances, problem.sd, strict=True)
+def _astray(objective: Objective, shifts: dict[str, float], trial: dict[str, float]) -> bool:
+    rows = zip(objective.nuisances, objective.sd, strict=True)
     return any(
         abs(trial.get(n.name, 0.0) - shifts.get(n.name, 0.0)) > ASTRAY * sd for n, sd in rows
     )
 
 
-def refine_fit(
-    problem: Problem,
+def gauss_newton_fit(
+    objective: Objective,
     hypotheses: Sequence[Hypothesis],
     start: Sequence[Sequence[float]],
     shifts: dict[str, float],
@@ -131,23 +133,23 @@ def refine_fit(
     hypotheses = tuple(hypotheses)
     values = [tuple(float(x) for x in v) for v in start]
     shifts = dict(shifts)
-    run = problem.bench.one(case_of(hypotheses, values, shifts, coarse))
-    residual = problem.residual(run, shifts, coarse)
-    cost = problem.projector.cost(residual)
+    run = objective.pool.one(case_of(hypotheses, values, shifts, coarse))
+    residual = objective.residual(run, shifts, coarse)
+    cost = objective.projector.cost(residual)
     covariance = np.zeros((0, 0))
     if not np.isfinite(cost):
         rounds, residual = 0, np.zeros_like(residual)
     for _ in range(rounds):
-        columns = jacobian(problem, hypotheses, values, shifts)
+        columns = jacobian(objective, hypotheses, values, shifts)
         if not np.isfinite(columns).all():
             break
-        full = problem.projector.beside(columns)
+        full = objective.projector.beside(columns)
         step = full.estimate(residual)
-        split = problem.projector.nuisances.shape[1]
+        split = objective.projector.nuisances.shape[1]
         if columns.size:
-            covariance = problem.projector.gain(residual, columns).covariance
+            covariance = objective.projector.gain(residual, columns).covariance
         found = _search(
-            problem, hypotheses, values, shifts, step[:split], step[split:], cost, coarse
+            objective, hypotheses, values, shifts, step[:split], step[split:], cost, coarse
         )
         if found is None:
             break
@@ -160,7 +162,7 @@ def refine_fit(
         values=tuple(values),
         shifts=shifts,
         cost=cost,
-        residual=problem.projector.project(residual),
+        residual=objective.projector.project(residual),
         covariance=covariance,
     )
 
@@ -169,7 +171,7 @@ _Found = tuple[list[tuple[float, ...]], dict[str, float], list[Array], Array, fl
 
 
 def _search(
-    problem: Problem,
+    objective: Objective,
     hypotheses: Sequence[Hypothesis],
     values: Sequence[tuple[float, ...]],
     shifts: dict[str, float],
@@ -184,17 +186,17 @@ def _search(
             raw = np.array(v) + share * step[at : at + len(v)]
             moved.append(tuple(float(x) for x in np.clip(raw, h.low, h.high)))
             at += len(v)
-        trial = _moved_shifts(problem, shifts, share * nuisance_step)
+        trial = _moved_shifts(objective, shifts, share * nuisance_step)
         if moved == list(values) and trial == shifts:
             return None
-        if _astray(problem, shifts, trial):
+        if _astray(objective, shifts, trial):
             continue
         try:
-            run = problem.bench.one(case_of(hypotheses, moved, trial, coarse))
+            run = objective.pool.one(case_of(hypotheses, moved, trial, coarse))
         except PlantError:
             continue
-        residual = problem.residual(run, trial, coarse)
-        new_cost = problem.projector.cost(residual)
+        residual = objective.residual(run, trial, coarse)
+        new_cost = objective.projector.cost(residual)
         if new_cost < cost:
             return moved, trial, run, residual, new_cost
     return None

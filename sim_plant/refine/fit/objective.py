@@ -13,7 +13,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.projection import Projector
 from sim_plant.refine.model.nuisances import Nuisance, declared_nuisances
-from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
 from sim_plant.refine.noise.innovations import declared_noise
 
@@ -23,20 +23,20 @@ LOOSE_ORDERS = 12
 LOOSE_M = 2e-5
 
 
-class Problem:
+class Objective:
     """Whitened residuals of all records against the twins, in one vector.
 
     The vector ends in one row per declared tolerance: what a shift of that number costs.
     """
 
-    def __init__(self, bench: Bench, measured: Sequence[Array]) -> None:
-        self.bench = bench
+    def __init__(self, pool: SimulationPool, measured: Sequence[Array]) -> None:
+        self.pool = pool
         self.measured = list(measured)
-        self.nuisances: list[Nuisance] = declared_nuisances(bench.twins[0].declaration)
+        self.nuisances: list[Nuisance] = declared_nuisances(pool.twins[0].declaration)
         self.anchor = NOMINAL
         self.loose: tuple[int, ...] = ()
         self.changes: list[list[Array]] = []
-        self.coarse, self.fine = bench.run([NOMINAL, replace(NOMINAL, coarse=False)])
+        self.coarse, self.fine = pool.run([NOMINAL, replace(NOMINAL, coarse=False)])
         self.simulate_noise()
         self.basis: list[Array | None] = [None] * len(self.measured)
         self.rows = sum(
@@ -48,17 +48,17 @@ class Problem:
     def simulate_noise(self) -> None:
         """Take the noise that the declaration makes of the line at the anchor."""
         cases = [replace(self.anchor, coarse=False, seed=seed) for seed in range(NOISE_RUNS)]
-        runs = self.bench.run(cases, keep=False)
-        noisy = [np.stack([run[t] for run in runs]) for t in range(len(self.bench.twins))]
+        runs = self.pool.run(cases, keep=False)
+        noisy = [np.stack([run[t] for run in runs]) for t in range(len(self.pool.twins))]
         self.noisy = [noise - fine[None] for noise, fine in zip(noisy, self.fine, strict=True)]
-        rows = zip(self.bench.twins, self.noisy, strict=True)
+        rows = zip(self.pool.twins, self.noisy, strict=True)
         self.quiet = [declared_noise(twin, noise) for twin, noise in rows]
         self.noise = self.quiet
 
     def weigh(self) -> None:
         """Take the declared noise, its level and colour put right by the data at the anchor."""
         rows = zip(self.quiet, self.measured, self.fine, strict=True)
-        self.noise = [n.tuned(m - y) for n, m, y in rows]
+        self.noise = [n.adjusted_to(m - y) for n, m, y in rows]
         self.project()
 
     def project(self) -> None:
@@ -122,7 +122,7 @@ class Problem:
             )
             for n in self.nuisances
         ]
-        runs = self.bench.run(cases)
+        runs = self.pool.run(cases)
         for n, run in zip(self.nuisances, runs, strict=True):
             if not all(np.isfinite(y).all() for y in run):
                 raise PlantError(
@@ -144,12 +144,12 @@ class Problem:
             for n in range(1, LOOSE_ORDERS + 1)
             for c, s in ((1.0, 0.0), (0.0, 1.0))
         ]
-        return [self.column(run, self.coarse, 1.0) for run in self.bench.run(cases)]
+        return [self.column(run, self.coarse, 1.0) for run in self.pool.run(cases)]
 
     def _zero_columns(self) -> list[Array]:
         """Return free offsets of angle channels: their zero is the first row, with its noise."""
         columns = []
-        for t, twin in enumerate(self.bench.twins):
+        for t, twin in enumerate(self.pool.twins):
             for c, name in enumerate(twin.channels):
                 if name.endswith("_angle_rad"):
                     ones = [np.zeros_like(m) for m in self.measured]
@@ -157,7 +157,7 @@ class Problem:
                     columns.append(np.concatenate([self.whiten(ones), np.zeros(self.sd.size)]))
         return columns
 
-    def anchored(self, case: Case, *, weak: bool = False) -> Problem:
+    def relinearised_at(self, case: Case, *, weak: bool = False) -> Objective:
         """Return the same problem with coarse runs put right at ``case``, not at the declaration.
 
         A coarse tick is some percent off in what an effect does; from here on only changes are.
@@ -167,15 +167,15 @@ class Problem:
         near = copy(self)
         if not weak:
             near.changes = []
-        self.bench.forget()
+        self.pool.forget()
         near.anchor = replace(case, coarse=True)
-        near.coarse, near.fine = self.bench.run([near.anchor, replace(case, coarse=False)])
+        near.coarse, near.fine = self.pool.run([near.anchor, replace(case, coarse=False)])
         if any(not BY_NAME[added.effect].order_locked for added in case.effects):
             near.simulate_noise()  # a delay, a filter, another web: the loops make other noise
         near.weigh()
         return near
 
-    def loosened(self, bodies: Sequence[int]) -> Problem:
+    def with_free_shapes(self, bodies: Sequence[int]) -> Objective:
         """Return the same problem with the shapes of ``bodies`` free in every low order.
 
         What is then found must explain more than a detail of a shape that is there already.
@@ -185,7 +185,7 @@ class Problem:
         near.project()
         return near
 
-    def beside(self, basis: Sequence[Array]) -> Problem:
+    def beside(self, basis: Sequence[Array]) -> Objective:
         """Return the same problem with free terms taken out of every channel first.
 
         ``basis`` has orthonormal columns (judged samples, terms) per record. What is left is what

@@ -22,7 +22,7 @@ class Gain:
     seen : share of the weakest column that nothing else can imitate, 0..1.
     """
 
-    drop: float
+    chi2_reduction: float
     values: Array
     covariance: Array
     seen: float
@@ -68,7 +68,7 @@ class Projector:
         against = (cut.T @ residual) / size
         values = solve @ against
         return Gain(
-            drop=float(against @ values),
+            chi2_reduction=float(against @ values),
             values=values / size,
             covariance=solve / np.outer(size, size),
             seen=float(np.min(np.diag(scaled))),

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.fit.gauss_newton import Fit, case_of, refine_fit
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
+from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.twin import Twin
 
@@ -21,8 +21,8 @@ CLOSE_RAD = 0.02
 """Out of step by less than this over a record is in step."""
 
 
-def in_step(
-    problem: Problem,
+def synchronised_shifts(
+    objective: Objective,
     shifts: dict[str, float],
     hypotheses: Sequence[Hypothesis] = (),
     values: Sequence[Sequence[float]] = (),
@@ -33,21 +33,24 @@ def in_step(
     unwound. Rolls count of which an angle or a speed in rad/s is recorded.
     """
     found = dict(shifts)
-    known = {n.name for n in problem.nuisances}
-    told = [turns(t, m) for t, m in zip(problem.bench.twins, problem.measured, strict=True)]
+    known = {n.name for n in objective.nuisances}
+    told = [
+        recorded_angles(t, m)
+        for t, m in zip(objective.pool.twins, objective.measured, strict=True)
+    ]
     for _ in range(ROUNDS):
-        runs = problem.bench.one(case_of(hypotheses, values, found))
+        runs = objective.pool.one(case_of(hypotheses, values, found))
         ahead: dict[str, list[float]] = {}
         for run, fine, coarse, twin, theirs, noise in zip(
             runs,
-            problem.fine,
-            problem.coarse,
-            problem.bench.twins,
+            objective.fine,
+            objective.coarse,
+            objective.pool.twins,
             told,
-            problem.noise,
+            objective.noise,
             strict=True,
         ):
-            ours = turns(twin, run + fine - coarse)
+            ours = recorded_angles(twin, run + fine - coarse)
             for name in known & set(ours):
                 ahead.setdefault(name, []).append(
                     _ahead(ours[name][noise.first :], theirs[name][noise.first :])
@@ -60,20 +63,20 @@ def in_step(
     return found
 
 
-def stepped(problem: Problem, fit: Fit) -> Fit:
+def synchronised(objective: Objective, fit: Fit) -> Fit:
     """Return the fit with its rolls in step; what it costs is told there."""
-    shifts = in_step(problem, fit.shifts, fit.hypotheses, fit.values)
+    shifts = synchronised_shifts(objective, fit.shifts, fit.hypotheses, fit.values)
     if shifts == fit.shifts:
         return fit
-    return refine_fit(problem, fit.hypotheses, fit.values, shifts, rounds=0, coarse=False)
+    return gauss_newton_fit(objective, fit.hypotheses, fit.values, shifts, rounds=0, coarse=False)
 
 
-def felt_radius(roller: str) -> str:
+def effective_radius_of(roller: str) -> str:
     """Return the name under which a roller's effective radius is a nuisance."""
     return f"rollers.{roller}.effective_radius"
 
 
-def turns(twin: Twin, channels: Array) -> dict[str, Array]:
+def recorded_angles(twin: Twin, channels: Array) -> dict[str, Array]:
     """Return the angle (samples,), rad, of every roller that is recorded, by its effective radius.
 
     Speeds are added up where no angle is recorded.
@@ -81,10 +84,10 @@ def turns(twin: Twin, channels: Array) -> dict[str, Array]:
     found: dict[str, Array] = {}
     for name, values in zip(twin.channels, channels, strict=True):
         if name.endswith("_angle_rad"):
-            found[felt_radius(name.removesuffix("_angle_rad"))] = values
+            found[effective_radius_of(name.removesuffix("_angle_rad"))] = values
     for name, values in zip(twin.channels, channels, strict=True):
         if name.endswith("_speed_rad_s"):
-            roller = felt_radius(name.removesuffix("_speed_rad_s"))
+            roller = effective_radius_of(name.removesuffix("_speed_rad_s"))
             found.setdefault(roller, np.cumsum(values) * twin.declaration.sample_time_s)
     return found
 

@@ -45,7 +45,7 @@ def attempt(twin: Twin, case: Case) -> Array:
         return np.full((len(twin.channels), twin.speed_m_s.size), np.nan)
 
 
-class Bench:
+class SimulationPool:
     """Simulates cases on every twin, remembers results, uses ``workers`` processes.
 
     Use as a context manager; one worker runs in this process.
@@ -61,7 +61,7 @@ class Bench:
                 workers, multiprocessing.get_context("spawn"), _adopt, (self.twins,)
             )
 
-    def __enter__(self) -> Bench:
+    def __enter__(self) -> SimulationPool:
         return self
 
     def __exit__(

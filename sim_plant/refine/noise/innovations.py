@@ -13,7 +13,7 @@ from scipy.signal import lfilter
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.refine.model.twin import Twin
-from sim_plant.refine.noise.drift import steadied, wander
+from sim_plant.refine.noise.drift import drift_standard_deviations, drift_whitened
 
 AR_ORDER = 24
 BANDS = (0.0, 1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 3.0 / 4.0, 1.0)
@@ -101,9 +101,9 @@ class NoiseModel:
             start = max(0, self.first - taps.size)
             row = lfilter(taps, [1.0], values[c, start:])
             out[c] = row[self.first - start :] / self.sd[c]
-        return out if self.slow is None else steadied(out, self.slow)
+        return out if self.slow is None else drift_whitened(out, self.slow)
 
-    def tuned(self, residual: Array) -> NoiseModel:
+    def adjusted_to(self, residual: Array) -> NoiseModel:
         """Return the noise that ``residual`` (channels, samples) shows, close to this one.
 
         Late scans, another colour than declared, or the sawtooth of a coarse word that jitter
@@ -194,7 +194,9 @@ def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
             f"sensors.{silent[0]}: the line file declares no noise that reaches this channel: no "
             "difference can be weighed; give its noise_sd or lsb"
         )
-    return replace(found, slow=wander(np.stack([found.whiten(run) for run in runs])))
+    return replace(
+        found, slow=drift_standard_deviations(np.stack([found.whiten(run) for run in runs]))
+    )
 
 
 def periodogram(values: Array) -> Array:

@@ -16,7 +16,7 @@ from sim_plant.line.load import load_declaration
 from sim_plant.refine.records.recording import Record
 from sim_plant.refine.report.start_values import start_values
 from sim_plant.refine.report.verdict import aff_blocks, declared_entries
-from sim_plant.refine.search.selection import Trace
+from sim_plant.refine.search.selection import Selection
 
 FILE = "line_amended.yaml"
 BLOCK_FILE = "aff_block.yaml"
@@ -44,7 +44,7 @@ def plain(value: Any) -> Any:
 def write_amended(
     source: Path,
     out: Path,
-    trace: Trace,
+    selection: Selection,
     records: Sequence[Record],
     command: str,
     verdict: dict[str, Any],
@@ -65,12 +65,12 @@ def write_amended(
         raise PlantError(f"{path}: is the line file itself; choose another --out")
     data = yaml.safe_load(source.read_text(encoding="utf-8"))
     fitted = dict(data.get("corrections", {}))
-    for name, amount in trace.corrections.items():
+    for name, amount in selection.corrections.items():
         fitted[name] = fitted.get(name, 0.0) + amount
     data["corrections"] = plain(fitted)
     if stated is not None:
         data["effects"] = [e.model_dump() for e in stated]
-    data["effects"] = plain([*data.get("effects", []), *declared_entries(trace.fit)])
+    data["effects"] = plain([*data.get("effects", []), *declared_entries(selection.fit)])
     data["provenance"] = plain(
         {
             "made_by": command,

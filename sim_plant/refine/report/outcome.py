@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from sim_plant.line.declaration import EffectEntry
-from sim_plant.refine.judge.holdout import Judgement
+from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.records.recording import Record
-from sim_plant.refine.search.selection import Trace
+from sim_plant.refine.search.selection import Selection
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +55,7 @@ class Outcome:
     plan: Plan
     records: tuple[Record, ...]
     limits: tuple[str, ...]
-    trace: Trace
-    judgement: Judgement
+    selection: Selection
+    evaluation: Evaluation
     verdict: dict[str, Any]
     stated: tuple[EffectEntry, ...] = ()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from jinja2 import Environment, PackageLoader
 
 from sim_plant.refine.records.units import suffix_of
-from sim_plant.refine.report.figures import overlay, spectrum, told_by, wavenumber_map
+from sim_plant.refine.report.figures import channels_by_gain, overlay, spectrum, wavenumber_map
 from sim_plant.refine.report.remedies import remedy
 from sim_plant.refine.report.wording import (
     coordinate_text,
@@ -21,7 +21,7 @@ from sim_plant.refine.report.wording import (
 from sim_plant.refine.search.unexplained import LINE_THRESHOLD
 
 if TYPE_CHECKING:
-    from sim_plant.refine.judge.holdout import Judgement
+    from sim_plant.refine.judge.holdout import Evaluation
     from sim_plant.refine.report.outcome import Outcome
 
 
@@ -67,9 +67,9 @@ def confidence(result: dict[str, Any]) -> str:
     return "; ".join(told) + ". A difference of 10 decides." if told else ""
 
 
-def gain(judged: Judgement, held: bool) -> str:
+def gain(judged: Evaluation, held: bool) -> str:
     """Return what the amended line explains: on the tension and the channel that gained most."""
-    ranked = told_by(judged)
+    ranked = channels_by_gain(judged)
     tensions = [k for k in ranked if judged.channels[k].endswith("_N")]
     where = "On the held-out record" if held else "On the record fitted (no proof)"
     said = []
@@ -83,7 +83,7 @@ def gain(judged: Judgement, held: bool) -> str:
     return f"{where} {'. There '.join(said)}. {_left(judged, ranked)}"
 
 
-def _left(judged: Judgement, ranked: Sequence[int]) -> str:
+def _left(judged: Evaluation, ranked: Sequence[int]) -> str:
     """Return which tensions and speeds hold more than noise as amended."""
     above = above_noise(judged, ranked)
     if not above:
@@ -92,7 +92,7 @@ def _left(judged: Judgement, ranked: Sequence[int]) -> str:
     return f"As amended, more than 10 % above noise: {told}."
 
 
-def above_noise(judged: Judgement, ranked: Sequence[int]) -> dict[str, float]:
+def above_noise(judged: Evaluation, ranked: Sequence[int]) -> dict[str, float]:
     """Return the tensions and speeds that hold more than noise as amended, after over floor."""
     return {
         judged.channels[k]: float(judged.after[k] / judged.floor[k])
@@ -171,8 +171,8 @@ def write_report(
 
     ``tolerances`` are those of the declared numbers, two standard deviations, by path.
     """
-    judged, trace = outcome.judgement, outcome.trace
-    step_s = trace.travels[0].sample_time_s
+    judged, selection = outcome.evaluation, outcome.selection
+    step_s = selection.travels[0].sample_time_s
     rows = [
         {
             "name": n,
@@ -194,7 +194,7 @@ def write_report(
         sure=confidence(outcome.verdict),
         gain=gain(judged, bool(outcome.plan.holdout)),
         next_step=next_step(
-            outcome.verdict, block is not None, above_noise(judged, told_by(judged))
+            outcome.verdict, block is not None, above_noise(judged, channels_by_gain(judged))
         ),
         verdict=outcome.verdict,
         rows=rows,
@@ -202,10 +202,10 @@ def write_report(
         limits=outcome.limits,
         records=outcome.records,
         held=outcome.plan.holdout,
-        steps=trace.steps,
+        steps=selection.steps,
         angles=judged.angles_rad,
         unwound=judged.unwound_m,
-        shifts=shift_rows(trace.corrections, tolerances),
+        shifts=shift_rows(selection.corrections, tolerances),
         shown_shifts=SHOWN_SHIFTS,
         keys={k for e in outcome.verdict["effects"] for k in e["parameters"]},
         best_each=best_each,
@@ -217,7 +217,7 @@ def write_report(
         amended=amended.name if amended else "",
         overlay=overlay(judged, step_s),
         order_map=wavenumber_map(judged, step_s),
-        spectra=spectrum(trace.before[0], trace.after[0], LINE_THRESHOLD),
+        spectra=spectrum(selection.before[0], selection.after[0], LINE_THRESHOLD),
     )
     path = outcome.plan.out / "report.html"
     path.write_text(page, encoding="utf-8")

@@ -8,9 +8,9 @@ from typing import Any
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.judge.holdout import Judgement
+from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.report.experiments import experiments
-from sim_plant.refine.search.selection import Trace
+from sim_plant.refine.search.selection import Selection
 
 NINETY_FIVE = 1.959964
 MODEL_SHARE = 0.0066
@@ -36,12 +36,14 @@ def standard_deviations(fit: Fit) -> list[float]:
     return found
 
 
-def effect_rows(trace: Trace) -> list[dict[str, Any]]:
+def effect_rows(selection: Selection) -> list[dict[str, Any]]:
     """Return one row per effect: name, location, parameters, 95 % intervals, score, runner-up."""
     rows: list[dict[str, Any]] = []
     at = 0
-    sd = standard_deviations(trace.fit)
-    for step, h, values in zip(trace.steps, trace.fit.hypotheses, trace.fit.values, strict=True):
+    sd = standard_deviations(selection.fit)
+    for step, h, values in zip(
+        selection.steps, selection.fit.hypotheses, selection.fit.values, strict=True
+    ):
         parameters: dict[str, Any] = dict(h.fixed) | dict(zip(h.names, values, strict=True))
         intervals = {
             name: [value - NINETY_FIVE * sd[at + k], value + NINETY_FIVE * sd[at + k]]
@@ -71,30 +73,34 @@ def effect_rows(trace: Trace) -> list[dict[str, Any]]:
     return rows
 
 
-def verdict(trace: Trace, judgement: Judgement | None, holdout: str) -> dict[str, Any]:
+def verdict(selection: Selection, evaluation: Evaluation | None, holdout: str) -> dict[str, Any]:
     """Return the whole verdict as plain values."""
     word = "nothing"
-    if trace.steps:
+    if selection.steps:
         word = "traced"
-    if any(step.ambiguous for step in trace.steps):
+    if any(step.ambiguous for step in selection.steps):
         word = "not_identifiable"
-    if trace.unknown:
+    if selection.unknown:
         word = "unknown"
     table = {}
-    if judgement is not None:
+    if evaluation is not None:
         table = {
             name: {"before": float(b), "after": float(a), "noise_floor": float(f)}
             for name, b, a, f in zip(
-                judgement.channels, judgement.before, judgement.after, judgement.floor, strict=True
+                evaluation.channels,
+                evaluation.before,
+                evaluation.after,
+                evaluation.floor,
+                strict=True,
             )
         }
     return {
         "version": 1,
         "verdict": word,
-        "effects": effect_rows(trace),
+        "effects": effect_rows(selection),
         "unknown": [
             {"class": u.kind, "coordinate": u.coordinate, "strength": u.strength}
-            for u in trace.unknown
+            for u in selection.unknown
         ],
         "ambiguous": [
             {
@@ -102,7 +108,7 @@ def verdict(trace: Trace, judgement: Judgement | None, holdout: str) -> dict[str
                 "with": [" at ".join(k) for k in s.ambiguous],
                 "experiments": experiments(s.hypothesis.key, s.ambiguous),
             }
-            for s in trace.steps
+            for s in selection.steps
             if s.ambiguous
         ],
         "residual_rms": table,

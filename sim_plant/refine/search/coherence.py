@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.objective import Objective
 
 BANDS = (1.0 / 80.0, 1.0 / 40.0, 1.0 / 20.0, 1.0 / 10.0, 1.0 / 5.0, 2.0 / 5.0)
 """Edges, share of half the sample rate: below, tolerances move channels together."""
@@ -40,21 +40,25 @@ class Coupling:
     score: float
 
 
-def oddest_pair(problem: Problem, fit: Fit) -> Coupling:
+def oddest_coupling(objective: Objective, fit: Fit) -> Coupling:
     """Return the pair of channels and the band that are least like the declared noise."""
     found = [Coupling(channels=("", ""), from_Hz=0.0, to_Hz=0.0, score=0.0)]
     rows = zip(
-        problem.bench.twins, problem.noise, problem.noisy, problem.split(fit.residual), strict=True
+        objective.pool.twins,
+        objective.noise,
+        objective.noisy,
+        objective.split(fit.residual),
+        strict=True,
     )
     for twin, noise, noisy, part in rows:
         use = np.flatnonzero(noise.analogue)
         names = [twin.channels[c] for c in use]
         runs = [noise.whiten(run)[use] for run in noisy]
-        found.append(_oddest(part[use], runs, names, twin.declaration.sample_time_s))
+        found.append(_oddest_of_record(part[use], runs, names, twin.declaration.sample_time_s))
     return max(found, key=lambda c: c.score)
 
 
-def _oddest(
+def _oddest_of_record(
     measured: Array, runs: Sequence[Array], names: Sequence[str], step_s: float
 ) -> Coupling:
     """Return the oddest pair of one record.

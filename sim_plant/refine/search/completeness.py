@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.search.unexplained import LINE_THRESHOLD, strongest
+from sim_plant.refine.search.unexplained import LINE_THRESHOLD, strongest_line
 from sim_plant.refine.spectra.coordinates import Travel, line_support, spectra
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
@@ -19,12 +19,14 @@ SURE = 3.0
 """Standard deviations of a chi-square cost by which what is left surely exceeds noise."""
 
 
-def unsure(problem: Problem) -> float:
+def cost_standard_deviation(objective: Objective) -> float:
     """Return the cost to which noise alone is known."""
-    return SURE * math.sqrt(2.0 * problem.expected_cost)
+    return SURE * math.sqrt(2.0 * objective.expected_cost)
 
 
-def lines_left(problem: Problem, fit: Fit, travels: Sequence[Travel]) -> list[list[LineSpectrum]]:
+def remaining_spectra(
+    objective: Objective, fit: Fit, travels: Sequence[Travel]
+) -> list[list[LineSpectrum]]:
     """Return the free-line spectra of a fit's residual, per record.
 
     Coarse words are left out: their steps pass at a rate of their own, a line that nothing causes.
@@ -32,13 +34,13 @@ def lines_left(problem: Problem, fit: Fit, travels: Sequence[Travel]) -> list[li
     return [
         spectra(travel, part[noise.analogue])
         for travel, part, noise in zip(
-            travels, problem.split(fit.residual), problem.noise, strict=True
+            travels, objective.split(fit.residual), objective.noise, strict=True
         )
     ]
 
 
-def complete(
-    problem: Problem,
+def explains_own_lines(
+    objective: Objective,
     base: Fit,
     before: Sequence[Sequence[LineSpectrum]],
     travels: Sequence[Travel],
@@ -50,18 +52,18 @@ def complete(
     all that is left: the largest of up to three true ones does, an imitation of something else
     seldom.
     """
-    drop = base.cost - fit.cost
+    chi2_reduction = base.cost - fit.cost
     fresh = fit.hypotheses[len(base.hypotheses) :]
     locked = [h for h in fresh if line_support(h, travels[0], before[0]) is not None]
     if not locked:
-        sure = base.cost - problem.expected_cost - unsure(problem)
-        line = strongest(before)[2] - LINE_THRESHOLD
-        return drop > max(COMPLETENESS * line, FAIR_SHARE * sure)
-    left = lines_left(problem, fit, travels)
+        sure = base.cost - objective.expected_cost - cost_standard_deviation(objective)
+        line = strongest_line(before)[2] - LINE_THRESHOLD
+        return chi2_reduction > max(COMPLETENESS * line, FAIR_SHARE * sure)
+    left = remaining_spectra(objective, fit, travels)
     for h in locked:
         line = max(_support(h, t, s) for t, s in zip(travels, before, strict=True))
         rest = max(_support(h, t, s) for t, s in zip(travels, left, strict=True))
-        partly = drop < COMPLETENESS * (line - LINE_THRESHOLD) or rest > LEFT_OVER * line
+        partly = chi2_reduction < COMPLETENESS * (line - LINE_THRESHOLD) or rest > LEFT_OVER * line
         if partly and rest > LINE_THRESHOLD:
             return False
     return True

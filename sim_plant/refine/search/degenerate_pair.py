@@ -13,9 +13,9 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.search.screening import Scored, columns_of, price
+from sim_plant.refine.search.screening import Candidate, bic_penalty, sensitivities
 from sim_plant.refine.spectra.coordinates import Travel, wavenumbers_1_m
 
 SAME_LINE = 0.003
@@ -23,8 +23,8 @@ MOST_PLACES = 4
 NUMBERS = 2
 
 
-def two_instead(
-    problem: Problem, fit: Fit, travel: Travel, chosen: Hypothesis, ranked: Sequence[Scored]
+def better_pair(
+    objective: Objective, fit: Fit, travel: Travel, chosen: Hypothesis, ranked: Sequence[Candidate]
 ) -> tuple[tuple[str, str], ...]:
     """Return (effect, location) of two places that explain more than ``chosen``, or nothing.
 
@@ -34,10 +34,10 @@ def two_instead(
     others = [s for s in ranked if _same_line(travel, chosen, s.hypothesis)][:MOST_PLACES]
     if not alone or len(others) < 2:
         return ()
-    columns = columns_of(problem, fit, [s.hypothesis for s in others])
-    residual = problem.residual(problem.bench.one(fit.case), fit.shifts)
+    columns = sensitivities(objective, fit, [s.hypothesis for s in others])
+    residual = objective.residual(objective.pool.one(fit.case), fit.shifts)
     best, pair = max(
-        (_score(problem, residual, np.concatenate([columns[i], columns[k]], axis=1)), (i, k))
+        (_score(objective, residual, np.concatenate([columns[i], columns[k]], axis=1)), (i, k))
         for i, k in itertools.combinations(range(len(others)), 2)
     )
     return tuple(others[k].hypothesis.key for k in pair) if best > alone[0].score else ()
@@ -57,5 +57,7 @@ def _same_line(travel: Travel, chosen: Hypothesis, h: Hypothesis) -> bool:
     return ours.shape == theirs.shape and bool(np.all(abs(theirs / ours - 1.0) < SAME_LINE))
 
 
-def _score(problem: Problem, residual: Array, columns: Array) -> float:
-    return problem.projector.gain(residual, columns).drop - price(problem, columns.shape[1])
+def _score(objective: Objective, residual: Array, columns: Array) -> float:
+    return objective.projector.gain(residual, columns).chi2_reduction - bic_penalty(
+        objective, columns.shape[1]
+    )

@@ -26,7 +26,7 @@ SLOW = 8
 LINE_KINDS = frozenset(HARMONICS)
 
 
-def free_lines(found: Sequence[Unknown], travel: Travel) -> Array:
+def free_term_basis(found: Sequence[Unknown], travel: Travel) -> Array:
     """Return orthonormal columns (judged samples, terms) of free lines and their harmonics.
 
     Every line may grow with speed, and change slowly with time: that takes up a coordinate that
@@ -51,7 +51,7 @@ def free_lines(found: Sequence[Unknown], travel: Travel) -> Array:
     return kept
 
 
-def taken_up(h: Hypothesis, found: Sequence[Unknown], travel: Travel) -> bool:
+def explained_by_free_term(h: Hypothesis, found: Sequence[Unknown], travel: Travel) -> bool:
     """Return whether a hypothesis shows where one of the free lines is, or at its harmonics.
 
     A free term takes up all there, up to its own imperfection: no effect is claimed for that.

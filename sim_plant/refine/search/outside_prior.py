@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.parameter_effects import as_effect
 
@@ -19,24 +19,26 @@ MOST = 3
 Start = tuple[Hypothesis, tuple[float, ...], dict[str, float]]
 
 
-def shifts_in_force(problem: Problem, fit: Fit) -> dict[str, float]:
+def total_shifts(objective: Objective, fit: Fit) -> dict[str, float]:
     """Return every nuisance shift of a fit, simulated and linear parts together."""
-    run = problem.bench.one(fit.case)
-    estimate = problem.projector.estimate(problem.residual(run, fit.shifts, fit.case.coarse))
+    run = objective.pool.one(fit.case)
+    estimate = objective.projector.estimate(objective.residual(run, fit.shifts, fit.case.coarse))
     return {
         n.name: fit.shifts.get(n.name, 0.0) + float(e)
-        for n, e in zip(problem.nuisances, estimate[: problem.sd.size], strict=True)
+        for n, e in zip(objective.nuisances, estimate[: objective.sd.size], strict=True)
     }
 
 
-def pulled_starts(problem: Problem, fit: Fit, without: frozenset[str]) -> list[Start]:
+def starts_outside_prior(objective: Objective, fit: Fit, without: frozenset[str]) -> list[Start]:
     """Return effects that say the same as a declared number beyond tolerance, most pulled first.
 
     ``without`` names effects that are not in the library.
     """
-    line = problem.bench.twins[0].declaration
-    total = shifts_in_force(problem, fit)
-    z = {n.name: total[n.name] / sd for n, sd in zip(problem.nuisances, problem.sd, strict=True)}
+    line = objective.pool.twins[0].declaration
+    total = total_shifts(objective, fit)
+    z = {
+        n.name: total[n.name] / sd for n, sd in zip(objective.nuisances, objective.sd, strict=True)
+    }
     found: list[Start] = []
     for name in sorted(z, key=lambda k: -abs(z[k])):
         if abs(z[name]) < PULLED or len(found) == MOST:
@@ -49,11 +51,11 @@ def pulled_starts(problem: Problem, fit: Fit, without: frozenset[str]) -> list[S
     return found
 
 
-def improbable(problem: Problem, fit: Fit) -> tuple[str, float, float] | None:
+def joint_conflict(objective: Objective, fit: Fit) -> tuple[str, float, float] | None:
     """Return (number, its z, sum of z squared) when shifts are too many sd to be tolerance."""
-    total = shifts_in_force(problem, fit)
-    z = np.array([total[n.name] for n in problem.nuisances]) / problem.sd
+    total = total_shifts(objective, fit)
+    z = np.array([total[n.name] for n in objective.nuisances]) / objective.sd
     if float(z @ z) < z.size + 6.0 * np.sqrt(2.0 * z.size):
         return None
     at = int(np.argmax(np.abs(z)))
-    return problem.nuisances[at].name, float(z[at]), float(z @ z)
+    return objective.nuisances[at].name, float(z[at]), float(z @ z)

@@ -10,7 +10,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.projection import Gain
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.spectra.coordinates import Travel, line_support
@@ -24,7 +24,7 @@ MANY = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Scored:
+class Candidate:
     """One hypothesis with its linear gain.
 
     Attributes
@@ -61,59 +61,63 @@ class Scored:
         return fewer, pick(self.start)
 
 
-def price(problem: Problem, numbers: int) -> float:
+def bic_penalty(objective: Objective, numbers: int) -> float:
     """Return the cost drop that this many free numbers must pay [BIC]."""
-    return numbers * math.log(problem.rows / 4.0)
+    return numbers * math.log(objective.rows / 4.0)
 
 
-def worth_trying(
+def with_line_support(
     hypotheses: Sequence[Hypothesis],
     travels: Sequence[Travel],
     spectra: Sequence[Sequence[LineSpectrum]],
 ) -> tuple[list[Hypothesis], list[Hypothesis]]:
     """Return hypotheses whose line is in some record, and those that are no lines."""
     lines, others = [], []
-    strongest = max(s.peak[1] for record in spectra for s in record)
+    strongest_line = max(s.peak[1] for record in spectra for s in record)
     degrees = min(s.degrees for record in spectra for s in record)
     for h in hypotheses:
         # a profile spreads what it does over many orders: each of them is small
         alone = LINE_WORTH_A_TRY * (0.5 if len(h.effect.quadratures) > MANY else 1.0)
-        least = max(alone + degrees, 0.01 * strongest)
+        least = max(alone + degrees, 0.01 * strongest_line)
         support = [line_support(h, t, s) for t, s in zip(travels, spectra, strict=True)]
         seen = [value for value in support if value is not None]
         if not seen:
             others.append(h)
-        elif max(seen) >= (0.3 * strongest if h.effect.name == "roll_bounce" else least):
+        elif max(seen) >= (0.3 * strongest_line if h.effect.name == "roll_bounce" else least):
             lines.append(h)
     return lines, others
 
 
 def screen(
-    problem: Problem, fit: Fit, hypotheses: Sequence[Hypothesis], residual: Array, base: Fit
-) -> list[Scored]:
+    objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesis], residual: Array, base: Fit
+) -> list[Candidate]:
     """Return all hypotheses, best score first; sensitivities are taken at ``base``."""
-    columns = columns_of(problem, base, hypotheses)
-    scored = [
-        score_one(problem, h, residual, column)
+    columns = sensitivities(objective, base, hypotheses)
+    candidate = [
+        linear_candidate(objective, h, residual, column)
         for h, column in zip(hypotheses, columns, strict=True)
     ]
-    return sorted(scored, key=lambda s: -s.score)
+    return sorted(candidate, key=lambda s: -s.score)
 
 
-def columns_of(problem: Problem, base: Fit, hypotheses: Sequence[Hypothesis]) -> list[Array]:
+def sensitivities(
+    objective: Objective, base: Fit, hypotheses: Sequence[Hypothesis]
+) -> list[Array]:
     """Return, per hypothesis, what its probes change at ``base`` (rows, numbers), whitened."""
     case = base.case
     probes = [added for h in hypotheses for added in h.probes()]
     cases = [replace(case, effects=(*case.effects, added)) for added in probes]
-    start, *runs = problem.bench.run([case, *cases])
+    start, *runs = objective.pool.run([case, *cases])
     rest = iter(runs)
     return [
-        np.stack([problem.column(next(rest), start, 1.0) for _ in h.probes()], axis=1)
+        np.stack([objective.column(next(rest), start, 1.0) for _ in h.probes()], axis=1)
         for h in hypotheses
     ]
 
 
-def thinned(hypotheses: Sequence[Hypothesis], rollers: Sequence[str]) -> list[Hypothesis]:
+def every_third_idler(
+    hypotheses: Sequence[Hypothesis], rollers: Sequence[str]
+) -> list[Hypothesis]:
     """Return the hypotheses with every third idler only: response changes slowly along the web.
 
     Not so on a short line, and not for what sits in a load cell: each reading is its own.
@@ -126,7 +130,7 @@ def thinned(hypotheses: Sequence[Hypothesis], rollers: Sequence[str]) -> list[Hy
 
 
 def neighbours(
-    hypotheses: Sequence[Hypothesis], ranked: Sequence[Scored], rollers: Sequence[str]
+    hypotheses: Sequence[Hypothesis], ranked: Sequence[Candidate], rollers: Sequence[str]
 ) -> list[Hypothesis]:
     """Return hypotheses not ranked yet within two idlers of the best of their effect."""
     idlers = [name for name in rollers if name]
@@ -145,40 +149,46 @@ def neighbours(
     return [h for h in hypotheses if h.key in near and h.key not in done]
 
 
-def paying_orders(problem: Problem, h: Hypothesis, residual: Array, columns: Array) -> list[int]:
+def paying_orders(
+    objective: Objective, h: Hypothesis, residual: Array, columns: Array
+) -> list[int]:
     """Return the columns of a profile whose orders pay for themselves, one order at the least.
 
     The order that is missed least is left out until each would be missed by more than its price:
     twelve numbers for a roll with one bump would lose to any effect of two.
     """
-    cut = problem.projector.project(columns)
+    cut = objective.projector.project(columns)
     inner, against = columns.T @ cut, cut.T @ residual
     at = {name: k for k, name in enumerate(h.names)}
     pairs = [(at[p.cos], at[p.sin]) for p in h.effect.quadratures if p.cos in at and p.sin in at]
 
-    def drop(some: list[tuple[int, int]]) -> float:
+    def chi2_reduction(some: list[tuple[int, int]]) -> float:
         use = [k for pair in some for k in pair]
         part = np.ix_(use, use)
         return float(against[use] @ np.linalg.lstsq(inner[part], against[use], rcond=1e-9)[0])
 
     while len(pairs) > 1:
-        left = [drop([p for p in pairs if p is not out]) for out in pairs]
+        left = [chi2_reduction([p for p in pairs if p is not out]) for out in pairs]
         best = int(np.argmax(left))
-        if drop(pairs) - left[best] > price(problem, 2):
+        if chi2_reduction(pairs) - left[best] > bic_penalty(objective, 2):
             break
         del pairs[best]
     return [k for pair in pairs for k in pair]
 
 
-def score_one(problem: Problem, h: Hypothesis, residual: Array, columns: Array) -> Scored:
+def linear_candidate(
+    objective: Objective, h: Hypothesis, residual: Array, columns: Array
+) -> Candidate:
     """Return the gain of one hypothesis; columns are whole probes, so 1 is the typical size."""
     if not np.isfinite(columns).all():
-        nothing = Gain(drop=0.0, values=np.zeros(1), covariance=np.zeros((1, 1)), seen=0.0)
-        return Scored(hypothesis=h, gain=nothing, score=-np.inf, start=h.start)
+        nothing = Gain(
+            chi2_reduction=0.0, values=np.zeros(1), covariance=np.zeros((1, 1)), seen=0.0
+        )
+        return Candidate(hypothesis=h, gain=nothing, score=-np.inf, start=h.start)
     use = list(range(columns.shape[1]))
     if len(h.effect.quadratures) > MANY:
-        use = paying_orders(problem, h, residual, columns)
-    gain = problem.projector.gain(residual, columns[:, use])
+        use = paying_orders(objective, h, residual, columns)
+    gain = objective.projector.gain(residual, columns[:, use])
     # a strength that cannot go backwards is left out where it would
     while use:
         wrong = [k for k, at in enumerate(use) if not h.linear[at] and gain.values[k] <= 0.0]
@@ -186,9 +196,9 @@ def score_one(problem: Problem, h: Hypothesis, residual: Array, columns: Array) 
             break
         use = [at for k, at in enumerate(use) if k not in wrong]
         if use:
-            gain = problem.projector.gain(residual, columns[:, use])
+            gain = objective.projector.gain(residual, columns[:, use])
     if not use:
-        gain = replace(gain, drop=0.0)
+        gain = replace(gain, chi2_reduction=0.0)
     start = list(h.absent)
     start[h.strengths :] = h.start[h.strengths :]
     for k, at in enumerate(use):
@@ -197,9 +207,9 @@ def score_one(problem: Problem, h: Hypothesis, residual: Array, columns: Array) 
             size = min(max(size, 0.1), 3.0)
         value = h.absent[at] + size * (h.start[at] - h.absent[at])
         start[at] = min(max(value, h.low[at]), h.high[at])
-    return Scored(
+    return Candidate(
         hypothesis=h,
         gain=gain,
-        score=gain.drop - price(problem, max(1, len(use))),
+        score=gain.chi2_reduction - bic_penalty(objective, max(1, len(use))),
         start=tuple(start),
     )

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.objective import Problem
-from sim_plant.refine.search.coherence import oddest_pair
-from sim_plant.refine.search.outside_prior import improbable
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.search.coherence import oddest_coupling
+from sim_plant.refine.search.outside_prior import joint_conflict
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
 LINE_THRESHOLD = 260.0
@@ -50,39 +50,39 @@ class Unknown:
         return f"{self.kind} ({where})"
 
 
-def strongest(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, float, float]:
+def strongest_line(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, float, float]:
     """Return the strongest free line of all records: spectrum, coordinate, drop."""
     best = max((s for record in found for s in record), key=lambda s: s.peak[1])
     return best, *best.peak
 
 
-def unknowns(
-    problem: Problem, nominal: Fit, fit: Fit, after: Sequence[Sequence[LineSpectrum]]
+def unexplained_parts(
+    objective: Objective, nominal: Fit, fit: Fit, after: Sequence[Sequence[LineSpectrum]]
 ) -> list[Unknown]:
     """Return the class and coordinate of what is left, nothing when it is noise."""
-    spectrum, coordinate, drop = strongest(after)
-    excess = fit.cost - problem.expected_cost
-    if fit.hypotheses and excess < 0.02 * (nominal.cost - problem.expected_cost):
+    spectrum, coordinate, chi2_reduction = strongest_line(after)
+    excess = fit.cost - objective.expected_cost
+    if fit.hypotheses and excess < 0.02 * (nominal.cost - objective.expected_cost):
         return []
-    if drop > LINE_THRESHOLD and drop > 0.12 * excess:
+    if chi2_reduction > LINE_THRESHOLD and chi2_reduction > 0.12 * excess:
         where = _coordinate(spectrum, coordinate)
-        return [Unknown(kind=spectrum.kind, strength=drop, coordinate=where)]
-    pull = _pulled(problem, fit)
+        return [Unknown(kind=spectrum.kind, strength=chi2_reduction, coordinate=where)]
+    pull = _pulled(objective, fit)
     if pull is not None:
         return [pull]
-    if loudest(problem, fit) > LOUD:
+    if loudest(objective, fit) > LOUD:
         return [Unknown(kind="broadband", strength=excess, coordinate={})]
-    return _coupled(problem, fit)
+    return _coupled(objective, fit)
 
 
-def loudest(problem: Problem, fit: Fit) -> float:
+def loudest(objective: Objective, fit: Fit) -> float:
     """Return what is left over noise, as power, in the channel where it is most.
 
     Coarse words do not count: the noise of a word depends on how it happens to be passed.
     """
     found = [
         float(np.mean(row**2))
-        for noise, part in zip(problem.noise, problem.split(fit.residual), strict=True)
+        for noise, part in zip(objective.noise, objective.split(fit.residual), strict=True)
         for row in part[noise.analogue]
     ]
     return max(found)
@@ -96,14 +96,14 @@ def _coordinate(spectrum: LineSpectrum, at: float) -> dict[str, float | str]:
     return {"roll": spectrum.roll, "order": at}
 
 
-def _coupled(problem: Problem, fit: Fit) -> list[Unknown]:
+def _coupled(objective: Objective, fit: Fit) -> list[Unknown]:
     """Return a broadband unknown where channels are coupled otherwise than by their noise.
 
     Not beside free terms: what they leave of a line is coupled as the line is.
     """
-    if any(terms is not None for terms in problem.basis):
+    if any(terms is not None for terms in objective.basis):
         return []
-    pair = oddest_pair(problem, fit)
+    pair = oddest_coupling(objective, fit)
     if pair.score <= COUPLED:
         return []
     where: dict[str, float | str] = {
@@ -114,9 +114,9 @@ def _coupled(problem: Problem, fit: Fit) -> list[Unknown]:
     return [Unknown(kind="broadband", strength=pair.score, coordinate=where)]
 
 
-def _pulled(problem: Problem, fit: Fit) -> Unknown | None:
+def _pulled(objective: Objective, fit: Fit) -> Unknown | None:
     """Return a state-dependent unknown when declared numbers are pulled beyond tolerance."""
-    found = improbable(problem, fit)
+    found = joint_conflict(objective, fit)
     if found is None:
         return None
     name, z, strength = found

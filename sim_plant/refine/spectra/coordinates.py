@@ -101,7 +101,7 @@ def near(spectrum: LineSpectrum, coordinate: float, width: float = 0.006) -> flo
     bin_width = float(spectrum.coordinate[1] - spectrum.coordinate[0])
     reach = max(2.0 * bin_width, width * coordinate)
     inside = np.abs(spectrum.coordinate - coordinate) <= reach
-    return float(spectrum.drop[inside].max()) if inside.any() else 0.0
+    return float(spectrum.chi2_reduction[inside].max()) if inside.any() else 0.0
 
 
 def alias_Hz(frequency_Hz: float, sample_time_s: float) -> float:

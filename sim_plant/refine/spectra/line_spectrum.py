@@ -27,14 +27,14 @@ class LineSpectrum:
     kind: str
     roll: str
     coordinate: Array
-    drop: Array
+    chi2_reduction: Array
     degrees: int
 
     @property
     def peak(self) -> tuple[float, float]:
         """Coordinate and drop of the strongest line."""
-        at = int(np.argmax(self.drop))
-        return float(self.coordinate[at]), float(self.drop[at])
+        at = int(np.argmax(self.chi2_reduction))
+        return float(self.coordinate[at]), float(self.chi2_reduction[at])
 
 
 def speed_weights(speed_m_s: Array, count: int = 3) -> Array:
@@ -73,18 +73,18 @@ def line_spectrum(
     # pad to twice the extent: bins at half the resolution
     step = 2.0 * extent / cells
     at = np.clip((start / step + 0.5).astype(np.int64), 0, cells - 1)
-    drop = np.zeros(cells // 2 + 1)
+    chi2_reduction = np.zeros(cells // 2 + 1)
     samples = whitened.shape[1]
     for row in whitened:
         for weight in weights:
             spectrum = np.fft.rfft(np.bincount(at, row * weight, cells))
-            drop += 2.0 / samples * np.abs(spectrum) ** 2
-    coordinate = np.arange(drop.size) / (2.0 * extent)
+            chi2_reduction += 2.0 / samples * np.abs(spectrum) ** 2
+    coordinate = np.arange(chi2_reduction.size) / (2.0 * extent)
     keep = (coordinate >= lowest) & (coordinate <= highest)
     return LineSpectrum(
         kind=kind,
         roll=roll,
         coordinate=coordinate[keep],
-        drop=drop[keep],
+        chi2_reduction=chi2_reduction[keep],
         degrees=2 * whitened.shape[0] * weights.shape[0],
     )

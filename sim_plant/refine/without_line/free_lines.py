@@ -119,8 +119,8 @@ def clocks(items: Sequence[Explained]) -> list[Line]:
         for row in item.outputs:
             white = whiten(row)[None, :]
             spectrum = _spectra(item, white)[0]
-            at, drop = spectrum.peak
-            if drop > threshold(spectrum) * CLOCK_SAFETY / SAFETY:
+            at, chi2_reduction = spectrum.peak
+            if chi2_reduction > threshold(spectrum) * CLOCK_SAFETY / SAFETY:
                 at = sharpest(item, white, "time", at)
                 reason = _clock([item], "time", at)
                 if reason:
@@ -129,7 +129,7 @@ def clocks(items: Sequence[Explained]) -> list[Line]:
                             kind="time",
                             coordinate=at,
                             per_record=(at,),
-                            strength=drop,
+                            strength=chi2_reduction,
                             clock=reason,
                         )
                     )
@@ -139,10 +139,10 @@ def clocks(items: Sequence[Explained]) -> list[Line]:
 def _best(spectra: Sequence[Sequence[LineSpectrum]]) -> tuple[str, float, float] | None:
     best: tuple[str, float, float] | None = None
     for k, first in enumerate(spectra[0]):
-        total = first.drop.copy()
+        total = first.chi2_reduction.copy()
         limit = threshold(first)
         for record in spectra[1:]:
-            total += np.interp(first.coordinate, record[k].coordinate, record[k].drop)
+            total += np.interp(first.coordinate, record[k].coordinate, record[k].chi2_reduction)
             limit += first.degrees
         at = int(np.argmax(total))
         if total[at] > limit and (best is None or total[at] > best[2]):
@@ -210,7 +210,7 @@ def _clock(items: Sequence[Explained], kind: str, coordinate: float) -> str:
             lowest=5.0 / float(time_s[-1]),
         )
         near = np.abs(spectrum.coordinate - coordinate) < 2.0 * width * coordinate
-        if near.any() and float(spectrum.drop[near].max()) > threshold(spectrum):
+        if near.any() and float(spectrum.chi2_reduction[near].max()) > threshold(spectrum):
             reasons.append("is in the excitation as well")
             break
     for mains in (50.0, 60.0):

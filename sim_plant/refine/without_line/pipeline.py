@@ -45,7 +45,7 @@ def limits_of(declaration: RecordDeclaration, held: bool) -> list[str]:
     return said
 
 
-def refine_records(plan: Plan, say: Callable[[str], None]) -> dict[str, Any]:
+def refine_records(plan: Plan, progress: Callable[[str], None]) -> dict[str, Any]:
     """Run filter and lines, write verdict and report, return the verdict.
 
     Raises
@@ -62,17 +62,17 @@ def refine_records(plan: Plan, say: Callable[[str], None]) -> dict[str, Any]:
     if len(held) > 1:
         said.append(f"more than one held-out record: the errors are those of {held[0].path.name}")
     for text in said:
-        say(f"cannot be claimed: {text}")
+        progress(f"cannot be claimed: {text}")
     for record in (*records, *held):
         for text in record.findings:
-            say(f"{record.path.name}: {text}")
+            progress(f"{record.path.name}: {text}")
     weights = fit_filter(declaration, records)
     items = [explain(declaration, r, weights) for r in records]
-    say("searching lines in time and travel")
+    progress("searching lines in time and travel")
     lines = find_lines(items)
     machine = [x for x in lines if not x.clock]
     for line in lines:
-        say(f"  {line.kind} {line.coordinate:.5g}{': ' + line.clock if line.clock else ''}")
+        progress(f"  {line.kind} {line.coordinate:.5g}{': ' + line.clock if line.clock else ''}")
     others = [x for x in lines if x.clock] + clocks(items)
     judged = explain(declaration, held[0], weights) if held else items[0]
     rms = judge_lines(declaration, items, machine, judged, own=not held)

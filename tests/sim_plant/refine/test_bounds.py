@@ -13,7 +13,7 @@ from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.fit.projection import Projector
 from sim_plant.refine.model.hypotheses import hypothesis, library
-from sim_plant.refine.search.screening import score_one
+from sim_plant.refine.search.screening import linear_candidate
 
 LINE = load_declaration(Path(__file__).parents[3] / "config/lines/euclid.yaml")
 LIBRARY = library(LINE)
@@ -107,15 +107,15 @@ def test_screening_starts_no_fit_beyond_a_bound(h, seed, size):
     draw = np.random.default_rng(seed)
     columns = draw.standard_normal((Rows.rows, h.strengths))
     residual = size * columns @ draw.standard_normal(h.strengths)
-    start = score_one(Rows(), h, residual, columns).start
+    start = linear_candidate(Rows(), h, residual, columns).start
     assert all(lo <= v <= hi for v, lo, hi in zip(start, h.low, h.high, strict=True))
 
 
 def test_a_drag_that_would_have_to_push_is_worth_nothing():
     h = hypothesis(BY_NAME["bearing_drag"], "R18", (), ("constant_N_m",), LINE)
     column = np.ones((Rows.rows, 1))
-    assert score_one(Rows(), h, -5.0 * column[:, 0], column).gain.drop == 0.0
-    assert score_one(Rows(), h, 5.0 * column[:, 0], column).gain.drop > 0.0
+    assert linear_candidate(Rows(), h, -5.0 * column[:, 0], column).gain.chi2_reduction == 0.0
+    assert linear_candidate(Rows(), h, 5.0 * column[:, 0], column).gain.chi2_reduction > 0.0
 
 
 def test_an_estimate_at_a_bound_is_none_but_absence_may_lie_there():

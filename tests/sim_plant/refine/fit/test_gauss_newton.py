@@ -2,7 +2,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from sim_plant.refine.fit.gauss_newton import ASTRAY, refine_fit
+from sim_plant.refine.fit.gauss_newton import ASTRAY, gauss_newton_fit
 from sim_plant.refine.fit.projection import Projector
 from sim_plant.refine.model.nuisances import Nuisance
 
@@ -19,7 +19,7 @@ class StraightLine:
         self.rows = SLOPE.size
         self.projector = Projector(np.append(SLOPE, 1.0 / SD)[:, None])
         self.true_shift, self.tried = true_shift, []
-        self.bench = SimpleNamespace(one=self.simulate, run=lambda cases: [None for _ in cases])
+        self.pool = SimpleNamespace(one=self.simulate, run=lambda cases: [None for _ in cases])
 
     def simulate(self, case):
         self.tried.append(dict(case.shifts).get("web.modulus_Pa", 0.0))
@@ -30,21 +30,21 @@ class StraightLine:
 
 
 def test_a_step_within_reason_is_taken_whole():
-    problem = StraightLine(20 * SD)
-    fit = refine_fit(problem, (), (), {})
+    objective = StraightLine(20 * SD)
+    fit = gauss_newton_fit(objective, (), (), {})
     estimate = 20 * SD * (SLOPE @ SLOPE) / (SLOPE @ SLOPE + 1.0 / SD**2)
     np.testing.assert_allclose(fit.shifts["web.modulus_Pa"], estimate, rtol=1e-9)
-    np.testing.assert_allclose(problem.tried[1], estimate, rtol=1e-9)
+    np.testing.assert_allclose(objective.tried[1], estimate, rtol=1e-9)
 
 
 def test_no_line_is_simulated_that_a_step_would_put_far_beyond_its_tolerance():
-    problem = StraightLine(300 * SD)
-    refine_fit(problem, (), (), {}, rounds=1)
-    assert len(problem.tried) == 2
-    assert 0.0 < problem.tried[1] <= ASTRAY * SD
+    objective = StraightLine(300 * SD)
+    gauss_newton_fit(objective, (), (), {}, rounds=1)
+    assert len(objective.tried) == 2
+    assert 0.0 < objective.tried[1] <= ASTRAY * SD
 
 
 def test_a_step_that_leads_astray_at_every_length_leaves_the_fit_where_it_was():
-    problem = StraightLine(5500 * SD)
-    assert refine_fit(problem, (), (), {}).shifts == {}
-    assert problem.tried == [0.0]
+    objective = StraightLine(5500 * SD)
+    assert gauss_newton_fit(objective, (), (), {}).shifts == {}
+    assert objective.tried == [0.0]

@@ -19,7 +19,7 @@ def test_gain_is_what_least_squares_saves(setting):
     both = np.column_stack([nuisances, effect])
     alone = np.linalg.lstsq(nuisances, residual, rcond=None)
     joint = np.linalg.lstsq(both, residual, rcond=None)
-    assert gain.drop == pytest.approx(alone[1][0] - joint[1][0], rel=1e-6)
+    assert gain.chi2_reduction == pytest.approx(alone[1][0] - joint[1][0], rel=1e-6)
     np.testing.assert_allclose(gain.values, joint[0][3:], rtol=1e-6)
     inverse = np.linalg.inv(both.T @ both)[3:, 3:]
     np.testing.assert_allclose(gain.covariance, inverse, rtol=1e-6)
@@ -37,8 +37,8 @@ def test_a_tight_tolerance_lets_the_effect_be_claimed(setting):
     for sd, share in ((1e-3, 0.99), (1e3, 0.01)):
         prior = np.vstack([shape, [[1.0 / sd]]])
         truth = np.append(5.0 * shape[:, 0], 0.0)
-        drop = Projector(prior).gain(truth, np.vstack([shape, [[0.0]]])).drop
-        assert (drop > share * (truth @ truth)) == (sd < 1.0)
+        chi2_reduction = Projector(prior).gain(truth, np.vstack([shape, [[0.0]]])).chi2_reduction
+        assert (chi2_reduction > share * (truth @ truth)) == (sd < 1.0)
 
 
 def test_further_free_columns_are_projected_as_well(setting):

@@ -3,7 +3,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim_plant.refine.fit.roll_synchronisation import in_step, turns
+from sim_plant.refine.fit.roll_synchronisation import recorded_angles, synchronised_shifts
 
 SAMPLES, STEP_S, FIRST = 4000, 0.01, 1000
 CHANNELS = ("unwind_angle_rad", "unwind_speed_rad_s", "rewind_speed_rad_s", "line_speed_m_s")
@@ -22,14 +22,14 @@ def line(unwind_shift, rewind_shift):
     return np.stack([angle, unwind, rewind, np.ones(SAMPLES)])
 
 
-def problem(measured):
+def objective(measured):
     def one(case):
         shifts = dict(case.shifts)
         return [line(shifts.get(UNWIND, 0.0), shifts.get(REWIND, 0.0))]
 
     return SimpleNamespace(
         nuisances=[SimpleNamespace(name=UNWIND), SimpleNamespace(name=REWIND)],
-        bench=SimpleNamespace(one=one, twins=[TWIN]),
+        pool=SimpleNamespace(one=one, twins=[TWIN]),
         measured=[measured],
         fine=[np.zeros((4, SAMPLES))],
         coarse=[np.zeros((4, SAMPLES))],
@@ -38,7 +38,7 @@ def problem(measured):
 
 
 def test_rolls_are_brought_into_step_by_angle_and_by_speed():
-    found = in_step(problem(line(-0.004, 0.002)), {})
+    found = synchronised_shifts(objective(line(-0.004, 0.002)), {})
     ours, theirs = line(found[UNWIND], found[REWIND]), line(-0.004, 0.002)
     late = (ours - theirs)[0, FIRST:]
     assert np.ptp(late) < 0.02
@@ -48,16 +48,16 @@ def test_rolls_are_brought_into_step_by_angle_and_by_speed():
 
 def test_rolls_that_are_in_step_stay_as_they_are():
     shifts = {"web.EA_N": 0.01}
-    assert in_step(problem(line(2e-5, 0.0)), shifts) == shifts
+    assert synchronised_shifts(objective(line(2e-5, 0.0)), shifts) == shifts
 
 
 def test_a_line_that_does_not_run_leaves_the_shifts_alone():
-    broken = problem(line(0.0, 0.0))
-    broken.bench.one = lambda _: [np.full((4, SAMPLES), np.nan)]
-    assert in_step(broken, {UNWIND: 0.001}) == {UNWIND: 0.001}
+    broken = objective(line(0.0, 0.0))
+    broken.pool.one = lambda _: [np.full((4, SAMPLES), np.nan)]
+    assert synchronised_shifts(broken, {UNWIND: 0.001}) == {UNWIND: 0.001}
 
 
 def test_an_angle_word_goes_before_an_added_up_speed():
-    found = turns(TWIN, line(0.0, 0.0) + np.array([[5.0], [0.0], [0.0], [0.0]]))
+    found = recorded_angles(TWIN, line(0.0, 0.0) + np.array([[5.0], [0.0], [0.0], [0.0]]))
     assert set(found) == {UNWIND, REWIND}
     assert found[UNWIND][0] > 5.0

@@ -17,7 +17,7 @@ def tension(angle_rad, unwound_m):
     return np.cos(TURN_RAD * (1.0 + 0.02 * unwound_m) + angle_rad)[None, :]
 
 
-def bench():
+def pool():
     def run(cases, keep=True):
         found = []
         for case in cases:
@@ -37,7 +37,7 @@ def profile(**more):
 def test_the_roll_of_the_held_out_record_is_taken_as_it_is():
     measured = tension(0.42, 0.013) + NOISE
     case = Case(effects=(profile(unwound_m=0.006),))
-    (found,), unwound = _formed(bench(), measured, case, MODEL)
+    (found,), unwound = _formed(pool(), measured, case, MODEL)
     p = dict(found.parameters)
     assert p["angle_rad"] == pytest.approx(0.42, abs=0.005)
     assert p["unwound_m"] == pytest.approx(0.013, abs=5e-4)
@@ -47,4 +47,4 @@ def test_the_roll_of_the_held_out_record_is_taken_as_it_is():
 
 def test_a_profile_without_that_number_stays_as_fitted():
     case = Case(effects=(profile(),))
-    assert _formed(bench(), tension(0.42, 0.013), case, MODEL) == (case.effects, {})
+    assert _formed(pool(), tension(0.42, 0.013), case, MODEL) == (case.effects, {})

@@ -12,10 +12,10 @@ from tests.orphans import outlived
 
 KEEPER = """
 import os, time
-from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.simulation_pool import SimulationPool
 if __name__ == "__main__":
-    with Bench([], workers=2) as bench:
-        jobs = [bench._pool.submit(os.getpid) for _ in range(8)]
+    with SimulationPool([], workers=2) as pool:
+        jobs = [pool._pool.submit(os.getpid) for _ in range(8)]
         print(*sorted({job.result() for job in jobs}), flush=True)
         time.sleep(600)
 """
@@ -30,9 +30,9 @@ def test_workers_end_with_a_parent_that_was_killed(tmp_path, how):
 def test_a_declared_line_that_does_not_run_is_refused_with_its_record():
     good, bad = np.zeros((2, 5)), np.full((2, 5), np.nan)
     records = [SimpleNamespace(path=Path("a.csv")), SimpleNamespace(path=Path("b.csv"))]
-    bench = SimpleNamespace(run=lambda cases: [[good, good], [good, bad]])
+    pool = SimpleNamespace(run=lambda cases: [[good, good], [good, bad]])
     with pytest.raises(PlantError, match=r"b\.csv: the declared line does not run"):
-        check_runs(bench, records)
+        check_runs(pool, records)
     check_runs(SimpleNamespace(run=lambda cases: [[good, good]] * 2), records)
 
 

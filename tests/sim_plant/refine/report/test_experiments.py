@@ -8,7 +8,7 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.report.experiments import experiment, experiments
 from sim_plant.refine.report.page import headline
 from sim_plant.refine.report.verdict import verdict
-from sim_plant.refine.search.selection import Step
+from sim_plant.refine.search.selection import AcceptedEffect
 
 
 @pytest.mark.parametrize(
@@ -37,7 +37,7 @@ def test_there_is_one_for_every_pair_of_effects_and_each_is_said_once():
 
 def test_the_verdict_names_the_equals_and_the_experiment():
     h = hypothesis(BY_NAME["unbalanced_roller"], "swrap")
-    step = Step(
+    step = AcceptedEffect(
         hypothesis=h,
         score=500.0,
         runner_up="torque_ripple at swrap",

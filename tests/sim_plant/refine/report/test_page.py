@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.judge.holdout import Judgement
+from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.report.figures import told_by, wavenumber_map, worst_part
+from sim_plant.refine.report.figures import channels_by_gain, wavenumber_map, worst_part
 from sim_plant.refine.report.page import (
     best_each,
     confidence,
@@ -31,7 +31,7 @@ def judged(wavenumber_1_m=4.0):
     measured = np.zeros((4, 4000))
     measured[0] = np.cos(2.0 * np.pi * wavenumber_1_m * travel)
     declared, amended = np.zeros((4, 4000)), measured.copy()
-    return Judgement(
+    return Evaluation(
         channels=CHANNELS,
         before=np.array([3.0, 900.0, 90.0, 2.0]),
         after=np.array([0.26, 1.0, 1.0, 1.0]),
@@ -60,7 +60,10 @@ EFFECT = {
 
 
 def test_sums_are_not_what_the_figures_show():
-    assert [CHANNELS[k] for k in told_by(judged())] == ["unwind_tension_N", "line_speed_m_s"]
+    assert [CHANNELS[k] for k in channels_by_gain(judged())] == [
+        "unwind_tension_N",
+        "line_speed_m_s",
+    ]
 
 
 def test_the_first_lines_say_what_how_much_what_it_brings_and_what_to_do():

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim_plant.refine.search.coherence import oddest_pair
+from sim_plant.refine.search.coherence import oddest_coupling
 from sim_plant.refine.search.unexplained import COUPLED
 
 SAMPLES, STEP_S = 6000, 0.01
@@ -33,13 +33,13 @@ def odd(left, analogue=(True, True, True)):
     """Return the oddest pair of what a fit leaves."""
     twin = SimpleNamespace(channels=NAMES, declaration=SimpleNamespace(sample_time_s=STEP_S))
     noise = SimpleNamespace(analogue=np.array(analogue), whiten=lambda values: values)
-    problem = SimpleNamespace(
-        bench=SimpleNamespace(twins=[twin]),
+    objective = SimpleNamespace(
+        pool=SimpleNamespace(twins=[twin]),
         noise=[noise],
         noisy=[np.stack([noise_of_a_loop(100 + k) for k in range(12)])],
         split=lambda _: [left],
     )
-    return oddest_pair(problem, SimpleNamespace(residual=left))
+    return oddest_coupling(objective, SimpleNamespace(residual=left))
 
 
 @pytest.mark.parametrize("seed", range(20))

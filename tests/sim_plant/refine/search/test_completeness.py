@@ -5,19 +5,23 @@ import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.search.completeness import complete
+from sim_plant.refine.search.completeness import explains_own_lines
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
 DELAY = hypothesis(BY_NAME["loop_delay"], "unwind")
 NOISE = 66_000.0
-PROBLEM = SimpleNamespace(expected_cost=NOISE)
+OBJECTIVE = SimpleNamespace(expected_cost=NOISE)
 
 
-def quiet(drop=0.0):
+def quiet(chi2_reduction=0.0):
     return [
         [
             LineSpectrum(
-                kind="time", roll="", coordinate=np.array([1.0]), drop=np.array([drop]), degrees=72
+                kind="time",
+                roll="",
+                coordinate=np.array([1.0]),
+                chi2_reduction=np.array([chi2_reduction]),
+                degrees=72,
             )
         ]
     ]
@@ -26,7 +30,7 @@ def quiet(drop=0.0):
 def claimed(before, after, line=0.0):
     base = SimpleNamespace(cost=before, hypotheses=())
     fit = SimpleNamespace(cost=after, hypotheses=(DELAY,))
-    return complete(PROBLEM, base, quiet(line), [None], fit)
+    return explains_own_lines(OBJECTIVE, base, quiet(line), [None], fit)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.2])

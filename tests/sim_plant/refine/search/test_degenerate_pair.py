@@ -9,8 +9,8 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.projection import Projector
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search import degenerate_pair as two_places
-from sim_plant.refine.search.degenerate_pair import two_instead
-from sim_plant.refine.search.screening import Scored, price
+from sim_plant.refine.search.degenerate_pair import better_pair
+from sim_plant.refine.search.screening import Candidate, bic_penalty
 
 ROWS = 4000
 RADII_M = {"R1": 0.04, "R2": 0.04, "R3": 0.04, "R4": 0.05}
@@ -33,29 +33,29 @@ def unbalanced(place):
 
 
 def instead(monkeypatch, residual, chosen="R2", places=("R1", "R2", "R3", "R4")):
-    problem = SimpleNamespace(
+    objective = SimpleNamespace(
         projector=Projector(np.zeros((ROWS, 1))),
         rows=ROWS,
-        bench=SimpleNamespace(one=lambda _: None),
+        pool=SimpleNamespace(one=lambda _: None),
         residual=lambda *_: residual,
     )
     monkeypatch.setattr(
-        two_places, "columns_of", lambda _p, _f, hs: [ANSWERS[h.location] for h in hs]
+        two_places, "sensitivities", lambda _p, _f, hs: [ANSWERS[h.location] for h in hs]
     )
     ranked = []
     for place in places:
-        gain = problem.projector.gain(residual, ANSWERS[place])
+        gain = objective.projector.gain(residual, ANSWERS[place])
         ranked.append(
-            Scored(
+            Candidate(
                 hypothesis=unbalanced(place),
                 gain=gain,
                 start=(0.0, 0.0),
-                score=gain.drop - price(problem, 2),
+                score=gain.chi2_reduction - bic_penalty(objective, 2),
             )
         )
     ranked.sort(key=lambda s: -s.score)
     fit = SimpleNamespace(case=None, shifts={})
-    return two_instead(problem, fit, TRAVEL, unbalanced(chosen), ranked)
+    return better_pair(objective, fit, TRAVEL, unbalanced(chosen), ranked)
 
 
 def noise(seed=1):

@@ -12,7 +12,7 @@ NAMES = ("size_m", "angle_rad", "smoothing_rad")
 FLAT = hypothesis(BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),), NAMES)
 DELAY = hypothesis(BY_NAME["loop_delay"], "unwind")
 TRUE_RAD, VALLEY_RAD = 3.0, 0.1
-PROBLEM = SimpleNamespace(bench=SimpleNamespace(twins=[SimpleNamespace(declaration=None)]))
+OBJECTIVE = SimpleNamespace(pool=SimpleNamespace(twins=[SimpleNamespace(declaration=None)]))
 
 
 def fit_at(angle_rad, delay_s=0.05):
@@ -37,13 +37,13 @@ def narrow_valley(monkeypatch):
         return fit_at(TRUE_RAD if abs(angle_rad - TRUE_RAD) < VALLEY_RAD else angle_rad)
 
     monkeypatch.setattr(one_effect, "hypothesis", lambda *_, **__: FLAT)
-    monkeypatch.setattr(one_effect, "in_step", lambda _, shifts, *__: shifts)
-    monkeypatch.setattr(one_effect, "refine_fit", fitted)
+    monkeypatch.setattr(one_effect, "synchronised_shifts", lambda _, shifts, *__: shifts)
+    monkeypatch.setattr(one_effect, "gauss_newton_fit", fitted)
     monkeypatch.setattr(one_effect, "_profiles", lambda *_: [(FLAT, (0.011, 2.95, 0.02))])
 
 
 def test_a_profile_is_found_anew_once_the_delay_is_known(narrow_valley):
-    found = one_effect.reseated(PROBLEM, fit_at(2.6))
+    found = one_effect.profile_reinitialised(OBJECTIVE, fit_at(2.6))
     assert found.values[0][1] == TRUE_RAD
     assert found.hypotheses == (FLAT, DELAY)
 
@@ -51,4 +51,4 @@ def test_a_profile_is_found_anew_once_the_delay_is_known(narrow_valley):
 def test_a_profile_that_fits_better_as_it_is_stays(narrow_valley, monkeypatch):
     monkeypatch.setattr(one_effect, "_profiles", lambda *_: [(FLAT, (0.011, 0.4, 0.02))])
     there = fit_at(TRUE_RAD)
-    assert one_effect.reseated(PROBLEM, there) is there
+    assert one_effect.profile_reinitialised(OBJECTIVE, there) is there

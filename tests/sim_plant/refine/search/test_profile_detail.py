@@ -18,7 +18,7 @@ SIZE, GROWTH = np.sin(40.0 * TIME), TIME * np.sin(40.0 * TIME)
 
 
 @pytest.fixture
-def problem():
+def objective():
     return SimpleNamespace(
         rows=ROWS,
         projector=Projector(np.zeros((ROWS, 1))),
@@ -44,18 +44,18 @@ def noise():
     return np.random.default_rng(3).standard_normal(ROWS)
 
 
-def test_a_detail_that_either_half_foretells_is_kept(problem, monkeypatch):
+def test_a_detail_that_either_half_foretells_is_kept(objective, monkeypatch):
     monkeypatch.setattr(details, "jacobian", lambda *_: np.stack([SIZE, GROWTH], axis=1))
     residual = noise() + 2.0 * SIZE - 4.0 * GROWTH
-    assert details.bears_out(problem, fit_of(residual), 0, ["gravity"])
+    assert details.improves_cross_validation(objective, fit_of(residual), 0, ["gravity"])
 
 
-def test_a_detail_that_fits_one_half_only_is_not(problem, monkeypatch):
+def test_a_detail_that_fits_one_half_only_is_not(objective, monkeypatch):
     fluke = np.where(TIME < 0.5, 1.0, -1.0) * np.sin(70.0 * TIME)
     monkeypatch.setattr(details, "jacobian", lambda *_: np.stack([SIZE, fluke], axis=1))
     residual = noise() + 2.0 * np.abs(TIME < 0.5) * fluke - 1.0 * (TIME >= 0.5) * fluke * 0.5
     residual = np.where(TIME < 0.5, residual, noise() - 2.0 * fluke)
-    assert not details.bears_out(problem, fit_of(residual), 0, ["gravity"])
+    assert not details.improves_cross_validation(objective, fit_of(residual), 0, ["gravity"])
 
 
 def formed(monkeypatch, *, explained, costs, plain=1000.0, roll="unwind"):
@@ -63,8 +63,8 @@ def formed(monkeypatch, *, explained, costs, plain=1000.0, roll="unwind"):
     wider = hypothesis(BY_NAME["out_of_round_roll"], roll, traced=("unwound_m",), line=LINE)
     old = SimpleNamespace(hypotheses=(SimpleNamespace(names=("size_m",)),), cost=plain, start=None)
     monkeypatch.setattr(details, "_explained", lambda *_: explained)
-    monkeypatch.setattr(details, "in_step", lambda *_: {})
-    monkeypatch.setattr(details, "unsure", lambda _: 100.0)
+    monkeypatch.setattr(details, "synchronised_shifts", lambda *_: {})
+    monkeypatch.setattr(details, "cost_standard_deviation", lambda _: 100.0)
     monkeypatch.setattr(
         details,
         "_wider",
@@ -74,7 +74,7 @@ def formed(monkeypatch, *, explained, costs, plain=1000.0, roll="unwind"):
     )
     monkeypatch.setattr(
         details,
-        "refine_fit",
+        "gauss_newton_fit",
         lambda _p, _h, at, *_, **__: SimpleNamespace(cost=costs[at[0][0]], start=at[0][0]),
     )
     return details._formed(SimpleNamespace(rows=40_000), old, 0).start

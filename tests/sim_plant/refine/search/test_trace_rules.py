@@ -12,7 +12,7 @@ from sim_plant.refine.search import selection as claim
 DRAG = hypothesis(BY_NAME["bearing_drag"], "R3")
 FAR_DRAG = hypothesis(BY_NAME["bearing_drag"], "R9")
 MODULUS = hypothesis(BY_NAME["web_modulus"], "web")
-PROBLEM = SimpleNamespace(rows=40_000, expected_cost=40_000.0)
+OBJECTIVE = SimpleNamespace(rows=40_000, expected_cost=40_000.0)
 COST = 41_000.0
 
 
@@ -23,7 +23,7 @@ def found():
 
 def rival(h, score):
     """Return a fit whose score is this."""
-    cost = COST - score - claim.price(PROBLEM, len(h.names))
+    cost = COST - score - claim.bic_penalty(OBJECTIVE, len(h.names))
     return score, SimpleNamespace(cost=cost, hypotheses=(h,)), h
 
 
@@ -35,14 +35,15 @@ def missed(monkeypatch):
         claim,
         "_missed",
         lambda _, fit: (
-            table[fit.hypotheses[-1].key] + claim.price(PROBLEM, len(fit.hypotheses[-1].names))
+            table[fit.hypotheses[-1].key]
+            + claim.bic_penalty(OBJECTIVE, len(fit.hypotheses[-1].names))
         ),
     )
     return table
 
 
 def claimed(rivals):
-    return claim.claim(PROBLEM, found(), [], lambda _: None, rivals)
+    return claim.claim(OBJECTIVE, found(), [], lambda _: None, rivals)
 
 
 def test_a_fit_that_is_not_missed_makes_room_for_the_next(missed):
@@ -76,16 +77,16 @@ def test_the_least_of_a_large_explanation_grows_with_it(missed):
     missed |= {DRAG.key: 500.0}
     large = found()
     large.nominal = SimpleNamespace(cost=COST + 1e5)
-    assert claim.claim(PROBLEM, large, [], lambda _: None, [rival(DRAG, 500.0)]) is None
+    assert claim.claim(OBJECTIVE, large, [], lambda _: None, [rival(DRAG, 500.0)]) is None
 
 
 def test_what_a_strong_free_term_leaves_is_no_effect(missed):
     beside = found()
     beside.aside = 5e5  # a flat spot that no effect explains; 0.1 % of it is 500
     missed |= {DRAG.key: 450.0}
-    assert claim.claim(PROBLEM, beside, [], lambda _: None, [rival(DRAG, 450.0)]) is None
+    assert claim.claim(OBJECTIVE, beside, [], lambda _: None, [rival(DRAG, 450.0)]) is None
     missed |= {DRAG.key: 550.0}
-    assert claim.claim(PROBLEM, beside, [], lambda _: None, [rival(DRAG, 550.0)]) is not None
+    assert claim.claim(OBJECTIVE, beside, [], lambda _: None, [rival(DRAG, 550.0)]) is not None
 
 
 @pytest.mark.parametrize(
@@ -97,11 +98,11 @@ def test_what_a_strong_free_term_leaves_is_no_effect(missed):
     ],
 )
 def test_the_search_ends_when_what_is_left_is_surely_no_effect(explained, left, ended):
-    cost = PROBLEM.expected_cost + left
+    cost = OBJECTIVE.expected_cost + left
     state = SimpleNamespace(
         fit=SimpleNamespace(cost=cost), nominal=SimpleNamespace(cost=cost + explained)
     )
-    assert trace._at_floor(PROBLEM, state) is ended
+    assert trace._at_floor(OBJECTIVE, state) is ended
 
 
 def test_an_effect_that_explains_less_than_half_of_a_pair_does_not_take_its_place(monkeypatch):
@@ -118,14 +119,16 @@ def test_an_effect_that_explains_less_than_half_of_a_pair_does_not_take_its_plac
         flat.key: (SimpleNamespace(hypothesis=flat), fit_of(flat, cost=2e5)),
         bounce.key: (SimpleNamespace(hypothesis=bounce), fit_of(bounce, cost=6e5)),
     }
-    monkeypatch.setattr(trace, "worth_trying", lambda *_: ([flat, bounce], []))
+    monkeypatch.setattr(trace, "with_line_support", lambda *_: ([flat, bounce], []))
     monkeypatch.setattr(trace, "_beyond_tolerance", lambda *_: [])
     monkeypatch.setattr(trace, "is_line", lambda *_: True)
     monkeypatch.setattr(
         trace, "_best_of", lambda _p, _f, group, *_: best[group[0].key] if group else None
     )
-    monkeypatch.setattr(trace, "complete", lambda _p, _b, _a, _t, fit: flat not in fit.hypotheses)
+    monkeypatch.setattr(
+        trace, "explains_own_lines", lambda _p, _b, _a, _t, fit: flat not in fit.hypotheses
+    )
     tried = []
     monkeypatch.setattr(trace, "_beside", lambda _p, _f, half, *_: tried.append(half))
-    assert trace._search(PROBLEM, now, [flat, bounce], lambda _: None) is None
+    assert trace._search(OBJECTIVE, now, [flat, bounce], lambda _: None) is None
     assert tried == [best[flat.key]]
