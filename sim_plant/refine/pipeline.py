@@ -11,7 +11,7 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.fit.start_angles import at_start_angles
 from sim_plant.refine.judge.holdout import evaluate
 from sim_plant.refine.model.hypotheses import library
@@ -49,7 +49,7 @@ def find(
         progress("simulating the declared line, its noise and its tolerances")
         measured = [measured_of(t, r) for t, r in zip(twins, records, strict=True)]
         check_runs(pool, records)
-        objective = Objective(pool, measured)
+        objective = declared_objective(pool, measured)
         found = forward_selection(objective, library(twins[0].declaration, without), progress)
         progress(f"{pool.simulations} simulations")
     return found
@@ -146,7 +146,7 @@ def write_all(outcome: Outcome, command: str) -> None:
     """Write verdict, amended line, AFF block and report into the plan's folder."""
     plan, line = outcome.plan, load_declaration(outcome.plan.line)
     amended = None
-    if outcome.selection.steps:
+    if outcome.selection.accepted:
         amended = write_amended(
             plan.line,
             plan.out,

@@ -1,29 +1,28 @@
-"""Simulated rolls brought into step with the measured ones.
+"""Simulated rolls synchronised with the measured ones.
 
-A radius wrong by 0.05 % turns a roll a quarter radian out of step in 80 turns: enough to lose
+A radius wrong by 0.05 % puts a roll a quarter radian out of step in 80 turns: enough to lose
 every harmonic. What an effect does at a roll's angle can only be told in step with that angle.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.twin import Twin
 
 ROUNDS = 4
-CLOSE_RAD = 0.02
-"""Out of step by less than this over a record is in step."""
 
 
-def synchronised_shifts(
+def synchronising_shifts(
     objective: Objective,
-    shifts: dict[str, float],
+    shifts: Mapping[str, float],
     hypotheses: Sequence[Hypothesis] = (),
     values: Sequence[Sequence[float]] = (),
 ) -> dict[str, float]:
@@ -33,29 +32,11 @@ def synchronised_shifts(
     unwound. Rolls count of which an angle or a speed in rad/s is recorded.
     """
     found = dict(shifts)
-    known = {n.name for n in objective.nuisances}
-    told = [
-        recorded_angles(t, m)
-        for t, m in zip(objective.pool.twins, objective.measured, strict=True)
-    ]
+    twins = objective.pool.twins
+    measured = [recorded_angles(t, m) for t, m in zip(twins, objective.measured, strict=True)]
     for _ in range(ROUNDS):
         runs = objective.pool.one(case_of(hypotheses, values, found))
-        ahead: dict[str, list[float]] = {}
-        for run, fine, coarse, twin, theirs, noise in zip(
-            runs,
-            objective.fine,
-            objective.coarse,
-            objective.pool.twins,
-            told,
-            objective.noise,
-            strict=True,
-        ):
-            ours = recorded_angles(twin, run + fine - coarse)
-            for name in known & set(ours):
-                ahead.setdefault(name, []).append(
-                    _ahead(ours[name][noise.first :], theirs[name][noise.first :])
-                )
-        moves = {name: float(np.mean(row)) for name, row in ahead.items() if np.any(row)}
+        moves = _slope_errors(objective, runs, measured)
         if not moves or not np.isfinite(list(moves.values())).all():
             break
         for name, move in moves.items():
@@ -64,8 +45,8 @@ def synchronised_shifts(
 
 
 def synchronised(objective: Objective, fit: Fit) -> Fit:
-    """Return the fit with its rolls in step; what it costs is told there."""
-    shifts = synchronised_shifts(objective, fit.shifts, fit.hypotheses, fit.values)
+    """Return the fit with its rolls in step; its cost is that there."""
+    shifts = synchronising_shifts(objective, fit.shifts, fit.hypotheses, fit.values)
     if shifts == fit.shifts:
         return fit
     return gauss_newton_fit(objective, fit.hypotheses, fit.values, shifts, rounds=0, coarse=False)
@@ -92,7 +73,31 @@ def recorded_angles(twin: Twin, channels: Array) -> dict[str, Array]:
     return found
 
 
-def _ahead(ours: Array, theirs: Array) -> float:
+def _slope_errors(
+    objective: Objective, runs: Sequence[Array], measured: Sequence[Mapping[str, Array]]
+) -> dict[str, float]:
+    """Return how much (relative) each roll turns too fast, mean of records; none in step."""
+    here = objective.linearisation
+    known = {n.name for n in objective.nuisances}
+    ahead: dict[str, list[float]] = {}
+    for run, fine, coarse, twin, theirs, noise in zip(
+        runs,
+        here.fine,
+        here.coarse,
+        objective.pool.twins,
+        measured,
+        objective.whitening.noise,
+        strict=True,
+    ):
+        ours = recorded_angles(twin, run + fine - coarse)
+        for name in known & set(ours):
+            ahead.setdefault(name, []).append(
+                _slope_error(ours[name][noise.first :], theirs[name][noise.first :])
+            )
+    return {name: float(np.mean(row)) for name, row in ahead.items() if np.any(row)}
+
+
+def _slope_error(ours: Array, theirs: Array) -> float:
     """Return by how much (relative) ours turns faster, 0 where it hardly matters."""
     slope = float(np.polyfit(theirs - theirs[0], ours - ours[0], 1)[0]) - 1.0
-    return slope if not abs(slope) * float(np.ptp(theirs)) < CLOSE_RAD else 0.0
+    return slope if not abs(slope) * float(np.ptp(theirs)) < CRITERIA.fit.in_step_rad else 0.0

@@ -15,6 +15,11 @@ from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
 
+SIMPLEX = ((0.0, 0.0), (0.05, 0.0), (0.08, 0.5))
+"""First corners round the fitted angle and unwound length: rad, cm."""
+SIMPLEX_ENDS = {"xatol": 2e-3, "fatol": 5.0, "maxfev": 60}
+"""The search ends when corners are this close (rad or cm, and chi-square), or after so many."""
+
 Shifts = tuple[tuple[str, float], ...]
 
 
@@ -67,7 +72,7 @@ def evaluate(
     *,
     find_angles: bool,
 ) -> Evaluation:
-    """Return before and after on the bench's only record.
+    """Return before and after on the only record of the pool.
 
     ``shifts`` are the declared numbers of the line as re-estimated with the effects. A roll's
     start angle differs from record to record and is found anew (``find_angles``).
@@ -82,7 +87,9 @@ def evaluate(
     final = tuple(effects)
     if find_angles:
         final, angles = start_angles(pool, measured, Case(effects=final, shifts=shifts), model)
-        final, unwound = _formed(pool, measured, Case(effects=final, shifts=shifts), model)
+        final, unwound = with_unwound_lengths(
+            pool, measured, Case(effects=final, shifts=shifts), model
+        )
     changed = Case(effects=final, shifts=shifts, coarse=False)
     amended = pool.one(changed)[0] if final or shifts else declared
     return Evaluation(
@@ -101,7 +108,7 @@ def evaluate(
     )
 
 
-def _formed(
+def with_unwound_lengths(
     pool: SimulationPool, measured: Array, case: Case, model: NoiseModel
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
     """Return the effects with this record's roll as it is: how far it was unwound since formed.
@@ -111,13 +118,13 @@ def _formed(
     found: dict[str, float] = {}
     for effect in case.effects:
         if UNWOUND in dict(effect.parameters):
-            best = _as_it_is(pool, measured, case, model, effect)
+            best = _with_best_length(pool, measured, case, model, effect)
             found[effect.location] = float(dict(best.parameters)[UNWOUND])
             case = replace(case, effects=tuple(best if e is effect else e for e in case.effects))
     return case.effects, found
 
 
-def _as_it_is(
+def _with_best_length(
     pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, effect: Added
 ) -> Added:
     """Return a profile with the angle and the unwound length (rad, cm) that fit best."""
@@ -135,6 +142,5 @@ def _as_it_is(
         return float(costs_of(pool, measured, model, [there])[0])
 
     start = np.array([0.0, 100.0 * float(values[UNWOUND])])
-    corners = start + np.array([[0.0, 0.0], [0.05, 0.0], [0.08, 0.5]])
-    options = {"initial_simplex": corners, "xatol": 2e-3, "fatol": 5.0, "maxfev": 60}
+    options = {**SIMPLEX_ENDS, "initial_simplex": start + np.array(SIMPLEX)}
     return moved(minimize(cost, start, method="Nelder-Mead", options=options).x)

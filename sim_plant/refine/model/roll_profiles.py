@@ -9,6 +9,7 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.effects.out_of_round_roll import KINDS, named
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 
 SIZES_M = (0.001, 0.002, 0.004, 0.006, 0.009, 0.012, 0.016)
@@ -16,8 +17,6 @@ PROFILE_NUMBERS = ("size_m", "angle_rad", "smoothing_rad")
 FLATTENED = "flattened_bulge"
 EFFECT = "out_of_round_roll"
 UNWOUND = "unwound_m"
-FINEST_ORDER = 64.0
-"""A profile that is traced has no finer orders: drives and cells do not answer to them."""
 
 
 def profile_starts(
@@ -67,5 +66,5 @@ def _start(
     wide = kind == FLATTENED
     names = (*PROFILE_NUMBERS, *(("flat_width_m",) if wide else ()))
     start = (size_m, angle_rad, 0.02, *((6.0 * size_m,) if wide else ()))
-    choice = (("shape", kind), ("finest_order", FINEST_ORDER))
+    choice = (("shape", kind), ("finest_order", CRITERIA.model.finest_order))
     return hypothesis(BY_NAME[EFFECT], location, choice, names), start

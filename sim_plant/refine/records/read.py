@@ -12,14 +12,13 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.read_binary import Table, mdf_table, parquet_table
 from sim_plant.refine.records.recording import Record
 from sim_plant.refine.records.sanity import counted_on, even_grid, oddities, place_of
 from sim_plant.refine.records.units import TO_SI, canonical, split_header
 
 TIME_NAMES = ("time", "t", "timestamp")
-LARGEST = 1e30
-"""No sensor reads more in any SI unit; its square still is a number."""
 
 
 def read_record(path: str | Path) -> Record:
@@ -79,7 +78,7 @@ def si_name(header: str, path: Path) -> tuple[str, float]:
 
 
 def _finite(path: Path, name: str, values: Array) -> None:
-    bad = np.flatnonzero(~(np.abs(values) < LARGEST))
+    bad = np.flatnonzero(~(np.abs(values) < CRITERIA.records.largest_reading))
     if bad.size:
         finite = bool(np.isfinite(values[bad]).all())
         said = "are too large for a reading" if finite else "are missing or not numbers"

@@ -10,11 +10,10 @@ from scipy.ndimage import median_filter
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.units import suffix_of
 
-LONGEST_GAP_SAMPLES = 1.7
-JITTER_SHARE = 0.02
-SPIKE_SIGMA = 12.0
+RECORDS = CRITERIA.records
 
 
 def even_grid(
@@ -27,14 +26,14 @@ def even_grid(
     PlantError
         When stamps go back, or rows are missing.
     """
-    if time_s.size < 100:
+    if time_s.size < RECORDS.fewest_rows:
         raise PlantError(f"{path}: {time_s.size} rows are too few to judge")
     steps = np.diff(time_s)
     back = np.flatnonzero(steps < 0.0)
     if back.size:
         raise PlantError(f"{path}: {place_of(path, int(back[0]) + 1)}: time does not go on")
     step = float(np.median(steps))
-    odd = np.flatnonzero((steps > LONGEST_GAP_SAMPLES * step) | (steps == 0.0))
+    odd = np.flatnonzero((steps > RECORDS.longest_gap_samples * step) | (steps == 0.0))
     misplaced = [int(k) for k in odd if _one_stamp_off(steps, int(k), step)]
     gap = [int(k) for k in odd if int(k) not in misplaced]
     if gap:
@@ -48,7 +47,7 @@ def even_grid(
     grid = time_s[0] + mean * np.arange(time_s.size)
     late = float(np.max(np.abs(time_s - grid)))
     found = {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
-    if late < JITTER_SHARE * mean:
+    if late < RECORDS.jitter_share * mean:
         return mean, found, said
     apart = np.maximum.accumulate(time_s + 1e-9 * step * np.arange(time_s.size))
     even = {name: np.interp(grid, apart, values) for name, values in found.items()}
@@ -85,7 +84,9 @@ def counted_on(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str
 def _one_stamp_off(steps: Array, at: int, step: float) -> bool:
     """Return whether an odd step is one misplaced stamp: with a neighbour it makes two."""
     pairs = [steps[at] + steps[k] for k in (at - 1, at + 1) if 0 <= k < steps.size]
-    return bool(min(abs(pair - 2.0 * step) for pair in pairs) < 0.2 * step)
+    return bool(
+        min(abs(pair - 2.0 * step) for pair in pairs) < RECORDS.misplaced_stamp_share * step
+    )
 
 
 def oddities(columns: Mapping[str, Array]) -> list[str]:
@@ -97,11 +98,19 @@ def oddities(columns: Mapping[str, Array]) -> list[str]:
             continue
         levels, unit = np.unique(values), suffix_of(name).replace("_s", "/s")
         smallest = float(np.min(np.diff(levels))) if levels.size > 1 else 0.0
-        if levels.size < 0.2 * values.size and smallest > 0.0 and "_ref_" not in name:
+        if (
+            levels.size < RECORDS.coarse_levels_share * values.size
+            and smallest > 0.0
+            and "_ref_" not in name
+        ):
             found.append(f"{name} is read in steps of {smallest:.3g} {unit}".rstrip())
         for level, side in ((levels[-1], "top"), (levels[0], "bottom")):
             stuck = float(np.mean(values == level))
-            if stuck > 0.05 and levels.size > 20 and "_ref_" not in name:
+            if (
+                stuck > RECORDS.stuck_share
+                and levels.size > RECORDS.stuck_levels
+                and "_ref_" not in name
+            ):
                 found.append(f"{name} sits at its {side} {level:g} for {100 * stuck:.0f} %")
         spikes = count_spikes(values)
         if spikes:
@@ -113,4 +122,4 @@ def count_spikes(values: Array) -> int:
     """Return how many single samples stand far off their neighbours (Hampel)."""
     off = (values - median_filter(values, 7))[3:-3]  # at its ends a ramp looks like a spike
     spread = max(1.4826 * float(np.median(np.abs(off - np.median(off)))), 0.5 * float(np.std(off)))
-    return 0 if spread == 0.0 else int(np.sum(np.abs(off) > SPIKE_SIGMA * spread))
+    return 0 if spread == 0.0 else int(np.sum(np.abs(off) > RECORDS.spike_sigma * spread))

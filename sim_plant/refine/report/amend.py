@@ -13,6 +13,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import load_declaration
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recording import Record
 from sim_plant.refine.report.start_values import start_values
 from sim_plant.refine.report.verdict import aff_blocks, declared_entries
@@ -20,7 +21,6 @@ from sim_plant.refine.search.selection import Selection
 
 FILE = "line_amended.yaml"
 BLOCK_FILE = "aff_block.yaml"
-HIGHEST_START = 16
 BLOCK_HEAD = """\
 # for the site file: each entry (from `- roll` on) goes into the list `blocks` of an actuator,
 # indented as here; it replaces the entry with the same `roll` if there is one, all others stay;
@@ -166,7 +166,7 @@ def _add_start(
         for row in rows
         if row["location"] == block["roll"] and row["cancel"]
     ]
-    first, last = min(block["orders"]), max(*block["orders"], HIGHEST_START)
+    first, last = min(block["orders"]), max(*block["orders"], CRITERIA.report.highest_start_order)
     orders = block["orders"] if len(block["orders"]) == 1 else range(first, last + 1)
     start = start_values(declaration, effects, block["roll"], orders, record)
     if start:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, PackageLoader
 
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.units import suffix_of
 from sim_plant.refine.report.figures import channels_by_gain, overlay, spectrum, wavenumber_map
 from sim_plant.refine.report.remedies import remedy
@@ -18,15 +19,12 @@ from sim_plant.refine.report.wording import (
     place_of,
     size_of,
 )
-from sim_plant.refine.search.unexplained import LINE_THRESHOLD
 
 if TYPE_CHECKING:
     from sim_plant.refine.judge.holdout import Evaluation
     from sim_plant.refine.report.outcome import Outcome
 
 
-ABOVE_NOISE = 1.1
-"""After over floor from which a channel is said to hold more than noise."""
 SHOWN_SHIFTS = 5
 
 
@@ -97,7 +95,7 @@ def above_noise(judged: Evaluation, ranked: Sequence[int]) -> dict[str, float]:
     return {
         judged.channels[k]: float(judged.after[k] / judged.floor[k])
         for k in ranked
-        if judged.after[k] >= ABOVE_NOISE * judged.floor[k]
+        if judged.after[k] >= CRITERIA.report.above_noise * judged.floor[k]
     }
 
 
@@ -202,7 +200,7 @@ def write_report(
         limits=outcome.limits,
         records=outcome.records,
         held=outcome.plan.holdout,
-        steps=selection.steps,
+        steps=selection.accepted,
         angles=judged.angles_rad,
         unwound=judged.unwound_m,
         shifts=shift_rows(selection.corrections, tolerances),
@@ -212,12 +210,14 @@ def write_report(
         numbers=number_rows,
         name_of=name_of,
         place_of=place_of,
-        above=ABOVE_NOISE,
+        above=CRITERIA.report.above_noise,
         block=block.read_text(encoding="utf-8") if block else "",
         amended=amended.name if amended else "",
         overlay=overlay(judged, step_s),
         order_map=wavenumber_map(judged, step_s),
-        spectra=spectrum(selection.before[0], selection.after[0], LINE_THRESHOLD),
+        spectra=spectrum(
+            selection.before[0], selection.after[0], CRITERIA.search.unexplained.line
+        ),
     )
     path = outcome.plan.out / "report.html"
     path.write_text(page, encoding="utf-8")

@@ -15,10 +15,10 @@ from sim_plant.geometry.tangent import Body, common_tangent
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.with_effects import apply_effects
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recording import Record
 
 POINTS = 1024
-SMALLEST_M = 1e-6
 
 
 def start_values(
@@ -46,7 +46,7 @@ def start_values(
     rows = []
     for order in orders:
         w = complex(spectrum[order]) * cmath.exp(-1j * order * first_rad)
-        if abs(w) >= SMALLEST_M:
+        if abs(w) >= CRITERIA.report.smallest_start_m:
             rows.append(
                 {
                     "order": int(order),

@@ -7,16 +7,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.report.experiments import experiments
 from sim_plant.refine.search.selection import Selection
 
 NINETY_FIVE = 1.959964
-MODEL_SHARE = 0.0066
-"""Standard deviation of a size because no model is exact, as a share of it: what the lines that
-other code simulated show (a flat spot 1.2 %, a delay 0.8 %, a modulus 0.5 %, an eccentricity 0.3 %
-off, one record each). Noise alone would promise a hundredth of that on a strong effect."""
 SHARED_NAMES = {"unbalanced_measuring_roller": "unbalanced_roller"}
 """Names that version 1 does not know, and what they are there."""
 
@@ -32,7 +29,9 @@ def standard_deviations(fit: Fit) -> list[float]:
         for name, value in change.items():
             strength = h.effect.accepts[name].role == "strength"
             own = phasor if name in phasors else value
-            found.append(math.hypot(noise[len(found)], MODEL_SHARE * own * strength))
+            found.append(
+                math.hypot(noise[len(found)], CRITERIA.report.model_share * own * strength)
+            )
     return found
 
 
@@ -42,7 +41,7 @@ def effect_rows(selection: Selection) -> list[dict[str, Any]]:
     at = 0
     sd = standard_deviations(selection.fit)
     for step, h, values in zip(
-        selection.steps, selection.fit.hypotheses, selection.fit.values, strict=True
+        selection.accepted, selection.fit.hypotheses, selection.fit.values, strict=True
     ):
         parameters: dict[str, Any] = dict(h.fixed) | dict(zip(h.names, values, strict=True))
         intervals = {
@@ -64,7 +63,7 @@ def effect_rows(selection: Selection) -> list[dict[str, Any]]:
                 "parameters": parameters,
                 "interval95": intervals,
                 "score": step.score,
-                "runner_up": step.runner_up,
+                "runner_up": " at ".join(step.runner_up or ()),
                 "margin": step.margin,
                 "cancel": h.effect.order_locked and not h.effect.sensor_only,
                 "text": h.effect.text,
@@ -76,9 +75,9 @@ def effect_rows(selection: Selection) -> list[dict[str, Any]]:
 def verdict(selection: Selection, evaluation: Evaluation | None, holdout: str) -> dict[str, Any]:
     """Return the whole verdict as plain values."""
     word = "nothing"
-    if selection.steps:
+    if selection.accepted:
         word = "traced"
-    if any(step.ambiguous for step in selection.steps):
+    if any(step.ambiguous for step in selection.accepted):
         word = "not_identifiable"
     if selection.unknown:
         word = "unknown"
@@ -108,7 +107,7 @@ def verdict(selection: Selection, evaluation: Evaluation | None, holdout: str) -
                 "with": [" at ".join(k) for k in s.ambiguous],
                 "experiments": experiments(s.hypothesis.key, s.ambiguous),
             }
-            for s in selection.steps
+            for s in selection.accepted
             if s.ambiguous
         ],
         "residual_rms": table,

@@ -8,61 +8,74 @@ from dataclasses import replace
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
-from sim_plant.refine.fit.roll_synchronisation import effective_radius_of, synchronised_shifts
+from sim_plant.refine.fit.roll_synchronisation import effective_radius_of, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.model.parameter_effects import within_tolerance
 from sim_plant.refine.model.roll_profiles import EFFECT as OUT_OF_ROUND
 from sim_plant.refine.model.roll_profiles import profile_starts
-from sim_plant.refine.search.screening import Candidate, bic_penalty
+from sim_plant.refine.search.candidate import (
+    Candidate,
+    FittedCandidate,
+    Progress,
+    bic_penalty,
+    fitted_candidate,
+)
 
 
-def fit_candidate(objective: Objective, fit: Fit, candidate: Candidate) -> Fit | None:
-    """Return ``fit`` with one more effect, None where its numbers are no estimate."""
+def fit_candidates(
+    objective: Objective, base: Fit, candidates: Sequence[Candidate], progress: Progress
+) -> list[FittedCandidate]:
+    """Return ``base`` with each candidate fitted beside it, unless it is no estimate."""
+    found = []
+    for candidate in candidates:
+        fit = fit_candidate(objective, base, candidate)
+        if fit is not None:
+            fitted = fitted_candidate(objective, base, fit)
+            h = fitted.hypothesis
+            progress(f"  {h.effect.name} at {h.location}: score {fitted.score:.0f}")
+            found.append(fitted)
+    return found
+
+
+def fit_candidate(objective: Objective, base: Fit, candidate: Candidate) -> Fit | None:
+    """Return ``base`` with one more effect, None where its numbers are no estimate."""
     h = candidate.hypothesis
     if h.effect.name != OUT_OF_ROUND:
-        return with_effect(objective, fit, h, candidate.start, fit.shifts)
-    # a profile brings its own mean radius
-    shifts = {
-        name: value
-        for name, value in fit.shifts.items()
-        if name != effective_radius_of(h.location)
-    }
-    best: Fit | None = None
-    for hyp, start in _profiles(objective, fit, h):
-        there = (*fit.hypotheses, hyp), (*fit.values, start)
-        new = with_effect(
-            objective, fit, hyp, start, synchronised_shifts(objective, shifts, *there)
-        )
-        if new is not None and (best is None or _worth(objective, new) < _worth(objective, best)):
-            best = new
-    excess = fit.cost - objective.expected_cost
-    if best is None or fit.cost - best.cost < 0.9 * excess:
-        free = with_effect(objective, fit, *candidate.trimmed(), fit.shifts, rounds=2)
-        if free is not None and (
-            best is None or _worth(objective, free) < _worth(objective, best)
-        ):
-            best = free
+        return with_effect(objective, base, h, candidate.start, base.shifts)
+    shifts = _without_radius(base.shifts, h.location)
+    fits = []
+    for profile, start in _profile_starts(objective, base, h):
+        there = (*base.hypotheses, profile), (*base.values, start)
+        synchronising = synchronising_shifts(objective, shifts, *there)
+        fits.append(with_effect(objective, base, profile, start, synchronising))
+    best = _best(objective, fits)
+    excess = base.cost - objective.expected_cost
+    least = CRITERIA.search.profile.orders_share * excess
+    if best is None or base.cost - best.cost < least:
+        free = with_effect(objective, base, *candidate.trimmed(), base.shifts, rounds=2)
+        best = _best(objective, [best, free])
     return best
 
 
 def with_effect(
     objective: Objective,
-    fit: Fit,
+    base: Fit,
     h: Hypothesis,
     start: Sequence[float],
     shifts: dict[str, float],
     rounds: int = 6,
 ) -> Fit | None:
-    """Return ``fit`` with ``h`` from ``start``, all else fitted again; None as ``fit_one``."""
-    new = gauss_newton_fit(
-        objective, (*fit.hypotheses, h), (*fit.values, tuple(start)), shifts, rounds=rounds
+    """Return ``base`` with ``h`` from ``start``, all fitted again; None as ``fit_candidate``."""
+    fit = gauss_newton_fit(
+        objective, (*base.hypotheses, h), (*base.values, tuple(start)), shifts, rounds=rounds
     )
-    h, found, line = new.hypotheses[-1], new.values[-1], objective.pool.twins[0].declaration
-    if not np.isfinite(new.cost) or h.at_bound(found):
+    found, line = fit.values[-1], objective.pool.twins[0].declaration
+    if not np.isfinite(fit.cost) or h.at_bound(found):
         return None
-    return None if within_tolerance(line, objective.nuisances, h, found) else new
+    return None if within_tolerance(line, objective.nuisances, h, found) else fit
 
 
 def profile_reinitialised(objective: Objective, fit: Fit) -> Fit:
@@ -79,25 +92,37 @@ def profile_reinitialised(objective: Objective, fit: Fit) -> Fit:
             fit,
             hypotheses=(*fit.hypotheses[:k], *fit.hypotheses[k + 1 :]),
             values=(*fit.values[:k], *fit.values[k + 1 :]),
-            shifts={n: v for n, v in fit.shifts.items() if n != effective_radius_of(h.location)},
+            shifts=_without_radius(fit.shifts, h.location),
         )
-        for hyp, start in _profiles(objective, rest, hypothesis(h.effect, h.location, line=line)):
-            there = fit.put(k, hyp, start)
-            shifts = synchronised_shifts(objective, rest.shifts, there.hypotheses, there.values)
+        orders = hypothesis(h.effect, h.location, line=line)
+        for profile, start in _profile_starts(objective, rest, orders):
+            there = fit.with_effect_at(k, profile, start)
+            shifts = synchronising_shifts(objective, rest.shifts, there.hypotheses, there.values)
             new = gauss_newton_fit(objective, there.hypotheses, there.values, shifts)
             if np.isfinite(new.cost) and new.cost < fit.cost:
                 fit = new
     return fit
 
 
-def _worth(objective: Objective, fit: Fit) -> float:
-    return fit.cost + bic_penalty(objective, len(fit.hypotheses[-1].names))
+def _best(objective: Objective, fits: Sequence[Fit | None]) -> Fit | None:
+    """Return the fit that costs least, the price of its last effect's numbers included."""
+
+    def penalised(fit: Fit) -> float:
+        return fit.cost + bic_penalty(objective, len(fit.hypotheses[-1].names))
+
+    return min((fit for fit in fits if fit is not None), key=penalised, default=None)
 
 
-def _profiles(
+def _without_radius(shifts: dict[str, float], roll: str) -> dict[str, float]:
+    """Return shifts without the effective radius of a roll: a profile brings its own mean."""
+    return {name: value for name, value in shifts.items() if name != effective_radius_of(roll)}
+
+
+def _profile_starts(
     objective: Objective, fit: Fit, h: Hypothesis
 ) -> list[tuple[Hypothesis, tuple[float, ...]]]:
-    shifts = synchronised_shifts(objective, fit.shifts, fit.hypotheses, fit.values)
+    """Return named profiles where ``h`` (free orders) is that explain most beside ``fit``."""
+    shifts = synchronising_shifts(objective, fit.shifts, fit.hypotheses, fit.values)
     case = case_of(fit.hypotheses, fit.values, shifts)
     runs = objective.pool.run(
         [case, *(replace(case, effects=(*case.effects, a)) for a in h.probes())]

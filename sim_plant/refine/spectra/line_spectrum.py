@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 
 OVERSAMPLING = 8
 
@@ -44,7 +45,10 @@ def speed_weights(speed_m_s: Array, count: int = 3) -> Array:
     """
     spread = float(np.std(speed_m_s))
     size = speed_m_s.size
-    if spread < 1e-3 * float(np.mean(np.abs(speed_m_s))) or count == 1:
+    if (
+        spread < CRITERIA.spectra.least_speed_spread * float(np.mean(np.abs(speed_m_s)))
+        or count == 1
+    ):
         return np.ones((1, size))
     unit = (speed_m_s - speed_m_s.mean()) / spread
     basis, _ = np.linalg.qr(np.vander(unit, count, increasing=True))

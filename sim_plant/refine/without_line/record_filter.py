@@ -17,15 +17,14 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.line.yaml_places import read_places
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.noise.innovations import whitening_filter
-from sim_plant.refine.records.read import LARGEST, read_record
+from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Record
 from sim_plant.refine.records.sanity import oddities
 
 SCHEMA = "record-declaration/1"
-LEAST_ROWS = 100
-"""Rows that are left to judge when the filter has taken its taps off both ends."""
-RUNS_ONWARD = 0.9
+WITHOUT_LINE = CRITERIA.without_line
 
 
 class RecordDeclaration(BaseModel):
@@ -125,7 +124,7 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
         raise PlantError(
             f"{path}: column {absent[0]} is missing; there are {sorted(record.columns)}"
         )
-    least = 2 * declaration.taps + LEAST_ROWS
+    least = 2 * declaration.taps + WITHOUT_LINE.rows_beyond_taps
     if record.samples < least:
         raise PlantError(
             f"{path}: {record.samples} rows are too few for a filter of {declaration.taps} taps "
@@ -133,13 +132,16 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
         )
     if declaration.travel_speed:
         onward = float(np.mean(record.columns[declaration.travel_speed] > 0.0))
-        if onward < RUNS_ONWARD:
+        if onward < WITHOUT_LINE.onward_share:
             raise PlantError(
                 f"{path}: column {declaration.travel_speed} is above 0 in {100 * onward:.0f} % of "
                 "the rows; travel_speed is the speed of a web that runs, counted forwards: "
                 "correct it, or leave travel_speed empty"
             )
-    if abs(record.sample_time_s - declaration.sample_time_s) > 0.02 * declaration.sample_time_s:
+    if (
+        abs(record.sample_time_s - declaration.sample_time_s)
+        > WITHOUT_LINE.sample_time_share * declaration.sample_time_s
+    ):
         raise PlantError(
             f"{path}: sampled every {record.sample_time_s:.5g} s, declared "
             f"{declaration.sample_time_s} s; correct sample_time_s"
@@ -157,7 +159,7 @@ def _headerless(declaration: RecordDeclaration, path: Path) -> Record:
         raise PlantError(f"{path}: not a table of numbers ({error})") from error
     if table.ndim != 2 or table.shape[1] != len(names):
         raise PlantError(f"{path}: has {table.shape[-1]} columns, declared are {len(names)}")
-    bad = np.argwhere(~(np.abs(table) < LARGEST))
+    bad = np.argwhere(~(np.abs(table) < CRITERIA.records.largest_reading))
     if bad.size:
         raise PlantError(f"{path}: column {names[bad[0][1]]}: no reading in line {bad[0][0] + 1}")
     columns = {n: table[:, k].copy() for k, n in enumerate(names)}

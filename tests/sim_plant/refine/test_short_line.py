@@ -12,7 +12,7 @@ from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
-from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.judge.holdout import evaluate
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.record_match import twin_of
@@ -66,7 +66,7 @@ def fitted(line, record):
     twin = twin_of(own, record)
     measured = np.stack([record.columns[c] for c in twin.channels])
     with SimulationPool([twin], 1) as pool:
-        objective = Objective(pool, [measured])
+        objective = declared_objective(pool, [measured])
         nominal = nominal_fit(objective)
         rough = gauss_newton_fit(
             objective,
@@ -131,20 +131,20 @@ def test_declared_numbers_estimated_anew_are_in_the_error_after(line, record):
 
 def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record, tmp_path):
     _, nominal, right, _, judged = fitted
-    step = AcceptedEffect(
+    accepted = AcceptedEffect(
         hypothesis=right.hypotheses[0],
         score=nominal.cost - right.cost,
-        runner_up="",
+        runner_up=None,
         margin=100.0,
         rejected=(),
     )
     found = Selection(
         nominal=nominal,
         fit=right,
-        travels=[],
-        before=[],
-        after=[],
-        steps=[step],
+        travels=(),
+        before=(),
+        after=(),
+        accepted=(accepted,),
         corrections={"web.EA_N": 0.01},
     )
     result = verdict(found, judged, "short.csv")

@@ -40,13 +40,13 @@ def test_the_verdict_names_the_equals_and_the_experiment():
     step = AcceptedEffect(
         hypothesis=h,
         score=500.0,
-        runner_up="torque_ripple at swrap",
+        runner_up=("torque_ripple", "swrap"),
         margin=2.0,
         rejected=(),
         ambiguous=(("torque_ripple", "swrap"),),
     )
     fit = SimpleNamespace(hypotheses=(h,), values=((1e-3, 2e-3),), covariance=np.eye(2) * 1e-8)
-    found = SimpleNamespace(steps=[step], fit=fit, unknown=[])
+    found = SimpleNamespace(accepted=[step], fit=fit, unknown=[])
     result = verdict(found, None, "b.csv")
     assert result["verdict"] == "not_identifiable"
     (row,) = result["ambiguous"]

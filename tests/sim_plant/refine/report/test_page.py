@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.report.figures import channels_by_gain, wavenumber_map, worst_part
@@ -18,7 +19,7 @@ from sim_plant.refine.report.page import (
     shift_rows,
 )
 from sim_plant.refine.report.remedies import REMEDIES, remedy
-from sim_plant.refine.report.verdict import MODEL_SHARE, standard_deviations
+from sim_plant.refine.report.verdict import standard_deviations
 
 CHANNELS = ("unwind_tension_N", "unwind_angle_rad", "unwind_radius_m", "line_speed_m_s")
 STEP_S = 0.01
@@ -204,7 +205,11 @@ def test_a_size_is_as_uncertain_as_the_model_and_an_angle_only_as_the_noise():
         covariance=np.diag([1e-10, 1e-6, 1e-14, 1e-14]),
     )
     size, angle, cos, sin = standard_deviations(fit)
-    assert size == pytest.approx(math.hypot(1e-5, MODEL_SHARE * 0.012))
+    assert size == pytest.approx(math.hypot(1e-5, CRITERIA.report.model_share * 0.012))
     assert angle == pytest.approx(1e-3)
     # either component is as uncertain as the phasor: the error may stand across it
-    assert cos == pytest.approx(math.hypot(1e-7, MODEL_SHARE * 5e-4)) == pytest.approx(sin)
+    assert (
+        cos
+        == pytest.approx(math.hypot(1e-7, CRITERIA.report.model_share * 5e-4))
+        == pytest.approx(sin)
+    )

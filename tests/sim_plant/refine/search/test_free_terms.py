@@ -81,9 +81,9 @@ def test_a_line_in_time_is_taken_in_time_only():
 def test_orders_of_one_roll_are_one_unknown():
     time = Unknown(kind="time", coordinate={"frequency_Hz": 3.4}, strength=1.0)
     other = Unknown(kind="angle", coordinate={"roll": "rewind", "order": 1.0}, strength=1.0)
-    assert angle(4.0).like(angle(1.0))
-    assert not angle(1.0).like(other)
-    assert not time.like(time)
+    assert angle(4.0).same_roll_as(angle(1.0))
+    assert not angle(1.0).same_roll_as(other)
+    assert not time.same_roll_as(time)
 
 
 R6_1_M = 1.0 / (2.0 * np.pi * LINE.rollers[LINE.body("R6")].radius_m)

@@ -1,0 +1,1 @@
+"""Every number that decides something in refine: unit, meaning, and what it was set on."""
