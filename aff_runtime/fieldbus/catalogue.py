@@ -5,17 +5,14 @@ from __future__ import annotations
 import ssl
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock, WordTransport
-from aff_runtime.fieldbus.loopback import Answer, LoopbackTransport
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
 from aff_runtime.fieldbus.modbus.registers import RegisterMap
 from aff_runtime.fieldbus.modbus.tcp import ModbusTcpTransport
 from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire, Wire
 from aff_runtime.fieldbus.modbus.tls_wire import TlsWire
-from aff_runtime.fieldbus.replay import ReplayTransport, read_rows
 
 
 def modbus_tcp(
@@ -110,22 +107,6 @@ def _frames(device_id: int, register_map: RegisterMap) -> ModbusFrames:
     )
 
 
-def loopback(*, answer: Answer) -> WordTransport:
-    """Return an in-process transport around ``answer``."""
-    return LoopbackTransport(answer)
-
-
-def replay(*, path: Path) -> WordTransport:
-    """Return a transport that replays the recording at ``path``.
-
-    Raises
-    ------
-    ConfigError
-        When the recording cannot be read.
-    """
-    return ReplayTransport(read_rows(path))
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Adapter:
     """One row: the name in the site file, what it is, and how to make one."""
@@ -138,7 +119,5 @@ class Adapter:
 ADAPTERS: tuple[Adapter, ...] = (
     Adapter(name="modbus_tcp", text="Modbus TCP client, FC23 or FC16 + FC3", build=modbus_tcp),
     Adapter(name="modbus_rtu", text="Modbus RTU master on a serial line", build=modbus_rtu),
-    Adapter(name="loopback", text="a function in this process, in lockstep", build=loopback),
-    Adapter(name="replay", text="recorded read blocks, tick by tick", build=replay),
 )
 BY_NAME = {adapter.name: adapter for adapter in ADAPTERS}

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from sim_plant.line.declaration import Declaration, EffectEntry, SpanEntry
+from sim_plant.line.declaration import Declaration, EffectEntry, LoadCell, SpanEntry
 from sim_plant.line.load import load_declaration
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -118,7 +118,7 @@ def with_hidden(line: Declaration, hidden: Hidden) -> Declaration:
     )
     sensors = tuple(
         s.model_copy(update={"low_pass_Hz": hidden.cell_Hz})
-        if hidden.cell_Hz is not None and s.low_pass_Hz is not None
+        if hidden.cell_Hz is not None and isinstance(s, LoadCell)
         else s
         for s in line.sensors
     )

@@ -24,13 +24,18 @@ COMMON = (
     *(p for room in ROOMS for p in (PLANT / room).glob("*.py")),
     EUCLID,
 )
-SHAPE = (*sorted(CORE.glob("shape_*.py")), CORE / "gate.py", CORE / "params.py", BENCH / "laws.py")
+SHAPE = (
+    *sorted((CORE / "shape").glob("*.py")),
+    CORE / "gate.py",
+    CORE / "params.py",
+    BENCH / "laws.py",
+)
 OF_LAW: dict[str, tuple[Path, ...]] = {
-    "plain blocks": tuple(CORE / f"{n}.py" for n in ("bank", "block", "residual", "sharing")),
-    "printed (5.14)": (CORE / "printed.py",),
+    "plain blocks": (*sorted((CORE / "blocks").glob("*.py")), CORE / "residual.py"),
+    "printed (5.14)": (BENCH / "printed.py",),
     "angle, no phase": (BENCH / "rivals_blocks.py",),
     "resonators": (BENCH / "rivals_blocks.py",),
-    "FxLMS": (BENCH / "rivals_filtered.py", CORE / "shape_filter.py"),
+    "FxLMS": (BENCH / "rivals_filtered.py", CORE / "shape" / "filter.py"),
     "repetitive": (BENCH / "rivals_repetitive.py",),
     "perfect roll": (),
 }

@@ -162,7 +162,7 @@ def summary(outcome: Outcome) -> str:
             f"    score {e['score']:.0f}, runner-up {e['runner_up']}, margin {e['margin']:.0f}"
         )
     for a in result["ambiguous"]:
-        lines.append(f"  not identifiable: {a['effect']} or {', '.join(a['with'])}")
+        lines.append(f"  not identifiable: {a['effect']} or {', '.join(map(str, a['with']))}")
         lines += [f"    to tell: {what}" for what in a["experiments"]]
     for u in result["unknown"]:
         lines.append(

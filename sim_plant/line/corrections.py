@@ -55,7 +55,7 @@ def _idler_inertia(arrays: LineArrays, amount: float) -> LineArrays:
 
 def _modulus(arrays: LineArrays, amount: float) -> LineArrays:
     arrays.spans["EA_N"] *= 1.0 + amount
-    arrays.web["wound_in_strain"] /= 1.0 + amount  # wound at a declared tension
+    arrays.web["supply_strain"] /= 1.0 + amount  # wound at a declared tension
     return arrays
 
 
@@ -90,7 +90,7 @@ def declared_numbers(line: Declaration) -> list[Number]:
         ("web.kelvin_voigt_eta_s", "web.kelvin_voigt_eta_s", _scale("web", "viscosity_s", 0)),
         ("web.density_kg_m3", "web.density_kg_m3", _scale("web", "density_kg_m3", 0)),
         ("web.thickness_m", "web.thickness_m", _scale("web", "thickness_m", 0)),
-        ("web.wound_in_tension_N", "web.wound_in_tension_N", _scale("web", "wound_in_strain", 0)),
+        ("web.wound_in_tension_N", "web.wound_in_tension_N", _scale("web", "supply_strain", 0)),
         ("idlers.inertia_kg_m2", "idlers.inertia_kg_m2", _idler_inertia),
         ("sensors.low_pass_Hz", "corner", _corner),
     ]

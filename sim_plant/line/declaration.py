@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
 Tick = Annotated[float, Field(ge=1e-5, allow_inf_nan=False, strict=True)]
@@ -111,21 +111,65 @@ class Control(Section):
     tension_loop_sample_time_s: Positive
 
 
-class Sensor(Section):
-    """One recorded channel; which keys it has says what it measures."""
+class LoadCell(Section):
+    """Tension at a roller, through the cell's low-pass."""
 
+    kind: Literal["load_cell"] = "load_cell"
     channel: str
     roller: str
-    low_pass_Hz: Positive | None = None
+    low_pass_Hz: Positive
     low_pass_order: Literal[1] | None = None
     noise_sd_N: NotNegative | None = None
     lsb_N: NotNegative | None = None
+
+
+class DriveSpeed(Section):
+    """Speed of a driven roller; in m/s where ``scale_radius_m`` says at which radius."""
+
+    kind: Literal["drive_speed"] = "drive_speed"
+    channel: str
+    roller: str
     noise_sd_rad_s: NotNegative | None = None
     lsb_rad_s: NotNegative | None = None
     scale_radius_m: Positive | None = None
-    lsb_rad: NotNegative | None = None
+
+
+class RollAngle(Section):
+    """Angle of a roll or roller from its encoder; it counts from zero at the start."""
+
+    kind: Literal["roll_angle"] = "roll_angle"
+    channel: str
+    roller: str
+    lsb_rad: NotNegative
     zero: str | None = None
-    lsb_m: NotNegative | None = None
+
+
+class RollRadius(Section):
+    """Radius of an unwinding or rewinding roll."""
+
+    kind: Literal["roll_radius"] = "roll_radius"
+    channel: str
+    roller: str
+    lsb_m: NotNegative
+
+
+def _kind_of(given: Any) -> str:
+    """Return a sensor's kind, from its own keys where it does not say."""
+    if not isinstance(given, dict):
+        return str(getattr(given, "kind", ""))
+    if "kind" in given:
+        return str(given["kind"])
+    told_by = {"low_pass_Hz": "load_cell", "lsb_m": "roll_radius", "lsb_rad": "roll_angle"}
+    return next((kind for key, kind in told_by.items() if key in given), "drive_speed")
+
+
+Sensor = Annotated[
+    Annotated[LoadCell, Tag("load_cell")]
+    | Annotated[DriveSpeed, Tag("drive_speed")]
+    | Annotated[RollAngle, Tag("roll_angle")]
+    | Annotated[RollRadius, Tag("roll_radius")],
+    Discriminator(_kind_of),
+]
 
 
 class EffectEntry(Section):

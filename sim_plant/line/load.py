@@ -10,7 +10,7 @@ import yaml
 from pydantic import ValidationError
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declaration import Declaration, LoadCell
 from sim_plant.line.yaml_places import Place, read_places
 
 LENGTH_TOLERANCE_M = 2e-3
@@ -57,17 +57,22 @@ def _readable(
 ) -> str:
     lines = []
     for item in error.errors():
-        at = tuple(item["loc"])
+        named = at = _without_kind(item["loc"])
         while at not in places:  # a missing key stands where its section does
             at = at[:-1]
         line, column = places[at]
-        where, given = ".".join(map(str, item["loc"])), item.get("input")
+        where, given = ".".join(map(str, named)), item.get("input")
         said = item["msg"] + _hint(given)
         if item["type"] == "missing":
             lines.append(f"{path}:{line}:{column}: {where}: {said}")
         else:
             lines.append(f"{path}:{line}:{column}: {where}: read {repr(given)[:60]}; {said}")
     return "\n".join(lines)
+
+
+def _without_kind(at: tuple[int | str, ...]) -> tuple[int | str, ...]:
+    """Return a place without the kind of sensor that stands between index and key."""
+    return (*at[:2], *at[3:]) if at[:1] == ("sensors",) else at
 
 
 def _hint(given: object) -> str:
@@ -129,7 +134,7 @@ def _references(line: Declaration, names: list[str]) -> list[str]:
             findings.append(f"{where}: roller {name} does not exist")
     findings += _twice("control.drives", [d.roller for d in line.control.drives])
     findings += _twice("sensors", [s.channel for s in line.sensors])
-    cells = {s.roller for s in line.sensors if s.low_pass_Hz is not None}
+    cells = {s.roller for s in line.sensors if isinstance(s, LoadCell)}
     findings += [
         f"sensors: a load cell needs a span on both sides, {name} has one"
         for name in (names[0], names[-1])

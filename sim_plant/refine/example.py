@@ -9,12 +9,13 @@ import yaml
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
+from sim_plant.effects import eccentric_roller
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
 
 HIDDEN = EffectEntry(
-    effect="eccentric_roller",
+    effect=eccentric_roller.EFFECT.name,
     location="R6",
     parameters={"eccentricity_m": 2.5e-4, "angle_rad": 1.0},
 )

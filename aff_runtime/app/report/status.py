@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from aff_runtime.app.report.block_status import blocks
@@ -53,7 +54,7 @@ def describe(
             "text": event.text,
             "action": event.action,
         },
-        "blocks": blocks(record, site or {}),
+        "blocks": [asdict(block) for block in blocks(record, site or {})],
         "comm": Outcome(int(record["outcome"])).name,
         "signals": {k: v if math.isfinite(v) else None for k, v in record.items()},
     }

@@ -121,12 +121,6 @@ class ModelCriteria:
         "tolerance (two standard deviations) of a kind of declared number without one",
         NOT_RECORDED,
     )
-    finest_order: float = criterion(
-        64.0,
-        "orders of the roll",
-        "a profile that is traced has no finer orders",
-        "drives and cells do not answer to them (ADR 0015: 64 orders and |h + h''|)",
-    )
     at_bound_share: float = criterion(
         1e-6,
         "of the way from absence to the bound",

@@ -174,12 +174,6 @@ class ProfileCriteria:
         "cost explained up to which responses to declared numbers are not taken anew",
         "the second order of effects and tolerances is less than noise",
     )
-    formed_starts_m: tuple[float, ...] = criterion(
-        (0.006, 0.012, -0.006, -0.012),
-        "m of radius",
-        "how far a roll may have been unwound since its profile was formed, to start from",
-        PAIRS_AND_CAMPAIGN,
-    )
     orders_share: float = criterion(
         0.9,
         "of what is left",

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 from sim_plant.base.arrays import Array
+from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.start_angles import costs_of, start_angles, turned_effect
-from sim_plant.refine.model.roll_profiles import UNWOUND
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
@@ -117,22 +117,23 @@ def with_unwound_lengths(
     """
     found: dict[str, float] = {}
     for effect in case.effects:
-        if UNWOUND in dict(effect.parameters):
-            best = _with_best_length(pool, measured, case, model, effect)
-            found[effect.location] = float(dict(best.parameters)[UNWOUND])
+        profiles = BY_NAME[effect.effect].profiles
+        if profiles is not None and profiles.age in dict(effect.parameters):
+            best = _with_best_age(pool, measured, case, model, effect, profiles.age)
+            found[effect.location] = float(dict(best.parameters)[profiles.age])
             case = replace(case, effects=tuple(best if e is effect else e for e in case.effects))
     return case.effects, found
 
 
-def _with_best_length(
-    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, effect: Added
+def _with_best_age(
+    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, effect: Added, age: str
 ) -> Added:
-    """Return a profile with the angle and the unwound length (rad, cm) that fit best."""
+    """Return a profile with the angle and the ``age`` (rad, cm) that fit best."""
     others = tuple(e for e in case.effects if e is not effect)
     values = dict(effect.parameters)
 
     def moved(x: Array) -> Added:
-        more = {**values, UNWOUND: 0.01 * float(x[1])}
+        more = {**values, age: 0.01 * float(x[1])}
         return turned_effect(
             Added(effect.effect, effect.location, tuple(more.items())), float(x[0])
         )
@@ -141,6 +142,6 @@ def _with_best_length(
         there = replace(case, effects=(*others, moved(x)))
         return float(costs_of(pool, measured, model, [there])[0])
 
-    start = np.array([0.0, 100.0 * float(values[UNWOUND])])
+    start = np.array([0.0, 100.0 * float(values[age])])
     options = {**SIMPLEX_ENDS, "initial_simplex": start + np.array(SIMPLEX)}
     return moved(minimize(cost, start, method="Nelder-Mead", options=options).x)

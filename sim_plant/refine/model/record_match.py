@@ -8,7 +8,7 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declaration import Declaration, DriveSpeed, LoadCell, RollAngle, RollRadius
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.twin import REFERENCES, Case, Twin, modelled_channels
@@ -120,17 +120,17 @@ def _plausible(line: Declaration, record: Record) -> None:
         _within(record, "aff_correction_m_s", -fastest, fastest)
     for sensor in line.sensors:
         values = record.columns[sensor.channel]
-        if sensor.scale_radius_m is not None:
+        if isinstance(sensor, DriveSpeed) and sensor.scale_radius_m is not None:
             _compare(record.path, sensor.channel, values, speed, MATCH.speed_mismatch)
-        elif sensor.noise_sd_rad_s is not None:
+        elif isinstance(sensor, DriveSpeed) and sensor.noise_sd_rad_s is not None:
             radius = line.rollers[line.body(sensor.roller)].radius_m
             _compare(
                 record.path, sensor.channel, values, speed / radius, 2.0 * MATCH.speed_mismatch
             )
-        elif sensor.lsb_rad is not None:
+        elif isinstance(sensor, RollAngle):
             radius = line.rollers[line.body(sensor.roller)].radius_m
             _compare_angle(record, sensor.channel, speed / radius)
-        elif sensor.low_pass_Hz is not None:
+        elif isinstance(sensor, LoadCell):
             ratio = float(np.median(values) / np.median(tension))
             if not MATCH.tension_ratio[0] < ratio < MATCH.tension_ratio[1]:
                 raise PlantError(
@@ -139,7 +139,7 @@ def _plausible(line: Declaration, record: Record) -> None:
                 )
             highest = MATCH.highest_strain * line.web.EA_N
             _within(record, sensor.channel, -highest, highest)
-        elif sensor.lsb_m is not None:
+        elif isinstance(sensor, RollRadius):
             declared = line.rollers[line.body(sensor.roller)].radius_m
             if abs(values[0] / declared - 1.0) > MATCH.radius_share:
                 raise PlantError(
@@ -218,7 +218,8 @@ def limits(twin: Twin) -> list[str]:
     angles = [c for c in twin.channels if c.endswith("_angle_rad")]
     if not angles:
         found.append("no roll angle is recorded: orders rest on simulated angles")
-    if not any(s.scale_radius_m for s in twin.declaration.sensors if s.channel in twin.channels):
+    recorded = [s for s in twin.declaration.sensors if s.channel in twin.channels]
+    if not any(isinstance(s, DriveSpeed) and s.scale_radius_m for s in recorded):
         found.append("no web speed is recorded: wavelengths rest on the speed reference")
     if float(np.ptp(twin.speed_m_s)) < MATCH.one_speed_share * float(
         np.mean(np.abs(twin.speed_m_s))

@@ -140,9 +140,7 @@ def modelled_channels(line: Declaration, columns: Sequence[str]) -> tuple[str, .
     seen: set[tuple[str, str]] = set()
     found = []
     for sensor in line.sensors:
-        kind = "N" if sensor.low_pass_Hz else sensor.channel.rsplit("_", 2)[-1]
-        kind = "speed" if sensor.noise_sd_rad_s is not None else kind
-        if sensor.channel in columns and (sensor.roller, kind) not in seen:
-            seen.add((sensor.roller, kind))
+        if sensor.channel in columns and (sensor.roller, sensor.kind) not in seen:
+            seen.add((sensor.roller, sensor.kind))
             found.append(sensor.channel)
     return tuple(found)

@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
+from sim_plant.line.declaration import RollAngle, RollRadius
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.noise.drift import drift_standard_deviations, drift_whitened
@@ -174,12 +175,12 @@ def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
         When a channel has no noise at all.
     """
     line = twin.declaration
-    steps = {s.channel: s.lsb_m or 0.0 for s in line.sensors}
-    words = {s.channel for s in line.sensors if s.lsb_rad is not None}
+    steps = {s.channel: s.lsb_m for s in line.sensors if isinstance(s, RollRadius)}
+    words = {s.channel for s in line.sensors if isinstance(s, RollAngle)}
     found = noise_model(
         runs,
         first_judged(runs.shape[2], line.sample_time_s),
-        np.array([steps[c] for c in twin.channels]),
+        np.array([steps.get(c, 0.0) for c in twin.channels]),
         [c in words for c in twin.channels],
     )
     silent = [name for name, rms in zip(twin.channels, found.floor, strict=True) if not rms > 0.0]

@@ -14,6 +14,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.records.recording import Record
 from sim_plant.refine.report.start_values import start_values
 from sim_plant.refine.report.verdict import aff_blocks, declared_entries
@@ -31,11 +32,13 @@ BLOCK_HEAD = """\
 
 
 def plain(value: Any) -> Any:
-    """Return a value with numpy numbers and tuples made plain for YAML and JSON."""
+    """Return a value with numpy numbers, tuples and places made plain for YAML and JSON."""
     if isinstance(value, dict):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
         return [plain(v) for v in value]
+    if isinstance(value, Place):
+        return str(value)
     if hasattr(value, "item"):
         return value.item()
     return value

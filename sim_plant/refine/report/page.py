@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING, Any
 from jinja2 import Environment, PackageLoader
 
 from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.records.units import suffix_of
 from sim_plant.refine.report.figures import channels_by_gain, overlay, spectrum, wavenumber_map
-from sim_plant.refine.report.remedies import remedy
 from sim_plant.refine.report.wording import (
     coordinate_text,
     name_of,
     number_rows,
     place_of,
+    place_words,
+    remedy,
     size_of,
 )
 
@@ -38,15 +40,10 @@ def headline(result: dict[str, Any]) -> str:
         said = coordinate_text(item["class"], item["coordinate"])
         text += f" Unknown: {said}; no effect of the library explains it."
     for item in result["ambiguous"]:
-        text += f" {_words(item['effect'])} cannot be told from "
-        text += f"{', '.join(_words(other) for other in item['with'])}."
+        text += f" {place_words(item['effect'])} cannot be told from "
+        text += f"{', '.join(map(place_words, item['with']))}."
         text += "".join(f" To tell: {what}." for what in item["experiments"])
     return text.strip()
-
-
-def _words(name_at_place: str) -> str:
-    effect, place = name_at_place.split(" at ", 1)
-    return name_of({"effect": effect, "location": place})
 
 
 def confidence(result: dict[str, Any]) -> str:
@@ -56,7 +53,7 @@ def confidence(result: dict[str, Any]) -> str:
         if e.get("runner_up"):
             told.append(
                 f"{name_of(e)} scores {e['score']:.0f}, the next best explanation "
-                f"({_words(e['runner_up'])}) {e['score'] - e['margin']:.0f}"
+                f"({place_words(e['runner_up'])}) {e['score'] - e['margin']:.0f}"
             )
         elif "score" in e:
             told.append(
@@ -129,12 +126,12 @@ def next_step(result: dict[str, Any], block: bool, above: Collection[str] = ()) 
     return "Nothing to do: the declaration stands."
 
 
-def best_each(rejected: Sequence[tuple[str, str, float]]) -> list[tuple[str, str, float]]:
+def best_each(rejected: Sequence[tuple[Place, float]]) -> list[tuple[Place, float]]:
     """Return the best score of each effect and place: some were tried in several forms."""
-    best: dict[tuple[str, str], float] = {}
-    for effect, place, score in rejected:
-        best[effect, place] = max(score, best.get((effect, place), score))
-    return [(*where, score) for where, score in best.items()]
+    best: dict[Place, float] = {}
+    for place, score in rejected:
+        best[place] = max(score, best.get(place, score))
+    return list(best.items())
 
 
 def shift_rows(

@@ -14,8 +14,6 @@ from sim_plant.refine.report.experiments import experiments
 from sim_plant.refine.search.selection import Selection
 
 NINETY_FIVE = 1.959964
-SHARED_NAMES = {"unbalanced_measuring_roller": "unbalanced_roller"}
-"""Names that version 1 does not know, and what they are there."""
 
 
 def standard_deviations(fit: Fit) -> list[float]:
@@ -58,14 +56,14 @@ def effect_rows(selection: Selection) -> list[dict[str, Any]]:
                 intervals[pair.amplitude] = [size - spread, size + spread]
         rows.append(
             {
-                "effect": SHARED_NAMES.get(h.effect.name, h.effect.name),
+                "effect": h.effect.name_in_version_1 or h.effect.name,
                 "location": h.location,
                 "parameters": parameters,
                 "interval95": intervals,
                 "score": step.score,
-                "runner_up": " at ".join(step.runner_up or ()),
+                "runner_up": step.runner_up or "",
                 "margin": step.margin,
-                "cancel": h.effect.order_locked and not h.effect.sensor_only,
+                "cancel": bool(h.effect.cancel_orders),
                 "text": h.effect.text,
             }
         )
@@ -103,8 +101,8 @@ def verdict(selection: Selection, evaluation: Evaluation | None, holdout: str) -
         ],
         "ambiguous": [
             {
-                "effect": " at ".join(s.hypothesis.key),
-                "with": [" at ".join(k) for k in s.ambiguous],
+                "effect": s.hypothesis.key,
+                "with": list(s.ambiguous),
                 "experiments": experiments(s.hypothesis.key, s.ambiguous),
             }
             for s in selection.accepted
@@ -129,11 +127,7 @@ def aff_blocks(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     for row in rows:
         if not row["cancel"] or row["effect"] not in BY_NAME:
             continue
-        orders = [1]
-        if row["effect"] == "out_of_round_roll":
-            orders = [1, 2, 3, 4]
-        if "order" in row["parameters"]:
-            orders = [round(float(row["parameters"]["order"]))]
+        orders = list(BY_NAME[row["effect"]].cancelled(row["parameters"]))
         blocks.append(
             {"roll": row["location"], "orders": orders, "settle_s": 6.0, "amp_limit_m_s": 0.02}
         )

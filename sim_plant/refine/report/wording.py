@@ -7,10 +7,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.records.units import suffix_of
 
-HIDDEN = ("cos", "sin", "angle_rad", "phase_rad", "smoothing_rad", "finest_order")
-"""How the parameters begin that do not say how much of an effect there is."""
 SMALL_M, SMALL_S = 0.1, 1.0
 
 
@@ -44,9 +43,19 @@ def place_of(location: str) -> str:
     return "all load cells" if location == "all" else location
 
 
-def name_of(row: Mapping[str, Any]) -> str:
+def place_words(place: Place) -> str:
     """Return ``effect at place`` as words."""
-    return f"{row['effect'].replace('_', ' ')} at {place_of(row['location'])}"
+    return f"{place.effect.replace('_', ' ')} at {place_of(place.location)}"
+
+
+def name_of(row: Mapping[str, Any]) -> str:
+    """Return where a row of a verdict says an effect is, as words."""
+    return place_words(Place(row["effect"], row["location"]))
+
+
+def remedy(effect: str, place: str) -> str:
+    """Return what to do about an effect at ``place``, without a stop at its end."""
+    return BY_NAME[effect].remedy.format(place=place)
 
 
 def number_rows(row: Mapping[str, Any]) -> list[dict[str, str]]:
@@ -72,6 +81,16 @@ def number_rows(row: Mapping[str, Any]) -> list[dict[str, str]]:
     return found
 
 
+def tells_size(effect: str, parameter: str) -> bool:
+    """Return whether a parameter says how much of an effect there is: no component, no angle."""
+    known = BY_NAME.get(effect)
+    if known is None or parameter not in known.accepts:
+        return True
+    row = known.accepts[parameter]
+    components = {name for pair in known.quadratures for name in (pair.cos, pair.sin)}
+    return row.role != "angle" and not row.detail and parameter not in components
+
+
 def assumed(effect: str, parameter: str) -> bool:
     """Return whether a number of a finding was set by the library, not found on the record."""
     known = BY_NAME.get(effect)
@@ -83,7 +102,7 @@ def size_of(row: Mapping[str, Any]) -> str:
     """Return how much of an effect there is, with units and 95 % intervals."""
     found = []
     for number in number_rows(row):
-        if number["key"].startswith(HIDDEN):
+        if not tells_size(row["effect"], number["key"]):
             continue
         name = "" if isinstance(row["parameters"][number["key"]], str) else f"{number['name']} "
         text = f"{name}{number['value']} {number['unit']}".rstrip()

@@ -12,8 +12,6 @@ from sim_plant.refine.model.hypotheses import Hypothesis
 
 Progress = Callable[[str], None]
 """Takes a line of text that says what goes on."""
-Place = tuple[str, str]
-"""Effect and location."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -107,8 +105,3 @@ def fitted_candidate(objective: Objective, base: Fit, fit: Fit) -> FittedCandida
         chi2_reduction=base.cost - fit.cost,
         penalty=bic_penalty(objective, len(fit.hypotheses[-1].names)),
     )
-
-
-def at(place: Place) -> str:
-    """Return ``effect at location``."""
-    return " at ".join(place)

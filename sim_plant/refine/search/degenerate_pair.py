@@ -16,7 +16,8 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.search.candidate import Candidate, Place, bic_penalty
+from sim_plant.refine.model.place import Place
+from sim_plant.refine.search.candidate import Candidate, bic_penalty
 from sim_plant.refine.search.screening import sensitivities
 from sim_plant.refine.spectra.coordinates import Travel, wavenumbers_1_m
 

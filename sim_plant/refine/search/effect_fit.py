@@ -1,4 +1,4 @@
-"""One effect fitted beside those that are there already, an out-of-round roll by its profiles."""
+"""One effect fitted beside those that are there already, by its profiles where it has some."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.roll_synchronisation import effective_radius_of, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.model.parameter_effects import within_tolerance
-from sim_plant.refine.model.roll_profiles import EFFECT as OUT_OF_ROUND
-from sim_plant.refine.model.roll_profiles import profile_starts
 from sim_plant.refine.search.candidate import (
     Candidate,
     FittedCandidate,
@@ -34,8 +32,7 @@ def fit_candidates(
         fit = fit_candidate(objective, base, candidate)
         if fit is not None:
             fitted = fitted_candidate(objective, base, fit)
-            h = fitted.hypothesis
-            progress(f"  {h.effect.name} at {h.location}: score {fitted.score:.0f}")
+            progress(f"  {fitted.hypothesis.key}: score {fitted.score:.0f}")
             found.append(fitted)
     return found
 
@@ -43,7 +40,7 @@ def fit_candidates(
 def fit_candidate(objective: Objective, base: Fit, candidate: Candidate) -> Fit | None:
     """Return ``base`` with one more effect, None where its numbers are no estimate."""
     h = candidate.hypothesis
-    if h.effect.name != OUT_OF_ROUND:
+    if h.effect.profiles is None:
         return with_effect(objective, base, h, candidate.start, base.shifts)
     shifts = _without_radius(base.shifts, h.location)
     fits = []
@@ -86,7 +83,7 @@ def profile_reinitialised(objective: Objective, fit: Fit) -> Fit:
     """
     line = objective.pool.twins[0].declaration
     for k, h in enumerate(fit.hypotheses):
-        if h.effect.name != OUT_OF_ROUND:
+        if h.effect.profiles is None:
             continue
         rest = replace(
             fit,
@@ -122,6 +119,9 @@ def _profile_starts(
     objective: Objective, fit: Fit, h: Hypothesis
 ) -> list[tuple[Hypothesis, tuple[float, ...]]]:
     """Return named profiles where ``h`` (free orders) is that explain most beside ``fit``."""
+    profiles = h.effect.profiles
+    if profiles is None:
+        return []
     shifts = synchronising_shifts(objective, fit.shifts, fit.hypotheses, fit.values)
     case = case_of(fit.hypotheses, fit.values, shifts)
     runs = objective.pool.run(
@@ -133,4 +133,5 @@ def _profile_starts(
     line = objective.pool.twins[0].declaration
     radius = line.rollers[line.body(h.location)].radius_m
     inner: Array = columns.T @ cut
-    return profile_starts(h.location, radius, inner, cut.T @ residual, h.start)
+    found = profiles.starts(radius, inner, cut.T @ residual, h.start)
+    return [(hypothesis(h.effect, h.location, p.choice, p.names), p.start) for p in found]

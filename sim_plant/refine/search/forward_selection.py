@@ -13,7 +13,7 @@ from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, nominal_fit
 from sim_plant.refine.fit.objective import Objective, conditioned_on
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.search.candidate import FittedCandidate, Progress, at
+from sim_plant.refine.search.candidate import FittedCandidate, Progress
 from sim_plant.refine.search.completeness import explains_own_lines, remaining_spectra, sure_excess
 from sim_plant.refine.search.degenerate_pair import better_pair
 from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised
@@ -156,8 +156,8 @@ def next_extensions(
     periodic (a delay, a filter) can have changed how the line answers the first.
     """
     periodic, others = by_line_support(library, selection.travels, selection.after)
-    bounce = [h for h in periodic if h.effect.name == "roll_bounce"]
-    plain = [h for h in periodic if h.effect.name != "roll_bounce"]
+    resonant = [h for h in periodic if h.effect.resonant]
+    plain = [h for h in periodic if not h.effect.resonant]
     cost = selection.fit.cost
     progress(f"cost {cost:.0f}, noise alone {objective.expected_cost:.0f}")
     left = cost - min(objective.expected_cost, cost - ACCEPTANCE.least_excess)
@@ -165,7 +165,7 @@ def next_extensions(
     conflicts = fit_conflicts(objective, selection.fit, names, progress)
     complete: list[Extension] = []
     partial: list[Extension] = []
-    for group in (plain, bounce, others):
+    for group in (plain, resonant, others):
         rivals = conflicts if group is others else ()
         extension = best_of(objective, selection, group, progress, rivals)
         if extension is None:
@@ -233,7 +233,7 @@ def best_of(
         return extension
     pair = better_pair(objective, base, selection.travels[0], extension.hypothesis, candidates)
     if pair:
-        progress(f"  as well told by {' and '.join(at(place) for place in pair)} together")
+        progress(f"  as well told by {' and '.join(map(str, pair))} together")
     return also_explained_by(extension, pair)
 
 

@@ -13,8 +13,8 @@ from sim_plant.refine.search.unexplained import Unknown
 from sim_plant.refine.spectra.coordinates import (
     TWO_PI,
     Travel,
-    hum_Hz,
     is_periodic,
+    shown_Hz,
     wavenumbers_1_m,
 )
 from sim_plant.refine.spectra.line_spectrum import speed_weights
@@ -61,9 +61,9 @@ def _meets(h: Hypothesis, item: Unknown, travel: Travel) -> bool:
     where = item.coordinate
     if item.kind == "angle":
         return h.location == where["roll"]
-    hum = hum_Hz(h, travel)
+    in_time = shown_Hz(h, travel)
     if item.kind == "time":
-        first, shows = float(where["frequency_Hz"]), [] if hum is None else [hum]
+        first, shows = float(where["frequency_Hz"]), [] if in_time is None else [in_time]
     else:
         first = float(where["wavenumber_1_m"])
         shows = [] if h.location == "all" else wavenumbers_1_m(h, travel)

@@ -64,9 +64,7 @@ def fit_conflicts(
         if fit is None:
             continue
         candidate = fitted_candidate(objective, base, fit)
-        progress(
-            f"  {h.effect.name} at {h.location}, beyond tolerance: score {candidate.score:.0f}"
-        )
+        progress(f"  {h.key}, beyond tolerance: score {candidate.score:.0f}")
         found.append(candidate)
     return found
 

@@ -8,19 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.effects.out_of_round_roll import PAIRS
+from sim_plant.base.profiles import Profiles
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit, jacobian
 from sim_plant.refine.fit.objective import Objective, relinearised_at, with_free_shapes
 from sim_plant.refine.fit.roll_synchronisation import synchronising_shifts
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.model.roll_profiles import EFFECT as OUT_OF_ROUND
-from sim_plant.refine.model.roll_profiles import UNWOUND
 from sim_plant.refine.search.candidate import bic_penalty
 from sim_plant.refine.search.completeness import sure_excess
 
 PROFILE = CRITERIA.search.profile
-ORDERS: tuple[str, ...] = tuple(name for pair in PAIRS for name in (pair.cos, pair.sin))
 
 
 def joint_refit(objective: Objective, fit: Fit) -> tuple[Objective, Fit]:
@@ -73,7 +70,7 @@ def named_profiles(fit: Fit) -> list[int]:
     return [
         k
         for k, h in enumerate(fit.hypotheses)
-        if h.effect.name == OUT_OF_ROUND and "size_m" in h.names
+        if h.effect.profiles is not None and h.effect.profiles.size in h.names
     ]
 
 
@@ -85,7 +82,9 @@ def with_profile_details(objective: Objective, fit: Fit) -> Fit:
     """
     for at in named_profiles(fit):
         fit = with_formation_radius(objective, fit, at)
-        fit = with_paying_numbers(objective, fit, at, ORDERS)
+        pairs = fit.hypotheses[at].effect.quadratures
+        orders = tuple(name for pair in pairs for name in (pair.cos, pair.sin))
+        fit = with_paying_numbers(objective, fit, at, orders)
     return fit
 
 
@@ -96,13 +95,13 @@ def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
     numbers that have imitated this (they change the length of a turn) start anew; they may have
     done so down to the noise.
     """
-    if (
-        UNWOUND in fit.hypotheses[at].names
-        or chi2_without_effects(objective, fit) < PROFILE.strong
-    ):
+    profiles = fit.hypotheses[at].effect.profiles
+    if profiles is None or profiles.age in fit.hypotheses[at].names:
+        return fit
+    if chi2_without_effects(objective, fit) < PROFILE.strong:
         return fit
     aged = []
-    for there in formation_starts(objective, fit, at):
+    for there in formation_starts(objective, fit, at, profiles):
         shifts = synchronising_shifts(objective, {}, there.hypotheses, there.values)
         aged.append(
             gauss_newton_fit(
@@ -112,11 +111,11 @@ def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
     return likeliest_age(fit, aged, sure_excess(objective))
 
 
-def formation_starts(objective: Objective, fit: Fit, at: int) -> list[Fit]:
+def formation_starts(objective: Objective, fit: Fit, at: int, profiles: Profiles) -> list[Fit]:
     """Return the fit with profile ``at`` formed at other radii that this roll can have had."""
     wider = [
-        with_numbers(objective, fit, at, (UNWOUND,), {UNWOUND: start_m})
-        for start_m in PROFILE.formed_starts_m
+        with_numbers(objective, fit, at, (profiles.age,), {profiles.age: start})
+        for start in profiles.age_tries
     ]
     return [there for there in wider if there.hypotheses[at].within(there.values[at])]
 

@@ -12,7 +12,8 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.search.candidate import Candidate, Place, Progress, bic_penalty
+from sim_plant.refine.model.place import Place
+from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
 from sim_plant.refine.spectra.coordinates import Travel, line_support
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
@@ -32,7 +33,7 @@ def by_line_support(
         profile = len(h.effect.quadratures) > SCREENING.profile_pairs
         alone = SCREENING.line_support * (SCREENING.profile_support_share if profile else 1.0)
         least = max(alone + degrees, SCREENING.strongest_line_share * strongest)
-        if h.effect.name == "roll_bounce":
+        if h.effect.resonant:
             least = SCREENING.resonance_line_share * strongest
         support = [line_support(h, t, s) for t, s in zip(travels, spectra, strict=True)]
         known = [value for value in support if value is not None]
@@ -119,7 +120,9 @@ def neighbours(
                 and c.hypothesis.location in idlers
             ):
                 at = idlers.index(c.hypothesis.location)
-                near |= {(name, other) for other in idlers[max(0, at - reach) : at + reach + 1]}
+                near |= {
+                    Place(name, other) for other in idlers[max(0, at - reach) : at + reach + 1]
+                }
     done = {c.hypothesis.key for c in candidates}
     return [h for h in hypotheses if h.key in near and h.key not in done]
 

@@ -10,7 +10,8 @@ import numpy as np
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Place, Progress, at
+from sim_plant.refine.model.place import Place
+from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
 from sim_plant.refine.search.completeness import Spectra
 from sim_plant.refine.search.unexplained import Unknown
 from sim_plant.refine.spectra.coordinates import Travel, is_periodic
@@ -26,7 +27,7 @@ class AcceptedEffect:
     ----------
     runner_up : the next best candidate, if there is one.
     margin : by how much its score is behind.
-    rejected : effect, location and score of the best others.
+    rejected : the best others and their scores.
     ambiguous : places that explain as much.
     """
 
@@ -34,7 +35,7 @@ class AcceptedEffect:
     score: float
     runner_up: Place | None
     margin: float
-    rejected: tuple[tuple[str, str, float], ...]
+    rejected: tuple[tuple[Place, float], ...]
     ambiguous: tuple[Place, ...] = ()
 
 
@@ -126,9 +127,7 @@ def score(
         if c.score < ACCEPTANCE.beyond_doubt:
             seen = c.at_most(chi2_without(c.fit) - c.penalty)
             if seen.score < least:
-                progress(
-                    f"  {h.effect.name} at {h.location}: not missed when all else is fitted again"
-                )
+                progress(f"  {h.key}: not missed when all else is fitted again")
         looked_at.append(seen)
         best = max(best, seen.score)
     rest = [c.at_most(best) if looked_at else c for c in ranked[len(looked_at) :]]
@@ -159,18 +158,16 @@ def accept(
         and best.score - second < ACCEPTANCE.margin
         and not is_periodic(h)
     ):
-        progress(
-            f"  {h.effect.name} at {h.location}: weak, and not to be told from {at(runner_up)}"
-        )
+        progress(f"  {h.key}: weak, and not to be told from {runner_up}")
         return None
-    progress(f"  best: {h.effect.name} at {h.location}, score {best.score:.0f}")
+    progress(f"  best: {h.key}, score {best.score:.0f}")
     alike = [place for place, value in others if best.score - value < ACCEPTANCE.margin]
     accepted = AcceptedEffect(
         hypothesis=h,
         score=best.score,
         runner_up=runner_up,
         margin=best.score - max(second, 0.0),
-        rejected=tuple((*place, s) for place, s in others[: ACCEPTANCE.reported_rejected]),
+        rejected=tuple(others[: ACCEPTANCE.reported_rejected]),
         ambiguous=tuple(dict.fromkeys(alike)),
     )
     return Extension(accepted=accepted, fit=best.fit)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.line.declaration import Declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import Hypothesis
@@ -119,33 +120,33 @@ def alias_Hz(frequency_Hz: float, sample_time_s: float) -> float:
     return min(folded, rate - folded)
 
 
-def orders_of(h: Hypothesis) -> list[float]:
-    """Return the orders of its roller at which an order-locked hypothesis shows."""
-    options = dict(h.fixed) | dict(zip(h.names, h.start, strict=True))
-    if h.effect.name == "out_of_round_roll":
-        return [float(n) for n in range(1, 7)]
-    if h.effect.name == "roll_bounce":
-        return [float(options["order"])]
-    return [float(options.get("order", 1.0))]
+def orders_of(h: Hypothesis, radius_m: float) -> list[float]:
+    """Return the orders at which a hypothesis shows on its roller of this radius; empty: none."""
+    shows = h.effect.shows
+    return list(shows.at(h.at_start, radius_m)) if isinstance(shows, Orders) else []
 
 
 def is_periodic(h: Hypothesis) -> bool:
     """Return whether a hypothesis shows as lines: in time, in travel or in a roll's angle."""
-    return h.effect.order_locked or h.effect.name in ("roll_bounce", "mains_hum")
+    return isinstance(h.effect.shows, Orders | Frequency)
 
 
-def hum_Hz(h: Hypothesis, travel: Travel) -> float | None:
-    """Return where in time a hypothesis shows after sampling, Hz; None for all but hum."""
-    if h.effect.name != "mains_hum":
+def shown_Hz(h: Hypothesis, travel: Travel) -> float | None:
+    """Return where in time a hypothesis shows after sampling, Hz; None where it does not."""
+    shows = h.effect.shows
+    if not isinstance(shows, Frequency):
         return None
-    options = dict(h.fixed) | dict(zip(h.names, h.start, strict=True))
-    return alias_Hz(float(options["frequency_Hz"]), travel.sample_time_s)
+    return alias_Hz(shows.at(h.at_start), travel.sample_time_s)
 
 
 def wavenumbers_1_m(h: Hypothesis, travel: Travel) -> list[float]:
     """Return where in web travel the orders of a hypothesis at a roller show, 1/m."""
-    radius_m = travel.declaration.rollers[travel.declaration.body(h.location)].radius_m
-    return [n / (TWO_PI * radius_m) for n in orders_of(h)]
+    radius_m = _radius_m(h, travel)
+    return [n / (TWO_PI * radius_m) for n in orders_of(h, radius_m)]
+
+
+def _radius_m(h: Hypothesis, travel: Travel) -> float:
+    return travel.declaration.rollers[travel.declaration.body(h.location)].radius_m
 
 
 def line_support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float | None:
@@ -153,14 +154,14 @@ def line_support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -
     by_kind = {(s.kind, s.roll): s for s in found}
     if not is_periodic(h):
         return None
-    hum = hum_Hz(h, travel)
-    if hum is not None:
-        return near(by_kind["time", ""], hum, SPECTRA.same_frequency_share)
+    frequency_Hz = shown_Hz(h, travel)
+    if frequency_Hz is not None:
+        return near(by_kind["time", ""], frequency_Hz, SPECTRA.same_frequency_share)
     if h.location == "all":
         return max(s.peak[1] for s in found if s.kind == "travel") if found else 0.0
     spectrum = by_kind.get(("angle", h.location))
     if spectrum is not None:
-        return max(near(spectrum, n) for n in orders_of(h))
+        return max(near(spectrum, n) for n in orders_of(h, _radius_m(h, travel)))
     spectrum = by_kind.get(("travel", ""))
     if spectrum is None:
         return 0.0

@@ -179,3 +179,21 @@ def test_shipped_declarations_lose_nothing_and_give_every_origin(name):
     line = load_declaration(LINES / f"{name}.yaml")
     assert line.model_dump(mode="json", by_alias=True, exclude_unset=True) == data
     assert Declaration.model_validate(line.model_dump(by_alias=True)) == line
+
+
+def test_a_sensor_takes_the_keys_of_its_kind_and_no_others(tmp_path):
+    text = TEXT.replace("  noise_sd_N: 0.25\n", "  noise_sd_rad_s: 0.25\n", 1)
+    path = tmp_path / "line.yaml"
+    path.write_text(text)
+    with pytest.raises(PlantError, match=r"sensors\.0\.noise_sd_rad_s: .*[Ee]xtra") as refused:
+        load_declaration(path)
+    line = text[: text.index("noise_sd_rad_s: 0.25")].count("\n") + 1
+    assert f"line.yaml:{line}:" in str(refused.value)
+
+
+def test_a_sensor_that_names_its_kind_means_the_same(tmp_path):
+    path = tmp_path / "line.yaml"
+    path.write_text(
+        TEXT.replace("- channel: r3_tension_N", "- kind: load_cell\n  channel: r3_tension_N")
+    )
+    assert load_declaration(path).sensors == Declaration.model_validate(DATA).sensors

@@ -61,10 +61,10 @@ def test_the_angle_at_the_encoders_zero_is_that_of_the_law_turned_by_its_origin(
     }
     site = {"rolls": {"unwind": {"angle": "unwind_angle_rad"}}}
     (row,) = blocks(record, site)
-    assert row["encoder_deg"] == pytest.approx(-140.0)
+    assert row.encoder_deg == pytest.approx(-140.0)
     for lost in ({"fresh": 0.0}, {"unwind.source": float(Source.LINE_SPEED)}):
         (row,) = blocks(record | lost, site)
-        assert row["encoder_deg"] is None
+        assert row.encoder_deg is None
 
 
 class Tags(HTMLParser):

@@ -159,6 +159,8 @@ def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
         "benefit_dB": None,
         "ripple_unit": "N",
         "settle_s": 6,
+        "share": None,
+        "loop_gain": None,
     }
 
 

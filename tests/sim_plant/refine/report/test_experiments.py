@@ -5,6 +5,8 @@ import pytest
 
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.model.place import Place
+from sim_plant.refine.report.amend import plain
 from sim_plant.refine.report.experiments import experiment, experiments
 from sim_plant.refine.report.page import headline
 from sim_plant.refine.report.verdict import verdict
@@ -24,15 +26,16 @@ from sim_plant.refine.search.selection import AcceptedEffect
     ],
 )
 def test_the_experiment_touches_what_differs(one, other, word):
-    assert word in experiment(one, other)
+    assert word in experiment(Place(*one), Place(*other))
 
 
 def test_there_is_one_for_every_pair_of_effects_and_each_is_said_once():
     for a in CATALOGUE:
         for b in CATALOGUE:
-            assert experiment((a.name, "x"), (b.name, "y"))
-    rivals = (("eccentric_roller", "R2"), ("eccentric_roller", "R3"))
-    assert len(experiments(("eccentric_roller", "R1"), rivals)) == 1
+            for there in ("x", "y"):
+                assert experiment(Place(a.name, "x"), Place(b.name, there))
+    rivals = (Place("eccentric_roller", "R2"), Place("eccentric_roller", "R3"))
+    assert len(experiments(Place("eccentric_roller", "R1"), rivals)) == 1
 
 
 def test_the_verdict_names_the_equals_and_the_experiment():
@@ -40,16 +43,20 @@ def test_the_verdict_names_the_equals_and_the_experiment():
     step = AcceptedEffect(
         hypothesis=h,
         score=500.0,
-        runner_up=("torque_ripple", "swrap"),
+        runner_up=Place("torque_ripple", "swrap"),
         margin=2.0,
         rejected=(),
-        ambiguous=(("torque_ripple", "swrap"),),
+        ambiguous=(Place("torque_ripple", "swrap"),),
     )
     fit = SimpleNamespace(hypotheses=(h,), values=((1e-3, 2e-3),), covariance=np.eye(2) * 1e-8)
     found = SimpleNamespace(accepted=[step], fit=fit, unknown=[])
     result = verdict(found, None, "b.csv")
     assert result["verdict"] == "not_identifiable"
     (row,) = result["ambiguous"]
-    assert row["with"] == ["torque_ripple at swrap"]
+    assert row["with"] == [Place("torque_ripple", "swrap")]
     assert "drive off" in row["experiments"][0]
     assert row["experiments"][0] in headline(result)
+    written = plain(result)  # places are text in a file of version 1
+    assert written["ambiguous"][0]["effect"] == "unbalanced_roller at swrap"
+    assert written["ambiguous"][0]["with"] == ["torque_ripple at swrap"]
+    assert written["effects"][0]["runner_up"] == "torque_ripple at swrap"

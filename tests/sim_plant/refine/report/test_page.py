@@ -9,6 +9,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.report.figures import channels_by_gain, wavenumber_map, worst_part
 from sim_plant.refine.report.page import (
     best_each,
@@ -18,7 +19,6 @@ from sim_plant.refine.report.page import (
     next_step,
     shift_rows,
 )
-from sim_plant.refine.report.remedies import REMEDIES, remedy
 from sim_plant.refine.report.verdict import standard_deviations
 
 CHANNELS = ("unwind_tension_N", "unwind_angle_rad", "unwind_radius_m", "line_speed_m_s")
@@ -103,7 +103,7 @@ def test_how_sure_names_the_next_best_and_by_how_much_it_is_behind():
         "effect": "load_cell_filter",
         "location": "all",
         "score": 16173.2,
-        "runner_up": "load_cell_filter at R19",
+        "runner_up": Place("load_cell_filter", "R19"),
         "margin": 10200.4,
         "parameters": {},
     }
@@ -155,8 +155,8 @@ def test_numbers_that_used_most_of_their_tolerance_come_first():
 
 
 def test_every_form_of_a_rejected_effect_is_one_row():
-    rows = (("a", "R1", 9.0), ("b", "R1", 8.0), ("a", "R1", 7.0))
-    assert best_each(rows) == [("a", "R1", 9.0), ("b", "R1", 8.0)]
+    one, other = Place("a", "R1"), Place("b", "R1")
+    assert best_each([(one, 9.0), (other, 8.0), (one, 7.0)]) == [(one, 9.0), (other, 8.0)]
 
 
 def test_the_overlay_shows_where_the_declared_line_is_worst():
@@ -170,13 +170,6 @@ def test_the_overlay_shows_where_the_declared_line_is_worst():
     early = replace(one, first=2700)
     assert worst_part(early, 0, 200).start >= 2700
     assert worst_part(early, 0, 9999) == slice(2700, 4000)
-
-
-def test_every_effect_has_a_remedy_that_says_where():
-    assert set(REMEDIES) == set(BY_NAME)
-    by_place = {name for name in REMEDIES if remedy(name, "R99") != remedy(name, "R98")}
-    assert {n for n in BY_NAME if BY_NAME[n].place in ("body", "cell")} <= by_place
-    assert remedy("none such", "R1") == "put the machine, or its declaration, right"
 
 
 def test_a_line_in_web_travel_stands_still_on_the_map_at_every_speed(monkeypatch):

@@ -114,6 +114,6 @@ def test_a_roll_that_winds_up_was_smaller_when_its_profile_was_formed(roll, sign
     fit = fit_of(profile(roll), values=((0.01, 0.0),))
     starts = [
         dict(zip(there.hypotheses[0].names, there.values[0], strict=True))["unwound_m"]
-        for there in formation_starts(objective, fit, 0)
+        for there in formation_starts(objective, fit, 0, profile(roll).effect.profiles)
     ]
     assert [sign * m for m in starts] == [0.006, 0.012]

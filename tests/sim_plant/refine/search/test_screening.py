@@ -5,6 +5,7 @@ import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.candidate import Candidate, bic_penalty
 from sim_plant.refine.search.screening import every_third_idler, linear_candidate, shortlist
 from tests.sim_plant.refine.small import formula_twin, objective_of, white
@@ -81,4 +82,7 @@ def test_an_effect_is_fitted_at_three_places_at_most_and_a_curved_one_gets_a_sec
         candidate("bearing_drag", "R7", 200.0),
     ]
     kept = [c.hypothesis.key for c in shortlist(found)]
-    assert kept == [("eccentric_roller", f"R{k}") for k in range(3)] + [("bearing_drag", "R6")]
+    assert kept == [
+        *(Place("eccentric_roller", f"R{k}") for k in range(3)),
+        Place("bearing_drag", "R6"),
+    ]

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.loopback import LoopbackTransport
+from tests.doubles.loopback import LoopbackTransport
 
 
 def test_the_function_sees_what_is_written_and_its_words_come_back() -> None:

@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.core.phase import Quality, RollPhase
-from aff_runtime.core.shape.columns import Common
+from aff_runtime.core.shape.columns import ColumnState
 
 FADE_S = 0.3
 
 
-class Presence:
+class RollAvailability:
     """A share (0..1) per column that fades out without an angle and after a change of roll.
 
     A predicted angle still counts: a few missing readings change nothing.
@@ -31,13 +31,15 @@ class Presence:
         "share",
     )
 
-    def __init__(self, roll_of: Sequence[str], phases: Mapping[str, RollPhase]) -> None:
+    def __init__(
+        self, state: ColumnState, roll_of: Sequence[str], phases: Mapping[str, RollPhase]
+    ) -> None:
         rolls = list(dict.fromkeys(roll_of))
         self._phases = [phases[roll] for roll in rolls]
         self._roll_of = np.array(roll_of)
         self._index = np.array([rolls.index(roll) for roll in roll_of])
-        self._leaving = np.zeros(len(roll_of), dtype=bool)
-        self.share = np.ones(len(roll_of))
+        self._leaving = state.array("availability.leaving", False, dtype=np.bool_)
+        self.share = state.array("availability.share", 1.0)
         self._calm = False
         self.known = False
         self.moving = False
@@ -45,13 +47,11 @@ class Presence:
 
     def leave(self, roll: str) -> None:
         """Fade the columns of a roll that was changed, then have them forgotten."""
-        self._leaving |= self._roll_of == roll
+        self._leaving[self._roll_of == roll] = True
         self._calm = False
 
-    def adopt(self, old: Presence, both: Common) -> None:
-        """Go on where ``old`` stands; the angles are one's own."""
-        both.take(self.share, old.share)
-        both.take(self._leaving, old._leaving)
+    def adopt(self, old: RollAvailability) -> None:
+        """Go on where ``old`` stands, once the shares are taken over; the angles are one's own."""
         self.known = old.known
         self._calm = False
 
@@ -67,9 +67,9 @@ class Presence:
         if not self.moving:
             return None
         change = dt_s / self.fade_s
-        self.share = np.clip(self.share + np.where(wanted, change, -change), 0.0, 1.0)
+        np.clip(self.share + np.where(wanted, change, -change), 0.0, 1.0, out=self.share)
         gone = self._leaving & (self.share == 0.0)
         if not gone.any():
             return None
-        self._leaving &= ~gone
+        self._leaving[gone] = False
         return np.asarray(gone, dtype=np.bool_)

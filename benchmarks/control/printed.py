@@ -6,7 +6,8 @@ import math
 from collections.abc import Mapping
 
 from aff_runtime.base.signals import ActuatorStep
-from aff_runtime.core.law import ActuatorLaw, Inputs
+from aff_runtime.core.law import ActuatorLaw, Inputs, LawBuilder
+from aff_runtime.core.laws import LAWS
 from aff_runtime.core.params import ActuatorParams
 from aff_runtime.core.phase import RollPhase
 
@@ -18,10 +19,14 @@ class PrintedLaw:
     with psi the time integral of v / R (5.9). With (5.10), a velocity error, Re P > 0 and it
     diverges; with (5.14), a tension error upstream, Re P < 0 and it diverges where arg(-P)
     exceeds 90 degrees. The guard limits it like any law; weights stop at ``amp_limit``.
+    ``gain`` is g1, output unit per signal unit, 1/s.
     """
 
-    def __init__(self, params: ActuatorParams, *, phases: Mapping[str, RollPhase]) -> None:
+    def __init__(
+        self, params: ActuatorParams, *, phases: Mapping[str, RollPhase], gain: float
+    ) -> None:
         self._p = params
+        self._gain = gain
         self._orders = params.orders
         self._limits = [b.amp_limit for b in params.blocks for _ in b.orders]
         self._rolls = [phases[roll] for roll, _ in self._orders]
@@ -45,7 +50,7 @@ class PrintedLaw:
             theta = self._theta[i]
             sine, cosine = math.sin(order * self._psi[roll]), math.cos(order * self._psi[roll])
             if adapt:
-                gain = self._p.printed_gain * inputs.dt_s
+                gain = self._gain * inputs.dt_s
                 theta[0] += gain * error * sine
                 theta[1] += gain * error * cosine
             size = math.hypot(theta[0], theta[1])
@@ -56,7 +61,7 @@ class PrintedLaw:
             value -= theta[0] * sine + theta[1] * cosine
             peak += size * keep
             slew += size * keep * order * abs(speed) / max(self._rolls[i].radius_m, 1e-3)
-            slew += abs(self._p.printed_gain * error) if adapt else 0.0
+            slew += abs(self._gain * error) if adapt else 0.0
         if not math.isfinite(value + slew):
             self._theta = [[0.0, 0.0] for _ in self._orders]
             return ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
@@ -107,3 +112,11 @@ class PrintedLaw:
         """Return two columns per order."""
         columns = (f"amplitude_{self._p.unit}", "phase_deg")
         return tuple(f"{roll}_{n}x.{column}" for roll, n in self._orders for column in columns)
+
+
+def with_printed(gain: float) -> Mapping[str, LawBuilder]:
+    """Return the product's laws, and this one as ``printed``."""
+    return {
+        **LAWS,
+        "printed": lambda setup: PrintedLaw(setup.params, phases=setup.phases, gain=gain),
+    }

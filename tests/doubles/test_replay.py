@@ -6,7 +6,7 @@ import pytest
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.replay import ReplayTransport, read_rows
+from tests.doubles.replay import ReplayTransport, read_rows
 
 
 def test_rows_come_back_in_order_and_then_nobody_answers() -> None:
