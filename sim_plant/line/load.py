@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import yaml
 from pydantic import ValidationError
@@ -16,14 +19,40 @@ from sim_plant.line.yaml_places import Place, read_places
 LENGTH_TOLERANCE_M = 2e-3
 
 
-def load_declaration(path: str | Path) -> Declaration:
-    """Return the declaration in ``path``.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """A YAML file, read and parsed once.
+
+    Attributes
+    ----------
+    text, data : as read, and parsed.
+    places : line and column of every key.
+    repeated : keys that are given twice, as sentences.
+    """
+
+    path: Path
+    text: str
+    data: Any
+    places: Mapping[Place, tuple[int, int]]
+    repeated: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LineFile:
+    """A line file as its owner wrote it, and what it declares."""
+
+    path: Path
+    text: str
+    declaration: Declaration
+
+
+def read_source(path: str | Path) -> Source:
+    """Return the YAML file in ``path``, whatever it declares.
 
     Raises
     ------
     PlantError
-        When the file cannot be read, is not YAML, has wrong keys or numbers, or its geometry
-        contradicts itself; the message names file, key and remedy.
+        When it cannot be read or is not YAML.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
@@ -33,6 +62,19 @@ def load_declaration(path: str | Path) -> Declaration:
         data, places, repeated = read_places(text)
     except yaml.YAMLError as error:
         raise PlantError(f"{path}: not YAML: {error}") from error
+    return Source(path=Path(path), text=text, data=data, places=places, repeated=tuple(repeated))
+
+
+def line_in(source: Source) -> LineFile:
+    """Return the line that a file declares.
+
+    Raises
+    ------
+    PlantError
+        When it has wrong keys or numbers, or its geometry contradicts itself; the message names
+        file, key and remedy.
+    """
+    path, data = source.path, source.data
     if not isinstance(data, dict):
         raise PlantError(f"{path}: holds no keys; expected schema: web-line-declaration/1")
     if "schema" not in data and "gateway" in data:
@@ -40,21 +82,29 @@ def load_declaration(path: str | Path) -> Declaration:
             f"{path}:1:1: is a site file, which aff-runtime reads. "
             "Give a line declaration, such as config/lines/euclid.yaml."
         )
-    if repeated:
-        raise PlantError("\n".join(f"{path}:{finding}" for finding in repeated))
+    if source.repeated:
+        raise PlantError("\n".join(f"{path}:{finding}" for finding in source.repeated))
     try:
         declaration = Declaration.model_validate(data)
     except ValidationError as error:
-        raise PlantError(_readable(path, error, places)) from error
+        raise PlantError(_readable(path, error, source.places)) from error
     findings = consistency(declaration)
     if findings:
         raise PlantError("\n".join(f"{path}: {finding}" for finding in findings))
-    return declaration
+    return LineFile(path=path, text=source.text, declaration=declaration)
 
 
-def _readable(
-    path: str | Path, error: ValidationError, places: dict[Place, tuple[int, int]]
-) -> str:
+def load_line(path: str | Path) -> LineFile:
+    """Return the line file in ``path``; PlantError as `read_source` and `line_in`."""
+    return line_in(read_source(path))
+
+
+def load_declaration(path: str | Path) -> Declaration:
+    """Return the declaration in ``path``; PlantError as `read_source` and `line_in`."""
+    return load_line(path).declaration
+
+
+def _readable(path: Path, error: ValidationError, places: Mapping[Place, tuple[int, int]]) -> str:
     lines = []
     for item in error.errors():
         named = at = _without_kind(item["loc"])

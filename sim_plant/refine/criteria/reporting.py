@@ -27,6 +27,12 @@ class ReportCriteria:
     highest_start_order: int = criterion(
         16, "orders of the roll", "a start shape has no finer ones", NOT_RECORDED
     )
+    block_settle_s: float = criterion(
+        6.0, "s", "settling time that an AFF block to paste begins with", NOT_RECORDED
+    )
+    block_limit_m_s: float = criterion(
+        0.02, "m/s", "amplitude that an AFF block to paste is limited to", NOT_RECORDED
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

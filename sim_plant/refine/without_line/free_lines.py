@@ -18,7 +18,7 @@ WITHOUT_LINE = CRITERIA.without_line
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Line:
+class SpectralLine:
     """One line found.
 
     Attributes
@@ -35,6 +35,13 @@ class Line:
     per_record: tuple[float, ...]
     strength: float
     clock: str = ""
+
+    @property
+    def where(self) -> dict[str, float | str]:
+        """The coordinate by name, as a verdict has it."""
+        if self.kind == "time":
+            return {"frequency_Hz": self.coordinate}
+        return {"wavenumber_1_m": self.coordinate, "equivalent_radius_m": self.equivalent_radius_m}
 
     @property
     def equivalent_radius_m(self) -> float:
@@ -83,13 +90,13 @@ def threshold(spectrum: LineSpectrum) -> float:
     return WITHOUT_LINE.line_safety * float(chi2.isf(per_bin, spectrum.degrees))
 
 
-def find_lines(items: Sequence[Explained]) -> list[Line]:
+def find_lines(items: Sequence[Explained]) -> list[SpectralLine]:
     """Return significant lines over all records, strongest first, each taken out before the next.
 
     A line counts in the coordinate in which it is sharper: that with the larger drop.
     """
     whites = [item.whitened for item in items]
-    found: list[Line] = []
+    found: list[SpectralLine] = []
     for _ in range(WITHOUT_LINE.most_lines):
         spectra = [_spectra(item, white) for item, white in zip(items, whites, strict=True)]
         best = _best(spectra)
@@ -101,7 +108,7 @@ def find_lines(items: Sequence[Explained]) -> list[Line]:
         )
         joint = float(np.median(singles))
         found.append(
-            Line(
+            SpectralLine(
                 kind=kind,
                 coordinate=joint,
                 per_record=singles,
@@ -116,7 +123,7 @@ def find_lines(items: Sequence[Explained]) -> list[Line]:
     return found
 
 
-def clocks(items: Sequence[Explained]) -> list[Line]:
+def clocks(items: Sequence[Explained]) -> list[SpectralLine]:
     """Return lines of the raw outputs that are clocks of the experiment, not of the machine."""
     found = []
     for item in items:
@@ -132,7 +139,7 @@ def clocks(items: Sequence[Explained]) -> list[Line]:
                 reason = _clock([item], "time", at)
                 if reason:
                     found.append(
-                        Line(
+                        SpectralLine(
                             kind="time",
                             coordinate=at,
                             per_record=(at,),

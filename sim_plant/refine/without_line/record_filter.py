@@ -11,12 +11,11 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.line.yaml_places import read_places
+from sim_plant.line.load import Source
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.noise.innovations import whitening_filter
 from sim_plant.refine.records.read import read_record
@@ -82,22 +81,18 @@ def whiten(row: Array) -> Array:
     return found
 
 
-def is_record_declaration(path: Path) -> bool:
+def is_record_declaration(source: Source) -> bool:
     """Return whether a file declares records instead of a line."""
-    try:
-        data, _, _ = read_places(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError):
-        return False
-    return isinstance(data, dict) and data.get("schema") == SCHEMA
+    return isinstance(source.data, dict) and source.data.get("schema") == SCHEMA
 
 
-def load_record_declaration(path: Path) -> RecordDeclaration:
+def record_declaration_in(source: Source) -> RecordDeclaration:
     """Return the declaration; PlantError with key and reason when it is wrong."""
-    data, _, repeated = read_places(path.read_text(encoding="utf-8"))
-    if repeated:
-        raise PlantError("\n".join(f"{path}:{finding}" for finding in repeated))
+    path = source.path
+    if source.repeated:
+        raise PlantError("\n".join(f"{path}:{finding}" for finding in source.repeated))
     try:
-        return RecordDeclaration.model_validate(data)
+        return RecordDeclaration.model_validate(source.data)
     except ValidationError as error:
         lines = [
             f"{path}: {'.'.join(map(str, e['loc']))}: read {e.get('input')!r}; {e['msg']}"

@@ -10,11 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
+from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import declared_objective
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Twin
+from sim_plant.refine.report.verdict import EffectFinding, Verdict
 from sim_plant.refine.spectra.coordinates import Travel
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
@@ -122,3 +125,28 @@ def fit_of(*hypotheses, values=None, cost=0.0, residual=None, shifts=None):
 
 def quiet(_text):
     """Say nothing."""
+
+
+def finding(effect, location, parameters, **more):
+    """Return an effect of a verdict."""
+    given = {
+        "interval95": {},
+        "score": 1000.0,
+        "runner_up": None,
+        "margin": 1000.0,
+        "cancel": True,
+        "text": BY_NAME[effect].text,
+    }
+    return EffectFinding(place=Place(effect, location), parameters=parameters, **(given | more))
+
+
+def verdict_with(*effects, unknown=(), ambiguous=(), word="traced"):
+    """Return a verdict that nothing was judged on."""
+    return Verdict(
+        word=word,
+        effects=effects,
+        unknown=tuple(unknown),
+        ambiguous=tuple(ambiguous),
+        residual_rms={},
+        holdout="b.csv",
+    )

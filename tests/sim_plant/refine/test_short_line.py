@@ -9,7 +9,7 @@ import yaml
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
-from sim_plant.line.load import load_declaration
+from sim_plant.line.load import load_declaration, load_line
 from sim_plant.line.open import make_line
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
 from sim_plant.refine.fit.objective import declared_objective
@@ -18,8 +18,9 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.records.recording import Record
-from sim_plant.refine.report.amend import write_amended, write_block
-from sim_plant.refine.report.verdict import verdict
+from sim_plant.refine.report.aff_block import write_block
+from sim_plant.refine.report.amend import write_amended
+from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.search.profile_detail import joint_refit
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 
@@ -147,16 +148,18 @@ def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record
         accepted=(accepted,),
         corrections={"web.EA_N": 0.01},
     )
-    result = verdict(found, judged, "short.csv")
-    path = write_amended(LINE_FILE, tmp_path, found, [record], "sim-plant refine", result)
+    result = verdict_of(found, judged, "short.csv")
+    path = write_amended(
+        load_line(LINE_FILE), tmp_path, found, [record], "sim-plant refine", result
+    )
     amended = load_declaration(path)
     assert [(e.effect, e.location) for e in amended.effects] == [("eccentric_roller", "R6")]
     assert amended.provenance["records"] == [{"path": "short.csv", "sha256": "abc"}]
     assert amended.corrections == {"web.EA_N": 0.01}
     make_line(amended)
-    block = yaml.safe_load(write_block(tmp_path, result["effects"]).read_text())
+    block = yaml.safe_load(write_block(tmp_path, result.effects).read_text())
     assert block["blocks"][0] | {"roll": "r6", "orders": [1]} == block["blocks"][0]
-    row = json.loads(json.dumps(result))["effects"][0]
+    row = json.loads(result.to_json())["effects"][0]
     assert row["parameters"]["eccentricity_m"] == pytest.approx(3e-4, rel=0.05)
     low, high = row["interval95"]["eccentricity_m"]
     assert low < 3e-4 < high
