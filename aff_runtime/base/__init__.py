@@ -1,1 +1,13 @@
 """Words that every floor shares: signals, events, errors, units, ports."""
+
+__all__ = [
+    "arguments",
+    "clock",
+    "errors",
+    "events",
+    "ports",
+    "printable",
+    "signals",
+    "suggest",
+    "units",
+]

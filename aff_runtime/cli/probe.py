@@ -11,6 +11,7 @@ from typing import Any
 
 from aff_runtime.app.supervisor.validation import load_record
 from aff_runtime.cli.service import connect
+from aff_runtime.cli.terminal import say
 
 MARGIN_S = 40.0
 
@@ -35,7 +36,7 @@ def probe(options: argparse.Namespace) -> int:
     """Run a probe and print its table."""
     record = load_record(options.site).record or {}
     duration_s = float(record["site"]["probe"]["duration_s"])
-    print(f"probing for about {duration_s:.0f} s; `aff-runtime bypass` ends it", flush=True)
+    say(f"probing for about {duration_s:.0f} s; `aff-runtime bypass` ends it")
     client = connect(options)
     try:
         answer = client.ask("probe", timeout_s=duration_s + MARGIN_S, actuators=options.actuator)
@@ -44,7 +45,7 @@ def probe(options: argparse.Namespace) -> int:
     for result in answer["results"]:
         actuator = record["site"]["actuators"][result["actuator"]]
         for line in table(result, gain_unit(actuator)):
-            print(line)
+            say(line)
     return 0
 
 

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import logging
-import os
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -37,12 +34,10 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Serve until stopped."""
     from aff_runtime.app.supervisor.run_options import RunOptions  # noqa: PLC0415  keeps `arm` quick
+    from aff_runtime.app.supervisor.service_log import open_log  # noqa: PLC0415
     from aff_runtime.app.supervisor.supervisor import Supervisor  # noqa: PLC0415
 
-    stamp = "" if "JOURNAL_STREAM" in os.environ else "%(asctime)s "
-    logging.basicConfig(
-        stream=sys.stderr, level=logging.INFO, format=f"{stamp}%(levelname)s %(message)s"
-    )
+    open_log()
     supervisor = Supervisor(
         RunOptions(
             site=options.site,

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.cli.terminal import say
 from aff_runtime.config.devices import load_device
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.wire_table import wire_lines
@@ -28,5 +29,5 @@ def show(options: argparse.Namespace) -> int:
     else:
         lines = list(wire_lines(load_site(options.site), options.site.absolute().parent))
     for line in lines:
-        print(line)
+        say(line)
     return 0

@@ -1,1 +1,15 @@
 """Site files: strict YAML, pydantic models, check."""
+
+__all__ = [
+    "can_wire",
+    "channel_units",
+    "check",
+    "crossings",
+    "devices",
+    "diff",
+    "loader",
+    "models",
+    "reference",
+    "revision",
+    "wire_table",
+]

@@ -20,10 +20,13 @@ import yaml
 
 from benchmarks.cases.report import page
 from benchmarks.cases.score import Label, label_of, outcome
+from benchmarks.rows import read_row, write_row
 
 ROOT = Path(__file__).resolve().parents[2]
 PLACES = tuple(base / "shared" / "data" / "cases" for base in (ROOT, ROOT.parent))
 LIMIT_S = 1800.0
+TRIES = 3
+"""Of a run that is killed, as by the kernel when memory is short: that says nothing of refine."""
 PARTS = ("train", "check")
 
 
@@ -36,9 +39,13 @@ def refine(folder: Path, name: str, out: Path) -> dict[str, Any]:
     ]
     begun = time.monotonic()  # noqa: TID251
     try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=LIMIT_S, check=False
-        )
+        for _ in range(TRIES):
+            done = subprocess.run(
+                command, capture_output=True, text=True, timeout=LIMIT_S, check=False
+            )
+            if done.returncode >= 0:
+                break
+            sys.stderr.write(f"{name}: ended by signal {-done.returncode}\n")
         error = "" if done.returncode == 0 else done.stderr[-400:] or f"exit {done.returncode}"
     except subprocess.TimeoutExpired:
         error = f"longer than {LIMIT_S:.0f} s"
@@ -51,16 +58,11 @@ def refine(folder: Path, name: str, out: Path) -> dict[str, Any]:
 def row_of(folder: Path, label: Label, part: str, out: Path) -> dict[str, Any]:
     """Return the row of one pair, from ``out`` when it is there."""
     place = out / "rows" / f"{part}-{label.name}.json"
-    try:
-        kept: dict[str, Any] = json.loads(place.read_text(encoding="utf-8"))
+    kept = read_row(place, ("verdict", "time_s", "error"))
+    if kept is not None:
         return kept
-    except (OSError, ValueError):
-        pass
     row = refine(folder, label.name, out / "work" / f"{part}-{label.name}")
-    place.parent.mkdir(parents=True, exist_ok=True)
-    fresh = place.with_suffix(f".{os.getpid()}.new")
-    fresh.write_text(json.dumps(row, indent=1), encoding="utf-8")
-    fresh.replace(place)
+    write_row(place, row)
     said = outcome(label, row["verdict"])
     sys.stderr.write(f"{part} {label.name} {label.kind}: {said}, {row['time_s']:.0f} s\n")
     return row

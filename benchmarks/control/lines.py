@@ -14,7 +14,7 @@ EUCLID = ROOT / "config" / "lines" / "euclid.yaml"
 INCH_M = 0.0254
 FPM_M_S = 0.3048 / 60.0
 
-# Found by scanning P(jw) of this line; see docs/adr/polyethylene.md
+# Found by scanning P(jw) of this line; see docs/notes/polyethylene-and-shape-weights.md
 POLYETHYLENE = {"EA_N": 3960.0, "density_kg_m3": 920.0}
 SHAPES = {"flat": 0.012, "bulge": 0.005, "asym": 0.006}
 SHAPE_ANGLE_RAD = 0.7

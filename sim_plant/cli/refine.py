@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.cli.output import say
 
 if TYPE_CHECKING:
     from sim_plant.refine.report.outcome import Outcome, Plan
@@ -23,7 +24,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         "refine",
         help="trace what a line model lacks in records",
         description="Compare records with the declared line; name the effect, place and "
-        "size that explain what is left. docs/refine.md",
+        "size that explain what is left. docs/engineer/refine.md",
     )
     parser.add_argument(
         "line",
@@ -107,15 +108,10 @@ def run(arguments: argparse.Namespace) -> int:
         plan = replace(plan, records=(first,), holdout=(second,))
     if is_record_declaration(source):
         found = refine_records(plan, record_declaration_in(source), say)
-        print(record_summary(found, plan.out, held=bool(plan.holdout)))
+        say(record_summary(found, plan.out, held=bool(plan.holdout)))
     else:
-        print(summary(refine(plan, line_in(source), say)))
+        say(summary(refine(plan, line_in(source), say)))
     return 0
-
-
-def say(text: str) -> None:
-    """Print a line at once: the next may take a minute."""
-    print(text, flush=True)
 
 
 def plan_of(arguments: argparse.Namespace) -> Plan:

@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.suggest import hint
 from sim_plant.base.arrays import DRIVEN, IDLER, LineArrays
 from sim_plant.effects.shape_rows import add_mean
 from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
-from sim_plant.line.suggest import meant
 
 Shift = Callable[[LineArrays, float], LineArrays]
 
@@ -128,8 +128,9 @@ def apply_corrections(
     table = {n.name: n for n in declared_numbers(line)} if corrections else {}
     for name, amount in corrections.items():
         if name not in table:
-            hint = meant(name, table)
-            raise PlantError(f"corrections.{name}: this line declares no such number{hint}")
+            raise PlantError(
+                f"corrections.{name}: this line declares no such number{hint(name, table)}"
+            )
         arrays = table[name].shift(arrays, amount)
     return arrays
 

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
 from pydantic import ValidationError
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.printable import printable
+from sim_plant.base.plain_file import read_plain_text
 from sim_plant.line.declaration import Declaration, LoadCell
-from sim_plant.line.yaml_places import Place, read_places
+from sim_plant.line.yaml_places import LONGEST_BYTES, Place, parse_yaml
 
 LENGTH_TOLERANCE_M = 2e-3
 
@@ -27,14 +28,17 @@ class Source:
     ----------
     text, data : as read, and parsed.
     places : line and column of every key.
-    repeated : keys that are given twice, as sentences.
     """
 
     path: Path
     text: str
     data: Any
     places: Mapping[Place, tuple[int, int]]
-    repeated: tuple[str, ...]
+
+    @property
+    def shown(self) -> str:
+        """The path as an error may say it."""
+        return printable(str(self.path))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,14 +59,11 @@ def read_source(path: str | Path) -> Source:
         When it cannot be read or is not YAML.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise PlantError(f"{path}: cannot be read ({error}). Give a line declaration.") from error
-    try:
-        data, places, repeated = read_places(text)
-    except yaml.YAMLError as error:
-        raise PlantError(f"{path}: not YAML: {error}") from error
-    return Source(path=Path(path), text=text, data=data, places=places, repeated=tuple(repeated))
+        text = read_plain_text(Path(path), LONGEST_BYTES)
+    except PlantError as error:
+        raise PlantError(f"{error}. Give a line declaration.") from error
+    data, places = parse_yaml(text, printable(str(path)))
+    return Source(path=Path(path), text=text, data=data, places=places)
 
 
 def line_in(source: Source) -> LineFile:
@@ -74,24 +75,22 @@ def line_in(source: Source) -> LineFile:
         When it has wrong keys or numbers, or its geometry contradicts itself; the message names
         file, key and remedy.
     """
-    path, data = source.path, source.data
+    shown, data = source.shown, source.data
     if not isinstance(data, dict):
-        raise PlantError(f"{path}: holds no keys; expected schema: web-line-declaration/1")
+        raise PlantError(f"{shown}: holds no keys; expected schema: web-line-declaration/1")
     if "schema" not in data and "gateway" in data:
         raise PlantError(
-            f"{path}:1:1: is a site file, which aff-runtime reads. "
+            f"{shown}:1:1: is a site file, which aff-runtime reads. "
             "Give a line declaration, such as config/lines/euclid.yaml."
         )
-    if source.repeated:
-        raise PlantError("\n".join(f"{path}:{finding}" for finding in source.repeated))
     try:
         declaration = Declaration.model_validate(data)
     except ValidationError as error:
-        raise PlantError(_readable(path, error, source.places)) from error
+        raise PlantError(_readable(shown, error, source.places)) from error
     findings = consistency(declaration)
     if findings:
-        raise PlantError("\n".join(f"{path}: {finding}" for finding in findings))
-    return LineFile(path=path, text=source.text, declaration=declaration)
+        raise PlantError("\n".join(f"{shown}: {printable(finding)}" for finding in findings))
+    return LineFile(path=source.path, text=source.text, declaration=declaration)
 
 
 def load_line(path: str | Path) -> LineFile:
@@ -104,19 +103,19 @@ def load_declaration(path: str | Path) -> Declaration:
     return load_line(path).declaration
 
 
-def _readable(path: Path, error: ValidationError, places: Mapping[Place, tuple[int, int]]) -> str:
+def _readable(shown: str, error: ValidationError, places: Mapping[Place, tuple[int, int]]) -> str:
     lines = []
     for item in error.errors():
         named = at = _without_kind(item["loc"])
         while at not in places:  # a missing key stands where its section does
             at = at[:-1]
         line, column = places[at]
-        where, given = ".".join(map(str, named)), item.get("input")
+        where, given = printable(".".join(map(str, named)), 200), item.get("input")
         said = item["msg"] + _hint(given)
         if item["type"] == "missing":
-            lines.append(f"{path}:{line}:{column}: {where}: {said}")
+            lines.append(f"{shown}:{line}:{column}: {where}: {said}")
         else:
-            lines.append(f"{path}:{line}:{column}: {where}: read {repr(given)[:60]}; {said}")
+            lines.append(f"{shown}:{line}:{column}: {where}: read {repr(given)[:60]}; {said}")
     return "\n".join(lines)
 
 

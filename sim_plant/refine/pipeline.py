@@ -66,7 +66,7 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         progress(f"{len(selection.corrections)} declared numbers estimated anew with the effects")
     judged = held[0] if held else fitted[0]
     progress(f"judging on {judged.record.path.name}")
-    evaluation = judge(judged, selection, plan.workers, held_out=bool(held))
+    evaluation = judge(judged, selection, plan.workers, progress, held_out=bool(held))
     outcome = Outcome(
         plan=plan,
         line=line,
@@ -118,7 +118,7 @@ def find(
 ) -> Selection:
     """Return what the records show, effects in ``without`` left out of the library."""
     twins = [f.twin for f in fitted]
-    with SimulationPool(twins, workers) as pool:
+    with SimulationPool(twins, workers, progress) as pool:
         progress("simulating the declared line, its noise and its tolerances")
         check_runs(pool, [f.record for f in fitted])
         objective = declared_objective(pool, [f.measured for f in fitted])
@@ -145,10 +145,12 @@ def check_runs(pool: SimulationPool, records: Sequence[Record]) -> None:
                 )
 
 
-def judge(judged: Recorded, selection: Selection, workers: int, *, held_out: bool) -> Evaluation:
+def judge(
+    judged: Recorded, selection: Selection, workers: int, progress: Progress, *, held_out: bool
+) -> Evaluation:
     """Return the error of one record as declared and as amended."""
     shifts = tuple(sorted(selection.corrections.items()))
-    with SimulationPool([judged.twin], workers) as pool:
+    with SimulationPool([judged.twin], workers, progress) as pool:
         return evaluate(pool, judged.measured, selection.fit.effects, shifts, find_angles=held_out)
 
 

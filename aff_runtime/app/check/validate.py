@@ -20,12 +20,13 @@ from aff_runtime.app.wiring.loops import loop_rows
 from aff_runtime.app.wiring.parameter_record import for_control
 from aff_runtime.app.wiring.shape_file import shape_path
 from aff_runtime.app.wiring.site_to_guard import guard_params
-from aff_runtime.app.wiring.site_to_wire import register_map, transport
+from aff_runtime.app.wiring.site_to_wire import register_map
+from aff_runtime.app.wiring.wires import transport
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
 from aff_runtime.config.can_wire import wire_files
 from aff_runtime.config.loader import Reading, read_site
-from aff_runtime.config.revision import revision_hash
+from aff_runtime.config.revision import learned_digests, revision_hash, revision_with
 from aff_runtime.core.response import Provenance, Response
 from aff_runtime.fieldbus.modbus.registers import RegisterMap
 
@@ -66,10 +67,13 @@ def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
             _look_up(reading, words, folder)
     loops = loop_rows(site, responses)
     controller_of(site, {"responses": responses, "loops": loops})
+    site_hash, learned = revision_hash(site), learned_digests(responses, {})
     record = {
         "site": plain,
         "site_text": path.read_text(encoding="utf-8"),
-        "config_hash": revision_hash(site),
+        "site_hash": site_hash,
+        "learned": learned,
+        "config_hash": revision_with(site_hash, learned),
         "permissives": [bit.name for bit in guard_params(site).permissives.all_bits],
         "responses": responses,
         "loops": loops,

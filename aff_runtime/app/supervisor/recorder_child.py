@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.report.status_answer import RecorderReport, recorder_report
 from aff_runtime.telemetry.ring import RingReader
 
 
@@ -40,7 +41,7 @@ class RecorderChild:
         """Have a line put into ``events.csv``."""
         self._write({"name": name, "text": text})
 
-    def report(self) -> dict[str, Any]:
+    def report(self) -> RecorderReport:
         """Return the newest report (folder, rows, losses), with ``alive``."""
         with contextlib.suppress(OSError):
             while chunk := os.read(self._output, 1 << 16):
@@ -49,7 +50,7 @@ class RecorderChild:
         if lines:
             with contextlib.suppress(ValueError):
                 self._report = json.loads(lines[-1])
-        return {**self._report, "alive": self._process.poll() is None}
+        return recorder_report(self._report, alive=self._process.poll() is None)
 
     def wait(self, patience_s: float) -> None:
         """Let it flush after the writer's end; kill it after ``patience_s``."""

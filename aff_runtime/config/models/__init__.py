@@ -43,4 +43,5 @@ __all__ = [
     "Tls",
     "WriteBlock",
     "WriteWord",
+    "gateway",
 ]

@@ -11,6 +11,7 @@ from scipy.ndimage import median_filter
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.records.limits import shown
 from sim_plant.refine.records.units import suffix_of
 
 RECORDS = CRITERIA.records
@@ -27,11 +28,14 @@ def even_grid(
         When stamps go back, or rows are missing.
     """
     if time_s.size < RECORDS.fewest_rows:
-        raise PlantError(f"{path}: {time_s.size} rows are too few to judge")
+        raise PlantError(
+            f"{shown(path)}: has {time_s.size} rows, too few to judge; "
+            f"give at least {RECORDS.fewest_rows}"
+        )
     steps = np.diff(time_s)
     back = np.flatnonzero(steps < 0.0)
     if back.size:
-        raise PlantError(f"{path}: {place_of(path, int(back[0]) + 1)}: time does not go on")
+        raise PlantError(f"{shown(path)}: {place_of(path, int(back[0]) + 1)}: time does not go on")
     step = float(np.median(steps))
     odd = np.flatnonzero((steps > RECORDS.longest_gap_samples * step) | (steps == 0.0))
     misplaced = [int(k) for k in odd if _one_stamp_off(steps, int(k), step)]
@@ -39,7 +43,7 @@ def even_grid(
     if gap:
         at = gap[0]
         raise PlantError(
-            f"{path}: {len(gap)} gaps in time_s, the first after {place_of(path, at)} "
+            f"{shown(path)}: {len(gap)} gaps in time_s, the first after {place_of(path, at)} "
             f"({steps[at]:.4g} s where {step:.4g} s is usual); give a record without gaps"
         )
     said = [f"{len(misplaced)} stamps sit on their neighbour's"] if misplaced else []
@@ -71,7 +75,7 @@ def counted_on(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str
     """
     found, said = dict(columns), []
     for name, values in columns.items():
-        if not name.endswith("_angle_rad"):
+        if not name.endswith("_angle_rad") or values.size < 2:
             continue
         steps = np.diff(values)
         over = int(np.sum(steps * np.sign(np.median(steps)) < -np.pi))

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from sim_plant.base.svg import svg
+from sim_plant.base.svg import as_written, svg
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
@@ -46,7 +46,7 @@ def overlay(judged: Evaluation, sample_time_s: float, seconds: float = 8.0) -> s
                 lw=0.8,
                 label=f"error as {label}",
             )
-        row[0].set_ylabel(judged.channels[k], fontsize=8)
+        row[0].set_ylabel(as_written(judged.channels[k]), fontsize=8)
         for axis in row:
             axis.grid(alpha=0.3)
     for axis in axes[0]:
@@ -88,7 +88,7 @@ def spectrum(
                 label=label,
             )
         axis.axhline(threshold, color="black", lw=0.7, ls=":")
-        axis.set_xlabel(labels[first.kind] + first.roll)
+        axis.set_xlabel(labels[first.kind] + as_written(first.roll))
         axis.set_ylabel("error explained", fontsize=8)
         axis.grid(alpha=0.3)
         axis.yaxis.set_minor_formatter(NullFormatter())
@@ -138,7 +138,7 @@ def wavenumber_map(judged: Evaluation, sample_time_s: float) -> str:
             shading="nearest",
             rasterized=True,
         )
-        axis.set_title(f"{judged.channels[at]}, {title}", fontsize=9)
+        axis.set_title(f"{as_written(judged.channels[at])}, {title}", fontsize=9)
         axis.set_xlabel("time [s]")
     axes[0].set_ylabel("1/m of web")
     return svg(figure)

@@ -96,7 +96,7 @@ def joint_conflict(objective: Objective, fit: Fit) -> PriorConflict | None:
     """Return the conflict of declared numbers that are too far off to be tolerance, else None."""
     total = total_shifts(objective, fit)
     z = np.array([total[n.name] for n in objective.nuisances]) / objective.prior_sd
-    if float(z @ z) < z.size + DEGENERACY.joint_sd * np.sqrt(2.0 * z.size):
+    if not z.size or float(z @ z) < z.size + DEGENERACY.joint_sd * np.sqrt(2.0 * z.size):
         return None
     at = int(np.argmax(np.abs(z)))
     return PriorConflict(

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import gzip
 import hashlib
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,13 +12,18 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
+from sim_plant.base.plain_file import read_plain
+from sim_plant.line.declaration import Name
 from sim_plant.line.load import Source
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.noise.innovations import whitening_filter
+from sim_plant.refine.records.limits import FILE_BYTES
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Record
 from sim_plant.refine.records.sanity import oddities
+from sim_plant.refine.records.text_table import number_table
 
 SCHEMA = "record-declaration/1"
 WITHOUT_LINE = CRITERIA.without_line
@@ -33,13 +36,13 @@ class RecordDeclaration(BaseModel):
 
     schema_: Literal["record-declaration/1"] = Field(alias="schema")
     note: str = ""
-    columns: tuple[str, ...] | None = Field(default=None, description="names, without a header")
+    columns: tuple[Name, ...] | None = Field(default=None, description="names, without a header")
     sample_time_s: Annotated[float, Field(gt=0, allow_inf_nan=False)]
-    outputs: tuple[str, ...] = Field(min_length=1)
-    inputs: tuple[str, ...] = Field(min_length=1)
+    outputs: tuple[Name, ...] = Field(min_length=1)
+    inputs: tuple[Name, ...] = Field(min_length=1)
     derivative_of_inputs: bool = False
     taps: Annotated[int, Field(ge=1, le=500)] = 40
-    travel_speed: str | None = Field(
+    travel_speed: Name | None = Field(
         default=None, description="column with an absolute speed, m/s"
     )
 
@@ -89,13 +92,12 @@ def is_record_declaration(source: Source) -> bool:
 def record_declaration_in(source: Source) -> RecordDeclaration:
     """Return the declaration; PlantError with key and reason when it is wrong."""
     path = source.path
-    if source.repeated:
-        raise PlantError("\n".join(f"{path}:{finding}" for finding in source.repeated))
     try:
         return RecordDeclaration.model_validate(source.data)
     except ValidationError as error:
         lines = [
-            f"{path}: {'.'.join(map(str, e['loc']))}: read {e.get('input')!r}; {e['msg']}"
+            f"{path}: {printable('.'.join(map(str, e['loc'])), 200)}: "
+            f"read {printable(repr(e.get('input')), 60)}; {e['msg']}"
             for e in error.errors()
         ]
         raise PlantError("\n".join(lines)) from error
@@ -146,14 +148,8 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
 
 def _headerless(declaration: RecordDeclaration, path: Path) -> Record:
     names = declaration.columns or ()
-    try:
-        payload = path.read_bytes()
-        plain = gzip.decompress(payload) if path.name.endswith(".gz") else payload
-        table = np.array([line.split() for line in plain.decode().splitlines()], dtype=np.float64)
-    except (OSError, EOFError, zlib.error, ValueError) as error:
-        raise PlantError(f"{path}: not a table of numbers ({error})") from error
-    if table.ndim != 2 or table.shape[1] != len(names):
-        raise PlantError(f"{path}: has {table.shape[-1]} columns, declared are {len(names)}")
+    payload = read_plain(path, FILE_BYTES)
+    table = number_table(path, payload, len(names))
     bad = np.argwhere(~(np.abs(table) < CRITERIA.records.largest_reading))
     if bad.size:
         raise PlantError(f"{path}: column {names[bad[0][1]]}: no reading in line {bad[0][0] + 1}")

@@ -36,16 +36,16 @@ def files(tmp_path):
 
 @pytest.mark.timeout(300)
 def test_line_file_and_sidecar_are_each_parsed_once(files, monkeypatch, capsys):
-    parsed, parse = [], load.read_places
+    parsed, parse = [], load.parse_yaml
 
-    def counting(text):
-        parsed.append(text)
-        return parse(text)
+    def counting(text, file):
+        parsed.append(file)
+        return parse(text, file)
 
-    monkeypatch.setattr(load, "read_places", counting)
+    monkeypatch.setattr(load, "parse_yaml", counting)
     arguments = [str(files / "line.yaml"), str(files / "a.csv"), "--workers", "1"]
     assert main(["refine", *arguments, "--out", str(files / "out")]) == 0
-    assert len(parsed) == 2
+    assert sorted(parsed) == [str(files / "a.yaml"), str(files / "line.yaml")]
     said = capsys.readouterr().out
     assert "cannot be claimed: no held-out record" in said
     assert "verdict: nothing" in said

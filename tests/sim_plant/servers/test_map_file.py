@@ -15,7 +15,7 @@ VALUES = {
     "swrap_follower_angle_rad": -6.283185307179586,
 }
 WORDS = {"plc_heartbeat": 7, "status": 0x6F, "roll_id": 3, "aff_echo": 0xBEEF}
-# by hand from the table of docs/architecture.md
+# by hand from the table of docs/technician/gateway-block.md
 GOLDEN = [
     7,
     0x6F,

@@ -13,11 +13,16 @@ from tests.sim_plant.refine.small import formula_twin, pool_of
 
 KEEPER = """
 import os, time
+import numpy as np
 from sim_plant.refine.model.simulation_pool import SimulationPool
+from sim_plant.refine.model.twin import Case
+class Twin:
+    channels, speed_m_s = (), np.zeros(1)
+    def simulate(self, case):
+        return os.getpid()
 if __name__ == "__main__":
-    with SimulationPool([], workers=2) as pool:
-        jobs = [pool._pool.submit(os.getpid) for _ in range(8)]
-        print(*sorted({job.result() for job in jobs}), flush=True)
+    with SimulationPool([Twin()], workers=2) as pool:
+        print(*sorted({run[0] for run in pool.run([Case(seed=n) for n in range(8)])}), flush=True)
         time.sleep(600)
 """
 
