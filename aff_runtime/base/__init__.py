@@ -7,6 +7,7 @@ __all__ = [
     "events",
     "ports",
     "printable",
+    "python_child",
     "signals",
     "suggest",
     "units",

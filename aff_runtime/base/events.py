@@ -131,6 +131,14 @@ TABLE: tuple[Event, ...] = (
         "aff_echo is not ours: the PLC takes the commands of somebody else, or of nobody",
         "leave one runtime alone on a PLC that copies aff_heartbeat to aff_echo, then arm again",
     ),
+    Event(
+        20,
+        "APPLIED_DIFFERS",
+        Reaction.FADE_AND_LATCH,
+        "the PLC adds a correction to the drive that we did not send",
+        "find the station that writes to the PLC beside us, or the fault in the applied word, "
+        "then arm again",
+    ),
 )
 BY_NAME = {event.name: event for event in TABLE}
 BY_CODE = {event.code: event for event in TABLE}

@@ -85,6 +85,8 @@ class Snapshot:
     values : SI value per channel, in the order of the site's channel table.
     echo_age : how many ticks ago we sent the heartbeat that the PLC shows as taken, modulo 2^16;
         ``NO_ECHO`` where the site maps no such word, or unless OK.
+    applied : per actuator the correction that the PLC says it adds, SI; NaN for one that it does
+        not show, empty where it shows none, or unless OK.
     """
 
     tick: int
@@ -97,6 +99,7 @@ class Snapshot:
     roll_id: int
     values: tuple[float, ...]
     echo_age: int = NO_ECHO
+    applied: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

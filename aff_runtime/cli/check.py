@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.base.arguments import speed_m_s
+from aff_runtime.cli.service import add_state_dir
 from aff_runtime.cli.terminal import complain, say
 from aff_runtime.config.check import check_site
 
@@ -27,6 +28,7 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--brief", action="store_true", help="only errors, warnings and the verdict"
     )
+    add_state_dir(parser)
     parser.set_defaults(command=check)
 
 
@@ -35,7 +37,7 @@ def check(options: argparse.Namespace) -> int:
     if any(not 0.0 < speed < float("inf") for speed in options.speed):
         complain("aff-runtime: --speed must be above 0 m/s")
         return 2
-    report = check_site(options.site, tuple(options.speed))
+    report = check_site(options.site, tuple(options.speed), options.state_dir)
     for line in report.lines(brief=options.brief):
         (say if report.ok else complain)(line)
     return report.exit_code

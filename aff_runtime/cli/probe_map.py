@@ -11,6 +11,7 @@ from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.app.wiring.wires import wire_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import WireError
+from aff_runtime.cli.service import add_state_dir
 from aff_runtime.cli.terminal import say
 from aff_runtime.config.can_wire import can_map_of, wire_files
 from aff_runtime.config.loader import load_site
@@ -29,12 +30,13 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         "probe-map", help="read the PLC's block: values, and every word order; writes nothing"
     )
     parser.add_argument("site", type=Path, metavar="SITE.yaml")
+    add_state_dir(parser)
     parser.set_defaults(command=probe_map)
 
 
 def probe_map(options: argparse.Namespace) -> int:
     """Read the block a few times and print every reading of every word."""
-    site = load_site(options.site)
+    site = load_site(options.site, options.state_dir)
     clock = MonotonicClock()
     modbus = site.gateway.modbus
     if modbus is None:
@@ -92,7 +94,11 @@ def table(site: Site, seen: MapProbe) -> Iterator[str]:
     owners[words.roll_id] = "roll_id"
     if words.aff_echo is not None:
         owners[words.aff_echo] = "aff_echo"
-    values = WordCodec(words).decode([word.u16 for word in seen.words])[3]
+    codec, block = WordCodec(words), [word.u16 for word in seen.words]
+    values = codec.decode(block)[3]
+    for register, value in zip(words.applied, codec.applied(block), strict=True):
+        if register is not None:
+            owners[register.address] = f"applied.{register.name} = {value:.6g}"
     owners |= {
         channel.address: f"{channel.name} = {value:.6g}"
         for channel, value in zip(words.channels, values, strict=True)

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.cli.service import paths_of
+from aff_runtime.cli.service import add_state_dir, paths_of
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
@@ -23,6 +23,7 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder of all records (default: recording.directory of the site file)",
     )
+    add_state_dir(parser)
     parser.add_argument(
         "--forget",
         action="store_true",
@@ -43,6 +44,7 @@ def run(options: argparse.Namespace) -> int:
             site=options.site,
             paths=paths_of(options),
             record_directory=options.record_dir,
+            state_directory=options.state_dir,
             shadow=options.shadow,
             forget=options.forget,
         )

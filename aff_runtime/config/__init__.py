@@ -9,7 +9,9 @@ __all__ = [
     "diff",
     "loader",
     "models",
+    "plain_file",
     "reference",
     "revision",
+    "site_paths",
     "wire_table",
 ]

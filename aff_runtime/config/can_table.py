@@ -80,6 +80,10 @@ def _roles(site: Site, frames: CanMap) -> dict[str, str]:
     for channel in frames.channels:
         shown = _si(channel.field, channel.scale, unit_of_channel(channel.name) or "")
         roles[str(channel.field)] = f"{channel.name}, {shown}"
+    for name, applied in zip(site.actuators, frames.applied, strict=False):
+        if applied is not None:
+            shown = _si(applied.field, applied.scale, site.actuators[name].unit)
+            roles[str(applied.field)] = f"correction of {name} as applied, {shown}"
     for correction in frames.corrections:
         shown = _si(correction.field, correction.scale, site.actuators[correction.name].unit)
         roles[str(correction.field)] = f"correction of {correction.name}, {shown}"

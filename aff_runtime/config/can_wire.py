@@ -11,13 +11,13 @@ from aff_runtime.base.units import plain
 from aff_runtime.config.channel_units import suffix_of_unit
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Actuator, Site
-from aff_runtime.config.plain_file import read_plain
+from aff_runtime.config.plain_file import TooLargeError, read_plain
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.fieldbus.can.load import MOST_SHARE, bus_share
 from aff_runtime.fieldbus.signal_names import NamedError, SignalNames, WireFileError
 
 if TYPE_CHECKING:
-    from aff_runtime.fieldbus.can.layout import CanCorrection, CanMap
+    from aff_runtime.fieldbus.can.layout import CanChannel, CanCorrection, CanMap
     from aff_runtime.fieldbus.canopen.device_402 import Network
 
 _SAME = 1e-9
@@ -26,12 +26,14 @@ _SAME = 1e-9
 def signal_names(site: Site) -> SignalNames:
     """Return which signal means what; empty where the site gives none."""
     read, write = site.gateway.read, site.gateway.write
+    shown = site.gateway.applied
     counts = site.gateway.canopen_402 is not None  # an EDS knows no scale, a DBC file does
     return SignalNames(
         plc_heartbeat=read.plc_heartbeat.signal or "",
         status=read.status.signal or "",
         roll_id=read.roll_id.signal or "",
         aff_echo=(read.aff_echo.signal or "") if read.aff_echo is not None else "",
+        applied={n: (a.signal or "", a.scale if counts else 1.0) for n, a in shown.items()},
         channels={n: (c.signal or "", c.scale, c.wraps) for n, c in read.channels.items()},
         aff_heartbeat=write.aff_heartbeat.signal or "",
         state=write.state.signal or "",
@@ -67,8 +69,11 @@ def wire_files(site: Site, folder: Path) -> dict[str, str]:
                 "correct the name or put the file there"
             )
             raise NamedError(name, text) from None
+        except TooLargeError as error:
+            text = f"{folder / name} {error}. Leave in it what this line needs"
+            raise NamedError(name, text) from None
         except ValueError as error:
-            raise NamedError(name, f"{folder / name} {error}") from None
+            raise NamedError(name, f"{folder / name} {error}. Correct the name") from None
     return texts
 
 
@@ -151,13 +156,12 @@ def issues(site: Site, folder: Path) -> Iterator[Issue]:
         yield Issue(path=path or (*section, key), text=text)
         return
     for correction in frames.corrections:
-        stated = site.gateway.write.corrections[correction.name].scale
-        factor = abs(correction.field.factor * correction.scale)
-        if abs(stated - factor) > _SAME * factor:
-            path = ("gateway", "write", "corrections", correction.name, "scale")
-            text = f"{correction.field} has {plain(factor)} per count. Write that."
-            yield Issue(path=path, text=text)
+        path = ("gateway", "write", "corrections", correction.name)
+        yield from _scale(path, site.gateway.write.corrections[correction.name].scale, correction)
         yield from _room(site.actuators[correction.name], correction)
+    for name, shown in zip(site.actuators, frames.applied, strict=False):
+        if shown is not None:
+            yield from _shown(site.actuators[name], site.gateway.applied[name].scale, name, shown)
     yield from _untold(site)
     share = load_share(site, frames)
     if share > MOST_SHARE:
@@ -167,6 +171,31 @@ def issues(site: Site, folder: Path) -> Iterator[Issue]:
             "Raise bitrate or cycle_ms."
         )
         yield Issue(path=(*section, "bitrate"), text=text)
+
+
+def _scale(path: KeyPath, stated: float, shown: CanCorrection | CanChannel) -> Iterator[Issue]:
+    """Yield an issue where a stated scale is not what one count of the signal is."""
+    factor = abs(shown.field.factor * shown.scale)
+    if abs(stated - factor) > _SAME * factor:
+        text = f"{shown.field} has {plain(factor)} per count. Write that."
+        yield Issue(path=(*path, "scale"), text=text)
+
+
+def _shown(actuator: Actuator, stated: float, name: str, shown: CanChannel) -> Iterator[Issue]:
+    """Yield an issue where an applied correction cannot be read as it is."""
+    path, field = ("gateway", "read", "applied", name), shown.field
+    yield from _scale(path, stated, shown)
+    ends = [count * field.factor + field.offset for count in field.count_range]
+    ends = [
+        max(min(ends), field.minimum) * shown.scale,
+        min(max(ends), field.maximum) * shown.scale,
+    ]
+    if actuator.limit > min(-min(ends), max(ends)) * (1 + _SAME):
+        text = (
+            f"{field} carries {plain(min(ends))} to {plain(max(ends))} {actuator.unit}, less than "
+            f"the limit {plain(actuator.limit)} {actuator.unit}. Use a wider or coarser signal."
+        )
+        yield Issue(path=(*path, "signal"), text=text)
 
 
 def _room(actuator: Actuator, correction: CanCorrection) -> Iterator[Issue]:

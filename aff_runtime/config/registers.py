@@ -53,6 +53,9 @@ def read_rows(site: Site) -> list[Row]:
     for name, channel in read.channels.items():
         path = (*base, "channels", name, "register")
         rows.append(_row(site, path, channel.register_number, channel.type))
+    for name, applied in site.gateway.applied.items():
+        path = (*base, "applied", name, "register")
+        rows.append(_row(site, path, applied.register_number, applied.type))
     return sorted(rows, key=lambda row: row.address)
 
 

@@ -9,15 +9,21 @@ from aff_runtime.config.yaml_marks import MarkedTree, Tree
 
 _OUTPUT_UNITS = {"velocity_reference": "m/s", "torque_reference": "N m"}
 _SAY = {
-    "read": f"The channel's name does not end with its SI unit: {ENDINGS}.",
-    "write": "The actuator of this name must say its output.",
+    "channels": f"The channel's name does not end with its SI unit: {ENDINGS}.",
+    "corrections": "The actuator of this name must say its output.",
 }
+_SAY["applied"] = _SAY["corrections"]
+_TABLES = (
+    ("gateway", "read", "channels"),
+    ("gateway", "read", "applied"),
+    ("gateway", "write", "corrections"),
+)
 
 
 def convert_scales(tree: MarkedTree) -> list[Finding]:
     """Turn every text scale of ``tree`` into SI per count; return what cannot be."""
     findings: list[Finding] = []
-    for path in (("gateway", "read", "channels"), ("gateway", "write", "corrections")):
+    for path in _TABLES:
         table = _at(tree.values, path)
         if not isinstance(table, dict):
             continue
@@ -29,7 +35,7 @@ def convert_scales(tree: MarkedTree) -> list[Finding]:
             unit = _unit(tree, path, name)
             entry["scale"] = 1.0
             if unit is None:
-                text = f'"{scale[:40]}" needs a unit to convert to. {_SAY[path[1]]}'
+                text = f'"{scale[:40]}" needs a unit to convert to. {_SAY[path[2]]}'
                 findings.append(tree.finding(where, text))
                 continue
             try:
@@ -39,8 +45,8 @@ def convert_scales(tree: MarkedTree) -> list[Finding]:
     return findings
 
 
-def _unit(tree: MarkedTree, path: KeyPath, name: str) -> str | None:
-    if path[1] == "read":
+def _unit(tree: MarkedTree, path: tuple[str, ...], name: str) -> str | None:
+    if path[2] == "channels":
         return unit_of_channel(name)
     output = _at(tree.values, ("actuators", name, "output"))
     return _OUTPUT_UNITS.get(output) if isinstance(output, str) else None

@@ -76,6 +76,8 @@ def _example(site: Site, path: tuple[str | int, ...]) -> str:
     said = ""
     if "channels" in path:
         said = thousand(site.gateway.read.channels[name].scale, unit_of_channel(name) or "")
+    elif "applied" in path:
+        said = thousand(site.gateway.applied[name].scale, site.actuators[name].unit)
     elif "corrections" in path and path[-1] == "register":
         said = thousand(site.gateway.write.corrections[name].scale, site.actuators[name].unit)
     return said.ljust(_WIDTH)

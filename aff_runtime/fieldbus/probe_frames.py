@@ -59,7 +59,7 @@ def listen(
     if heard and not sets and heard.hindrance():
         yield f"NO WHOLE SET: {heard.hindrance()}"
     yield from heard.frame_lines(span_s)
-    for reading in can_map.channels:
+    for reading in (*can_map.channels, *(shown for shown in can_map.applied if shown is not None)):
         field = reading.field
         physical = heard.value(field)
         remark = ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from aff_runtime.base.errors import ConfigError
@@ -36,6 +36,7 @@ class SignalNames:
 
     ``channels`` : name to signal, SI per physical unit, and whether it wraps.
     ``corrections`` : name to signal, signal of the complement (empty: none), SI per unit.
+    ``applied`` : name of the correction to the signal that shows it applied, SI per unit.
     """
 
     plc_heartbeat: str
@@ -50,3 +51,4 @@ class SignalNames:
     limit: str = ""
     config_revision: str = ""
     aff_echo: str = ""
+    applied: Mapping[str, tuple[str, float]] = field(default_factory=dict)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from aff_runtime.base.events import BY_CODE, BY_NAME
 from aff_runtime.base.signals import ActuatorStep, Outcome, Permission, Snapshot, State
+from aff_runtime.safety.applied_judge import AppliedJudge
 from aff_runtime.safety.causes import FADING, HOLDING, LATCHING, bit, first_code
 from aff_runtime.safety.echo_judge import EchoJudge
 from aff_runtime.safety.envelope import Envelope
@@ -20,6 +21,7 @@ _POWER_UP = BY_NAME["POWER_UP"].code
 _BYPASSED = BY_NAME["BYPASSED"].code
 _PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
 _SECOND_MASTER = bit("SECOND_MASTER")
+_APPLIED_DIFFERS = bit("APPLIED_DIFFERS")
 _OF_START = bit("PLC_STALE") | bit("OVERRUN")  # no news until there was a connection
 _AT_REST = (State.FAULT, State.BYPASS)
 _IDLE_SCANS = 3  # of the PLC, without ACTIVE and FADING, before a new start
@@ -46,6 +48,7 @@ class Guard:
         self._freshness = FreshnessJudge(params.freshness)
         self._line = LineJudge(params)
         self._echo = EchoJudge(params.echo)
+        self._applied = AppliedJudge(params.applied, len(params.actuators))
         self._lease = Lease(params.lease_ticks)
         self._envelopes = tuple(
             Envelope(soft_start_s=actuator.soft_start_s, fade_s=params.fade_s)
@@ -103,6 +106,7 @@ class Guard:
         self.params = params
         self._freshness.params = params.freshness
         self._echo.params = params.echo
+        self._applied.params = params.applied
         self._line.adopt(params)
         for index, actuator in enumerate(params.actuators):
             self._envelopes[index].soft_start_s = actuator.soft_start_s
@@ -170,6 +174,8 @@ class Guard:
         causes |= self._causes_of_time(now_ns, freshness, overrun, supervisor_alive)
         if self._echo.judge(snapshot, now_ns):
             causes |= _SECOND_MASTER
+        if self._applied.judge(snapshot, now_ns):
+            causes |= _APPLIED_DIFFERS
         self._found_in_tick = 0
         self._was_connected = self._was_connected or freshness is Freshness.GOOD
         news = causes if self._was_connected else causes & ~_OF_START
@@ -208,6 +214,7 @@ class Guard:
             level = self._envelopes[index].step(may_open, dt_s)
             limiter.step(self._steps[index], level, dt_s)
         corrections = tuple(limiter.output for limiter in self._limiters)
+        self._applied.sends(corrections)
         told_zero = self.quiet and self._zeros >= _ZEROS_TOLD
         self._zeros = min(self._zeros + 1, _ZEROS_TOLD) if self.quiet else 0
         self._told_idle = told_zero and self.standing.state is not State.ACTIVE
@@ -305,8 +312,10 @@ class Guard:
     def _first_reason(self) -> str:
         latching = self._causes & LATCHING
         if latching:
-            name = BY_CODE[first_code(latching)].name
-            return f"{name} ({self._line.unbelievable})" if self._line.unbelievable else name
+            name, detail = BY_CODE[first_code(latching)].name, self._line.unbelievable
+            if latching & -latching == _APPLIED_DIFFERS:
+                detail = self._applied.finding([a.name for a in self.params.actuators])
+            return f"{name} ({detail})" if detail else name
         if self._causes & _PERMISSIVE_LOST:
             return self._line.first_missing()
         if self._causes & FADING:
@@ -320,6 +329,8 @@ class Guard:
 
     def _alarm(self) -> int:
         state = self.standing.state
+        if state in _AT_REST and self._causes & _APPLIED_DIFFERS:
+            return first_code(_APPLIED_DIFFERS)  # the one alarm that matters while at rest
         if state is State.FAULT:
             return self._first_out
         if state is State.BYPASS:

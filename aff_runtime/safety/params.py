@@ -64,6 +64,30 @@ class EchoParams:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class AppliedParams:
+    """How the correction that the PLC shows as applied may differ from what we sent.
+
+    Attributes
+    ----------
+    tolerances : per actuator, what rounding in both words may make of it, in its SI unit; None
+        for one that is not shown. Empty: nothing is judged.
+    units : per actuator its SI unit, for the operator.
+    ticks : as in ``EchoParams``: how old the command may be that the PLC took.
+    lag_ticks : how much older than that command may be what a drive shows as applied.
+    between_s : what is neither ours nor zero is over within this time: the PLC's own ramp to zero
+        (0.1 s), and what a scan and the way back may differ meanwhile, s.
+    gap_s : no fresh reading for longer than this: what comes then is a beginning, s.
+    """
+
+    tolerances: tuple[float | None, ...] = ()
+    units: tuple[str, ...] = ()
+    ticks: int = 50
+    lag_ticks: int = 3
+    between_s: float = 0.180
+    gap_s: float = 0.080
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ChannelParams:
     """What one channel may read; limits in the channel's SI unit.
 
@@ -143,6 +167,7 @@ class GuardParams:
     permissives: PermissiveParams = field(default_factory=PermissiveParams)
     freshness: FreshnessParams = field(default_factory=FreshnessParams)
     echo: EchoParams = field(default_factory=EchoParams)
+    applied: AppliedParams = field(default_factory=AppliedParams)
     channels: tuple[ChannelParams, ...] = ()
     radii: tuple[RadiusParams, ...] = ()
     line_speed_channel: int | None = None

@@ -18,6 +18,7 @@ from typing import Any
 
 import yaml
 
+from aff_runtime.base.python_child import module_command
 from benchmarks.cases.report import page
 from benchmarks.cases.score import Label, label_of, outcome
 from benchmarks.rows import read_row, write_row
@@ -33,7 +34,7 @@ PARTS = ("train", "check")
 def refine(folder: Path, name: str, out: Path) -> dict[str, Any]:
     """Run the product's command line on one pair; return verdict, time and what went wrong."""
     command = [
-        *(sys.executable, "-P", "-m", "sim_plant.cli.main", "refine"),
+        *(*module_command("sim_plant.cli.main"), "refine"),
         *(str(folder / f"{name}_a.yaml"), str(folder / f"{name}_a.csv.gz")),
         *("--holdout", str(folder / f"{name}_b.csv.gz"), "--out", str(out), "--workers", "1"),
     ]

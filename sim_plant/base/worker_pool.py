@@ -23,6 +23,7 @@ from typing import Any, Generic, Self, TypeVar
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
+from sim_plant.base.worker_context import spawn_context
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -186,9 +187,7 @@ class _Worker:
         self._clock, self._until_ns, self._allowed_s = MonotonicClock(), 0, 0.0
         self.is_ready = False
         self.pipe, far = multiprocessing.Pipe()
-        self._process = multiprocessing.get_context("spawn").Process(
-            target=_serve, args=(far,), daemon=True
-        )
+        self._process = spawn_context().Process(target=_serve, args=(far,), daemon=True)
         self._process.start()
         far.close()  # so that the pipe ends with the process
         # not among its arguments: a start waits for ever on a process that ends while it reads

@@ -44,6 +44,7 @@ class DbcMap(_Rows):
     channels: Mapping[str, _Channel]
     write: Mapping[str, str]
     corrections: Mapping[str, _Correction]
+    applied: Mapping[str, str] = {}
 
 
 def load_dbc_map(path: Path) -> tuple[DbcMap, Database]:
@@ -142,7 +143,8 @@ class DbcNode:
         self._last: list[CanFrame] = []
         self._pending: dict[str, dict[str, Any]] = {}
         self._words: dict[str, int] = {}
-        ours = _messages(database, [*rows.read.values(), *_signals(rows.channels)])
+        shown = [*rows.read.values(), *_signals(rows.channels), *rows.applied.values()]
+        ours = _messages(database, shown)
         pairs = [(c.signal, c.complement) for c in rows.corrections.values()]
         theirs = [*rows.write.values(), *(name for pair in pairs for name in pair)]
         self._theirs = {m.frame_id: m for m in _messages(database, theirs)}
@@ -187,6 +189,8 @@ class DbcNode:
         values: dict[str, float] = {s: shown[n] for n, s in self._rows.read.items()}
         for name, channel in self._rows.channels.items():
             values[channel.signal] = plant.measured[name] / channel.scale
+        for name, signal in self._rows.applied.items():
+            values[signal] = plant.applied_m_s[name]
         self._last = [self._encode(plan, values, heartbeat) for plan in self._ours]
         return self._last
 

@@ -51,6 +51,7 @@ class NodeMap(_Rows):
     channels: Mapping[str, ChannelRow]
     write: Mapping[str, WordRow]
     corrections: Mapping[str, WordRow]
+    applied: Mapping[str, ChannelRow] = {}
 
 
 class CanopenNetwork:
@@ -159,6 +160,8 @@ class CanopenNetwork:
             self._set(word.node, word.object, shown[name])
         for name, row in self._rows.channels.items():
             self._set(row.node, row.object, _counts(plant.measured[name] / row.scale, row))
+        for name, row in self._rows.applied.items():
+            self._set(row.node, row.object, round(plant.applied_m_s[name] / row.scale))
 
     def _set(self, node: str, index: int, value: int) -> None:
         device = self._devices[node]

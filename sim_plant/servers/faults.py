@@ -39,6 +39,7 @@ class Fault(StrEnum):
     REORDER = "reorder"  # the frames of a scan come in reverse; CAN
     SECOND = "second"  # a second master writes zeros over the runtime's words
     LAST = "last"  # another idle master's words always come last before the PLC's scan
+    THIRD = "third"  # a station puts a correction of its own in the place of ours before each scan
     ERRORS = "errors"  # error frames between the frames; CAN
     BUSOFF = "busoff"  # the controller reports bus-off and nothing passes; CAN
     SYNC = "sync"  # SYNC never arrives at the nodes; CANopen

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
@@ -39,6 +39,12 @@ class _ChannelRow(_Strict):
     wraps: bool = False
 
 
+class _AppliedRow(_Strict):
+    address: _Address
+    type: Literal["i16", "i32"]
+    scale: _Scale
+
+
 class _CorrectionRow(_Strict):
     address: _Address
     complement: _Address
@@ -52,6 +58,7 @@ class _ReadRows(_Strict):
     status: _WordRow
     roll_id: _WordRow
     aff_echo: _WordRow | None = None
+    applied: dict[str, _AppliedRow] = {}
     channels: dict[str, _ChannelRow]
 
 
@@ -133,9 +140,15 @@ def _build(rows: _MapFile) -> PlcMap:
         )
         for name, row in rows.write.corrections.items()
     )
-    read_start, read_count = _block(
-        "read", _MAX_READ, [*_spans(read), *((i.address, i.length) for i in channels)]
+    unknown = rows.read.applied.keys() - rows.write.corrections.keys()
+    if unknown:
+        raise ValueError(f"read.applied: {sorted(unknown)} have no correction")
+    applied = tuple(
+        RegisterItem(name=name, address=row.address - base, type=row.type, scale=row.scale)
+        for name, row in rows.read.applied.items()
     )
+    shown = [(item.address, item.length) for item in (*channels, *applied)]
+    read_start, read_count = _block("read", _MAX_READ, [*_spans(read), *shown])
     copies = ((c.complement_address, c.item.length) for c in corrections)
     values = ((c.item.address, c.item.length) for c in corrections)
     write_start, write_count = _block("write", _MAX_WRITE, [*_spans(write), *values, *copies])
@@ -158,6 +171,7 @@ def _build(rows: _MapFile) -> PlcMap:
         regain_s=rows.safety.regain_ms * 1e-3,
         fade_s=rows.safety.fade_ms * 1e-3,
         permissives=permissives,
+        applied=applied,
     )
 
 

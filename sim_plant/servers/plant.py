@@ -18,6 +18,7 @@ from sim_plant.servers.web_end import SPEED, WebEnd
 REFERENCES = (SPEED, "tension_ref_N")
 _HISTORY_SCANS = 20_000
 _ABSURD_SI = 1.0e6
+THIRD_M_S = 0.02  # the correction of a third station
 _ANOTHER = 0x8000  # heartbeat of another master, far from any young runtime's
 
 
@@ -150,6 +151,8 @@ class Plant:
         self._mind_the_web(measured.get(SPEED, 0.0))
         if self.faults.active(Fault.LAST):
             self.registers.write_as_another(_ANOTHER + self.scans)
+        if self.faults.active(Fault.THIRD):
+            self.registers.write_third(THIRD_M_S)
         self._distort(measured)
         self.measured = measured
         self._scan()

@@ -10,7 +10,8 @@ as well, or the runtime is a new one) a scan with a moving heartbeat and neither
 must come before the next correction counts. And a runtime that says ACTIVE or FADING and is
 refused loses AFF_ENABLE_REQUEST until it is neither and not armed.
 ``aff_echo``, where the map has it, is the heartbeat of the command that this scan judged: by it a
-runtime knows whether that was its own.
+runtime knows whether that was its own. ``applied`` is what the scan adds to each reference, after
+all these rules: by it a runtime knows whether that was its own, too.
 """
 
 from __future__ import annotations
@@ -102,6 +103,7 @@ class Plc:
         since_s = now_s - self._held_at_s
         faded = since_s > self.map.fade_s - _TIME_TOLERANCE_S
         share = 0.0 if faded else 1.0 - since_s / self.map.fade_s
+        corrections_m_s = {name: held * share for name, held in self._held.items()}
         words = {
             "plc_heartbeat": self._heartbeat,
             "status": int(self.status & ~self._hidden()),
@@ -109,8 +111,8 @@ class Plc:
             "aff_echo": self.map.write_word(write_words, "aff_heartbeat"),
         }
         return Scan(
-            corrections_m_s={name: held * share for name, held in self._held.items()},
-            read_words=self.map.encode_read(words, measured),
+            corrections_m_s=corrections_m_s,
+            read_words=self.map.encode_read(words, measured, corrections_m_s),
             refusal=refusal,
         )
 

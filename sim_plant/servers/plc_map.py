@@ -27,6 +27,7 @@ class PlcMap:
     read, write : single u16 words by name (heartbeats, status, state, ...).
     channels : measured channels in the read block.
     corrections : one per actuator, in the write block.
+    applied : where the read block shows what of a correction is applied; by actuator's name.
     read_start, read_count, write_start, write_count : the two contiguous blocks.
     watchdog_s, regain_s : time without a new heartbeat that trips, and what each new one takes
         off it; the correction is zero ``fade_s`` after the trip.
@@ -47,16 +48,25 @@ class PlcMap:
     regain_s: float
     fade_s: float
     permissives: Status
+    applied: tuple[RegisterItem, ...] = ()
 
-    def encode_read(self, words: Mapping[str, int], values_si: Mapping[str, float]) -> list[int]:
-        """Return the read block for the u16 ``words`` and the channels' ``values_si``."""
+    def encode_read(
+        self,
+        words: Mapping[str, int],
+        values_si: Mapping[str, float],
+        applied_si: Mapping[str, float],
+    ) -> list[int]:
+        """Return the read block for the u16 ``words``, the channels and what is applied."""
         block = [0] * self.read_count
         for name, address in self.read.items():
             block[address - self.read_start] = words[name] & 0xFFFF
-        for item in self.channels:
+        rows = [(item, values_si) for item in self.channels]
+        rows += [(item, applied_si) for item in self.applied]
+        for item, values in rows:
             at = item.address - self.read_start
-            encoded = item.to_words(values_si[item.name], low_first=self.low_first)
-            block[at : at + item.length] = encoded
+            block[at : at + item.length] = item.to_words(
+                values[item.name], low_first=self.low_first
+            )
         return block
 
     def swap_read(self, block: Sequence[int]) -> list[int]:

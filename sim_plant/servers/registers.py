@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from aff_runtime.base.signals import StateBits
 from sim_plant.servers.plc_map import PlcMap
 
 
@@ -45,6 +46,19 @@ class Registers:
         for row in plc_map.corrections:
             at = row.complement_address - plc_map.write_start
             self.write_words[at : at + row.item.length] = [0xFFFF] * row.item.length
+
+    def write_third(self, correction_m_s: float) -> None:
+        """Put ACTIVE and one correction over the runtime's; its heartbeat stays as it is."""
+        plc_map = self.plc_map
+        self.write_words[plc_map.write["state"] - plc_map.write_start] = int(StateBits.ACTIVE)
+        for row in plc_map.corrections:
+            words = row.item.to_words(correction_m_s, low_first=plc_map.low_first)
+            for address, new in (
+                (row.item.address, words),
+                (row.complement_address, [word ^ 0xFFFF for word in words]),
+            ):
+                at = address - plc_map.write_start
+                self.write_words[at : at + len(words)] = new
 
     def readable(self, address: int, count: int) -> bool:
         """Return whether one block holds all these words; count it as foreign if not."""

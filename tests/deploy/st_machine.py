@@ -30,6 +30,7 @@ _BINARY: dict[str, Callable[[Any, Any], Any]] = {
 _CONVERSIONS: dict[str, Callable[[Any], Any]] = {
     "INT_TO_WORD": lambda value: value & 0xFFFF,
     "INT_TO_REAL": float,
+    "REAL_TO_INT": round,  # to the nearest, a half to the even one, as the standard says
 }
 
 

@@ -81,6 +81,10 @@ class Both:
         for name, key in (("unwind", "Correction1"), ("swrap_follower", "Correction2")):
             counts = seen.corrections_m_s[name] / COUNT_M_S
             assert out[key] == pytest.approx(counts, abs=0.05), (self.scans, name)
+        for row, key in zip(MAP.applied, ("Applied1", "Applied2"), strict=True):
+            shown = row.from_words([seen.read_words[row.address - MAP.read_start]]) / row.scale
+            assert abs(out[key] - shown) < 1.5, (self.scans, key)  # 32 bits may round a half away
+            assert abs(out[key] - out[key.replace("Applied", "Correction")]) <= 0.5
         return out
 
     def accepted(self) -> Both:
@@ -113,6 +117,13 @@ def test_a_dead_heartbeat_trips_after_the_watchdog_and_is_zero_after_the_fade() 
     assert outs[tripped + 18]["Correction1"] > 0.0
     assert all(out["Correction1"] == 0.0 for out in outs[tripped + 19 :])  # 180 ms in all
     assert both.scan(4, 1234)["Refusal"] == 3
+
+
+def test_what_is_shown_as_applied_is_what_is_left_after_limit_and_fade() -> None:
+    both = Both().accepted()
+    shown = [both.scan(4 + k, 15_001)["Applied1"] for k in range(21)]  # beyond the limit
+    assert shown[:2] == [1172, 1111]  # 1234 less 5 and 10 of 100 ms
+    assert shown[19:] == [0, 0]
 
 
 def test_a_heartbeat_now_and_then_does_not_hold_a_correction() -> None:
@@ -250,6 +261,9 @@ def test_block_and_simulated_plc_agree_on_random_runs(seed: int) -> None:
 
 MUTANTS = (
     ("AffEcho := AffHeartbeat;\n", ""),
+    ("Applied1 := REAL_TO_INT(Correction1);\n", ""),
+    ("REAL_TO_INT(Correction2)", "Word2"),
+    ("REAL_TO_INT(Correction1)", "REAL_TO_INT(Held1)"),
     ("Silence <= Watchdog", "Silence <= Watchdog + 1.0"),
     ("NeedsRearm := TRUE;\n    Trips", "Trips"),
     ("ELSIF NOT Permissives THEN\n    Refusal := 4;\n", ""),

@@ -30,6 +30,7 @@ TARGETS = {
     "dbc_text": Target(run=can_targets.dbc_text, seeds=can_targets.SEEDS),
     "eds_text": Target(run=can_targets.eds_text, seeds=can_targets.SEEDS),
     "site_file": Target(run=config_targets.site, seeds=config_targets.SEEDS),
+    "yaml_merges": Target(run=config_targets.merges, seeds=config_targets.SEEDS),
     "response_file": Target(run=config_targets.response, seeds=config_targets.SEEDS),
     "record_text": Target(run=record_targets.text, seeds=record_targets.SEEDS),
     "record_parquet": Target(run=record_targets.parquet, seeds=record_targets.SEEDS),

@@ -43,9 +43,10 @@ GREED = 8.0 / 3.0  # times the unwind's limit; the follower's wish is five times
 
 
 def without_echo(plc_map: PlcMap) -> PlcMap:
-    """Return the map of a PLC that does not say whose heartbeat it took."""
+    """Return the map of a PLC that does not say whose heartbeat it took, nor what it applies."""
     read = {name: at for name, at in plc_map.read.items() if name != "aff_echo"}
-    return replace(plc_map, read=read, read_count=plc_map.read_count - 1)  # it is the last word
+    shown = 1 + len(plc_map.applied)  # the last words of the block
+    return replace(plc_map, read=read, read_count=plc_map.read_count - shown, applied=())
 
 
 class QuietLine(FakeLine):
@@ -195,7 +196,7 @@ class MatrixBench:
         if self.bus is None:
             words = register_map(site)
             if "aff_echo" not in self.plc_map.read:
-                words = replace(words, aff_echo=None)
+                words = replace(words, aff_echo=None, applied=())
             return WordGateway(self.lockstep, WordCodec(words), clock)
         if self.wire == "can":
             can_map = can_map_of(site, FILES[self.wire])
@@ -204,6 +205,16 @@ class MatrixBench:
         link = CanopenLink(self.bus, network.plans, own_node=100, heartbeat_ms=20, clock=clock)
         can_map = network.can_map
         return CanGateway(link, CanReader(can_map), CanWriter(can_map), clock)
+
+    @property
+    def alarm(self) -> int:
+        """Alarm code of the next command."""
+        return self.cycle._alarm
+
+    @property
+    def sent(self) -> tuple[float, ...]:
+        """Corrections of the next command, SI."""
+        return self.cycle._corrections
 
     def run(self, seconds: float) -> list[float]:
         """Advance both sides; return the largest correction at the plant, sample by sample."""

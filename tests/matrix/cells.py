@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 
+from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 from tests.matrix.bench import SAMPLE_S, WIRES, Greedy, MatrixBench
 
@@ -18,6 +19,7 @@ ZERO_S = TABLE["zero_ms"] * 1e-3
 PLAUSIBLE = 2000.0  # N: nothing above the site's own maximum may reach a law
 OLDEST_SCANS = 3
 _ROUNDING = 1.0 + 1e-6
+_NOT_OURS = BY_NAME["APPLIED_DIFFERS"].code
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,11 +53,15 @@ def judge(cell: Cell) -> str:
     if wrong:
         return wrong
     duration_s = float(cell.spec.partition(":")[2] or 0.5)
+    if cell.reaction == "tell":
+        return _tells(cell, bench, duration_s)
     bench.begin(cell.spec)
     during = bench.run(duration_s)
     bench.end(cell.spec)
     after = bench.run(max(0.4, ZERO_S + 0.1 - duration_s))
     whole = during + after
+    if _NOT_OURS in bench.around.codes:
+        return "the PLC is said to apply what is not ours"
     wrong = _used_as_live(bench.law) if _is_told_apart(cell) else ""
     if wrong:
         return wrong
@@ -100,6 +106,26 @@ def _reacts(  # noqa: PLR0911 (one return per verdict)
     if cell.state != "FADING" and (bench.guard.state is not State.ACTIVE or not any(after[-20:])):
         return f"did not ride through: {bench.guard.state.name}"
     return ""
+
+
+def _tells(cell: Cell, bench: MatrixBench, duration_s: float) -> str:
+    """Judge that a correction which is not ours is told, that ours goes and nobody arms."""
+    rests = State.BYPASS if cell.state == "BYPASS" else State.FAULT
+    bench.begin(cell.spec)
+    bench.run(ZERO_S)
+    if bench.around.codes.count(_NOT_OURS) != 1 or bench.alarm != _NOT_OURS:
+        return f"not told within {ZERO_S * 1e3:.0f} ms: alarm {bench.alarm}"
+    bench.arm()
+    his = bench.run(duration_s - ZERO_S)
+    if not all(his[:-1]):  # in the last sample he is gone
+        return "the fault did nothing"
+    if any(bench.sent):
+        return "ours did not go to zero"
+    if bench.guard.state is not rests or "APPLIED_DIFFERS" not in bench.guard.first_blocking():
+        return f"armed meanwhile: {bench.guard.state.name} {bench.guard.first_blocking()}"
+    bench.end(cell.spec)
+    bench.run(ZERO_S)
+    return _recovers(bench)
 
 
 def _is_told_apart(cell: Cell) -> bool:

@@ -65,8 +65,8 @@ def test_a_formula_is_refused_and_never_run(tmp_path, mark, place):
     version, change = PLACES[place]
     ending = "mf4" if version[0] == "4" else "mdf"
     path = saved(tmp_path / f"r.{ending}", version, change(touching(mark)))
-    with pytest.raises(PlantError) as raised:
-        read_record(path)
+    with pytest.raises(PlantError) as raised:  # as the child of a reading does it
+        mdf_table(path, path.read_bytes())
     said = str(raised.value)
     assert not mark.exists()
     assert said.startswith(f"{path}: channel ")
@@ -74,11 +74,20 @@ def test_a_formula_is_refused_and_never_run(tmp_path, mark, place):
     assert said.endswith("export the record with raw or with physical values")
 
 
+@pytest.mark.parametrize("place", ["time", "bus"])
+def test_a_reading_refuses_a_formula_in_the_words_of_its_child(tmp_path, mark, place):
+    version, change = PLACES[place]
+    path = saved(tmp_path / "r.mf4", version, change(touching(mark)))
+    with pytest.raises(PlantError, match="its conversion is the formula"):
+        read_record(path)
+    assert not mark.exists()
+
+
 def test_a_formula_is_shown_escaped_and_cut(tmp_path):
     text = "X + 1 \x1b[2J\nINFO OPERATOR: arm \u202e" + "+ 1" * 5000
     path = saved(tmp_path / "r.mf4", "4.10", put(algebraic(text)))
     with pytest.raises(PlantError, match=r"\\x1b\[2J\\nINFO OPERATOR: arm \\u202e") as raised:
-        read_record(path)
+        mdf_table(path, path.read_bytes())
     assert str(raised.value).isprintable()
     assert len(str(raised.value)) < 500
 
@@ -133,7 +142,7 @@ def test_conversions_by_numbers_are_still_done(tmp_path):
     path = saved(tmp_path / "r.mf4", "4.10", put(rational(**numbers)))
     x = VALUES
     expected = (x**2 + 2.0 * x + 3.0) / (0.5 * x**2 + 0.25 * x + 4.0)
-    found = read_record(path).columns["unwind_tension_N"]
+    found = mdf_table(path, path.read_bytes())[0]["unwind_tension_N"]
     np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sys
 from collections import deque
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 from aff_runtime.app.link.messages import Message, Start, Stop
 from aff_runtime.app.link.packets import Link, LinkClosedError, link_pair
 from aff_runtime.app.wiring.parameter_record import for_control
+from aff_runtime.base.python_child import module_command
 from aff_runtime.telemetry.ring import RingReader
 
 
@@ -33,7 +33,7 @@ class ControlChild:
         try:
             self._process = subprocess.Popen(
                 [
-                    *(sys.executable, "-m", "aff_runtime.app.control.process"),
+                    *module_command("aff_runtime.app.control.process"),
                     *("--link-fd", str(theirs.fileno())),
                 ],
                 pass_fds=[theirs.fileno()],

@@ -12,6 +12,7 @@ from aff_runtime.app.supervisor.file_watch import FileWatch
 from aff_runtime.app.supervisor.pending import Pending, as_answer
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.response_exchange import exchanged_responses
+from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.validation import Validation, Verdict
 from aff_runtime.app.wiring.assemble import site_of
 from aff_runtime.app.wiring.parameter_record import for_control
@@ -30,12 +31,12 @@ class EditSession:
     """
 
     def __init__(
-        self, processes: Processes, pending: Pending, site: Path, verdict: Verdict
+        self, processes: Processes, pending: Pending, options: RunOptions, verdict: Verdict
     ) -> None:
         self._processes = processes
         self._pending = pending
-        self._site = site
-        self._watch = FileWatch(_watched(site, processes.record))
+        self._site, self._state = options.site, options.state_directory
+        self._watch = FileWatch(_watched(self._site, processes.record))
         self._check: Validation | None = None
         self._waiting: Verdict | None = None
         self._handing_over = False
@@ -61,7 +62,7 @@ class EditSession:
         """Check the file now; a check under way is of an older file."""
         self.close()
         try:
-            self._check = Validation(self._site)
+            self._check = Validation(self._site, self._state)
         except OSError as error:
             self._refuse(
                 [f"{self._site}:1:1  cannot be checked now: {error.strerror}; save again"]

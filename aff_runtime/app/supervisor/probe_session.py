@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -61,4 +62,5 @@ class ProbeSession:
         self._processes.probed.add(path, text)
         replace_text(path, text)
         self._processes.note("PROBE", f"{result.actuator}: {path}")
-        return {**asdict(result), "file": str(path)}
+        told = asdict(result)
+        return {**told, "response": json.loads(told.pop("text")), "file": str(path)}

@@ -6,12 +6,13 @@ import contextlib
 import json
 import os
 import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.report.status_answer import RecorderReport, recorder_report
+from aff_runtime.app.supervisor.child_environment import without_service_manager
+from aff_runtime.base.python_child import module_command
 from aff_runtime.telemetry.ring import RingReader
 
 
@@ -22,10 +23,11 @@ class RecorderChild:
         # By descriptor: the file may be removed or replaced before the recorder has started.
         name = f"/dev/fd/{ring.fileno()}"
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "aff_runtime.telemetry.recorder", name, str(directory)],
+            [*module_command("aff_runtime.telemetry.recorder"), name, str(directory)],
             pass_fds=[ring.fileno()],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
+            env=without_service_manager(),
         )
         assert self._process.stdin is not None
         assert self._process.stdout is not None
@@ -36,6 +38,11 @@ class RecorderChild:
         self._write(context)
         os.set_blocking(self._input, False)
         os.set_blocking(self._output, False)
+
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._process.pid
 
     def note(self, name: str, text: str) -> None:
         """Have a line put into ``events.csv``."""

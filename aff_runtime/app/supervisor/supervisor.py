@@ -62,7 +62,7 @@ class Supervisor:
     """
 
     def __init__(self, options: RunOptions) -> None:
-        verdict = load_record(options.site)
+        verdict = load_record(options.site, options.state_directory)
         requests = RequestSocket(options.paths.socket)
         self._clock = MonotonicClock()
         self._notifier = ServiceNotifier(os.environ, every_ticks=1)
@@ -75,7 +75,7 @@ class Supervisor:
         self._states = StateLog()
         self._forecast = CrossingForecast()
         self._link_fd: int | None = None
-        self._edits = EditSession(self._processes, self._pending, options.site, verdict)
+        self._edits = EditSession(self._processes, self._pending, options, verdict)
         self._probe: ProbeSession | None = None
         self._stop_asked: list[Asked] = []
         self._stopping = False

@@ -9,6 +9,7 @@ from aff_runtime.base.signals import Status
 from aff_runtime.config.models import Actuator, PlausibleRange, Site
 from aff_runtime.safety.params import (
     ActuatorLimits,
+    AppliedParams,
     ChannelParams,
     EchoParams,
     FreshnessParams,
@@ -16,6 +17,9 @@ from aff_runtime.safety.params import (
     PermissiveParams,
     RadiusParams,
 )
+
+_PLC_FADE_S = 0.100  # docs/architecture.md: a correction that does not count is zero within it
+_DRIVE_LAG_S = 0.015  # a drive may show what it took three cycles of 5 ms before
 
 
 def guard_params(site: Site) -> GuardParams:
@@ -30,6 +34,7 @@ def guard_params(site: Site) -> GuardParams:
             fault_after_s=site.freshness.fault_after_ms * 1e-3,
         ),
         echo=echo_params(site),
+        applied=applied_params(site),
         channels=tuple(
             _channel(channels.index(name), name, believable)
             for name, believable in site.plausibility.items()
@@ -54,6 +59,25 @@ def echo_params(site: Site) -> EchoParams:
     """
     stale_s = site.freshness.fault_after_ms * 1e-3
     return EchoParams(ticks=math.ceil(3.0 * stale_s / site.cycle_s) + 2, missing_after_s=stale_s)
+
+
+def applied_params(site: Site) -> AppliedParams:
+    """Return how what the PLC applies may differ from what was sent; a count of each word."""
+    shown, sent = site.gateway.applied, site.gateway.write.corrections
+    stale_s = site.freshness.fault_after_ms * 1e-3
+    return AppliedParams(
+        tolerances=tuple(
+            shown[name].scale + sent[name].scale if name in shown else None
+            for name in site.actuators
+        )
+        if shown
+        else (),
+        units=tuple(actuator.unit for actuator in site.actuators.values()),
+        ticks=echo_params(site).ticks,
+        lag_ticks=math.ceil(_DRIVE_LAG_S / site.cycle_s),
+        between_s=_PLC_FADE_S + stale_s,
+        gap_s=stale_s,
+    )
 
 
 def permissive_params(site: Site) -> PermissiveParams:

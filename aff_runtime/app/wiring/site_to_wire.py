@@ -17,7 +17,7 @@ from aff_runtime.fieldbus.modbus.registers import (
 def register_map(site: Site) -> RegisterMap:
     """Return every word that is read and written; channels in the order of the site file."""
     read, write = site.gateway.read, site.gateway.write
-    address, aff_echo = _address(site), read.aff_echo
+    address, aff_echo, applied = _address(site), read.aff_echo, site.gateway.applied
     return RegisterMap(
         plc_heartbeat=address(read.plc_heartbeat.register_number),
         status=address(read.status.register_number),
@@ -31,6 +31,7 @@ def register_map(site: Site) -> RegisterMap:
         config_revision=address(write.config_revision.register_number),
         aff_echo=None if aff_echo is None else address(aff_echo.register_number),
         corrections=tuple(_correction(site, name) for name in site.actuators),
+        applied=tuple(_applied(site, name) for name in site.actuators) if applied else (),
     )
 
 
@@ -57,6 +58,19 @@ def _correction(site: Site, actuator: str) -> Correction:
             scale=correction.scale,
         ),
         complement_address=_address(site)(correction.complement),
+    )
+
+
+def _applied(site: Site, actuator: str) -> Register | None:
+    """Return the word in which the PLC shows what it applies of a correction, if there is one."""
+    shown = site.gateway.applied.get(actuator)
+    if shown is None:
+        return None
+    return Register(
+        name=actuator,
+        address=_address(site)(shown.register_number),
+        type=WordType(shown.type),
+        scale=shown.scale,
     )
 
 

@@ -191,6 +191,7 @@ def _tls_context(tls: Tls | None, folder: Path) -> ssl.SSLContext | None:
         folder / tls.ca,
         folder / tls.certificate if tls.certificate is not None else None,
         folder / tls.private_key if tls.private_key is not None else None,
+        folder / tls.crl if tls.crl is not None else None,
     )
 
 

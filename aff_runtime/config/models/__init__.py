@@ -3,6 +3,7 @@
 from aff_runtime.config.models.actuators import Actuator, Block, ErrorSignal, Start
 from aff_runtime.config.models.drive import Drive
 from aff_runtime.config.models.gateway import (
+    Applied,
     Channel,
     Correction,
     Gateway,
@@ -19,6 +20,7 @@ from aff_runtime.config.models.wires import CanDbc, Canopen402, ModbusRtu, Modbu
 
 __all__ = [
     "Actuator",
+    "Applied",
     "Block",
     "CanDbc",
     "Canopen402",

@@ -66,6 +66,20 @@ class Channel(Section):
     )
 
 
+class Applied(Section):
+    """The correction of one actuator as the PLC or drive adds it, after its own limit and fade."""
+
+    register_number: Register | None = _register("Register of the applied correction; on Modbus.")
+    signal: Text | None = key(SIGNAL, default=None)
+    type: Literal["i16"] = key("Word type on Modbus: always i16.", default="i16")
+    scale: SiPerCount = key(
+        "Applied correction in one count, in the actuator's unit; on CAN the DBC's factor. What "
+        "differs by less than one count of this and one of the correction is the same.",
+        ge=1e-9,
+        le=100,
+    )
+
+
 class ReadBlock(Section):
     """What AFF reads each tick, in one block of at most 125 words."""
 
@@ -78,6 +92,13 @@ class ReadBlock(Section):
     aff_echo: ReadWord | None = key(
         "Copy of the aff_heartbeat that the PLC took in this scan. Without it nothing tells on "
         "Modbus that another master always writes after us, so that nothing of ours counts.",
+        default=None,
+    )
+    applied: Annotated[Mapping[Name, Applied], *Few] | None = key(
+        "By actuator, the correction that the PLC or drive really adds: after its own limit, "
+        "fade and watchdog. AFF compares it with what it sent: somebody who writes corrections "
+        "to the PLC beside us is APPLIED_DIFFERS. Needs aff_echo. The PLC's ramp to zero takes "
+        "0.1 s at most.",
         default=None,
     )
     channels: Annotated[Mapping[Name, Channel], *Few] = key(
@@ -159,6 +180,11 @@ class Gateway(Section):
     )
     read: ReadBlock = key("What AFF reads each tick.")
     write: WriteBlock = key("What AFF writes each tick; nothing else is ever written.")
+
+    @property
+    def applied(self) -> Mapping[str, Applied]:
+        """Return what is read of the applied corrections, by actuator."""
+        return self.read.applied or {}
 
     @property
     def wire(self) -> str:

@@ -24,6 +24,11 @@ def issues(site: Site) -> Iterator[Issue]:
             text = f"{name} is no actuator. {meant(name, site.actuators)}"
             path: KeyPath = ("gateway", "write", "corrections", name)
             yield Issue(path=path, text=text, at_key=True)
+    for name in site.gateway.applied:
+        if name not in site.actuators:
+            text = f"{name} is no actuator. {meant(name, site.actuators)}"
+            path = ("gateway", "read", "applied", name)
+            yield Issue(path=path, text=text, at_key=True)
     responses: dict[str, str] = {}
     for index, (name, actuator) in enumerate(site.actuators.items()):
         path = ("actuators", name)
@@ -34,6 +39,7 @@ def issues(site: Site) -> Iterator[Issue]:
         if name in corrections:
             first = index == 0
             yield from _resolution(path, actuator, corrections[name].scale, first=first)
+        yield from _applied(name, site)
         yield from _blocks(path, actuator, site)
         other = responses.setdefault(actuator.response, name)
         if other != name:
@@ -42,6 +48,20 @@ def issues(site: Site) -> Iterator[Issue]:
     if tuple(corrections) != tuple(site.actuators) and set(corrections) == set(site.actuators):
         text = f"the order differs from actuators. Write {', '.join(site.actuators)}."
         yield Issue(path=("gateway", "write", "corrections"), text=text, at_key=True)
+
+
+def _applied(name: str, site: Site) -> Iterator[Issue]:
+    """Yield that the word of an applied correction cannot show the whole limit; on Modbus."""
+    actuator, shown = site.actuators[name], site.gateway.applied.get(name)
+    if shown is None or site.gateway.modbus is None:
+        return
+    counts = actuator.limit / shown.scale
+    if counts > _I16_MAX:
+        text = (
+            f"the limit {plain(actuator.limit)} {actuator.unit} is {counts:.0f} counts of "
+            f"{plain(shown.scale)}; the word holds {_I16_MAX}. Need a coarser scale."
+        )
+        yield Issue(path=("gateway", "read", "applied", name, "scale"), text=text)
 
 
 def _limits(path: KeyPath, actuator: Actuator) -> Iterator[Issue]:

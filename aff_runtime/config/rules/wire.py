@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from aff_runtime.config.findings import KeyPath
-from aff_runtime.config.models import Channel, Correction, ReadWord, Site, WriteWord
+from aff_runtime.config.models import Applied, Channel, Correction, ReadWord, Site, WriteWord
 from aff_runtime.config.models.gateway import WIRES
 from aff_runtime.config.rules.issue import Issue
 
-_Place = ReadWord | WriteWord | Channel | Correction
+PLAIN = (
+    "nothing on this wire is encrypted or signed: who can reach the PLC can do what this service "
+    "can do, up to the PLC's own limit. Keep others off this network; Modbus TCP may have tls."
+)
+_Place = ReadWord | WriteWord | Channel | Correction | Applied
 
 
 def issues(site: Site) -> Iterator[Issue]:
@@ -32,12 +36,21 @@ def issues(site: Site) -> Iterator[Issue]:
         if lack:
             text = f"{lack} is missing; {given[0]} needs it."
             yield Issue(path=path, text=text, at_key=True)
+    if site.gateway.modbus_tcp is None or site.gateway.modbus_tcp.tls is None:
+        yield Issue(path=("gateway", given[0]), text=PLAIN, warning=True, at_key=True)
     if modbus and site.gateway.read.aff_echo is None:  # on a bus everybody's frames are seen
         text = (
             "no aff_echo: a second master that always writes last before the PLC's scan cannot "
             "be seen, and both say ACTIVE. Let the PLC copy aff_heartbeat to a word that is read."
         )
         yield Issue(path=("gateway", "read"), text=text, warning=True, at_key=True)
+
+    if site.gateway.applied and site.gateway.read.aff_echo is None:
+        text = (
+            "needs aff_echo: by it AFF knows which of its commands the applied correction is to "
+            "be compared with. Map aff_echo, or leave applied out."
+        )
+        yield Issue(path=("gateway", "read", "applied"), text=text, at_key=True)
 
 
 def _missing(place: _Place, modbus: bool) -> str:
@@ -73,3 +86,5 @@ def places(site: Site) -> Iterator[tuple[KeyPath, _Place]]:
         yield ("gateway", "read", "channels", name), channel
     for name, correction in write.corrections.items():
         yield ("gateway", "write", "corrections", name), correction
+    for name, applied in site.gateway.applied.items():
+        yield ("gateway", "read", "applied", name), applied

@@ -11,7 +11,15 @@ from cantools.database.can import Database, Message, Signal
 from cantools.database.errors import Error as DatabaseError
 
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.fieldbus.can.layout import CanChannel, CanCorrection, CanMap, Field, FrameLayout
+from aff_runtime.fieldbus.can.dbc_bounds import check_bounds
+from aff_runtime.fieldbus.can.layout import (
+    CanChannel,
+    CanCorrection,
+    CanMap,
+    Field,
+    FrameLayout,
+    applied_readings,
+)
 from aff_runtime.fieldbus.signal_names import NamedError, SignalNames, WireFileError
 
 # What cantools would print on the terminal is said here, with the file and what to do.
@@ -27,8 +35,9 @@ def load_dbc(text: str, where: str) -> Database:
     ------
     ConfigError
         The text is no DBC file, two of its signals overlap, or two of its messages have one name
-        or one identifier.
+        or one identifier, or a number in it is beyond what a frame can have.
     """
+    check_bounds(text, where)
     try:
         loaded = cantools.database.load_string(text, database_format="dbc", strict=True)
     except (DatabaseError, ValueError, TypeError, KeyError, IndexError) as error:
@@ -102,6 +111,7 @@ def can_map(database: Database, names: SignalNames) -> CanMap:
         CanCorrection(name=name, field=field(signal), complement=maybe(copy), scale=scale)
         for name, (signal, copy, scale) in names.corrections.items()
     )
+    applied = applied_readings(names, field)
     frames = sorted((_layout(m) for m in used.values()), key=lambda layout: layout.can_id)
     return CanMap(
         frames=tuple(frames),
@@ -117,6 +127,7 @@ def can_map(database: Database, names: SignalNames) -> CanMap:
         limit=optional[2],
         config_revision=optional[3],
         aff_echo=optional[4],
+        applied=applied,
     )
 
 

@@ -13,6 +13,7 @@ from aff_runtime.fieldbus.can.writer import CanWriter
 from aff_runtime.fieldbus.intruder import Intruder
 from aff_runtime.fieldbus.liveness import Liveness, echo_age
 
+_NOTHING: tuple[float, ...] = ()
 _MOST_FRAMES = 256  # read in one tick; a babbling bus must not hold the tick
 
 
@@ -86,9 +87,10 @@ class CanGateway:
         if outcome is Outcome.NOT_CONNECTED:
             reader.reset()
         outcome = liveness.judge(outcome, reader.heartbeat, self._arrived_ns)
-        values, age = self._no_values, NO_ECHO
+        values, age, applied = self._no_values, NO_ECHO, _NOTHING
         if outcome is Outcome.OK:
             values, age = reader.values, echo_age(command.heartbeat, reader.aff_echo)
+            applied = reader.applied
         return Snapshot(
             tick=tick,
             t_ns=t_ns,
@@ -100,6 +102,7 @@ class CanGateway:
             roll_id=reader.roll_id,
             values=values,
             echo_age=age,
+            applied=applied,
         )
 
     def close(self) -> None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.fieldbus.signal_names import NamedError
+from aff_runtime.fieldbus.signal_names import NamedError, SignalNames
 
 PLC_HEARTBEAT_BITS = 8  # 256 scans: even at 1 ms three times the shipped fault_after_ms
 AFF_HEARTBEAT_BITS = 16
@@ -165,6 +166,9 @@ class CanCorrection:
 class CanMap:
     """Every signal that is read and every signal that is written.
 
+    ``applied`` : per correction the reading of what the PLC or drive applies, None without one;
+    empty where there is none at all.
+
     Raises
     ------
     ConfigError
@@ -185,6 +189,7 @@ class CanMap:
     limit: Field | None = None
     config_revision: Field | None = None
     aff_echo: Field | None = None
+    applied: tuple[CanChannel | None, ...] = ()
 
     def __post_init__(self) -> None:
         _check_owners(self)
@@ -195,7 +200,8 @@ class CanMap:
         """Return what is read."""
         words = (self.plc_heartbeat, self.status, self.roll_id)
         echo = () if self.aff_echo is None else (self.aff_echo,)
-        return words + echo + tuple(channel.field for channel in self.channels)
+        readings = (*self.channels, *(shown for shown in self.applied if shown is not None))
+        return words + echo + tuple(reading.field for reading in readings)
 
     @property
     def write_fields(self) -> tuple[Field, ...]:
@@ -212,6 +218,21 @@ class CanMap:
         """Return the frames that carry any of ``fields``, in the order of the map."""
         wanted = {field.frame for field in fields}
         return tuple(frame for frame in self.frames if frame.name in wanted)
+
+
+def applied_readings(
+    names: SignalNames, place: Callable[[str], Field]
+) -> tuple[CanChannel | None, ...]:
+    """Return per correction the reading that shows it applied; empty where none does.
+
+    ``place`` finds the field of a signal.
+    """
+    found: list[CanChannel | None] = []
+    for name in names.corrections if names.applied else ():
+        signal, scale = names.applied.get(name, ("", 1.0))
+        label = f"applied.{name}"
+        found.append(CanChannel(name=label, field=place(signal), scale=scale) if signal else None)
+    return tuple(found)
 
 
 def _check_owners(can_map: CanMap) -> None:
@@ -257,6 +278,7 @@ def _check_words(can_map: CanMap) -> None:
     for word in (*words, can_map.aff_echo):
         if word is not None and word.is_float:
             raise ConfigError(f"{word}: a counter or bit word cannot be a float")
+    _check_applied(can_map)
     for channel in can_map.channels:
         if channel.wraps and channel.field.is_float:
             raise ConfigError(f"{channel.field}: a float has no counter range to wrap")
@@ -281,6 +303,19 @@ def _check_words(can_map: CanMap) -> None:
             raise ConfigError(f"{copy}: the complement has {copy.length} bits, not {field.length}")
         if not math.isfinite(correction.scale) or correction.scale == 0.0:
             raise ConfigError(f"{correction.name}: scale must be finite and not 0")
+
+
+def _check_applied(can_map: CanMap) -> None:
+    if len(can_map.applied) not in (0, len(can_map.corrections)):
+        raise ConfigError("applied: give one entry per correction, or none at all")
+    for reading in can_map.applied:
+        if reading is None:
+            continue
+        if reading.field.is_float:
+            text = "an applied correction cannot be a float; use a signed signal"
+            raise NamedError(str(reading.field), text)
+        if not math.isfinite(reading.scale) or reading.scale == 0.0:
+            raise ConfigError(f"{reading.name}: scale must be finite and not 0")
 
 
 def _check_heartbeats(can_map: CanMap) -> None:

@@ -78,6 +78,8 @@ class CanReader:
     ----------
     heartbeat, status, roll_id, values : of the last consistent set.
     aff_echo : our heartbeat that the PLC took, of that set; None where the map has none.
+    applied : per correction what the PLC applies of it, SI, of that set; NaN where the map has no
+        such reading, empty where it has none at all.
     torn, bad_lengths, out_of_order, out_of_range : counts since construction.
     """
 
@@ -87,6 +89,7 @@ class CanReader:
         self.roll_id = 0
         self.aff_echo: int | None = None
         self.values: tuple[float, ...] = (math.nan,) * len(can_map.channels)
+        self.applied = (math.nan,) * len(can_map.applied)
         self.torn = 0
         self.bad_lengths = 0
         self.out_of_order = 0
@@ -111,6 +114,10 @@ class CanReader:
         self._rows = tuple(
             _row(channel.field, slots, modulus=channel.modulus, scale=channel.scale)
             for channel in can_map.channels
+        )
+        self._applied_rows = tuple(
+            None if shown is None else _row(shown.field, slots, scale=shown.scale)
+            for shown in can_map.applied
         )
         self._counters = tuple(
             _row(layout.counter, {(layout.name, -1): slot})
@@ -188,21 +195,24 @@ class CanReader:
         return True
 
     def _decode(self) -> None:
-        values = []
-        for index, row in enumerate(self._rows):
-            raw = _bits(row)
-            if row.float_bits:
-                number: float = _float_of(raw, row.float_bits)
-            else:
-                number = (raw ^ row.sign_bit) - row.sign_bit
-            physical = number * row.factor + row.offset
-            if not row.minimum <= physical <= row.maximum:
-                self.out_of_range += 1
-                physical = math.nan
-            elif row.modulus:
-                physical = self._go_on(index, int(number)) * row.factor + row.offset
-            values.append(physical * row.scale)
-        self.values = tuple(values)
+        self.values = tuple([self._value(row, i) for i, row in enumerate(self._rows)])
+        if self._applied_rows:
+            shown = [math.nan if r is None else self._value(r) for r in self._applied_rows]
+            self.applied = tuple(shown)
+
+    def _value(self, row: _Row, index: int = -1) -> float:
+        raw = _bits(row)
+        if row.float_bits:
+            number: float = _float_of(raw, row.float_bits)
+        else:
+            number = (raw ^ row.sign_bit) - row.sign_bit
+        physical = number * row.factor + row.offset
+        if not row.minimum <= physical <= row.maximum:
+            self.out_of_range += 1
+            physical = math.nan
+        elif row.modulus:
+            physical = self._go_on(index, int(number)) * row.factor + row.offset
+        return physical * row.scale
 
     def _go_on(self, index: int, count: int) -> int:
         """Return the count that is nearest to the last one among those that look the same."""

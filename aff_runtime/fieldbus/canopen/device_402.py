@@ -12,7 +12,14 @@ from dataclasses import dataclass, field
 from canopen.objectdictionary import ObjectDictionary, ODVariable
 
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.fieldbus.can.layout import CanChannel, CanCorrection, CanMap, Field, FrameLayout
+from aff_runtime.fieldbus.can.layout import (
+    CanChannel,
+    CanCorrection,
+    CanMap,
+    Field,
+    FrameLayout,
+    applied_readings,
+)
 from aff_runtime.fieldbus.canopen.eds_file import load_eds
 from aff_runtime.fieldbus.canopen.node import NodePlan, SdoWrite
 from aff_runtime.fieldbus.signal_names import NamedError, SignalNames
@@ -84,6 +91,7 @@ def network(
         status=read(names.status),
         roll_id=read(names.roll_id),
         aff_echo=read(names.aff_echo) if names.aff_echo else None,
+        applied=applied_readings(names, read),
         channels=tuple(
             CanChannel(name=name, field=read(signal), scale=scale, wraps=wraps)
             for name, (signal, scale, wraps) in names.channels.items()

@@ -48,6 +48,10 @@ class WordCodec:
         self._roll_id_at = register_map.roll_id - start
         self._aff_echo_at = _offset(register_map.aff_echo, start)
         self._read_rows = tuple(_read_row(channel, start) for channel in register_map.channels)
+        self._applied_rows = tuple(
+            None if register is None else _read_row(register, start)
+            for register in register_map.applied
+        )
         self._counts = [0] * self.channel_count
         self._counts_known = False
         self._values = [math.nan] * self.channel_count
@@ -102,6 +106,10 @@ class WordCodec:
         at = self._aff_echo_at
         return None if at < 0 else words[at]
 
+    def applied(self, words: list[int]) -> tuple[float, ...]:
+        """Return the SI value per correction that the PLC applies; NaN where it shows none."""
+        return tuple([_plain(row, words) for row in self._applied_rows])
+
     def encode(self, command: Command) -> list[int]:
         """Return the write block; the list is reused by the next call.
 
@@ -141,6 +149,18 @@ class WordCodec:
             return 0
         counts = limits[0] / abs(self._write_rows[0][1])
         return round(min(counts, 65535.0)) if counts > 0.0 else 0
+
+
+def _plain(row: tuple[int, int, int, int, float] | None, words: list[int]) -> float:
+    """Return the SI value of one reading that never starts over."""
+    if row is None:
+        return math.nan
+    kind, high, low, sign_bit, scale = row
+    raw = words[low] if high < 0 else (words[high] << 16) | words[low]
+    if kind == _FLOAT:
+        number: float = _F32.unpack(_U32.pack(raw))[0]
+        return number * scale
+    return ((raw ^ sign_bit) - sign_bit) * scale
 
 
 def _offset(address: int | None, start: int) -> int:

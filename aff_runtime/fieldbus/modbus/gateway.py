@@ -15,6 +15,7 @@ from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness, echo_age
 from aff_runtime.fieldbus.modbus.codec import WordCodec
 
 _HEARTBEAT_MASK = 0xFFFF
+_NOTHING: tuple[float, ...] = ()
 
 
 class WordGateway:
@@ -84,10 +85,11 @@ class WordGateway:
                 outcome = Outcome.BAD_REPLY
             self._known = True
         outcome = liveness.judge(outcome, heartbeat, t_ns)
-        age = NO_ECHO
+        age, applied = NO_ECHO, _NOTHING
         if outcome is Outcome.OK:
             self._status, self._roll_id, values = status, roll_id, decoded
             age = echo_age(command.heartbeat, self._codec.aff_echo(words))
+            applied = self._codec.applied(words)
         return Snapshot(
             tick=tick,
             t_ns=t_ns,
@@ -99,6 +101,7 @@ class WordGateway:
             roll_id=self._roll_id,
             values=values,
             echo_age=age,
+            applied=applied,
         )
 
     def close(self) -> None:

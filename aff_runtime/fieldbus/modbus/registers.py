@@ -137,6 +137,8 @@ class RegisterMap:
     channels : readings in the order of ``Snapshot.values``.
     aff_heartbeat, state, echo : addresses of the three words every PLC must take.
     aff_echo : address at which the PLC shows the ``aff_heartbeat`` it took; None without one.
+    applied : per correction the word in which the PLC shows what of it it applies, None without
+        one; empty where there is none at all.
     alarm, limit, config_revision : addresses, None where the device has no such word; ``limit``
         is the limit in force of the first correction, in its counts.
     corrections : in the order of ``Command.corrections``.
@@ -159,6 +161,7 @@ class RegisterMap:
     limit: int | None = None
     config_revision: int | None = None
     aff_echo: int | None = None
+    applied: tuple[Register | None, ...] = ()
 
     def __post_init__(self) -> None:
         self._check_read_block()
@@ -188,8 +191,8 @@ class RegisterMap:
         words = [self.plc_heartbeat, self.status, self.roll_id]
         if self.aff_echo is not None:
             words.append(self.aff_echo)
-        for channel in self.channels:
-            words.extend(channel.addresses)
+        for register in (*self.channels, *self.applied):
+            words.extend(register.addresses if register is not None else ())
         return words
 
     def _write_owners(self) -> list[tuple[int, str]]:
@@ -207,6 +210,8 @@ class RegisterMap:
         return owners
 
     def _check_read_block(self) -> None:
+        if len(self.applied) not in (0, len(self.corrections)):
+            raise ConfigError("applied: give one entry per correction, or none at all")
         addresses = self._read_addresses()
         if min(addresses) < 0 or max(addresses) > 0xFFFF:
             raise ConfigError("read block: an address lies outside 0..65535")

@@ -32,7 +32,7 @@ def read_record(path: str | Path) -> Record:
     """Return the record in ``path``, SI, on an even grid.
 
     Parquet and MDF go through large libraries, one of which evaluates text: a child of its own
-    reads each such file, with limits on memory and time (`in_child`). It costs 0.3 s for
+    reads each such file, with limits on memory and time (`in_child`). It costs 0.2 s for
     Parquet and 0.8 s for MDF, nearly all of it imports that this process is spared. CSV is
     read here, by code of this package that holds 8 bytes for a number and nothing more: a child
     would cost 0.2 s a file and bound nothing that is not bounded already.

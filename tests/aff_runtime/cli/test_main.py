@@ -85,12 +85,14 @@ def test_probe_map_shows_each_channel_as_the_site_file_reads_it() -> None:
     site = load_site(SITE)
     words = tuple(
         ProbedWord(address=place, u16=value, i16=value, changes=0, decodings=())
-        for place, value in enumerate([1, 107, 1, 23564, 8896, 1019, 9905, *[0] * 8])
+        for place, value in enumerate([1, 107, 1, 23564, 8896, 1019, 9905, *[0] * 9, 0xFFFE, 3])
     )
     seen = MapProbe(samples=2, failures=0, heartbeat_moves=True, words=words)
     text = "\n".join(table(site, seen))
     for said in ("unwind_tension_N = 89.1", "line_speed_m_s = 1.019", "unwind_radius_m = 0.1981"):
         assert said in text
+    assert "applied.unwind = -2e-05" in text  # 0xFFFE = -2 counts of 0.00001 m/s
+    assert "applied.swrap_follower = 3e-05" in text
 
 
 def serial_site(folder: Path, device: str) -> Path:
@@ -107,7 +109,7 @@ def test_probe_map_reads_a_serial_line_and_writes_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     slave = Slave()
-    words = [1, 107, 1, 23564, 8896, 1019, 9905, *[0] * 9]
+    words = [1, 107, 1, 23564, 8896, 1019, 9905, *[0] * 11]
 
     def scan(frame: bytes) -> bytes:
         words[0] += 1

@@ -26,6 +26,13 @@ def edited(tmp_path, *edits, count=1):
     return path
 
 
+def without_applied(text):
+    """Return a shipped site as it was before the PLC showed what it applies."""
+    lines = text.splitlines(keepends=True)
+    begin = lines.index("    applied:\n")
+    return "".join(lines[:begin] + lines[begin + 3 :])
+
+
 def place(path, needle, offset=0):
     """Return ``line:column`` of the first ``needle`` in a file, counted independently."""
     for number, line in enumerate(path.read_text(encoding="utf-8").split("\n"), start=1):

@@ -57,8 +57,8 @@ def test_same_content_written_otherwise_is_no_difference(tmp_path):
             "rolls.swrap_follower.radius_m: 0.15367 m -> 0.1524 m (waits for bypass)",
         ),
         (
-            ("roll_id: { register: 8 }", "roll_id: { register: 16 }"),
-            "gateway.read.roll_id.register: 8 -> 16 (waits for bypass)",
+            ("roll_id: { register: 8 }", "roll_id: { register: 18 }"),
+            "gateway.read.roll_id.register: 8 -> 18 (waits for bypass)",
         ),
         (
             ("fade_ms: 150", "fade_ms: 100"),

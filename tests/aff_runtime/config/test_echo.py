@@ -12,7 +12,7 @@ from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.can_wire import can_map_of, wire_files
 from aff_runtime.config.loader import load_site, read_site
-from tests.aff_runtime.config.shipped import EUCLID, edited
+from tests.aff_runtime.config.shipped import EUCLID, edited, without_applied
 
 CONFIG = EUCLID.parent
 ECHO = "    aff_echo: { register: 15 }\n"
@@ -23,7 +23,9 @@ def warnings_of(path: Path) -> dict[str, str]:
 
 
 def test_a_site_without_the_echo_is_valid_and_told_what_it_cannot_see(tmp_path: Path) -> None:
-    said = warnings_of(edited(tmp_path, (ECHO, "")))["gateway.read"]
+    path = edited(tmp_path, (ECHO, ""))
+    path.write_text(without_applied(path.read_text()))
+    said = warnings_of(path)["gateway.read"]
     assert "a second master that always writes last" in said
     assert register_map(load_site(tmp_path / "site.yaml")).aff_echo is None
     assert "gateway.read" not in warnings_of(edited(tmp_path))
@@ -50,7 +52,7 @@ def test_an_echo_may_take_three_times_what_a_plc_may_be_silent(
 @pytest.mark.parametrize("name", ["euclid_can.yaml", "euclid_canopen.yaml"])
 def test_a_bus_without_the_echo_is_as_good_as_before(folder: Path, name: str) -> None:
     path = folder / name
-    lines = path.read_text().splitlines(keepends=True)
+    lines = without_applied(path.read_text()).splitlines(keepends=True)
     path.write_text("".join(line for line in lines if "aff_echo: {" not in line))
     reading = read_site(path)
     assert not [f for f in reading.warnings if "echo" in f.text]  # everybody's frames are heard

@@ -91,7 +91,7 @@ def test_angle_that_does_not_wrap_warns(tmp_path):
 
 def test_manual_numbers_in_a_wire_base_warn(tmp_path):
     text = edited(tmp_path).read_text(encoding="utf-8")
-    for number in [*range(109, 99, -1), *range(15, -1, -1)]:
+    for number in [*range(109, 99, -1), *range(17, -1, -1)]:
         text = text.replace(f"register: {number} ", f"register: {40001 + number} ")
         text = text.replace(f"register: {number},", f"register: {40001 + number},")
         text = text.replace(f"complement: {number},", f"complement: {40001 + number},")
@@ -110,6 +110,7 @@ def test_torque_output_uses_torque_keys(tmp_path):
         ("limit_m_s: 0.04\n    slew_m_s2: 2.0", "limit_N_m: 20 lbf in\n    slew_N_m_s: 50"),
         ("settle_s: 8, amp_limit_m_s: 0.03", "settle_s: 8, amp_limit_N_m: 1"),
         ("complement: 109, scale: 0.00001", "complement: 109, scale: 1 mNm"),
+        ("register: 17, scale: 0.00001", "register: 17, scale: 1 mNm"),
     )
     site = load_site(path)
     follower = site.actuators["swrap_follower"]

@@ -26,14 +26,22 @@ def frame(name: str, **signals: float) -> Frame:
     return Frame(message.frame_id, False, bytes(message.encode(signals)))
 
 
-def scan(heartbeat: int, *, tension_N: float = 90.0, angle: int = 0, echo: int = 0) -> list[Frame]:
+def scan(
+    heartbeat: int,
+    *,
+    tension_N: float = 90.0,
+    angle: int = 0,
+    echo: int = 0,
+    applied_m_s: tuple[float, float] = (0.0, 0.0),
+) -> list[Frame]:
     """One scan of the PLC, heartbeat last."""
+    shown = dict(zip(("AppliedUnwind", "AppliedFollower"), applied_m_s, strict=True))
     low = heartbeat & 0xFF
     page = heartbeat % 2
     slow = {"TensionRef": 90.0} if page == 0 else {"UnwindRadius": 200.0}
     return [
         frame("PLC_TENSION", UnwindTension=tension_N, PullrollTension=-1.5, Counter=low),
-        frame("PLC_MOTION", LineSpeed=1.016, FollowerSpeed=-0.5, Counter=low),
+        frame("PLC_MOTION", LineSpeed=1.016, FollowerSpeed=-0.5, Counter=low, **shown),
         frame("PLC_ANGLES", UnwindAngle=angle, FollowerAngle=-7, Counter=low),
         frame("PLC_SLOW", Page=page, Counter=low, **slow),
         frame("PLC_STATUS", PlcHeartbeat=heartbeat, Status=0x2F, RollId=41, AffEcho=echo),

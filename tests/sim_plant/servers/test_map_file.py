@@ -14,6 +14,7 @@ VALUES = {
     "unwind_angle_rad": 6.283185307179586,
     "swrap_follower_angle_rad": -6.283185307179586,
 }
+APPLIED = {"unwind": -0.01234, "swrap_follower": 0.02}
 WORDS = {"plc_heartbeat": 7, "status": 0x6F, "roll_id": 3, "aff_echo": 0xBEEF}
 # by hand from the table of docs/technician/gateway-block.md
 GOLDEN = [
@@ -33,6 +34,8 @@ GOLDEN = [
     0xFFFF,
     0xF000,
     0xBEEF,
+    0xFB2E,
+    2000,
 ]
 
 
@@ -48,38 +51,48 @@ def edited(tmp_path, *changes):
 
 def test_the_default_map_is_the_documented_block():
     plc_map = default_map()
-    assert (plc_map.read_start, plc_map.read_count) == (0, 16)
+    assert (plc_map.read_start, plc_map.read_count) == (0, 18)
     assert (plc_map.write_start, plc_map.write_count) == (100, 10)
-    assert plc_map.encode_read(WORDS, VALUES) == GOLDEN
+    assert plc_map.encode_read(WORDS, VALUES, APPLIED) == GOLDEN
     assert (plc_map.watchdog_s, plc_map.regain_s, plc_map.fade_s) == (0.08, 0.02, 0.1)
 
 
 def test_low_first_exchanges_the_words_of_32_bit_values_only(tmp_path):
     plc_map = load_plc_map(edited(tmp_path, ("word_order: high_first", "word_order: low_first")))
-    words = plc_map.encode_read(WORDS, VALUES)
+    words = plc_map.encode_read(WORDS, VALUES, APPLIED)
     assert words[2:4] == [0x5C70, 0x0001]
     assert words[4:9] == GOLDEN[4:9]
     assert plc_map.swap_read(words) == GOLDEN
 
 
 def test_address_base_one_is_one_less_on_the_wire(tmp_path):
-    first = ("plc_heartbeat: { address: 0 }", "plc_heartbeat: { address: 17 }")
+    first = ("plc_heartbeat: { address: 0 }", "plc_heartbeat: { address: 19 }")
     path = edited(tmp_path, first, ("address_base: 0", "address_base: 1"))
     plc_map = load_plc_map(path)
     assert plc_map.write_start == 99
-    assert plc_map.read == {"plc_heartbeat": 16, "status": 0, "roll_id": 7, "aff_echo": 14}
+    assert plc_map.read == {"plc_heartbeat": 18, "status": 0, "roll_id": 7, "aff_echo": 14}
 
 
-def test_a_plc_without_the_echo_has_a_block_that_is_one_word_shorter(tmp_path):
-    line = next(x for x in DEFAULT_MAP.read_text().splitlines(keepends=True) if "aff_echo" in x)
-    plc_map = load_plc_map(edited(tmp_path, (line, "")))
-    assert "aff_echo" not in plc_map.read
-    assert plc_map.encode_read(WORDS, VALUES) == GOLDEN[:-1]
+def test_a_plc_without_the_optional_words_has_a_block_that_is_shorter_by_them(tmp_path):
+    lines = DEFAULT_MAP.read_text().splitlines(keepends=True)
+    begin = next(n for n, line in enumerate(lines) if "applied:" in line)
+    applied = "".join(lines[begin : begin + 3])
+    echo = next(line for line in lines if "aff_echo" in line)
+    without = load_plc_map(edited(tmp_path, (applied, "")))
+    assert without.applied == ()
+    assert without.encode_read(WORDS, VALUES, APPLIED) == GOLDEN[:-2]
+    plain = load_plc_map(edited(tmp_path, (applied, ""), (echo, "")))
+    assert "aff_echo" not in plain.read
+    assert plain.encode_read(WORDS, VALUES, APPLIED) == GOLDEN[:-3]
 
 
 @pytest.mark.parametrize(
     ("change", "said"),
     [
+        (
+            ("    swrap_follower: { address: 17", "    rewind: { address: 17"),
+            r"read\.applied: \['rewind'\] have no correction",
+        ),
         (("status:        { address: 1 }", "status:        { address: 2 }"), "used twice"),
         (("plc_heartbeat: { address: 0 }", "plc_heartbeat: { address: 400 }"), "longer than"),
         (("address_base: 0", "address_base: 1"), "outside 0..65535"),

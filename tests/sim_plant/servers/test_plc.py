@@ -197,7 +197,7 @@ def test_a_float_correction_that_is_not_a_number_does_not_count():
     row = MAP.corrections[0]
     item = replace(row.item, type="f32", address=110, scale=1.0)
     row = replace(row, item=item, complement_address=112)
-    plc = Plc(replace(MAP, corrections=(row,), write_count=14))
+    plc = Plc(replace(MAP, corrections=(row,), applied=MAP.applied[:1], write_count=14))
     nan = (0x7FC0, 0x0000)
     for heartbeat in range(3):
         idle = [*write_block(heartbeat, state=0), 0, 0, 0, 0]

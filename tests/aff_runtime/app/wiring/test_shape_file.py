@@ -20,12 +20,12 @@ from aff_runtime.app.wiring.shape_file import (
     ShapeFile,
     read_shapes,
     shape_basis_hash,
-    shape_path,
     start_values,
 )
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
+from aff_runtime.config.site_paths import shape_path
 from aff_runtime.core.shape.profile import ShapeProfile
 
 SITE = Path(__file__).parents[4] / "config" / "euclid.yaml"
@@ -205,10 +205,10 @@ def test_a_number_that_no_roll_has_is_named(old: str, new: str, said: str) -> No
 def test_a_folder_that_may_not_be_read_is_said_and_ends_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def denied(_: Path) -> bool:
+    def denied(_: Path) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "exists", denied)  # root may read everything
+    monkeypatch.setattr(Path, "stat", denied)  # root may read everything
     texts, (fault,) = read_shapes({"unwind": str(tmp_path / "x.shape.json")})
     assert not texts
     assert fault.endswith("x.shape.json: Permission denied; the roll is learned anew")

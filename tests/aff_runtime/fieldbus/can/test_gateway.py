@@ -70,6 +70,16 @@ def test_a_map_without_the_echo_has_none() -> None:
     assert bench.running().tick(*scan(4, echo=3)).echo_age == NO_ECHO
 
 
+def test_what_the_plc_applies_is_of_the_set_and_gone_without_one() -> None:
+    bench = Bench().running()
+    shot = bench.tick(*scan(4, applied_m_s=(0.02, -0.0123)))
+    assert shot.applied == pytest.approx((0.02, -0.0123), abs=1e-12)
+    assert bench.tick().applied == ()
+    without = Bench()
+    without.gateway.reader = CanReader(replace(MAP, applied=()))
+    assert without.running().tick(*scan(4, applied_m_s=(0.02, 0.0))).applied == ()
+
+
 def test_silence_is_a_timeout_with_age() -> None:
     bench = Bench().running()
     shots = [bench.tick() for _ in range(4)]

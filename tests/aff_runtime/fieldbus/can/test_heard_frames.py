@@ -74,7 +74,7 @@ def test_a_frame_of_another_length_is_named_with_both(monkeypatch: pytest.Monkey
     )
     assert said[2].startswith("NO WHOLE SET: wrong length: PLC_MOTION.")
     (line,) = (line for line in said if line.startswith("0x181"))
-    assert line.endswith("WRONG LENGTH: 6 bytes, the map says 5")
+    assert line.endswith("WRONG LENGTH: 9 bytes, the map says 8")
 
 
 def test_a_counter_that_is_not_the_heartbeat_s_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -35,8 +35,9 @@ def test_hand_written_bytes_are_read_as_the_dbc_says() -> None:
     frames = [
         # big endian 24 bits: 0x015F90 = 90000 -> 90 N; 0xFFFA24 = -1500 -> -1.5 N; counter 0x02
         Frame(0x180, False, bytes.fromhex("015F90 FFFA24 02")),
-        # little endian: 0x03F8 = 1016 -> 1.016 m/s; 0xFE0C = -500 -> -0.5 m/s
-        Frame(0x181, False, bytes.fromhex("F803 0CFE 02")),
+        # little endian: 0x03F8 = 1016 -> 1.016 m/s; 0xFE0C = -500 -> -0.5 m/s; counter; 12 bits
+        # each: 0x07B = 123 -> 0.0123 m/s; -200 = 0xF38 -> -0.02 m/s
+        Frame(0x181, False, bytes.fromhex("F803 0CFE 02 7B80F3")),
         # 28 bits each: 0x0000123 = 291; -7 = 0xFFFFFF9 in the upper nibbles
         Frame(0x182, False, bytes.fromhex("23010090FFFFFF 02")),
         Frame(0x183, False, bytes.fromhex("00 2823 02")),  # 0x2328 = 9000 -> 90 N
@@ -49,6 +50,7 @@ def test_hand_written_bytes_are_read_as_the_dbc_says() -> None:
     assert reader.values == pytest.approx(wanted, rel=1e-12)
     assert (reader.heartbeat, reader.status, reader.roll_id) == (2, 0x2F, 41)
     assert reader.aff_echo == 0x1234
+    assert reader.applied == pytest.approx((0.0123, -0.02), rel=1e-12)
 
 
 def test_every_signal_reads_as_cantools_encodes_it() -> None:

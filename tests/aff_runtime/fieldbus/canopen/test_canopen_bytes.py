@@ -26,10 +26,10 @@ def test_transmitted_pdos_are_read_little_endian_object_after_object() -> None:
         ("183", "B0270000 0B600100"),
         # 0x606C = -5000 (-0.5 m/s), 0x2010 = -1500 (-1.5 N)
         ("184", "78ECFFFF 24FAFFFF"),
-        # 0x6064 = 4096 counts (one turn), 0x2011 = 7500 (0.15 m)
-        ("283", "00100000 4C1D"),
-        # 0x6064 = -2048; the second object of this PDO is nobody's
-        ("284", "00F8FFFF 0000"),
+        # 0x6064 = 4096 counts (one turn), 0x2011 = 7500 (0.15 m), 0x2012 = -1234 (-0.01234 m/s)
+        ("283", "00100000 4C1D 2EFB"),
+        # 0x6064 = -2048; the second object of this PDO is nobody's; 0x2012 = 2
+        ("284", "00F8FFFF 0000 0200"),
         # the heartbeat 0x1201 that was taken
         ("381", "0112"),
         # heartbeat 0x0102, status 0x002F, roll 41, reference 9000 (90 N): closes the set
@@ -43,6 +43,7 @@ def test_transmitted_pdos_are_read_little_endian_object_after_object() -> None:
     assert reader.values == pytest.approx(wanted, rel=1e-12)
     assert (reader.heartbeat, reader.status, reader.roll_id) == (0x0102, 0x2F, 41)
     assert reader.aff_echo == 0x1201
+    assert reader.applied == pytest.approx((-0.01234, 0.00002), rel=1e-12)
 
 
 def test_received_pdos_carry_the_words_and_the_velocity_offsets() -> None:

@@ -80,6 +80,29 @@ def test_the_default_block_decodes_to_si() -> None:
     assert values == pytest.approx(expected, rel=1e-12)
 
 
+APPLIED = (
+    Register(name="unwind", address=16, type=WordType.I16, scale=0.00001),
+    Register(name="swrap_follower", address=17, type=WordType.I16, scale=0.00001),
+)
+
+
+def test_the_words_behind_the_echo_are_what_the_plc_applies() -> None:
+    codec = WordCodec(euclid_map(aff_echo=15, applied=APPLIED))
+    assert codec.read_count == 18
+    words = [*[0] * 15, 0xBEEF, 0xFB2E, 2000]  # 0xFB2E = -1234 counts
+    assert codec.applied(words) == pytest.approx((-0.01234, 0.02), rel=1e-12)
+    assert codec.aff_echo(words) == 0xBEEF
+    assert codec.decode(words)[3][:2] == (0.0, 0.0)
+
+
+def test_what_is_applied_of_one_of_two_leaves_the_other_unknown() -> None:
+    codec = WordCodec(euclid_map(applied=(None, APPLIED[1])))
+    first, second = codec.applied([*[0] * 17, 0x8000])
+    assert math.isnan(first)
+    assert second == pytest.approx(-0.32768, rel=1e-12)
+    assert WordCodec(euclid_map()).applied([0] * 15) == ()
+
+
 def test_the_default_block_encodes_to_golden_words() -> None:
     words = WordCodec(euclid_map()).encode(
         command(

@@ -7,6 +7,7 @@ import pytest
 from aff_runtime.base.signals import NO_ECHO, Outcome, Snapshot
 from aff_runtime.fieldbus.modbus.codec import WordCodec
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
+from aff_runtime.fieldbus.modbus.registers import Register, WordType
 from tests.aff_runtime.fieldbus.euclid_map import ANGLE_SCALE, command, euclid_map
 from tests.doubles.loopback import LoopbackTransport
 from tests.doubles.virtual_clock import VirtualClock
@@ -22,7 +23,7 @@ def block(heartbeat: int, *, status: int = 45, speed: int = 1016, angle: int = 0
 
 
 class Rig:
-    def __init__(self, **words: int) -> None:
+    def __init__(self, **words: object) -> None:
         self.clock = VirtualClock()
         self.said: list[int] | Outcome = Outcome.NOT_CONNECTED
         self.heard: list[int] = []
@@ -59,6 +60,17 @@ def test_the_echo_is_as_old_as_the_command_that_the_plc_took() -> None:
     assert rig.tick(Outcome.TIMEOUT).echo_age == NO_ECHO
     assert rig.tick(block(9)).echo_age == NO_ECHO  # a word too few
     assert Rig().tick(block(5)).echo_age == NO_ECHO
+
+
+def test_what_the_plc_applies_is_read_with_the_echo_and_with_nothing_but_a_good_reply() -> None:
+    shown = Register(name="unwind", address=16, type=WordType.I16, scale=0.00001)
+    rig = Rig(aff_echo=15, applied=(shown, None))
+    rig.tick([*block(5), 0, 0])
+    first, second = rig.tick([*block(6), 0, 0xFFFE]).applied
+    assert first == pytest.approx(-0.00002)
+    assert math.isnan(second)
+    assert rig.tick(Outcome.TIMEOUT).applied == ()
+    assert Rig().tick(block(5)).applied == ()
 
 
 def test_fresh_means_the_heartbeat_moved_not_that_the_server_answered() -> None:

@@ -44,6 +44,13 @@ def test_a_read_block_may_skip_words() -> None:
     assert (blocks.read_start, blocks.read_count) == (20, 11)
 
 
+def test_an_applied_correction_belongs_to_each_correction_or_to_none() -> None:
+    word = Register(name="unwind", address=16, type=WordType.I16, scale=0.00001)
+    assert euclid_map(applied=(word, None)).read_count == 17
+    with pytest.raises(ConfigError, match="applied: give one entry per correction"):
+        euclid_map(applied=(word,))
+
+
 def test_a_gap_in_the_write_block_is_refused_by_address() -> None:
     with pytest.raises(ConfigError, match=r"100\.\.109 would overwrite wire address 105,"):
         euclid_map(alarm=None)

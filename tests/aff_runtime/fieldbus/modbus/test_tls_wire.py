@@ -40,7 +40,7 @@ def make_certificate(folder: Path, name: str) -> None:
             "ec_paramgen_curve:prime256v1",
             "-nodes",
             "-days",
-            "2",
+            "60",
             "-subj",
             f"/CN={name}",
             "-addext",
