@@ -8,9 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 NOT_RECORDED = "not recorded"
-DEVELOPMENT = (
-    "not recorded by itself; the search was set on campaign seeds 1 to 9 and shared/data/lines"
-)
+DEVELOPMENT = "not recorded by itself; the search was set on campaign seeds 1 to 9 and data/lines"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -77,7 +77,7 @@ class SpectraCriteria:
     highest_order: float = criterion(
         16.0, "per turn", "no finer lines are looked for at a roll's angle", NOT_RECORDED
     )
-    same_line_share: float = criterion(
+    same_coordinate_share: float = criterion(
         0.006,
         "1",
         "coordinates closer than this are one line",

@@ -57,13 +57,13 @@ class WithoutLineCriteria:
         "probability that noise shows a line",
         "one record in ten thousand, by chi-square theory",
     )
-    line_safety: float = criterion(
+    safety: float = criterion(
         1.5, "of the theoretical threshold", "a line needs more", "residuals are not quite white"
     )
     clock_safety: float = criterion(
         1.2, "of the theoretical threshold", "a clock in a raw output needs more", NOT_RECORDED
     )
-    most_lines: int = criterion(12, "lines", "are taken out at most", NOT_RECORDED)
+    most_spectral_lines: int = criterion(12, "lines", "are taken out at most", NOT_RECORDED)
     clock_share: float = criterion(0.002, "1", "a line this close to a clock is one", NOT_RECORDED)
     highest_divisor: int = criterion(
         20, "samples", "a clock of the recorder is no slower", NOT_RECORDED

@@ -7,22 +7,22 @@ from dataclasses import dataclass, field
 
 from sim_plant.refine.criteria.criterion import DEVELOPMENT, NOT_RECORDED, criterion
 
-PAIRS_AND_CAMPAIGN = "ADR 0015, on the pairs of shared/data/lines"
+PAIRS_AND_CAMPAIGN = "ADR 0015, on the pairs of data/lines"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScreeningCriteria:
     """Which hypotheses are simulated, and which of those are fitted."""
 
-    line_support: float = criterion(
+    periodic_support: float = criterion(
         80.0,
         "chi2 above its degrees of freedom",
-        "a free line below this makes no order-locked effect worth simulating",
+        "a free spectral line below this makes no order-locked effect worth simulating",
         DEVELOPMENT,
     )
     profile_support_share: float = criterion(
         0.5,
-        "of line_support",
+        "of periodic_support",
         "what a profile needs",
         "it spreads what it does over many orders: each of them is small",
     )
@@ -32,10 +32,10 @@ class ScreeningCriteria:
         "an effect of more is a profile: it has the orders that pay",
         "definition",
     )
-    strongest_line_share: float = criterion(
+    strongest_share: float = criterion(
         0.01, "of the strongest line", "a weaker line is not worth an effect", DEVELOPMENT
     )
-    resonance_line_share: float = criterion(
+    resonance_share: float = criterion(
         0.3, "of the strongest line", "what a resonance needs at its line", DEVELOPMENT
     )
     few_idlers: int = criterion(
@@ -62,8 +62,8 @@ class ScreeningCriteria:
         "the same for an effect whose response is not proportional to its size",
         "one linear step says little of it: a second chance",
     )
-    shortlist_line_share: float = criterion(
-        0.5, "of line_score", "nor is any effect below this", DEVELOPMENT
+    shortlist_floor: float = criterion(
+        0.5, "of periodic_score", "nor is any effect below this", DEVELOPMENT
     )
     shortlist_places: int = criterion(3, "places", "of one effect are fitted", DEVELOPMENT)
     shortlist_length: int = criterion(6, "effects", "are fitted in one round", DEVELOPMENT)
@@ -82,7 +82,7 @@ class AcceptanceCriteria:
         "least score of an effect without a line of its own",
         "healthy records of other code, and line01, reach 85 to 115",
     )
-    line_score: float = criterion(
+    periodic_score: float = criterion(
         50.0,
         "chi2",
         "least score of an effect with a coordinate of its own",
@@ -138,12 +138,14 @@ class AcceptanceCriteria:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CompletenessCriteria:
-    """Whether an effect explains what a free line at its coordinates would."""
+    """Whether an effect explains what a free spectral line at its coordinates would."""
 
     explained_share: float = criterion(
-        0.8, "of the free line", "an effect explains more", DEVELOPMENT
+        0.8, "of the free spectral line", "an effect explains more", DEVELOPMENT
     )
-    left_share: float = criterion(0.15, "of the free line", "an effect leaves less", DEVELOPMENT)
+    left_share: float = criterion(
+        0.15, "of the free spectral line", "an effect leaves less", DEVELOPMENT
+    )
     fair_share: float = criterion(
         0.3,
         "of all that is left",
@@ -186,7 +188,7 @@ class ProfileCriteria:
 class DegeneracyCriteria:
     """Whether two places explain as much as one, and declared numbers as an effect."""
 
-    same_line_share: float = criterion(
+    same_coordinate_share: float = criterion(
         0.003, "1", "rollers whose lines of travel differ by less are alike", NOT_RECORDED
     )
     most_places: int = criterion(
@@ -216,14 +218,14 @@ class DegeneracyCriteria:
 class UnexplainedCriteria:
     """What is left over: noise, a line, or something irregular."""
 
-    line: float = criterion(
+    periodic: float = criterion(
         260.0,
         "chi2, 72 degrees of freedom, best of all bins",
-        "a free line above is one",
+        "a free spectral line above is one",
         "healthy records stay below",
     )
-    line_share: float = criterion(
-        0.12, "of what is left", "a free line above is what is left", DEVELOPMENT
+    periodic_share: float = criterion(
+        0.12, "of what is left", "a free spectral line above is what is left", DEVELOPMENT
     )
     remainder_share: float = criterion(
         0.02, "of what was there", "beside effects less is nothing", NOT_RECORDED
@@ -258,11 +260,11 @@ class FreeTermCriteria:
     harmonics: Mapping[str, int] = criterion(
         {"angle": 16, "travel": 6, "time": 2},
         "orders",
-        "that a free line brings, by its coordinate",
+        "that a free spectral line brings, by its coordinate",
         NOT_RECORDED,
     )
     half_waves: int = criterion(
-        8, "half waves over the record", "by which a free line may change", NOT_RECORDED
+        8, "half waves over the record", "by which a free spectral line may change", NOT_RECORDED
     )
     whole_order_share: float = criterion(
         0.02,

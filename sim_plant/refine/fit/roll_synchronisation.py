@@ -18,6 +18,7 @@ from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.twin import Twin
 
 ROUNDS = 4
+"""Simulations, each from the radii that the one before asks for."""
 
 
 def synchronising_shifts(

@@ -17,7 +17,9 @@ from sim_plant.refine.model.twin import Added, Case, Twin
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
 
 COARSE_ANGLES = 24
+"""Tries round a turn, the first grid."""
 ZOOMS = 3
+"""Grids of five tries about the best, each 0.3 times as wide."""
 
 
 def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]]:

@@ -229,7 +229,7 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         overlay=overlay(judged, step_s),
         order_map=wavenumber_map(judged, step_s),
         spectra=spectrum(
-            selection.before[0], selection.after[0], CRITERIA.search.unexplained.line
+            selection.before[0], selection.after[0], CRITERIA.search.unexplained.periodic
         ),
     )
     path = outcome.plan.out / "report.html"

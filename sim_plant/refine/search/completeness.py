@@ -8,12 +8,13 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.search.unexplained import strongest_line
-from sim_plant.refine.spectra.coordinates import Travel, line_support, spectra
+from sim_plant.refine.search.unexplained import strongest_peak
+from sim_plant.refine.spectra.coordinates import Travel, periodic_support, spectra
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
 COMPLETENESS = CRITERIA.search.completeness
-LINE = CRITERIA.search.unexplained.line
+NOISE_PEAK = CRITERIA.search.unexplained.periodic
+"""A free line below this may be noise."""
 
 Spectra = tuple[tuple[LineSpectrum, ...], ...]
 """Free-line spectra, per record."""
@@ -44,25 +45,25 @@ def explains_own_lines(
     """
     chi2_reduction = base.cost - fit.cost
     fresh = fit.hypotheses[len(base.hypotheses) :]
-    periodic = [h for h in fresh if line_support(h, travels[0], before[0]) is not None]
+    periodic = [h for h in fresh if periodic_support(h, travels[0], before[0]) is not None]
     if not periodic:
         sure = base.cost - objective.expected_cost - sure_excess(objective)
-        line = strongest_line(before)[2] - LINE
-        share = max(COMPLETENESS.explained_share * line, COMPLETENESS.fair_share * sure)
+        peak = strongest_peak(before)[2] - NOISE_PEAK
+        share = max(COMPLETENESS.explained_share * peak, COMPLETENESS.fair_share * sure)
         return chi2_reduction > share
     left = remaining_spectra(objective, fit, travels)
     for h in periodic:
-        line = _strongest_support(h, travels, before)
+        peak = _strongest_support(h, travels, before)
         rest = _strongest_support(h, travels, left)
         partly = (
-            chi2_reduction < COMPLETENESS.explained_share * (line - LINE)
-            or rest > COMPLETENESS.left_share * line
+            chi2_reduction < COMPLETENESS.explained_share * (peak - NOISE_PEAK)
+            or rest > COMPLETENESS.left_share * peak
         )
-        if partly and rest > LINE:
+        if partly and rest > NOISE_PEAK:
             return False
     return True
 
 
 def _strongest_support(h: Hypothesis, travels: Sequence[Travel], found: Spectra) -> float:
     rows = zip(travels, found, strict=True)
-    return max(line_support(h, travel, record) or 0.0 for travel, record in rows)
+    return max(periodic_support(h, travel, record) or 0.0 for travel, record in rows)

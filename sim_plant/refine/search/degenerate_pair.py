@@ -36,7 +36,7 @@ def better_pair(
     Both by one linear step, each number at its price; ``candidates`` are first looks at ``fit``.
     """
     alone = [c for c in candidates if c.hypothesis.key == chosen.key]
-    others = [c.hypothesis for c in candidates if same_line(travel, chosen, c.hypothesis)]
+    others = [c.hypothesis for c in candidates if same_wavenumbers(travel, chosen, c.hypothesis)]
     others = others[: DEGENERACY.most_places]
     if not alone or len(others) < 2:
         return ()
@@ -49,7 +49,7 @@ def better_pair(
     return tuple(others[k].key for k in pair) if best > alone[0].score else ()
 
 
-def same_line(travel: Travel, chosen: Hypothesis, h: Hypothesis) -> bool:
+def same_wavenumbers(travel: Travel, chosen: Hypothesis, h: Hypothesis) -> bool:
     """Return whether ``h`` is the effect at another place with the same line of travel."""
     if h.effect.name != chosen.effect.name or h.location == chosen.location:
         return False
@@ -61,7 +61,7 @@ def same_line(travel: Travel, chosen: Hypothesis, h: Hypothesis) -> bool:
         return False
     ours, theirs = (np.array(wavenumbers_1_m(x, travel)) for x in (chosen, h))
     return ours.shape == theirs.shape and bool(
-        np.all(abs(theirs / ours - 1.0) < DEGENERACY.same_line_share)
+        np.all(abs(theirs / ours - 1.0) < DEGENERACY.same_coordinate_share)
     )
 
 

@@ -17,10 +17,14 @@ from sim_plant.refine.search.candidate import FittedCandidate, Progress
 from sim_plant.refine.search.completeness import explains_own_lines, remaining_spectra, sure_excess
 from sim_plant.refine.search.degenerate_pair import better_pair
 from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised
-from sim_plant.refine.search.free_terms import LINE_KINDS, explained_by_free_term, free_term_basis
+from sim_plant.refine.search.free_terms import (
+    PERIODIC_KINDS,
+    explained_by_free_term,
+    free_term_basis,
+)
 from sim_plant.refine.search.outside_prior import fit_conflicts, total_shifts
 from sim_plant.refine.search.profile_detail import joint_refit
-from sim_plant.refine.search.screening import by_line_support, screen, shortlist
+from sim_plant.refine.search.screening import by_periodic_support, screen, shortlist
 from sim_plant.refine.search.selection import (
     Extension,
     Selection,
@@ -48,7 +52,7 @@ def forward_selection(
     first = selection = select(objective, library, progress)
     free_terms: tuple[Unknown, ...] = ()
     for _ in range(ACCEPTANCE.most_free_terms):
-        fresh = [u for u in selection.unknown if u.kind in LINE_KINDS and u not in free_terms]
+        fresh = [u for u in selection.unknown if u.kind in PERIODIC_KINDS and u not in free_terms]
         if not fresh:
             break
         free_terms = (*free_terms, *fresh)
@@ -115,7 +119,7 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
     leaves more than noise has at best imitated the cause.
     """
     selection = _classified(objective, selection)
-    if all(u.kind in LINE_KINDS for u in selection.unknown):
+    if all(u.kind in PERIODIC_KINDS for u in selection.unknown):
         if not selection.accepted:
             return selection
         return replace(selection, corrections=total_shifts(objective, selection.fit))
@@ -155,7 +159,7 @@ def next_extensions(
     effect that leaves much of its own line may be half of a pair: a second effect that is not
     periodic (a delay, a filter) can have changed how the line answers the first.
     """
-    periodic, others = by_line_support(library, selection.travels, selection.after)
+    periodic, others = by_periodic_support(library, selection.travels, selection.after)
     resonant = [h for h in periodic if h.effect.resonant]
     plain = [h for h in periodic if not h.effect.resonant]
     cost = selection.fit.cost

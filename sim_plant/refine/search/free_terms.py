@@ -20,7 +20,7 @@ from sim_plant.refine.spectra.coordinates import (
 from sim_plant.refine.spectra.line_spectrum import speed_weights
 
 FREE_TERMS = CRITERIA.search.free_terms
-LINE_KINDS = frozenset(FREE_TERMS.harmonics)
+PERIODIC_KINDS = frozenset(FREE_TERMS.harmonics)
 """Coordinates of spectral lines."""
 
 
@@ -70,7 +70,7 @@ def _meets(h: Hypothesis, item: Unknown, travel: Travel) -> bool:
     ratios = [at / first for at in shows]
     return any(
         1 <= round(r) <= FREE_TERMS.harmonics[item.kind]
-        and abs(r / round(r) - 1.0) < CRITERIA.spectra.same_line_share
+        and abs(r / round(r) - 1.0) < CRITERIA.spectra.same_coordinate_share
         for r in ratios
     )
 

@@ -14,13 +14,13 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
-from sim_plant.refine.spectra.coordinates import Travel, line_support
+from sim_plant.refine.spectra.coordinates import Travel, periodic_support
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
 SCREENING = CRITERIA.search.screening
 
 
-def by_line_support(
+def by_periodic_support(
     hypotheses: Sequence[Hypothesis],
     travels: Sequence[Travel],
     spectra: Sequence[Sequence[LineSpectrum]],
@@ -31,11 +31,11 @@ def by_line_support(
     degrees = min(s.degrees for record in spectra for s in record)
     for h in hypotheses:
         profile = len(h.effect.quadratures) > SCREENING.profile_pairs
-        alone = SCREENING.line_support * (SCREENING.profile_support_share if profile else 1.0)
-        least = max(alone + degrees, SCREENING.strongest_line_share * strongest)
+        alone = SCREENING.periodic_support * (SCREENING.profile_support_share if profile else 1.0)
+        least = max(alone + degrees, SCREENING.strongest_share * strongest)
         if h.effect.resonant:
-            least = SCREENING.resonance_line_share * strongest
-        support = [line_support(h, t, s) for t, s in zip(travels, spectra, strict=True)]
+            least = SCREENING.resonance_share * strongest
+        support = [periodic_support(h, t, s) for t, s in zip(travels, spectra, strict=True)]
         known = [value for value in support if value is not None]
         if not known:
             others.append(h)
@@ -130,7 +130,7 @@ def neighbours(
 def shortlist(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Return the best few of distinct effect and place; curved ones get a second chance."""
     best = candidates[0].score if candidates else 0.0
-    floor = SCREENING.shortlist_line_share * CRITERIA.search.acceptance.line_score
+    floor = SCREENING.shortlist_floor * CRITERIA.search.acceptance.periodic_score
     kept: list[Candidate] = []
     for c in candidates:
         curved = not all(c.hypothesis.linear)

@@ -82,7 +82,7 @@ class Selection:
 def least_score(selection: Selection, h: Hypothesis) -> float:
     """Return the score that ``h`` needs beside what was found."""
     explained = selection.nominal.cost - selection.fit.cost
-    least = ACCEPTANCE.line_score if is_periodic(h) else ACCEPTANCE.score
+    least = ACCEPTANCE.periodic_score if is_periodic(h) else ACCEPTANCE.score
     return max(
         least,
         ACCEPTANCE.explained_share * explained,

@@ -49,7 +49,7 @@ class Unknown:
         return f"{self.kind} ({where})"
 
 
-def strongest_line(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, float, float]:
+def strongest_peak(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, float, float]:
     """Return the strongest free line of all records: spectrum, coordinate, chi-square."""
     best = max((s for record in found for s in record), key=lambda s: s.peak[1])
     return best, *best.peak
@@ -66,9 +66,9 @@ def unexplained_parts(
     excess = fit.cost - expected
     if fit.hypotheses and excess < UNEXPLAINED.remainder_share * (nominal.cost - expected):
         return []
-    line = line_left(after, excess)
-    if line is not None:
-        return [line]
+    periodic = periodic_left(after, excess)
+    if periodic is not None:
+        return [periodic]
     conflict = joint_conflict(objective, fit)
     if conflict is not None:
         return [outside_tolerance(conflict)]
@@ -80,10 +80,10 @@ def unexplained_parts(
     return [pushed(coupling)] if coupling.score > UNEXPLAINED.coupled else []
 
 
-def line_left(after: Sequence[Sequence[LineSpectrum]], excess: float) -> Unknown | None:
+def periodic_left(after: Sequence[Sequence[LineSpectrum]], excess: float) -> Unknown | None:
     """Return the strongest free line where it is one, and a good part of the ``excess``."""
-    spectrum, at, strength = strongest_line(after)
-    if strength > UNEXPLAINED.line and strength > UNEXPLAINED.line_share * excess:
+    spectrum, at, strength = strongest_peak(after)
+    if strength > UNEXPLAINED.periodic and strength > UNEXPLAINED.periodic_share * excess:
         return Unknown(kind=spectrum.kind, strength=strength, coordinate=_where(spectrum, at))
     return None
 

@@ -104,7 +104,7 @@ def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
 
 
 def near(
-    spectrum: LineSpectrum, coordinate: float, width: float = SPECTRA.same_line_share
+    spectrum: LineSpectrum, coordinate: float, width: float = SPECTRA.same_coordinate_share
 ) -> float:
     """Return the highest drop within ``width`` (relative) of a coordinate, and one bin."""
     bin_width = float(spectrum.coordinate[1] - spectrum.coordinate[0])
@@ -149,7 +149,7 @@ def _radius_m(h: Hypothesis, travel: Travel) -> float:
     return travel.declaration.rollers[travel.declaration.body(h.location)].radius_m
 
 
-def line_support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float | None:
+def periodic_support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float | None:
     """Return how strong the free lines are where this hypothesis would show; None: not a line."""
     by_kind = {(s.kind, s.roll): s for s in found}
     if not is_periodic(h):

@@ -87,17 +87,17 @@ def _spectra(item: Explained, white: Array) -> list[LineSpectrum]:
 def threshold(spectrum: LineSpectrum) -> float:
     """Return the drop that noise exceeds in one record of ten thousand, with a margin."""
     per_bin = WITHOUT_LINE.false_alarm / max(1, spectrum.coordinate.size)
-    return WITHOUT_LINE.line_safety * float(chi2.isf(per_bin, spectrum.degrees))
+    return WITHOUT_LINE.safety * float(chi2.isf(per_bin, spectrum.degrees))
 
 
-def find_lines(items: Sequence[Explained]) -> list[SpectralLine]:
+def find_spectral_lines(items: Sequence[Explained]) -> list[SpectralLine]:
     """Return significant lines over all records, strongest first, each taken out before the next.
 
     A line counts in the coordinate in which it is sharper: that with the larger drop.
     """
     whites = [item.whitened for item in items]
     found: list[SpectralLine] = []
-    for _ in range(WITHOUT_LINE.most_lines):
+    for _ in range(WITHOUT_LINE.most_spectral_lines):
         spectra = [_spectra(item, white) for item, white in zip(items, whites, strict=True)]
         best = _best(spectra)
         if best is None:
@@ -133,7 +133,7 @@ def clocks(items: Sequence[Explained]) -> list[SpectralLine]:
             at, chi2_reduction = spectrum.peak
             if (
                 chi2_reduction
-                > threshold(spectrum) * WITHOUT_LINE.clock_safety / WITHOUT_LINE.line_safety
+                > threshold(spectrum) * WITHOUT_LINE.clock_safety / WITHOUT_LINE.safety
             ):
                 at = sharpest(item, white, "time", at)
                 reason = _clock([item], "time", at)

@@ -21,7 +21,7 @@ from sim_plant.refine.without_line.free_lines import (
     SpectralLine,
     basis,
     clocks,
-    find_lines,
+    find_spectral_lines,
     sharpest,
 )
 from sim_plant.refine.without_line.record_filter import (
@@ -71,16 +71,16 @@ def refine_records(
     weights = fit_filter(declaration, records)
     items = [explain(declaration, r, weights) for r in records]
     progress("searching lines in time and travel")
-    lines = find_lines(items)
-    machine = [line for line in lines if not line.clock]
-    for line in lines:
-        progress(f"  {line.kind} {line.coordinate:.5g}{': ' + line.clock if line.clock else ''}")
+    found = find_spectral_lines(items)
+    machine = [x for x in found if not x.clock]
+    for x in found:
+        progress(f"  {x.kind} {x.coordinate:.5g}{': ' + x.clock if x.clock else ''}")
     judged = explain(declaration, held[0], weights) if held else items[0]
     verdict = RecordVerdict(
         unknown=tuple(machine),
-        clocks=(*(line for line in lines if line.clock), *clocks(items)),
+        clocks=(*(x for x in found if x.clock), *clocks(items)),
         not_claimed=tuple(cannot),
-        residual_rms=judge_lines(declaration, items, machine, judged, own=not held),
+        residual_rms=errors_with_lines(declaration, items, machine, judged, own=not held),
         holdout=str((plan.holdout or plan.records)[0]),
     )
     hashes = [(r.path.name, r.sha256) for r in (*records, *held)]
@@ -88,9 +88,9 @@ def refine_records(
     return verdict
 
 
-def _fit(item: Explained, rows: Array, line: SpectralLine) -> Array:
+def _fit(item: Explained, rows: Array, spectral: SpectralLine) -> Array:
     """Return weighted least squares of a line: residual and basis through the same whitening."""
-    b = basis(item, line.kind, line.coordinate)
+    b = basis(item, spectral.kind, spectral.coordinate)
     columns = []
     for row in rows:
         taps, _ = whitening_filter(row[None, :])
@@ -99,10 +99,10 @@ def _fit(item: Explained, rows: Array, line: SpectralLine) -> Array:
     return np.stack(columns, axis=1)
 
 
-def judge_lines(
+def errors_with_lines(
     declaration: RecordDeclaration,
     items: Sequence[Explained],
-    lines: Sequence[SpectralLine],
+    spectral_lines: Sequence[SpectralLine],
     judged: Explained,
     *,
     own: bool,
@@ -114,14 +114,14 @@ def judge_lines(
     """
     gone = judged.residual.copy()
     white = judged.whitened
-    for line in lines:
-        here = line
+    for spectral in spectral_lines:
+        here = spectral
         if not own:
-            at = sharpest(judged, white, line.kind, line.coordinate)
-            here = replace(line, coordinate=at)
+            at = sharpest(judged, white, spectral.kind, spectral.coordinate)
+            here = replace(spectral, coordinate=at)
         fitted = _fit(judged, gone, here)
         if not own:
-            fitted = _known_size(items, line, fitted)
+            fitted = _known_size(items, spectral, fitted)
         gone = gone - (basis(judged, here.kind, here.coordinate) @ fitted).T
     noise = [float(np.std(row)) for row in gone]
     return {
@@ -134,11 +134,11 @@ def judge_lines(
     }
 
 
-def _known_size(items: Sequence[Explained], line: SpectralLine, fitted: Array) -> Array:
+def _known_size(items: Sequence[Explained], spectral: SpectralLine, fitted: Array) -> Array:
     """Return this record's phase with the size that the fitted records agree on."""
     sizes = []
-    for item, own in zip(items, line.per_record, strict=True):
-        alone = _fit(item, item.residual, replace(line, coordinate=own))
+    for item, own in zip(items, spectral.per_record, strict=True):
+        alone = _fit(item, item.residual, replace(spectral, coordinate=own))
         sizes.append(np.abs(_complex(alone)[0]))
     here = _complex(fitted)[0]
     size = np.mean(sizes, axis=0)

@@ -42,8 +42,8 @@ class RecordVerdict:
             "version": VERSION,
             "verdict": self.word,
             "effects": [],
-            "unknown": [_row(line) for line in self.unknown],
-            "clocks": [{**_row(line), "why": line.clock} for line in self.clocks],
+            "unknown": [_row(x) for x in self.unknown],
+            "clocks": [{**_row(x), "why": x.clock} for x in self.clocks],
             "not_claimed": self.not_claimed,
             "residual_rms": rms_rows(self.residual_rms),
             "holdout": self.holdout,
@@ -51,12 +51,12 @@ class RecordVerdict:
         return json.dumps(plain(data), indent=1) + "\n"
 
 
-def _row(line: SpectralLine) -> dict[str, Any]:
+def _row(spectral: SpectralLine) -> dict[str, Any]:
     return {
-        "class": line.kind,
-        "coordinate": line.where,
-        "per_record": line.per_record,
-        "strength": line.strength,
+        "class": spectral.kind,
+        "coordinate": spectral.where,
+        "per_record": spectral.per_record,
+        "strength": spectral.strength,
     }
 
 
@@ -64,7 +64,7 @@ def headline(verdict: RecordVerdict) -> str:
     """Return the verdict as sentences."""
     if not verdict.unknown:
         return "Nothing found: what the declared filter leaves of the outputs holds no line."
-    said = [coordinate_text(line.kind, line.where) for line in verdict.unknown]
+    said = [coordinate_text(x.kind, x.where) for x in verdict.unknown]
     return f"Unknown, strongest first: {'; '.join(said)}."
 
 

@@ -94,7 +94,7 @@ def travel_at(speed_m_s, line=None):
     )
 
 
-def one_line(chi2_reduction=0.0):
+def one_peak(chi2_reduction=0.0):
     """Return the spectra of one record with one line of this strength, at 1 Hz."""
     line = LineSpectrum(
         kind="time",

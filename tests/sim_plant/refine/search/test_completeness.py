@@ -8,7 +8,7 @@ from tests.sim_plant.refine.small import (
     fit_of,
     formula_twin,
     objective_of,
-    one_line,
+    one_peak,
     travel_at,
     white,
 )
@@ -25,7 +25,7 @@ NOISE = OBJECTIVE.expected_cost
 
 def claimed(before, after, line=0.0):
     base, fit = fit_of(cost=before), fit_of(DELAY, cost=after)
-    return explains_own_lines(OBJECTIVE, base, one_line(line), [travel_at(np.ones(9))], fit)
+    return explains_own_lines(OBJECTIVE, base, one_peak(line), [travel_at(np.ones(9))], fit)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.2])

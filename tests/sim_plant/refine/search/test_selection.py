@@ -16,7 +16,7 @@ from sim_plant.refine.search.selection import (
     preferred,
     score,
 )
-from tests.sim_plant.refine.small import fit_of, one_line, quiet
+from tests.sim_plant.refine.small import fit_of, one_peak, quiet
 
 DRAG = hypothesis(BY_NAME["bearing_drag"], "R3")
 FAR_DRAG = hypothesis(BY_NAME["bearing_drag"], "R9")
@@ -29,8 +29,8 @@ def selection(cost=COST, nominal=None, **more):
         nominal=fit_of(cost=cost if nominal is None else nominal),
         fit=fit_of(cost=cost),
         travels=(),
-        before=one_line(),
-        after=one_line(),
+        before=one_peak(),
+        after=one_peak(),
         **more,
     )
 

@@ -13,7 +13,7 @@ from tests.sim_plant.refine.small import (
     fit_of,
     formula_twin,
     objective_of,
-    one_line,
+    one_peak,
     travel_at,
     white,
 )
@@ -50,7 +50,7 @@ def left(sizes=(1.0, 1.0, 1.0), push=0.0):
 
 
 def parts(objective, fit):
-    return unexplained_parts(objective, fit, fit, one_line())
+    return unexplained_parts(objective, fit, fit, one_peak())
 
 
 def power(objective, fit):
@@ -87,7 +87,7 @@ def test_channels_that_move_together_as_no_noise_does_are_broadband(push, kinds)
 @pytest.mark.parametrize(("strength", "kinds"), [(250.0, []), (300.0, ["time"])])
 def test_a_line_is_claimed_above_what_healthy_records_show(strength, kinds):
     fit = left()
-    found = unexplained_parts(OBJECTIVE, fit, fit, one_line(strength))
+    found = unexplained_parts(OBJECTIVE, fit, fit, one_peak(strength))
     assert [u.kind for u in found] == kinds
     assert all(u.coordinate == {"frequency_Hz": 1.0} for u in found)
 
