@@ -11,6 +11,9 @@ from sim_plant.refine.criteria.criterion import NOT_RECORDED, criterion
 class ReportCriteria:
     """What a report says of numbers that were found."""
 
+    confidence: float = criterion(
+        0.95, "probability", "of the intervals that a verdict gives", "convention"
+    )
     model_share: float = criterion(
         0.0066,
         "of a size",

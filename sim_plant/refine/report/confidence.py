@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 
+from scipy.stats import norm
+
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 
-NINETY_FIVE = 1.959964
+SPREAD = float(norm.ppf(0.5 + 0.5 * CRITERIA.report.confidence))
+"""Standard deviations on either side of a number between which it lies."""
 
 
 def standard_deviations(fit: Fit) -> list[float]:
@@ -28,6 +31,6 @@ def standard_deviations(fit: Fit) -> list[float]:
 
 
 def interval(value: float, standard_deviation: float) -> tuple[float, float]:
-    """Return low and high between which the number lies with 95 % probability."""
-    spread = NINETY_FIVE * standard_deviation
+    """Return low and high between which the number lies with the stated confidence."""
+    spread = SPREAD * standard_deviation
     return value - spread, value + spread
