@@ -138,7 +138,7 @@ def test_a_word_of_a_file_is_no_formula_in_any_figure():
         kind="angle",
         roll=word,
         coordinate=np.arange(1.0, 50.0),
-        drop=np.arange(1.0, 50.0),
+        chi2_reduction=np.arange(1.0, 50.0),
         degrees=2,
     )
     columns = {"time_s": np.arange(9.0), f"{word}.amplitude_m_s": np.arange(9.0)}
