@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,6 +15,7 @@ from aff_runtime.app.link.messages import LogLine, Reply, ShapeLearned, ShapeNew
 from aff_runtime.app.link.peer import Peer
 from aff_runtime.app.link.request_socket import Asked, Caller
 from aff_runtime.app.link.requests import Request
+from aff_runtime.app.supervisor import shape_shelf
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
 from aff_runtime.app.supervisor.supervisor import Supervisor
@@ -250,10 +253,16 @@ def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) ->
     assert (path.read_text() == before) is not quiet
 
 
-def test_a_file_that_cannot_be_forgotten_is_said_to_the_operator(tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_forgotten_is_said_to_the_operator(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     about, shelf = record(tmp_path), ShapeShelf(lambda *_: None)
     shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
-    (tmp_path / ".x.shape.json.new").mkdir()  # in the way of writing, also for root
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(shape_shelf, "replace_text", full)
     made = Supervisor.__new__(Supervisor)
     made._processes = SimpleNamespace(record=about, shapes=shelf)  # type: ignore[assignment]
     said = made._forget_files(Reply(id=1, ok=True))
