@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import os
 from pathlib import Path
@@ -15,7 +14,6 @@ from aff_runtime.app.link.messages import LogLine, Reply, ShapeLearned, ShapeNew
 from aff_runtime.app.link.peer import Peer
 from aff_runtime.app.link.request_socket import Asked, Caller
 from aff_runtime.app.link.requests import Request
-from aff_runtime.app.supervisor import shape_shelf
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
 from aff_runtime.app.supervisor.supervisor import Supervisor
@@ -256,13 +254,12 @@ def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) ->
 def test_a_file_that_cannot_be_forgotten_is_said_to_the_operator(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    def full(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
     about, shelf = record(tmp_path), ShapeShelf(lambda *_: None)
     shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
-
-    def full(*_: object) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(shape_shelf, "replace_text", full)
+    monkeypatch.setattr(os, "fsync", full)  # for root too
     made = Supervisor.__new__(Supervisor)
     made._processes = SimpleNamespace(record=about, shapes=shelf)  # type: ignore[assignment]
     said = made._forget_files(Reply(id=1, ok=True))
