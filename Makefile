@@ -8,7 +8,7 @@ LAW    ?= shape
 WIRE   ?= modbus
 SECONDS ?= 130
 CASES  ?= 600
-.PHONY: campaign demo demo-refine refine-pairs test check bench bench-control size matrix fuzz test-socketcan setup clean
+.PHONY: campaign demo demo-refine house picture refine-cases refine-pairs test check bench bench-control size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -24,13 +24,27 @@ demo: setup
 	$(BIN)/python -m sim_plant.cli.main demo --wire $(WIRE) --speed-fpm $(SPEED) \
 		$(if $(filter blocks,$(LAW)),--site config/euclid_blocks.yaml) --out out/demo-$(WIRE)
 
+# the README's picture, from a demo on a machine without other load
+picture: demo
+	cp out/demo-$(WIRE)/picture.svg docs/img/demo.svg
+
 # two records with an undeclared effect: name it, write the amended line, error before and after
 demo-refine: setup
 	$(BIN)/python -m sim_plant.cli.main refine config/lines/euclid.yaml --example --out out/refine
 
-# every pair of shared/data/lines, and each with its true effect taken out of the library; minutes a run
+# every pair of data/lines, and each with its true effect taken out of the library; minutes a run,
+# writes docs/results/refine-pairs.md
 refine-pairs: setup
-	$(BIN)/python -m tests.sim_plant.refine.pairs --out out/refine-pairs
+	$(BIN)/python -m tests.sim_plant.refine.pairs --out out/refine-pairs --docs
+
+# the 80 labelled pairs of shared/data/cases, scored; hours, rows are kept in out/refine-cases
+# (EXTRA="--part check --only case01" for some of them)
+refine-cases: setup
+	nice -n 19 $(BIN)/python -m benchmarks.cases --docs docs/results $(EXTRA)
+
+# rooms, floors, import arrows, longest functions; REV="main~9 HEAD" for other revisions
+house: setup
+	$(BIN)/python -m benchmarks.house $(addprefix --rev ,$(REV))
 
 # everything that decides whether a change may land
 test: setup check
@@ -58,7 +72,7 @@ fuzz: setup
 		|| echo "atheris cannot be had: inputs by chance"
 	$(BIN)/python -m tests.fuzz --seconds $(SECONDS) --out out/fuzz
 
-# speed, as ratios measured in one run; about two minutes, writes docs/bench.md
+# speed, as ratios measured in one run; about two minutes, writes docs/results/bench.md
 bench: setup
 	$(BIN)/python -m benchmarks.runtime
 
@@ -67,7 +81,7 @@ size:
 	@set -e; folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	$(PYTHON) -m venv --without-pip "$$folder/venv"; \
 	mkdir "$$folder/source"; \
-	cp -r $(wildcard README.md) pyproject.toml aff_runtime sim_plant "$$folder/source"; \
+	cp -r $(wildcard README.md LICENSE) pyproject.toml aff_runtime sim_plant "$$folder/source"; \
 	empty=$$(du -sm --apparent-size "$$folder/venv" | cut -f1); \
 	$(PYTHON) -m pip --python "$$folder/venv/bin/python" install --quiet \
 		--disable-pip-version-check --no-cache-dir "$$folder/source"; \
@@ -81,12 +95,12 @@ size:
 # in out/control-bench: a stopped run goes on. EXTRA="--timing --memory 10 --wire" for the cost of a
 # tick, ten minutes of watching memory, three rows over the wire in real time (on a quiet machine)
 bench-control: setup
-	QUICK=$(QUICK) $(BIN)/python -m benchmarks.control --docs docs $(EXTRA)
+	QUICK=$(QUICK) $(BIN)/python -m benchmarks.control --docs docs/results $(EXTRA)
 
 # refine on CASES random records that other code made, against its targets; hours, goes on where
-# it was stopped (out/campaign), writes docs/refine-campaign.md
+# it was stopped (out/campaign), writes docs/results/refine-campaign.md
 campaign: setup
-	nice -n 19 $(BIN)/python -m benchmarks.campaign --cases $(CASES) --docs docs
+	nice -n 19 $(BIN)/python -m benchmarks.campaign --cases $(CASES) --docs docs/results
 
 clean:
 	rm -rf $(VENV) out runs .pytest_cache .mypy_cache .ruff_cache

@@ -66,8 +66,21 @@ run cp "$source_dir/deploy/RUNBOOK.md" "$opt/share/RUNBOOK.md"
 [ -e "$etc/learned" ] || [ -L "$etc/learned" ] || run ln -s ../../var/lib/aff-runtime/learned "$etc/learned"
 
 run cp "$source_dir/deploy/aff-runtime.service" "$units/aff-runtime.service"
+run mkdir -p "$units/aff-runtime.service.d"
+# The technician's file too.
+[ -e "$units/aff-runtime.service.d/plc.conf" ] ||
+    run cp "$source_dir/deploy/aff-runtime.plc.conf" "$units/aff-runtime.service.d/plc.conf"
+# The unit lets programs run from /usr and from the environment: an interpreter elsewhere is named.
+base=$("$python" -c 'import sys; print(sys.base_prefix)')
+case $base in
+    /usr | /usr/*) run rm -f "$units/aff-runtime.service.d/python.conf" ;;
+    *)
+        echo "+ ExecPaths=$base > $units/aff-runtime.service.d/python.conf"
+        [ "$dry_run" = yes ] ||
+            printf '[Service]\nExecPaths=%s\n' "$base" > "$units/aff-runtime.service.d/python.conf"
+        ;;
+esac
 if [ "$can" = yes ]; then
-    run mkdir -p "$units/aff-runtime.service.d"
     run cp "$source_dir/deploy/aff-runtime.can.conf" "$units/aff-runtime.service.d/can.conf"
 fi
 run cp "$source_dir/deploy/60-aff-runtime.rules" "$rules/60-aff-runtime.rules"
@@ -81,7 +94,8 @@ if [ -z "$prefix" ]; then
 fi
 
 cat << DONE
-Next: edit $etc/site.yaml, then
+Next: edit $etc/site.yaml, write the PLC's address into
+  $units/aff-runtime.service.d/plc.conf (systemctl daemon-reload), then
   aff-runtime check $etc/site.yaml
   systemctl enable --now aff-runtime
   sudo -u aff-runtime aff-runtime status

@@ -1,4 +1,4 @@
-"""The only clocks: a real one, and one that tests turn by hand."""
+"""The only clock, and wall time for labels."""
 
 from __future__ import annotations
 
@@ -18,25 +18,6 @@ class MonotonicClock:
         wait_ns = deadline_ns - time.monotonic_ns()
         if wait_ns > 0:
             time.sleep(wait_ns * 1e-9)
-
-
-class VirtualClock:
-    """Time that moves only when told; sleeping moves it."""
-
-    def __init__(self, start_ns: int = 0) -> None:
-        self._now_ns = start_ns
-
-    def now_ns(self) -> int:
-        """Return virtual time, ns."""
-        return self._now_ns
-
-    def sleep_until_ns(self, deadline_ns: int) -> None:
-        """Jump to ``deadline_ns`` unless it has passed."""
-        self._now_ns = max(self._now_ns, deadline_ns)
-
-    def advance_ns(self, step_ns: int) -> None:
-        """Move time by ``step_ns``."""
-        self._now_ns += step_ns
 
 
 def wall_time_iso() -> str:

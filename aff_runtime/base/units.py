@@ -128,6 +128,17 @@ def unit_info(symbol: str) -> UnitInfo | None:
     return _BY_SYMBOL[candidates[0]] if len(candidates) == 1 else None
 
 
+def to_si(symbol: str) -> tuple[str, float]:
+    """Return the SI unit of a symbol of the table, and how many of it one holds.
+
+    Raises
+    ------
+    KeyError : the table has no such symbol.
+    """
+    info = _BY_SYMBOL[symbol]
+    return _TABLE[info.dimension][0], info.si_per_unit
+
+
 def accepted_units(unit: str) -> tuple[str, ...]:
     """Return every spelling that a key in ``unit`` takes, its own unit first."""
     info = _BY_SYMBOL[unit]

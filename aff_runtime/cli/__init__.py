@@ -1,1 +1,3 @@
 """The aff-runtime command."""
+
+__all__ = ["main"]

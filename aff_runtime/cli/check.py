@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
 from aff_runtime.base.arguments import speed_m_s
+from aff_runtime.cli.service import add_state_dir
+from aff_runtime.cli.terminal import complain, say
 from aff_runtime.config.check import check_site
 
 
@@ -27,15 +28,16 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--brief", action="store_true", help="only errors, warnings and the verdict"
     )
+    add_state_dir(parser)
     parser.set_defaults(command=check)
 
 
 def check(options: argparse.Namespace) -> int:
     """Print the report; 0 when the file may be used."""
     if any(not 0.0 < speed < float("inf") for speed in options.speed):
-        print("aff-runtime: --speed must be above 0 m/s", file=sys.stderr)
+        complain("aff-runtime: --speed must be above 0 m/s")
         return 2
-    report = check_site(options.site, tuple(options.speed))
+    report = check_site(options.site, tuple(options.speed), options.state_dir)
     for line in report.lines(brief=options.brief):
-        print(line, file=sys.stdout if report.ok else sys.stderr)
+        (say if report.ok else complain)(line)
     return report.exit_code

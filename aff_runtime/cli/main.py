@@ -14,6 +14,7 @@ from aff_runtime import __version__
 from aff_runtime.app.link.runtime_directory import default_directory
 from aff_runtime.base.errors import AffError
 from aff_runtime.cli import check, operate, probe, probe_map, roll, run, status, top, wire_map
+from aff_runtime.cli.terminal import complain
 
 COMMANDS = (check, run, operate, status, top, roll, probe, probe_map, wire_map)
 
@@ -46,7 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return int(options.command(options))
     except AffError as error:
-        print(f"aff-runtime: {error}", file=sys.stderr)
+        for line in f"aff-runtime: {error}".split("\n"):  # one finding per line
+            complain(line)
         return error.exit_code
     except KeyboardInterrupt:
         return 130

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.ports import Clock
+from aff_runtime.base.signals import State
 from aff_runtime.cli.service import connect
+from aff_runtime.cli.terminal import say as say_line
 
 STOP_PATIENCE_S = 15.0
-DONE = {"bypass": "bypassed", "forget": "forgotten; rollers are kept"}
+DONE = {"forget": "forgotten; rollers are kept"}
+BYPASS_PATIENCE_NS = 5_000_000_000
+LOOK_NS = 50_000_000
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
@@ -35,13 +43,53 @@ def say(word: str, options: argparse.Namespace) -> int:
     try:
         if word == "shadow":
             client.ask("shadow", on=options.switch == "on")
-            print(f"shadow {options.switch}")
+            say_line(f"shadow {options.switch}")
         elif word == "stop":
             client.ask("stop", timeout_s=STOP_PATIENCE_S)
-            print("stopped")
+            say_line("stopped")
+        elif word == "bypass":
+            client.ask("bypass")
+            say_line(after_bypass(lambda: client.ask("status"), MonotonicClock()))
         else:
             answer = client.ask(word)
-            print(answer.get("state", DONE.get(word, "ok")))
+            say_line(answer.get("state", DONE.get(word, "ok")))
     finally:
         client.close()
     return 0
+
+
+def after_bypass(status: Callable[[], Mapping[str, Any]], clock: Clock) -> str:
+    """Return what became of a bypass as the service shows it: off, and nothing goes out.
+
+    Parameters
+    ----------
+    status : asks the service how it stands.
+    clock : how long to wait for the end of the fade.
+
+    Raises
+    ------
+    RefusedError
+        When a correction may still be going out.
+    """
+    end_ns = clock.now_ns() + BYPASS_PATIENCE_NS
+    while True:
+        answer = status()
+        state = str(answer.get("state", ""))
+        if state == State.BYPASS.name and not any(_going_out(answer)):
+            return "bypassed"
+        if answer.get("control_pid") == 0:
+            return "nothing goes out: no control process is running; see `aff-runtime status`"
+        if clock.now_ns() >= end_ns:
+            raise RefusedError(
+                f"bypass was asked for, and the service still says {state or 'nothing'} after "
+                f"{BYPASS_PATIENCE_NS * 1e-9:.0f} s; take the correction back at the PLC, or with "
+                "`systemctl kill -s USR1 --kill-whom=main aff-runtime`"
+            )
+        clock.sleep_until_ns(clock.now_ns() + LOOK_NS)
+
+
+def _going_out(answer: Mapping[str, Any]) -> Iterator[float]:
+    """Yield the corrections that a status shows."""
+    for name, value in answer.get("signals", {}).items():
+        if name.startswith("correction_"):
+            yield value or 0.0

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.supervisor.validation import load_record
-from aff_runtime.cli.service import connect
+from aff_runtime.cli.service import add_state_dir, connect
+from aff_runtime.cli.terminal import say
 
 MARGIN_S = 40.0
 
@@ -28,14 +28,15 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="only this actuator; may be repeated (default: all, one after the other)",
     )
+    add_state_dir(parser)
     parser.set_defaults(command=probe)
 
 
 def probe(options: argparse.Namespace) -> int:
     """Run a probe and print its table."""
-    record = load_record(options.site).record or {}
+    record = load_record(options.site, options.state_dir).record or {}
     duration_s = float(record["site"]["probe"]["duration_s"])
-    print(f"probing for about {duration_s:.0f} s; `aff-runtime bypass` ends it", flush=True)
+    say(f"probing for about {duration_s:.0f} s; `aff-runtime bypass` ends it")
     client = connect(options)
     try:
         answer = client.ask("probe", timeout_s=duration_s + MARGIN_S, actuators=options.actuator)
@@ -44,7 +45,7 @@ def probe(options: argparse.Namespace) -> int:
     for result in answer["results"]:
         actuator = record["site"]["actuators"][result["actuator"]]
         for line in table(result, gain_unit(actuator)):
-            print(line)
+            say(line)
     return 0
 
 
@@ -57,7 +58,7 @@ def gain_unit(actuator: Mapping[str, Any]) -> str:
 
 def table(result: Mapping[str, Any], unit: str) -> Iterator[str]:
     """Yield one probed actuator as text; ``unit`` is that of its gain."""
-    response = json.loads(result["text"])
+    response = result["response"]
     yield f"{result['actuator']}: sign {result['sign']:+d}, delay {result['delay_s'] * 1e3:.0f} ms"
     yield f"      Hz {unit:>10}   phase deg  error %  coherence"
     for point in response["points"]:

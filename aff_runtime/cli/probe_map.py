@@ -7,9 +7,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.wiring.site_to_wire import register_map, wire_of
+from aff_runtime.app.wiring.site_to_wire import register_map
+from aff_runtime.app.wiring.wires import wire_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import WireError
+from aff_runtime.cli.service import add_state_dir
+from aff_runtime.cli.terminal import say
 from aff_runtime.config.can_wire import can_map_of, wire_files
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import ModbusRtu, Site
@@ -27,12 +30,13 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         "probe-map", help="read the PLC's block: values, and every word order; writes nothing"
     )
     parser.add_argument("site", type=Path, metavar="SITE.yaml")
+    add_state_dir(parser)
     parser.set_defaults(command=probe_map)
 
 
 def probe_map(options: argparse.Namespace) -> int:
     """Read the block a few times and print every reading of every word."""
-    site = load_site(options.site)
+    site = load_site(options.site, options.state_dir)
     clock = MonotonicClock()
     modbus = site.gateway.modbus
     if modbus is None:
@@ -59,7 +63,7 @@ def probe_map(options: argparse.Namespace) -> int:
     finally:
         transport.close()
     for line in table(site, seen):
-        print(line)
+        say(line)
     return 0
 
 
@@ -77,7 +81,7 @@ def probe_frames(site: Site, path: Path, clock: MonotonicClock) -> int:
         return 2
     frames = can_map_of(site, wire_files(site, path.absolute().parent))
     for line in listen(frames, can.interface, can.channel, can.bitrate, clock):
-        print(line)
+        say(line)
     return 0
 
 

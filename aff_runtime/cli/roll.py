@@ -9,8 +9,10 @@ from typing import Any
 
 from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.report.roll_page import page
+from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.cli.service import connect
+from aff_runtime.cli.terminal import say
 
 ATTEMPTS = 50
 
@@ -29,13 +31,13 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     parser.set_defaults(command=roll)
 
 
-def at_the_encoders_zero(ask: Callable[[str], dict[str, Any]]) -> dict[str, Any]:
+def at_the_encoders_zero(ask: Callable[[str], dict[str, Any]]) -> StatusAnswer:
     """Return a status of a tick with a fresh reading: a slow PLC has not one in every tick."""
-    answer = ask("status")
+    answer = read_answer(ask("status"))
     for _ in range(ATTEMPTS):
-        if any(block["encoder_deg"] is not None for block in answer.get("blocks", [])):
+        if any(block.encoder_deg is not None for block in answer.blocks):
             break
-        answer = ask("status")
+        answer = read_answer(ask("status"))
     return answer
 
 
@@ -50,5 +52,5 @@ def roll(options: argparse.Namespace) -> int:
         replace_text(options.out, page(answer))
     except OSError as error:
         raise ConfigError(f"{options.out}: {error.strerror}") from None
-    print(options.out)
+    say(options.out)
     return 0

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import logging
-import os
-import sys
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.cli.service import paths_of
+from aff_runtime.cli.service import add_state_dir, paths_of
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
@@ -26,6 +23,7 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder of all records (default: recording.directory of the site file)",
     )
+    add_state_dir(parser)
     parser.add_argument(
         "--forget",
         action="store_true",
@@ -37,17 +35,16 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Serve until stopped."""
     from aff_runtime.app.supervisor.run_options import RunOptions  # noqa: PLC0415  keeps `arm` quick
+    from aff_runtime.app.supervisor.service_log import open_log  # noqa: PLC0415
     from aff_runtime.app.supervisor.supervisor import Supervisor  # noqa: PLC0415
 
-    stamp = "" if "JOURNAL_STREAM" in os.environ else "%(asctime)s "
-    logging.basicConfig(
-        stream=sys.stderr, level=logging.INFO, format=f"{stamp}%(levelname)s %(message)s"
-    )
+    open_log()
     supervisor = Supervisor(
         RunOptions(
             site=options.site,
             paths=paths_of(options),
             record_directory=options.record_dir,
+            state_directory=options.state_dir,
             shadow=options.shadow,
             forget=options.forget,
         )

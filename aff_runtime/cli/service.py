@@ -3,14 +3,28 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.runtime_directory import RuntimePaths, default_directory, runtime_paths
+from aff_runtime.config.site_paths import STATE_DIRECTORY
 
 
 def paths_of(options: argparse.Namespace) -> RuntimePaths:
     """Return the service's paths by ``--runtime-dir`` or the default."""
     return runtime_paths(options.runtime_dir or default_directory())
+
+
+def add_state_dir(parser: argparse.ArgumentParser) -> None:
+    """Add the option that names the folder of what the service learns."""
+    parser.add_argument(
+        "--state-dir",
+        type=Path,
+        default=STATE_DIRECTORY,
+        metavar="DIR",
+        help="folder beside the site file's own that what it names may lie in "
+        "(default %(default)s)",
+    )
 
 
 def connect(options: argparse.Namespace) -> ServiceClient:

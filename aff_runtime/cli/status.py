@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
+from aff_runtime.app.report.block_status import BlockStatus
 from aff_runtime.app.report.status import headline
+from aff_runtime.app.report.status_answer import RecorderReport, StatusAnswer, read_answer
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 from aff_runtime.cli.service import connect
+from aff_runtime.cli.terminal import say, say_json
 
 EXIT_ALARM = 5
+SHOWN = ("_tension_N", "line_speed_m_s", "_radius_m")
 RESTING = (State.FAULT.name, State.BYPASS.name)
 NO_ALARM = (BY_NAME["POWER_UP"].code, BY_NAME["BYPASSED"].code)
 
@@ -28,62 +31,66 @@ def status(options: argparse.Namespace) -> int:
     """Print the status; 5 while an alarm stands."""
     client = connect(options)
     try:
-        answer = client.ask("status")
+        said = client.ask("status")
     finally:
         client.close()
+    answer = read_answer(said)
     if options.json:
-        print(json.dumps(answer, indent=1))
+        say_json(said)
     else:
         for line in lines(answer):
-            print(line)
+            say(line)
     return EXIT_ALARM if is_alarm(answer) else 0
 
 
-def is_alarm(answer: Mapping[str, Any]) -> bool:
+def is_alarm(answer: StatusAnswer) -> bool:
     """Return whether a real alarm stands: just started and bypassed are none."""
-    alarm = int(answer.get("alarm", {}).get("code", 0))
-    return answer["state"] in RESTING and alarm not in NO_ALARM
+    code = answer.live.alarm.code if answer.live is not None else 0
+    return answer.state in RESTING and code not in NO_ALARM
 
 
-def lines(answer: Mapping[str, Any]) -> Iterator[str]:
+def lines(answer: StatusAnswer) -> Iterator[str]:
     """Yield the status as text."""
-    yield f"{answer['line']}: {headline(answer)}"
-    yield f"config   {answer['config_hash'][:12]}"
-    for text in answer["config_differs"]:
+    yield f"{answer.line}: {headline(answer)}"
+    whole, site = answer.config_hash, answer.site_hash
+    yield f"config   {whole[:12]}, PLC word 0x{whole[-4:]}; site file alone {site[:12]}"
+    for text in answer.learned:
+        yield f"learned  {text}"
+    for text in answer.config_differs:
         yield f"         differs: {text}"
-    signals = answer.get("signals", {})
-    if signals:
+    if answer.live is not None:
+        signals = answer.live.signals
         yield (
-            f"comm     {answer['comm']}, age {_short(signals['age_s'], 1e3)} ms, "
+            f"comm     {answer.live.comm}, age {_short(signals['age_s'], 1e3)} ms, "
             f"tick {_short(signals['tick_us'], 1e-3)} ms, "
             f"missed {_number(signals['missed_count'])} ticks"
         )
-    for text in answer.get("wire", []):
-        yield f"wire     {text}"
-    for name, value in signals.items():
-        if "correction_" in name or name.endswith(("_tension_N", "line_speed_m_s", "_radius_m")):
-            yield f"{name:32} {_number(value)}"
-    yield from block_lines(answer.get("blocks", []))
-    yield from why_lines(answer.get("blocks", []))
-    for text in answer.get("crossings", []):
+        for text in answer.live.wire:
+            yield f"wire     {text}"
+        for name, value in signals.items():
+            if "correction_" in name or name.endswith(SHOWN):
+                yield f"{name:32} {_number(value)}"
+    yield from block_lines(answer.blocks)
+    yield from why_lines(answer.blocks)
+    for text in answer.crossings:
         yield f"next     {text}"
-    for text in answer.get("shapes", []):
+    for text in answer.shapes:
         yield f"shape    {text}"
-    recorder = answer.get("recorder", {})
-    if recorder:
-        yield f"record   {recorder.get('folder', '')} ({_recorder_words(recorder)})"
+    recorder = answer.recorder
+    if recorder is not None:
+        yield f"record   {recorder.folder} ({_recorder_words(recorder)})"
 
 
-def block_lines(blocks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+def block_lines(blocks: Sequence[BlockStatus]) -> Iterator[str]:
     """Yield the blocks as one table per actuator, not wider than 80 characters."""
     actuator = None
     factor = 1.0
     for block in blocks:
-        shape = block.get("law") == "shape"
-        ripple_unit = f"{block['ripple_unit']} before>now"
-        if block["actuator"] != actuator:
-            actuator = block["actuator"]
-            unit, factor = ("mm/s", 1e3) if block["unit"] == "m/s" else (block["unit"], 1.0)
+        shape = block.law == "shape"
+        ripple_unit = f"{block.ripple_unit} before>now"
+        if block.actuator != actuator:
+            actuator = block.actuator
+            unit, factor = ("mm/s", 1e3) if block.unit == "m/s" else (block.unit, 1.0)
             yield (
                 f"{str(actuator)[:20]:20} {'Hz':>5} {'mm':>6} {'deg':>4} {'out':>4} "
                 f"{ripple_unit:>14} {'dB':>4}  state"
@@ -91,35 +98,35 @@ def block_lines(blocks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
                 else f"{str(actuator)[:26]:26} {'Hz':>5} {unit + '|limit':>11} {'deg':>4} "
                 f"{ripple_unit:>14}  state"
             )
-        ripple = f"{_short(block['ripple_before'])}>{_short(block['ripple'])}"
-        phase = "-" if block["phase_deg"] is None else f"{block['phase_deg']:.0f}"
+        ripple = f"{_short(block.ripple_before)}>{_short(block.ripple)}"
+        phase = "-" if block.phase_deg is None else f"{block.phase_deg:.0f}"
         if shape:
             yield _shape_line(block, ripple, phase)
             continue
-        amplitude = f"{_short(block['amplitude'], factor)}|{_short(block['limit'], factor)}"
+        amplitude = f"{_short(block.amplitude, factor)}|{_short(block.limit, factor)}"
         yield (
-            f"  {block['name'][-24:]:24} {_short(block['frequency_Hz']):>5} {amplitude:>11} "
-            f"{phase:>4} {ripple:>14}  {block['state']}"
+            f"  {block.name[-24:]:24} {_short(block.frequency_Hz):>5} {amplitude:>11} "
+            f"{phase:>4} {ripple:>14}  {block.state}"
         )
 
 
-def _shape_line(block: Mapping[str, Any], ripple: str, phase: str) -> str:
+def _shape_line(block: BlockStatus, ripple: str, phase: str) -> str:
     """Return one order of a roll's shape: mm, angle, share that goes out, benefit."""
-    share = "-" if block["out"] is None else f"{100 * block['out']:.0f}%"
-    benefit = "-" if block["benefit_dB"] is None else f"{block['benefit_dB']:.0f}"
-    size = _short(block["amplitude"]) + ("Nm" if block["unit"] == "N m" else "")
+    share = "-" if block.out is None else f"{100 * block.out:.0f}%"
+    benefit = "-" if block.benefit_dB is None else f"{block.benefit_dB:.0f}"
+    size = _short(block.amplitude) + ("Nm" if block.unit == "N m" else "")
     return (
-        f"  {block['name'][-18:]:18} {_short(block['frequency_Hz']):>5} {size:>6} {phase:>4} "
-        f"{share:>4} {ripple:>14} {benefit:>4}  {block['state']}"
+        f"  {block.name[-18:]:18} {_short(block.frequency_Hz):>5} {size:>6} {phase:>4} "
+        f"{share:>4} {ripple:>14} {benefit:>4}  {block.state}"
     )
 
 
-def why_lines(blocks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+def why_lines(blocks: Sequence[BlockStatus]) -> Iterator[str]:
     """Yield why blocks are held or faded, those of one reason together."""
     reasons: dict[tuple[str, str], list[str]] = {}
     for block in blocks:
-        if block.get("why"):
-            reasons.setdefault((block["actuator"], block["why"]), []).append(block["name"])
+        if block.why:
+            reasons.setdefault((block.actuator, block.why), []).append(block.name)
     for (actuator, why), names in reasons.items():
         yield f"why      {actuator} {' '.join(names)}: {why}"
 
@@ -129,13 +136,12 @@ def _short(value: float | None, factor: float = 1.0) -> str:
     return "-" if value is None else f"{value * factor + 0.0:.3g}"
 
 
-def _recorder_words(recorder: Mapping[str, Any]) -> str:
+def _recorder_words(recorder: RecorderReport) -> str:
     """Return how recording goes."""
-    if not recorder.get("alive", False):
+    if not recorder.alive:
         return "RECORDER IS GONE"
-    lost = int(recorder.get("rows_lost", 0)) + int(recorder.get("ring_overruns", 0))
-    words = f"{recorder.get('rows', 0)} rows"
-    return f"{words}, {lost} LOST {recorder.get('error', '')}".rstrip() if lost else words
+    words = f"{recorder.rows} rows"
+    return f"{words}, {recorder.lost} LOST {recorder.error}".rstrip() if recorder.lost else words
 
 
 def _number(value: float | None, factor: float = 1.0) -> str:

@@ -8,15 +8,18 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from aff_runtime.app.report.block_status import BlockStatus
 from aff_runtime.app.report.status import headline
+from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
 from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.printable import printable
 from aff_runtime.cli.service import connect
 from aff_runtime.cli.status import block_lines
+from aff_runtime.cli.terminal import redraw, say
 
 WIDTH, HEIGHT = 80, 24
 BAR = 14
 PERIOD_NS = 500_000_000
-RED, PLAIN, HOME, CLEAR = "\x1b[31m", "\x1b[0m", "\x1b[H", "\x1b[J"
 NORMAL_STATES = ("ACTIVE", "ARMED", "READY", "SHADOW")
 
 
@@ -34,23 +37,22 @@ def top(options: argparse.Namespace) -> int:
     coloured = sys.stdout.isatty()
     try:
         if options.once:
-            print("\n".join(screen(client.ask("status"))))
+            for row in screen(read_answer(client.ask("status"))):
+                say(row)
             return 0
         while True:
-            answer = client.ask("status")
-            rows = screen(answer)
-            if coloured and answer["state"] not in NORMAL_STATES:
-                rows[0] = f"{RED}{rows[0]}{PLAIN}"
-            print(HOME + "\x1b[K\n".join(rows) + CLEAR, end="", flush=True)
+            answer = read_answer(client.ask("status"))
+            alarming = answer.state not in NORMAL_STATES
+            redraw(screen(answer), first_red=coloured and alarming)
             clock.sleep_until_ns(clock.now_ns() + PERIOD_NS)
     finally:
         client.close()
 
 
-def screen(answer: Mapping[str, Any]) -> list[str]:
+def screen(answer: StatusAnswer) -> list[str]:
     """Return the rows of one screen, none wider than 80 or more than 24."""
-    signals: Mapping[str, float | None] = answer.get("signals", {})
-    rows = textwrap.wrap(f"{answer['line']}  {headline(answer)}", WIDTH, max_lines=2)
+    signals = answer.live.signals if answer.live is not None else {}
+    rows = textwrap.wrap(printable(f"{answer.line}  {headline(answer)}"), WIDTH, max_lines=2)
     rows += [_config_row(answer), _comm_row(answer)]
     rows.append("-" * WIDTH)
     rows += [
@@ -60,33 +62,33 @@ def screen(answer: Mapping[str, Any]) -> list[str]:
         and "." not in name
     ]
     rows += _correction_rows(signals)
-    rows += [f"next {text}" for text in answer.get("crossings", [])]
-    rows += block_lines(_fitting(answer.get("blocks", []), HEIGHT - 3 - len(rows)))
+    rows += [f"next {text}" for text in answer.crossings]
+    rows += block_lines(_fitting(answer.blocks, HEIGHT - 3 - len(rows)))
     rows = rows[: HEIGHT - 1]
     rows.append("other terminal: aff-runtime arm | bypass | stop          ctrl-c leaves")
-    return [row[:WIDTH] for row in rows]
+    return [printable(row)[:WIDTH] for row in rows]
 
 
-def _fitting(blocks: Sequence[Mapping[str, Any]], room: int) -> list[Mapping[str, Any]]:
+def _fitting(blocks: Sequence[BlockStatus], room: int) -> list[BlockStatus]:
     """Return the blocks that the screen has room for: the low orders of every roll first."""
-    kept = sorted(range(len(blocks)), key=lambda at: (blocks[at].get("order", 0), at))[:room]
+    kept = sorted(range(len(blocks)), key=lambda at: (blocks[at].order, at))[:room]
     return [blocks[at] for at in sorted(kept)]
 
 
-def _config_row(answer: Mapping[str, Any]) -> str:
+def _config_row(answer: StatusAnswer) -> str:
     """Return configuration and record."""
-    differs = "  DIFFERS from the file" if answer["config_differs"] else ""
-    folder = str(answer.get("recorder", {}).get("folder", "")).rsplit("/", 1)[-1]
-    return f"config {answer['config_hash'][:12]}{differs}   record {folder}"
+    differs = "  DIFFERS from the file" if answer.config_differs else ""
+    folder = answer.recorder.folder.rsplit("/", 1)[-1] if answer.recorder is not None else ""
+    return f"config {answer.config_hash[:12]}{differs}   record {folder}"
 
 
-def _comm_row(answer: Mapping[str, Any]) -> str:
+def _comm_row(answer: StatusAnswer) -> str:
     """Return wire and timing."""
-    signals = answer.get("signals", {})
-    if not signals:
+    if answer.live is None:
         return "starting"
+    signals = answer.live.signals
     return (
-        f"comm {answer['comm']}  age {_shown(signals['age_s'], 1e3)} ms  "
+        f"comm {answer.live.comm}  age {_shown(signals['age_s'], 1e3)} ms  "
         f"io {_shown(signals['io_us'], 1e-3)} ms  tick {_shown(signals['tick_us'], 1e-3)} ms  "
         f"missed {_shown(signals['missed_count'])}"
     )

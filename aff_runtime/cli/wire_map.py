@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.cli.service import add_state_dir
+from aff_runtime.cli.terminal import say
 from aff_runtime.config.devices import load_device
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.wire_table import wire_lines
@@ -18,6 +20,7 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--device", action="store_true", help="the file is a device profile (config/devices)"
     )
+    add_state_dir(parser)
     parser.set_defaults(command=show)
 
 
@@ -26,7 +29,8 @@ def show(options: argparse.Namespace) -> int:
     if options.device:
         lines = load_device(options.site).lines()
     else:
-        lines = list(wire_lines(load_site(options.site), options.site.absolute().parent))
+        site = load_site(options.site, options.state_dir)
+        lines = list(wire_lines(site, options.site.absolute().parent))
     for line in lines:
-        print(line)
+        say(line)
     return 0

@@ -1,1 +1,17 @@
 """Site files: strict YAML, pydantic models, check."""
+
+__all__ = [
+    "can_wire",
+    "channel_units",
+    "check",
+    "crossings",
+    "devices",
+    "diff",
+    "loader",
+    "models",
+    "plain_file",
+    "reference",
+    "revision",
+    "site_paths",
+    "wire_table",
+]

@@ -11,7 +11,7 @@ from aff_runtime.base.units import plain
 from aff_runtime.config.channel_units import suffix_of_unit
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Actuator, Site
-from aff_runtime.config.plain_file import read_plain
+from aff_runtime.config.plain_file import TooLargeError, read_plain
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.fieldbus.can.load import MOST_SHARE, bus_share
 from aff_runtime.fieldbus.signal_names import NamedError, SignalNames, WireFileError
@@ -69,8 +69,11 @@ def wire_files(site: Site, folder: Path) -> dict[str, str]:
                 "correct the name or put the file there"
             )
             raise NamedError(name, text) from None
+        except TooLargeError as error:
+            text = f"{folder / name} {error}. Leave in it what this line needs"
+            raise NamedError(name, text) from None
         except ValueError as error:
-            raise NamedError(name, f"{folder / name} {error}") from None
+            raise NamedError(name, f"{folder / name} {error}. Correct the name") from None
     return texts
 
 

@@ -11,6 +11,7 @@ from aff_runtime.config.facts import Facts, facts_of
 from aff_runtime.config.findings import Finding, SiteFileError, dotted
 from aff_runtime.config.loader import read_site
 from aff_runtime.config.models import Site
+from aff_runtime.config.site_paths import STATE_DIRECTORY
 from aff_runtime.config.wire_table import budget_lines
 
 
@@ -57,13 +58,16 @@ class Report:
         return f"refused, {errors}, {warnings}; the service does not start with this file"
 
 
-def check_site(path: Path | str, speeds_m_s: Sequence[float] = ()) -> Report:
+def check_site(
+    path: Path | str, speeds_m_s: Sequence[float] = (), state: Path = STATE_DIRECTORY
+) -> Report:
     """Check a site file; never raises for what the file says.
 
     Parameters
     ----------
     path : the site file; response and record files are not looked at.
     speeds_m_s : line speeds at which frequencies are shown, above 0; none: the highest speed.
+    state : folder beside the site file's own that what it names may lie in.
 
     Raises
     ------
@@ -72,7 +76,7 @@ def check_site(path: Path | str, speeds_m_s: Sequence[float] = ()) -> Report:
     if any(not math.isfinite(speed) or speed <= 0 for speed in speeds_m_s):
         raise ValueError("speeds must be finite and above 0 m/s")
     try:
-        reading = read_site(path)
+        reading = read_site(path, state)
     except SiteFileError as error:
         return Report(file=str(path), errors=error.findings)
     return Report(
@@ -90,7 +94,10 @@ def _counted(count: int, noun: str) -> str:
 
 
 def _fact_lines(facts: Facts, bus: tuple[str, ...]) -> Iterator[str]:
-    yield f"revision {facts.revision[:12]}, PLC word 0x{facts.revision[-4:]}"
+    yield (
+        f"revision {facts.revision[:12]}; PLC word 0x{facts.revision[-4:]} until a response or a "
+        "shape is learned, then as `status` says"
+    )
     if facts.rows:
         for title, (first, words) in (("read", facts.read_block), ("write", facts.write_block)):
             yield f"{title:5} block: wire {first}..{first + words - 1}, {words} words"

@@ -9,6 +9,7 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.printable import printable
 
 
 class _Strict(BaseModel):
@@ -92,4 +93,4 @@ def load_device(path: Path) -> Device:
         where = ".".join(str(part) for part in first["loc"])
         raise ConfigError(f"{path}: {where}: {first['msg']}") from error
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ConfigError(f"{path}: {error}") from error
+        raise ConfigError(f"{path}: {printable(str(error))}") from error

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.printable import printable
 
 KeyPath: TypeAlias = tuple[str | int, ...]
 
@@ -25,15 +26,7 @@ class Finding:
         """Return ``file:line:column  path: text``, the form editors jump to."""
         where = f"{self.file}:{self.line}:{self.column}"
         said = f"{self.path}: {self.text}" if self.path else self.text
-        return f"{where}  {_printable(said)}"
-
-
-def _printable(text: str) -> str:
-    """Return text in which line breaks and control characters of the file are escaped."""
-    return "".join(
-        char if char.isprintable() else char.encode("unicode_escape").decode("ascii")
-        for char in text
-    )
+        return f"{printable(where)}  {printable(said)}"
 
 
 def in_file_order(findings: Iterable[Finding]) -> tuple[Finding, ...]:

@@ -8,13 +8,14 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from aff_runtime.config import can_wire, tls_files
+from aff_runtime.config import can_wire, site_paths, tls_files
 from aff_runtime.config.findings import Finding, SiteFileError, in_file_order
 from aff_runtime.config.messages import empty_keys, findings_of
 from aff_runtime.config.models import Site
 from aff_runtime.config.rules import actuators, channels, registers, rolls, shape, timing, wire
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.config.scales import convert_scales
+from aff_runtime.config.site_paths import STATE_DIRECTORY
 from aff_runtime.config.yaml_marks import MarkedTree, read_marked
 
 _RULES: tuple[Callable[[Site], Iterator[Issue]], ...] = (
@@ -52,17 +53,21 @@ class Reading:
     tree: MarkedTree
 
 
-def load_site(path: Path | str) -> Site:
-    """Read and check a site file; SI numbers inside, no other I/O.
+def load_site(path: Path | str, state: Path = STATE_DIRECTORY) -> Site:
+    """Read and check a site file and the files it names; SI numbers inside, no other I/O.
+
+    Parameters
+    ----------
+    state : folder beside the site file's own that what it names may lie in.
 
     Raises
     ------
     ConfigError : all findings, one per line: ``file:line:column  path: what, what to do``.
     """
-    return read_site(path).site
+    return read_site(path, state).site
 
 
-def read_site(path: Path | str) -> Reading:
+def read_site(path: Path | str, state: Path = STATE_DIRECTORY) -> Reading:
     """Read and check a site file; like `load_site`, with warnings and marks."""
     tree = read_marked(path)
     for keys, text in _OTHERS:
@@ -77,7 +82,7 @@ def read_site(path: Path | str) -> Reading:
     except ValidationError as error:
         raise SiteFileError([*findings, *findings_of(error, tree, Site)]) from error
     warnings: list[Finding] = []
-    for issue in _issues(site, Path(path).absolute().parent):
+    for issue in _issues(site, Path(path).absolute().parent, state):
         finding = tree.finding(issue.path, issue.text, at_key=issue.at_key)
         (warnings if issue.warning else findings).append(finding)
     if findings:
@@ -85,12 +90,12 @@ def read_site(path: Path | str) -> Reading:
     return Reading(site=site, warnings=in_file_order(warnings), tree=tree)
 
 
-def _issues(site: Site, folder: Path) -> Iterator[Issue]:
+def _issues(site: Site, folder: Path, state: Path) -> Iterator[Issue]:
     complete = True
-    for rule in _RULES:
-        for issue in rule(site):
+    for found in (*(rule(site) for rule in _RULES), site_paths.issues(site, folder, state)):
+        for issue in found:
             complete = complete and issue.warning
             yield issue
-    if complete:
+    if complete:  # nothing is read that lies where it must not
         yield from can_wire.issues(site, folder)
         yield from tls_files.issues(site, folder)

@@ -7,11 +7,11 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from aff_runtime.base.suggest import meant, nearest
 from aff_runtime.base.units import plain
 from aff_runtime.config.declared import Declared, declared_at, keys_of
 from aff_runtime.config.findings import Finding, KeyPath
 from aff_runtime.config.quantity import Section
-from aff_runtime.config.suggest import meant, nearest
 from aff_runtime.config.yaml_marks import MarkedTree
 
 _BOUNDS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
@@ -58,7 +58,7 @@ def _said(one: dict[str, Any], path: KeyPath, tree: MarkedTree, root: type[Secti
     declared = declared_at(root, path)
     if kind == "extra_forbidden":
         return f"unknown key. {meant(str(path[-1]), _siblings(path, root))}"
-    if kind == "unit":
+    if kind in ("unit", "unprintable"):
         return str(one["ctx"]["reason"])
     if declared is None:
         return f"{one['msg']}."

@@ -6,12 +6,20 @@ from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias
 
 from annotated_types import MaxLen, MinLen
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+)
 from pydantic.json_schema import JsonSchemaValue
 from pydantic.types import StringConstraints
 from pydantic_core import CoreSchema, PydanticCustomError
 from pydantic_core.core_schema import no_info_before_validator_function
 
+from aff_runtime.base.printable import printable
 from aff_runtime.base.units import UnitError, accepted_units, read_number
 
 
@@ -114,6 +122,18 @@ def key(
     )
 
 
+def _printing(text: str) -> str:
+    """Return ``text``, which goes to logs, screens and records, when all of it shows as itself."""
+    for place, char in enumerate(text, 1):
+        if not char.isprintable():
+            reason = (
+                f"{text[:40]} holds {printable(char)} as character {place}, which does not print. "
+                "Remove it."
+            )
+            raise PydanticCustomError("unprintable", "{reason}", {"reason": reason})
+    return text
+
+
 Seconds: TypeAlias = Annotated[float, Unit("s")]
 Milliseconds: TypeAlias = Annotated[float, Unit("ms")]
 Metres: TypeAlias = Annotated[float, Unit("m")]
@@ -135,6 +155,8 @@ Register: TypeAlias = Annotated[int, Whole("register number")]
 Name: TypeAlias = Annotated[
     str, StringConstraints(strict=True, pattern=r"^[a-z][A-Za-z0-9_]*$", max_length=48)
 ]
-Text: TypeAlias = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=200)]
+Text: TypeAlias = Annotated[
+    str, StringConstraints(strict=True, min_length=1, max_length=200), AfterValidator(_printing)
+]
 Flag: TypeAlias = Annotated[bool, Field(strict=True)]
 Few = (MinLen(1), MaxLen(64))

@@ -1,13 +1,20 @@
-"""The revision of a site: a hash of what it says, whatever way it is written."""
+"""The revision of a site: a hash of what it says and of what was learned for it.
+
+The site's own revision is for writing down. What runs is that and the learned files: a response
+that is exchanged changes sign and phase of the loop as much as a key of the site file does.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 
 from aff_runtime.config.findings import dotted
 from aff_runtime.config.leaves import leaves
 from aff_runtime.config.models import Site
+
+SHORT = 12
 
 
 def revision_hash(site: Site) -> str:
@@ -18,4 +25,37 @@ def revision_hash(site: Site) -> str:
     """
     content = [[dotted(leaf.path), leaf.value] for leaf in leaves(site)]
     text = json.dumps(content, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    return hashlib.sha256(text.encode("ascii")).hexdigest()
+
+
+def file_digest(text: str) -> str:
+    """Return the sha256 of a learned file, as ``sha256sum`` prints it for the file itself."""
+    return hashlib.sha256(text.encode("utf-8")).hexdigest()
+
+
+def learned_digests(
+    responses: Mapping[str, str], shapes: Mapping[str, str]
+) -> dict[str, dict[str, str]]:
+    """Return the digests of learned files by actuator and kind, from their texts by actuator."""
+    return {
+        name: {
+            kind: file_digest(texts[name])
+            for kind, texts in (("response", responses), ("shape", shapes))
+            if name in texts
+        }
+        for name in sorted({*responses, *shapes})
+    }
+
+
+def revision_with(site_hash: str, learned: Mapping[str, Mapping[str, str]]) -> str:
+    """Return the hash of a site and its learned files; without any, the site's own.
+
+    Parameters
+    ----------
+    site_hash : ``revision_hash`` of the site.
+    learned : as ``learned_digests`` returns it.
+    """
+    if not learned:
+        return site_hash
+    text = json.dumps([site_hash, learned], sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode("ascii")).hexdigest()

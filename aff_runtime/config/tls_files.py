@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-import re
 import ssl
+import stat
 from collections.abc import Iterator
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from aff_runtime.base.clock import wall_time_s
 from aff_runtime.config.models import Site, Tls
 from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.rules.issue import Issue
+from aff_runtime.config.x509 import (
+    CERTIFICATE,
+    REVOCATION_LIST,
+    list_dates,
+    list_issuer,
+    pem_blocks,
+    subject,
+    validity,
+)
 
+SOON = timedelta(days=30)  # time enough to have a certificate renewed, and a stop to put it in
 _PATH = ("gateway", "modbus_tcp", "tls")
-_PEM = re.compile(r"-----BEGIN CERTIFICATE-----.*?-----END CERTIFICATE-----", re.DOTALL)
-_SEQUENCE, _VERSION, _UTC_TIME = 0x30, 0xA0, 0x17
 
 
 def issues(site: Site, folder: Path, now_s: float | None = None) -> Iterator[Issue]:
@@ -36,19 +44,18 @@ def issues(site: Site, folder: Path, now_s: float | None = None) -> Iterator[Iss
             text="a key without certificate: serves no one. Name the certificate, or neither.",
         )
         return
-    found = list(_unreadable(tls, folder)) or list(_unfit(tls, folder))
+    found = list(_unreadable(tls, folder))
+    found = found or [*_unfit(tls, folder), *_unfit_list(tls, folder)]
     yield from found
     if not found:
-        yield from _out_of_date(tls, folder, wall_time_s() if now_s is None else now_s)
-
-
-def _named(tls: Tls) -> dict[str, str]:
-    names = {"ca": tls.ca, "certificate": tls.certificate, "private_key": tls.private_key}
-    return {key: name for key, name in names.items() if name is not None}
+        now = datetime.fromtimestamp(wall_time_s() if now_s is None else now_s, UTC)
+        yield from _open_key(tls, folder)
+        yield from _out_of_date(tls, folder, now)
+        yield from _list_out_of_date(tls, folder, now)
 
 
 def _unreadable(tls: Tls, folder: Path) -> Iterator[Issue]:
-    for key, name in _named(tls).items():
+    for key, name in tls.files().items():
         try:
             read_plain(folder / name)
         except ValueError as error:
@@ -70,13 +77,12 @@ def _unfit(tls: Tls, folder: Path) -> Iterator[Issue]:
         yield Issue(path=(*_PATH, "ca"), text=text)
     if tls.certificate is None:
         return
-    if not _certificates(folder / tls.certificate):
+    if not _blocks(folder / tls.certificate, CERTIFICATE):
         yield Issue(
             path=(*_PATH, "certificate"), text=f"{tls.certificate} holds no PEM certificate."
         )
         return
-    key = "private_key" if tls.private_key is not None else "certificate"
-    name = tls.private_key or tls.certificate
+    key, name = _key_file(tls, tls.certificate)
     try:
         context.load_cert_chain(folder / tls.certificate, folder / name, password=_nobody)
     except ssl.SSLError as error:
@@ -95,10 +101,43 @@ def _nobody() -> str:
     )
 
 
-def _out_of_date(tls: Tls, folder: Path, now_s: float) -> Iterator[Issue]:
-    now = datetime.fromtimestamp(now_s, UTC)
-    for key, name in _named(tls).items():
-        for der in _certificates(folder / name) if key != "private_key" else ():
+def _unfit_list(tls: Tls, folder: Path) -> Iterator[Issue]:
+    """Yield what is wrong with the revocation list: with such a one no PLC would be spoken to."""
+    if tls.crl is None:
+        return
+    lists = _blocks(folder / tls.crl, REVOCATION_LIST)
+    text = f"{tls.crl} holds no PEM revocation list (X509 CRL) that can be used."
+    try:
+        ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT).load_verify_locations(folder / tls.crl)
+        owners = {subject(der) for der in _blocks(folder / tls.ca, CERTIFICATE)}
+        if owners & {list_issuer(der) for der in lists}:
+            return
+        if lists:
+            text = f"{tls.crl} is not of the authority whose certificate is in {tls.ca}."
+    except (OSError, ValueError):
+        pass
+    yield Issue(path=(*_PATH, "crl"), text=text)
+
+
+def _open_key(tls: Tls, folder: Path) -> Iterator[Issue]:
+    """Yield a warning for a key that every user of the machine can take."""
+    if tls.certificate is None:
+        return
+    key, name = _key_file(tls, tls.certificate)
+    mode = (folder / name).stat().st_mode
+    if mode & stat.S_IROTH:
+        text = (
+            f"every user of this machine can read the key in {name} (mode "
+            f"{stat.S_IMODE(mode):04o}) and speak to the PLC in our name. chmod 0640 it, with "
+            "the service's group."
+        )
+        yield Issue(path=(*_PATH, key), text=text, warning=True)
+
+
+def _out_of_date(tls: Tls, folder: Path, now: datetime) -> Iterator[Issue]:
+    """Yield a warning per certificate that is not in force, or not for long any more."""
+    for key, name in tls.files().items():
+        for der in _blocks(folder / name, CERTIFICATE) if key in ("ca", "certificate") else ():
             try:
                 first, last = validity(der)
             except ValueError:
@@ -108,55 +147,43 @@ def _out_of_date(tls: Tls, folder: Path, now_s: float) -> Iterator[Issue]:
                 text = f"expired on {last:%Y-%m-%d}: no connection is made with it. Renew it"
             elif now < first:
                 text = f"is in force from {first:%Y-%m-%d} on: no connection before"
+            elif now > last - SOON:
+                days = (last - now).days
+                text = (
+                    f"expires on {last:%Y-%m-%d}, in {days} day{'' if days == 1 else 's'}: no "
+                    "connection is made after that. Renew it"
+                )
             if text:
-                text = f"a certificate in {name} {text} (this machine's clock: {now:%Y-%m-%d})."
-                yield Issue(path=(*_PATH, key), text=text, warning=True)
+                yield _dated(key, f"a certificate in {name} {text}", now)
 
 
-def _certificates(path: Path) -> list[bytes]:
-    """Return every PEM certificate of a file, as DER."""
-    text = path.read_text(encoding="latin-1")
-    try:
-        return [ssl.PEM_cert_to_DER_cert(pem) for pem in _PEM.findall(text)]
-    except ValueError:
-        return []
+def _list_out_of_date(tls: Tls, folder: Path, now: datetime) -> Iterator[Issue]:
+    """Yield a warning for a revocation list that should have been renewed: it bars everybody."""
+    for der in _blocks(folder / tls.crl, REVOCATION_LIST) if tls.crl is not None else ():
+        try:
+            issued, due = list_dates(der)
+        except ValueError:
+            continue
+        text = ""
+        if due is not None and now > due:
+            text = f"was to be renewed by {due:%Y-%m-%d}: no connection is made with it. Renew it"
+        elif now < issued:
+            text = f"is of {issued:%Y-%m-%d}: no connection before"
+        if text:
+            yield _dated("crl", f"the list in {tls.crl} {text}", now)
 
 
-def validity(der: bytes) -> tuple[datetime, datetime]:
-    """Return from when until when a certificate is in force (RFC 5280, 4.1).
-
-    Raises
-    ------
-    ValueError
-        This is no certificate.
-    """
-    try:
-        _, at, _ = _element(der, 0)  # Certificate
-        _, at, _ = _element(der, at)  # tbsCertificate
-        tag, _, end = _element(der, at)
-        at = end if tag == _VERSION else at
-        for _ in range(3):  # serialNumber, signature, issuer
-            _, _, at = _element(der, at)
-        tag, at, _ = _element(der, at)
-        if tag != _SEQUENCE:
-            raise ValueError("no validity")
-        times = []
-        for _ in range(2):
-            tag, begin, at = _element(der, at)
-            form = "%y%m%d%H%M%SZ" if tag == _UTC_TIME else "%Y%m%d%H%M%SZ"
-            text = der[begin:at].decode("ascii")
-            times.append(datetime.strptime(text, form).replace(tzinfo=UTC))
-    except (IndexError, UnicodeDecodeError) as error:
-        raise ValueError("no certificate") from error
-    return times[0], times[1]
+def _dated(key: str, text: str, now: datetime) -> Issue:
+    text = f"{text} (this machine's clock: {now:%Y-%m-%d})."
+    return Issue(path=(*_PATH, key), text=text, warning=True)
 
 
-def _element(der: bytes, at: int) -> tuple[int, int, int]:
-    """Return tag, begin and end of the content of the DER element at ``at``."""
-    tag, length = der[at], der[at + 1]
-    begin = at + 2
-    if length & 0x80:
-        size = length & 0x7F
-        length = int.from_bytes(der[begin : begin + size], "big")
-        begin += size
-    return tag, begin, begin + length
+def _key_file(tls: Tls, certificate: str) -> tuple[str, str]:
+    """Return key and name of the file that holds our private key."""
+    if tls.private_key is None:
+        return "certificate", certificate
+    return "private_key", tls.private_key
+
+
+def _blocks(path: Path, label: str) -> list[bytes]:
+    return pem_blocks(path.read_text(encoding="latin-1"), label)

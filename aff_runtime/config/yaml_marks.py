@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import re
-import stat
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -17,6 +16,7 @@ import yaml
 
 from aff_runtime.base.units import plain
 from aff_runtime.config.findings import Finding, KeyPath, SiteFileError, dotted
+from aff_runtime.config.plain_file import TooLargeError, read_plain
 
 Tree: TypeAlias = "dict[str, Tree] | tuple[Tree, ...] | str | int | float | bool | None"
 
@@ -46,11 +46,15 @@ class Mark:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MarkedTree:
-    """A file's values, with the mark of each by its path; ``()`` is the file itself."""
+    """A file's values, with the mark of each by its path; ``()`` is the file itself.
+
+    ``raw``: the bytes that were parsed.
+    """
 
     file: str
     values: dict[str, Tree]
     marks: dict[KeyPath, Mark]
+    raw: bytes = b""
 
     def finding(self, path: KeyPath, text: str, *, at_key: bool = False) -> Finding:
         """Return a finding at ``path``, or at its nearest section that stands in the file."""
@@ -77,18 +81,15 @@ def read_marked(path: Path | str) -> MarkedTree:
     """
     shown = str(path)
     try:
-        found = Path(path).stat()
-        if stat.S_IFMT(found.st_mode) not in (stat.S_IFREG, stat.S_IFDIR):
-            raise ValueError("it is not a file")  # a pipe or a device may never end
-        raw = Path(path).read_bytes() if found.st_size <= MAX_BYTES else b""
+        raw = read_plain(Path(path), MAX_BYTES)
+    except TooLargeError as error:
+        what = f"{error}. This is not a site file."
+        raise SiteFileError([_at(shown, 1, 1, what)]) from error
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
+        reason = error.strerror if isinstance(error, OSError) else f"it {error}"
         raise SiteFileError(
             [_at(shown, 1, 1, f"cannot be read: {reason}. Check the path.")]
         ) from error
-    if found.st_size > MAX_BYTES:
-        what = f"is larger than {MAX_BYTES // 1024} kB. This is not a site file."
-        raise SiteFileError([_at(shown, 1, 1, what)])
     return parse_marked(raw, shown)
 
 
@@ -102,13 +103,13 @@ def parse_marked(raw: bytes, file: str) -> MarkedTree:
     maker = _Maker(file)
     values = maker.value(root, (), root)
     if maker.findings:
-        raise SiteFileError(maker.findings)
+        raise SiteFileError(dict.fromkeys(maker.findings))  # merged again and again, told once
     if not isinstance(values, dict):
         wrong = MarkedTree(file=file, values={}, marks=maker.marks)
         raise SiteFileError(
             [wrong.finding((), "the file must be a mapping, such as `version: 1`.")]
         )
-    return MarkedTree(file=file, values=values, marks=maker.marks)
+    return MarkedTree(file=file, values=values, marks=maker.marks, raw=raw)
 
 
 def _at(file: str, line: int, column: int, text: str) -> Finding:
@@ -180,6 +181,7 @@ class _Maker:
     marks: dict[KeyPath, Mark] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
     nodes: int = 0
+    merges: int = 0  # sections merged into one another on the way here
 
     def value(self, node: yaml.Node, path: KeyPath, key: yaml.Node) -> Tree:
         self.nodes += 1
@@ -189,9 +191,7 @@ class _Maker:
         self.marks[path] = Mark(
             line=line, column=column, key_line=key_line, key_column=key_column, written=written
         )
-        if self.nodes > MAX_NODES or len(path) > MAX_DEPTH:
-            if not self.findings:
-                self._find(node, path, "aliases unfold to too much. Write it out.")
+        if self._is_too_much(node, path):
             return None
         if isinstance(node, yaml.MappingNode) and node.tag == _TAG + "map":
             return self._mapping(node, path)
@@ -223,23 +223,33 @@ class _Maker:
             self._merge(item, path, made)
         return made
 
+    def _is_too_much(self, node: yaml.Node, path: KeyPath) -> bool:
+        """Return whether to unfold no further; said once, at the place where it was enough."""
+        if self.nodes <= MAX_NODES and len(path) + self.merges <= MAX_DEPTH:
+            return False
+        if not self.findings:
+            self._find(node, path, "aliases unfold to too much. Write it out.")
+        return True
+
     def _merge(self, item: yaml.Node, path: KeyPath, made: dict[str, Tree]) -> None:
         parts = item.value if isinstance(item, yaml.SequenceNode) else [item]
         for part in parts:
-            if not isinstance(part, yaml.MappingNode) or self.nodes > MAX_NODES:
+            self.nodes += 1  # a section without keys costs its time too
+            if self._is_too_much(item, path):
+                return
+            if not isinstance(part, yaml.MappingNode):
                 self._find(item, path, "`<<` takes a section (an alias such as *base).")
-                continue
-            shadow = _Maker(self.file, nodes=self.nodes)
-            for name, inherited in shadow._mapping(part, path).items():
-                if name in made:
-                    continue
-                made[name] = inherited
-                stem = (*path, name)
-                for known, mark in shadow.marks.items():
-                    if known[: len(stem)] == stem:
-                        self.marks[known] = mark
+                return
+            shadow = _Maker(
+                self.file, findings=self.findings, nodes=self.nodes, merges=self.merges + 1
+            )
+            inherited = shadow._mapping(part, path)
+            fresh = inherited.keys() - made.keys()
+            made.update((name, value) for name, value in inherited.items() if name in fresh)
+            for known, mark in shadow.marks.items():
+                if known[len(path)] in fresh:
+                    self.marks[known] = mark
             self.nodes = shadow.nodes
-            self.findings.extend(shadow.findings)
 
     @staticmethod
     def _is_comma_tail(key: yaml.ScalarNode, item: yaml.Node) -> bool:

@@ -1,1 +1,14 @@
 """The law, pure: phases, harmonic blocks, measured response, probe."""
+
+__all__ = [
+    "controller",
+    "impulse",
+    "monitor",
+    "order_status",
+    "params",
+    "phase",
+    "probe",
+    "response",
+    "ripple_watch",
+    "shape",
+]

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
-from aff_runtime.core.blocks.bank import Bank
-from aff_runtime.core.impulse import LoopModel, from_response
-from aff_runtime.core.law import ActuatorLaw, Inputs
+from aff_runtime.core.impulse import LoopModel
+from aff_runtime.core.law import Inputs, LawBuilder, LawSetup
+from aff_runtime.core.laws import LAWS
 from aff_runtime.core.monitor import SLOWEST_RAD_S
-from aff_runtime.core.params import ActuatorParams, LawKind, SiteParams
+from aff_runtime.core.order_status import OrderStatus, order_statuses
+from aff_runtime.core.params import ActuatorParams, SiteParams
 from aff_runtime.core.phase import RollPhase
-from aff_runtime.core.printed import PrintedLaw
 from aff_runtime.core.response import Response
 from aff_runtime.core.shape.law import ShapeLaw
 
@@ -53,6 +53,7 @@ class Controller:
         site: SiteParams,
         responses: Mapping[str, Response],
         loops: Mapping[str, LoopModel] | None = None,
+        laws: Mapping[str, LawBuilder] = LAWS,
     ) -> None:
         """Build all laws; ``responses`` by actuator, a missing one adapts nothing.
 
@@ -65,34 +66,26 @@ class Controller:
             When an actuator names a channel or a roll that does not exist.
         """
         self._site = site
-        self._loops = loops or {}
         self._phases = RollPhases(site)
         index = {name: i for i, name in enumerate(site.channels)}
         for actuator in site.actuators:
             _check(actuator, index, self._phases.by_name)
-        self._laws = [self._law(a, responses.get(a.name)) for a in site.actuators]
+        self._laws = [
+            laws[a.law](
+                LawSetup(
+                    params=a,
+                    phases=self._phases.by_name,
+                    response=responses.get(a.name),
+                    loop=(loops or {}).get(a.name),
+                    cycle_s=site.cycle_s,
+                )
+            )
+            for a in site.actuators
+        ]
         self._signals = [index[a.signal] for a in site.actuators]
         self._references = [index[a.reference] if a.reference else -1 for a in site.actuators]
         self._line_speed = index.get(site.line_speed or "", -1)
         self._inputs = Inputs()
-
-    def _law(self, params: ActuatorParams, response: Response | None) -> ActuatorLaw:
-        phases = self._phases.by_name
-        if params.law is LawKind.PRINTED:
-            return PrintedLaw(params, phases=phases)
-        if params.law is LawKind.SHAPE and params.drive is not None and response is not None:
-            loop = self._loops.get(params.name) or from_response(
-                response, cycle_s=self._site.cycle_s, memory_s=params.shape.response_s
-            )
-            return ShapeLaw(
-                params,
-                drive=params.drive,
-                phases=phases,
-                loop=loop,
-                response=response,
-                cycle_s=self._site.cycle_s,
-            )
-        return Bank(params, phases=phases, response=response, cycle_s=self._site.cycle_s)
 
     def step(
         self, snapshot: Snapshot, dt_s: float, permission: Permission
@@ -186,6 +179,10 @@ class Controller:
         for law in self._laws:
             row += law.telemetry()
         return tuple(row)
+
+    def order_statuses(self) -> tuple[OrderStatus, ...]:
+        """Return every order of every actuator as its law sees it now."""
+        return order_statuses(dict(zip(self.telemetry_names(), self.telemetry(), strict=True)))
 
     def telemetry_names(self) -> tuple[str, ...]:
         """Return the columns of ``telemetry``."""

@@ -1,13 +1,17 @@
-"""The seam for laws of one actuator: the plain bank, the printed one, and others beside them."""
+"""The seam for laws of one actuator: what a law is built from, what it sees, what it answers."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
 from aff_runtime.base.signals import ActuatorStep
+from aff_runtime.core.impulse import LoopModel
+from aff_runtime.core.params import ActuatorParams
+from aff_runtime.core.phase import RollPhase
+from aff_runtime.core.response import Response
 
 
 @dataclass(slots=True)
@@ -62,3 +66,24 @@ class ActuatorLaw(Protocol):
     def telemetry_names(self) -> tuple[str, ...]:
         """Return column names, without the actuator's."""
         ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LawSetup:
+    """What a law of one actuator is built from.
+
+    Attributes
+    ----------
+    phases : angles of the rolls, by name.
+    response : measured response of this actuator; None: nothing may be adapted.
+    loop : its impulse response, where it is known already (to find it takes tenths of a second).
+    """
+
+    params: ActuatorParams
+    phases: Mapping[str, RollPhase]
+    response: Response | None
+    loop: LoopModel | None
+    cycle_s: float
+
+
+LawBuilder = Callable[[LawSetup], ActuatorLaw]

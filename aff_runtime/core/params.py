@@ -17,14 +17,6 @@ class OutputKind(StrEnum):
     TORQUE_REFERENCE = "torque_reference"
 
 
-class LawKind(StrEnum):
-    """Which law drives an actuator."""
-
-    PLAIN = "plain"
-    PRINTED = "printed"
-    SHAPE = "shape"
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RollParams:
     """Where the angle of one roll comes from; channels are names in the site's channel table.
@@ -152,8 +144,8 @@ class ActuatorParams:
     transport_s : time a command needs to act beyond half a cycle; the carrier leads by both.
     speed_scaled : weights in metres that multiply the roll's speed; None: on for velocity outputs.
     mean_tau_s : time constant of the mean that is taken out of the error.
-    printed_gain : g1 of (5.10), (5.14) for ``LawKind.PRINTED`` (output unit per signal unit, 1/s).
-    drive, shape : for ``LawKind.SHAPE``; without a drive the plain blocks stand in.
+    law : key of ``core.laws.LAWS``.
+    drive, shape : of the shape law; without a drive the plain blocks stand in.
     """
 
     name: str
@@ -164,8 +156,7 @@ class ActuatorParams:
     transport_s: float = 0.0
     speed_scaled: bool | None = None
     mean_tau_s: float = 10.0
-    law: LawKind = LawKind.PLAIN
-    printed_gain: float = 0.0
+    law: str = "blocks"
     drive: DriveParams | None = None
     shape: ShapeParams = field(default_factory=ShapeParams)
     blocks: tuple[BlockParams, ...] = ()

@@ -1,1 +1,3 @@
 """The wire: register codec and transports."""
+
+__all__ = ["can", "can_catalogue", "canopen", "modbus", "probe_frames", "signal_names"]

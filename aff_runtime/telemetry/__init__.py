@@ -1,1 +1,3 @@
 """Shared-memory ring, recorder and run files."""
+
+__all__ = ["recorder", "ring"]

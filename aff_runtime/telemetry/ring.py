@@ -1,9 +1,11 @@
-"""The shared-memory ring file between the control process and everybody who watches it.
+"""The shared-memory ring between the control process and everybody who watches it.
 
-File: 16 bytes ``magic, version, header length``, a JSON header (column names with units, layout,
-who writes, when it started), the ring of signals (one record per tick), the ring of events.
-The writer holds an exclusive lock on the file for its life: the kernel drops it when the process
-dies in any way, so a reader knows without pids or timeouts. The newest record is the status.
+A file in memory without a name: readers get a descriptor from the writer, and nobody else can
+find it, take its name first or remove it. In it: 16 bytes ``magic, version, header length``, a
+JSON header (column names with units, layout, who writes, when it started), the ring of signals
+(one record per tick), the ring of events. The writer holds an exclusive lock on the file for its
+life: the kernel drops it when the process dies in any way, so a reader knows without pids or
+timeouts. The newest record is the status.
 """
 
 from __future__ import annotations
@@ -29,11 +31,10 @@ _PREFIX = struct.Struct("=8sII")
 
 
 class RingWriter:
-    """Creates the file and appends to it; used by the control process alone.
+    """Creates the ring and appends to it; used by the control process alone.
 
     Parameters
     ----------
-    path : file to create (on ``/dev/shm`` or a runtime directory); replaced when it exists.
     columns : names with units of one signal record.
     meta : anything JSON that a reader of the run should know (versions, config hash, rights).
     capacity : signal records kept; ``event_capacity`` likewise.
@@ -41,12 +42,11 @@ class RingWriter:
     Raises
     ------
     AffError
-        When the file system has no room for the ring.
+        When there is no memory for the ring.
     """
 
     def __init__(
         self,
-        path: Path,
         columns: Sequence[str],
         *,
         meta: Mapping[str, Any],
@@ -54,20 +54,17 @@ class RingWriter:
         event_capacity: int = 1024,
     ) -> None:
         header, signals_at, events_at, size = _layout(columns, meta, capacity, event_capacity)
-        fresh = path.with_name(path.name + ".new")
-        fresh.unlink(missing_ok=True)
-        self._fd = os.open(fresh, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
-        fcntl.flock(self._fd, fcntl.LOCK_EX)
+        self._fd = os.memfd_create("aff-runtime-ring")
         try:
+            os.fchmod(self._fd, 0o600)
+            fcntl.flock(self._fd, fcntl.LOCK_EX)
             # every page is there from the start: one that is missing later would kill the writer
             os.posix_fallocate(self._fd, 0, size)
             self._map = mmap.mmap(self._fd, size)
         except OSError as error:
             os.close(self._fd)
-            fresh.unlink(missing_ok=True)
             raise AffError(
-                f"{path}: no room for {size / 1e6:.0f} MB ({error.strerror}); "
-                "free some on its file system"
+                f"no memory for a ring of {size / 1e6:.0f} MB ({error.strerror}); free some"
             ) from error
         self._map[: len(header)] = header
         view = memoryview(self._map)
@@ -78,8 +75,10 @@ class RingWriter:
             view, offset_bytes=events_at, n_values=len(EVENT_COLUMNS), capacity=event_capacity
         )
         self.write = self._signals.write
-        self._path = path
-        fresh.rename(path)
+
+    def open_for_readers(self) -> int:
+        """Return a new descriptor that reads the ring and does not share the writer's lock."""
+        return os.open(f"/proc/self/fd/{self._fd}", os.O_RDONLY | os.O_CLOEXEC)
 
     def event(self, tick: int, t_ns: int, code: int, argument: float = 0.0) -> None:
         """Append one event (code of ``base.events``)."""
@@ -90,16 +89,13 @@ class RingWriter:
         fcntl.flock(self._fd, fcntl.LOCK_UN)  # the mapping holds a copy of the descriptor
         os.close(self._fd)
 
-    def remove(self) -> None:
-        """Remove the file unless another writer has taken its place, and close."""
-        with contextlib.suppress(OSError):
-            if self._path.stat().st_ino == os.fstat(self._fd).st_ino:
-                self._path.unlink()
-        self.close()
-
 
 class RingReader:
-    """Reads a ring file of another process.
+    """Reads the ring of another process.
+
+    Parameters
+    ----------
+    path : of a descriptor that the writer has passed on, ``/dev/fd/N``.
 
     Raises
     ------

@@ -13,6 +13,7 @@ from typing import Any
 import yaml
 
 from aff_runtime.base.events import BY_CODE
+from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
 from aff_runtime.telemetry.disk_bound import delete_oldest
 from aff_runtime.telemetry.segments import SegmentWriter
@@ -77,7 +78,9 @@ class RunFolder:
 
     def add_note(self, name: str, text: str) -> None:
         """Append what the supervisor has to say (an edit, a refusal), at the present time."""
-        self._append_events([[f"{self._last_s:.4f}", "", "", name, "", text]])
+        self._append_events(
+            [[f"{self._last_s:.4f}", "", "", printable(name), "", printable(text)]]
+        )
 
     def finish(self, extra: Mapping[str, Any]) -> None:
         """Close the segment and write ``summary.json``."""
@@ -100,7 +103,7 @@ class RunFolder:
             self.files_lost += 1
             return
         about = {k: v for k, v in context.items() if k != "site_text"}
-        about.update(header["meta"])
+        about = _printable({**about, **header["meta"]})
         about["start_utc"] = header["start_utc"]
         about["columns"] = self._columns
         self._write("run.yaml", yaml.safe_dump(about, sort_keys=False, allow_unicode=True))
@@ -125,6 +128,17 @@ class RunFolder:
             (self.path / name).write_text(text, encoding="utf-8")
         except OSError:
             self.files_lost += 1
+
+
+def _printable(value: Any) -> Any:
+    """Return plain data whose texts, keys among them, show as themselves."""
+    if isinstance(value, str):
+        return printable(value)
+    if isinstance(value, Mapping):
+        return {printable(str(key)): _printable(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_printable(inner) for inner in value]
+    return value
 
 
 def _free_name(directory: Path, name: str) -> Path:

@@ -3,59 +3,93 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 import time
-from collections.abc import Sequence
-from concurrent.futures import Future, as_completed
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.campaign.pool import pool_of
-from benchmarks.campaign.work import do, tell_again
+from benchmarks.campaign.work import run_case, tell_again
+from benchmarks.rows import read_row, write_row
+from benchmarks.workers import LostJobError, WorkerPool
 
 ROOT = Path(__file__).resolve().parents[2]
+LIMIT_S = 1800.0
+"""For one case: it takes one to two minutes of a core."""
+KEYS = ("number", "group", "seed", "faults", "floor", "classes", "coordinate", "refine")
+"""What a row is not whole without."""
 
 
-def run(seed: int, numbers: Sequence[int], workers: int, out: Path, until_s: float) -> None:
-    """Run the cases that have no row yet; stop handing out new ones after ``until_s``."""
-    rows = out / "rows"
-    rows.mkdir(parents=True, exist_ok=True)
-    todo = [n for n in numbers if not (rows / f"{n:05d}.json").exists()]
+def run(seed: int, numbers: Sequence[int], workers: int, out: Path, until_s: float) -> list[int]:
+    """Run the cases that have no row yet; stop handing out new ones after ``until_s``.
+
+    Returns
+    -------
+    The cases that lost every worker process that was given them.
+    """
+    todo = [n for n in numbers if read_row(place(out, n), KEYS) is None]
     begun = time.monotonic()  # noqa: TID251
-    with pool_of(workers) as pool:
-        running: dict[Future[dict[str, Any]], int] = {}
-        while todo or running:
-            late = time.monotonic() - begun > until_s  # noqa: TID251
-            while todo and len(running) < workers and not late:
-                number = todo.pop(0)
-                job = pool.submit(do, seed, number, out / "work" / f"{os.getpid()}-{number:05d}")
-                running[job] = number
-            if not running:
+
+    def in_time() -> Iterator[tuple[int, int, Path]]:
+        for number in todo:
+            if time.monotonic() - begun > until_s:  # noqa: TID251
                 return
-            done = next(as_completed(running))
-            number = running.pop(done)
-            row = done.result()
-            text = json.dumps(row, indent=1, default=float) + "\n"
-            (rows / f"{number:05d}.json").write_text(text, encoding="utf-8")
-            said = row["refine"]["verdict"].get("verdict", "failed")
-            names = ", ".join(
-                f"{e['effect']} at {e['location']}"
-                for e in row["refine"]["verdict"].get("effects", ())
-            )
-            true = ", ".join(f"{f['effect']} at {f['location']}" for f in row["faults"])
-            sys.stderr.write(
-                f"{number} {row['group']} [{true}]: {said} [{names}] {row['refine_s']:.0f} s\n"
-            )
+            yield seed, number, out / "work" / f"{os.getpid()}-{number:05d}"
+
+    lost = []
+    with WorkerPool(run_case, workers, limit_s=LIMIT_S, name=_name, tell=_say) as pool:
+        for at, row in pool.run(in_time()):
+            if isinstance(row, LostJobError):
+                lost.append(todo[at])
+                _say(f"{row}; it has no row")
+                continue
+            write_row(place(out, todo[at]), row)
+            _say(line_of(row))
+    return lost
 
 
-def tell_all_again(paths: Sequence[Path], workers: int) -> None:
-    """Tell anew what the record of every row can show."""
-    rows = [json.loads(p.read_text(encoding="utf-8")) for p in paths]
-    with pool_of(workers) as pool:
-        for path, row in zip(paths, pool.map(tell_again, rows), strict=True):
-            path.write_text(json.dumps(row, indent=1, default=float) + "\n", encoding="utf-8")
+def place(out: Path, number: int) -> Path:
+    """Return the file of a case's row."""
+    return out / "rows" / f"{number:05d}.json"
+
+
+def _name(job: tuple[int, int, Path]) -> str:
+    return f"case {job[1]} of seed {job[0]}"
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
+
+
+def line_of(row: dict[str, Any]) -> str:
+    """Return what became of a case in one line."""
+    found = row["refine"]["verdict"]
+    names = ", ".join(f"{e['effect']} at {e['location']}" for e in found.get("effects", ()))
+    true = ", ".join(f"{f['effect']} at {f['location']}" for f in row["faults"])
+    said = found.get("verdict", "failed")
+    return f"{row['number']} {row['group']} [{true}]: {said} [{names}] {row['refine_s']:.0f} s"
+
+
+def rows_of(out: Path) -> list[tuple[Path, dict[str, Any]]]:
+    """Return every whole row with its file."""
+    found = [(path, read_row(path, KEYS)) for path in sorted((out / "rows").glob("*.json"))]
+    return [(path, row) for path, row in found if row is not None]
+
+
+def tell_all_again(out: Path, workers: int) -> list[int]:
+    """Tell anew what the record of every row can show; return the cases that lost all workers."""
+    kept, lost = rows_of(out), []
+    with WorkerPool(
+        tell_again, workers, limit_s=LIMIT_S, name=lambda row: f"case {row['number']}", tell=_say
+    ) as pool:
+        for at, row in pool.run(row for _, row in kept):
+            if isinstance(row, LostJobError):
+                lost.append(kept[at][1]["number"])
+                _say(f"{row}; its row stays as it was")
+                continue
+            write_row(kept[at][0], row)
+    return lost
 
 
 def main() -> int:
@@ -91,21 +125,21 @@ def main() -> int:
         made = write_case(case, given.out)
         print(case.group, *made.faults, "SNR", *(f"{s:.3g}" for s in made.snr))
         return 0
+    lost: list[int] = []
     if not given.report_only and not given.tell_again:
         for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
             os.environ.setdefault(name, "1")
-        run(given.seed, range(given.cases), given.workers, given.out, given.for_s)
+        lost = run(given.seed, range(given.cases), given.workers, given.out, given.for_s)
     from benchmarks.campaign.report import page
 
-    paths = sorted((given.out / "rows").glob("*.json"))
     if given.tell_again:
-        tell_all_again(paths, given.workers)
-    text = page([json.loads(p.read_text(encoding="utf-8")) for p in paths], given.note)
+        lost = tell_all_again(given.out, given.workers)
+    text = page([row for _, row in rows_of(given.out)], given.note)
     print(text)
     (given.out / "refine-campaign.md").write_text(text, encoding="utf-8")
     if given.docs is not None:
         (given.docs / "refine-campaign.md").write_text(text, encoding="utf-8")
-    return 0
+    return 1 if lost else 0
 
 
 if __name__ == "__main__":

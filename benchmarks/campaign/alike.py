@@ -11,11 +11,11 @@ import numpy as np
 from scipy.signal import lfilter
 
 from benchmarks.campaign import line as short
-from benchmarks.campaign.cases import IDLERS, LIBRARY, Case
+from benchmarks.campaign.cases import Case
 from benchmarks.campaign.contact import Array
-from benchmarks.campaign.effects import CELLS, DRIVES, Fault
+from benchmarks.campaign.effect_table import BY_NAME, EFFECTS
+from benchmarks.campaign.effects import NAMES, Fault
 from benchmarks.campaign.record import simulate
-from benchmarks.campaign.score import STATIC
 from benchmarks.campaign.stage import JUDGED_FROM_S, SIZED_BY, Stage, stage, tolerances
 
 SAME_LINE = 0.003
@@ -28,45 +28,25 @@ ORDER = 30
 
 def wavenumber(fault: Fault) -> float:
     """Return cycles per metre of web of a fault with one line; 0 where it has none or many."""
-    single = (
-        "eccentric_roller",
-        "unbalanced_roller",
-        "unbalanced_measuring_roller",
-        "torque_ripple",
-        "encoder_eccentricity",
-    )
-    if fault.effect not in single:
+    row = BY_NAME[fault.effect]
+    if row.alike != "one line":
         return 0.0
-    names = [b[0] for b in short.BODIES]
-    radius = short.radii(short.NOMINAL_RADII)[names.index(fault.location)]
-    order = fault.shape if fault.effect == "torque_ripple" else 1.0
-    return order / (2.0 * math.pi * radius)
+    radius = short.radii(short.NOMINAL_RADII)[NAMES.index(fault.location)]
+    return row.order(fault.shape) / (2.0 * math.pi * radius)
 
 
 def rivals(fault: Fault) -> list[Fault]:
     """Return other effects and places that may answer like ``fault``: same line, or standing."""
-    if fault.effect in ("bearing_drag", "thermal_strain"):
-        others = [Fault(effect="bearing_drag", location=k, size=0.01) for k in IDLERS]
-        others.append(Fault(effect="thermal_strain", location="pull_roll_zone", size=5e-5))
-        return [f for f in others if (f.effect, f.location) != (fault.effect, fault.location)]
-    at = wavenumber(fault)
-    if at == 0.0:
-        return []
-    found = []
-    rolls = [
-        (e, p)
-        for e in ("eccentric_roller", "unbalanced_roller")
-        for p in (*IDLERS, "swrap", "pull_roll")
+    alike, at = BY_NAME[fault.effect].alike, wavenumber(fault)
+    others = [
+        Fault(effect=row.name, location=place, size=row.first_size, shape=shape)
+        for row in EFFECTS
+        if alike and row.alike == alike
+        for place in row.rival_at
+        for shape in row.rival_shapes
+        if (row.name, place) != (fault.effect, fault.location)
     ]
-    rolls += [("unbalanced_measuring_roller", p) for p in CELLS]
-    rolls += [(e, p) for e in ("torque_ripple", "encoder_eccentricity") for p in DRIVES]
-    for effect, place in rolls:
-        _, size, shapes = LIBRARY[effect]
-        for shape in (*shapes, 1.0) if effect == "torque_ripple" else shapes:
-            other = Fault(effect=effect, location=place, size=size, shape=shape)
-            same = (effect, place) == (fault.effect, fault.location)
-            if not same and abs(wavenumber(other) / at - 1.0) < SAME_LINE:
-                found.append(other)
+    found = [f for f in others if not at or abs(wavenumber(f) / at - 1.0) < SAME_LINE]
     return list(dict.fromkeys(found))
 
 
@@ -138,13 +118,15 @@ def alike(record: Quiet, fault: Fault, hiding: Array | None = None) -> list[tupl
     ``hiding`` are the answers to declared numbers, for a fault without a line of its own.
     """
     others = rivals(fault)
-    standing = fault.effect in STATIC
+    standing = BY_NAME[fault.effect].standing
     if not others and not standing:
         return []
     true = record.response(fault)
     read = {c: place for c, place in short.CELLS.items() if standing and c in record.taps}
     found = [
-        ("load_cell_calibration", place)
+        (row.name, place)
+        for row in EFFECTS
+        if row.cell_zero
         for channel, place in read.items()
         if apart(true, record.zero_off(channel), hiding) < MARGIN
     ]
@@ -210,7 +192,7 @@ def told(case: Case, faults: tuple[Fault, ...]) -> dict[str, list[object]]:
 
     What has no line of its own shows beside all that the tolerances may take up.
     """
-    hidden = [f.effect in STATIC for f in faults]
+    hidden = [BY_NAME[f.effect].standing for f in faults]
     if any(hidden):
         record, columns = beside_tolerances(case)
     else:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from benchmarks.campaign import line as short
-from benchmarks.campaign.contact import Array, Bodies
+from benchmarks.campaign.contact import Array
 from benchmarks.campaign.motion import TICK_S
 from benchmarks.campaign.state import Machine
 
 VERTICES = 4096
 GRAVITY = 9.80665
 NAMES = [b[0] for b in short.BODIES]
+IDLERS = [b[0] for b in short.BODIES if b[1] == "idler"]
 DRIVES = [b[0] for b in short.BODIES if b[1] != "idler"]
 CELLS = list(short.CELLS.values())
 
@@ -42,10 +42,8 @@ class Fault:
     kind: str = ""
 
 
-Change = Callable[[Machine, Fault], Machine]
-
-
-def _eccentric(m: Machine, f: Fault) -> Machine:
+def eccentric(m: Machine, f: Fault) -> Machine:
+    """Move the centre of a body."""
     k = NAMES.index(f.location)
     m.bodies.off_x[k] += f.size * math.cos(f.angle)
     m.bodies.off_y[k] += f.size * math.sin(f.angle)
@@ -87,7 +85,8 @@ def flat_outline(
     return (np.stack([points.real, points.imag], axis=1), np.stack([look.real, look.imag], axis=1))
 
 
-def _out_of_round(m: Machine, f: Fault) -> Machine:
+def out_of_round(m: Machine, f: Fault) -> Machine:
+    """Make a roll a polygon: a flat wound over, or one low order and a third of the next."""
     k = NAMES.index(f.location)
     radius = float(m.radius[k])
     if f.shape == 0.0:
@@ -108,19 +107,22 @@ def _out_of_round(m: Machine, f: Fault) -> Machine:
     )
 
 
-def _unbalanced(m: Machine, f: Fault) -> Machine:
+def unbalanced(m: Machine, f: Fault) -> Machine:
+    """Put a gravity torque on a body."""
     k = NAMES.index(f.location)
     m.heavy[k], m.heavy_angle[k] = f.size * GRAVITY, f.angle
     return m
 
 
-def _unbalanced_cell(m: Machine, f: Fault) -> Machine:
+def unbalanced_cell(m: Machine, f: Fault) -> Machine:
+    """Let a measuring roller shake its own cell."""
     c = CELLS.index(f.location)
     m.cell_unbalance[c], m.cell_unbalance_angle[c] = f.size, f.angle
     return m
 
 
-def _ripple(m: Machine, f: Fault) -> Machine:
+def ripple(m: Machine, f: Fault) -> Machine:
+    """Let a motor push unevenly."""
     row = [
         DRIVES.index(f.location),
         f.shape,
@@ -130,23 +132,27 @@ def _ripple(m: Machine, f: Fault) -> Machine:
     return m._replace(ripple=np.concatenate([m.ripple, [row]]))
 
 
-def _drag(m: Machine, f: Fault) -> Machine:
+def drag(m: Machine, f: Fault) -> Machine:
+    """Let a bearing drag."""
     m.drag[NAMES.index(f.location)] += f.size
     return m
 
 
-def _modulus(m: Machine, f: Fault) -> Machine:
+def modulus(m: Machine, f: Fault) -> Machine:
+    """Make the web stiffer; the roll was wound at the same tension."""
     m.modulus[:] *= 1.0 + f.size
     m.web[4] /= 1.0 + f.size
     return m
 
 
-def _wound_in(m: Machine, f: Fault) -> Machine:
+def wound_in(m: Machine, f: Fault) -> Machine:
+    """Wind the roll tighter."""
     m.web[4] += f.size
     return m
 
 
-def _thermal(m: Machine, f: Fault) -> Machine:
+def thermal(m: Machine, f: Fault) -> Machine:
+    """Give the web of a zone a free strain."""
     first, second = NAMES.index("swrap"), NAMES.index("pull_roll")
     spans = {
         "unwind_zone": slice(0, first),
@@ -157,13 +163,15 @@ def _thermal(m: Machine, f: Fault) -> Machine:
     return m
 
 
-def _slip(m: Machine, f: Fault) -> Machine:
+def slip(m: Machine, f: Fault) -> Machine:
+    """Let the web slip on a roller above a speed."""
     k = NAMES.index(f.location)
     m.slip[k], m.slip_speed[k] = f.size, f.shape
     return m
 
 
-def _slow_cell(m: Machine, f: Fault) -> Machine:
+def slow_cell(m: Machine, f: Fault) -> Machine:
+    """Slow down the amplifier of a cell, or of all."""
     for c, name in enumerate(CELLS):
         if f.location in ("all", name):
             lag_s = 1.0 / (2.0 * math.pi * m.cell_Hz[c]) + f.size
@@ -171,89 +179,57 @@ def _slow_cell(m: Machine, f: Fault) -> Machine:
     return m
 
 
-def _hum(m: Machine, f: Fault) -> Machine:
+def hum(m: Machine, f: Fault) -> Machine:
+    """Put mains on a cell's cable."""
     c = CELLS.index(f.location)
     m.cell_hum[c], m.cell_hum_Hz[c], m.cell_hum_phase[c] = f.size, f.shape, f.angle
     return m
 
 
-def _delay(m: Machine, f: Fault) -> Machine:
+def delay(m: Machine, f: Fault) -> Machine:
+    """Let corrections reach a drive late."""
     m.drive_delay[DRIVES.index(f.location)] += round(f.size / TICK_S)
     return m
 
 
-def _encoder(m: Machine, f: Fault) -> Machine:
+def encoder(m: Machine, f: Fault) -> Machine:
+    """Mount an encoder off its centre."""
     d = DRIVES.index(f.location)
     m.encoder[d], m.encoder_angle[d], m.encoder_share[d] = f.size, f.angle, f.shape
     return m
 
 
-def _believed_radius(m: Machine, f: Fault) -> Machine:
+def believed_radius(m: Machine, f: Fault) -> Machine:
+    """Let a drive believe a wrong radius."""
     m.drive_ratio[DRIVES.index(f.location)] *= 1.0 + f.size
     return m
 
 
-def _shaken(m: Machine, f: Fault) -> Machine:
+def shaken(m: Machine, f: Fault) -> Machine:
     """Let a span's length swing: in time (a dancer, a frame), or with web travel (a nip)."""
     row = [NAMES.index(f.location), 0.0 if f.kind == "time" else 1.0, f.shape, f.size, f.angle]
     return m._replace(shake=np.concatenate([m.shake, [row]]))
 
 
-def _drifting_cell(m: Machine, f: Fault) -> Machine:
+def drifting_cell(m: Machine, f: Fault) -> Machine:
+    """Let the zero of a cell drift."""
     m.cell_drift[CELLS.index(f.location)] += f.size
     return m
 
 
-def _web_wave(m: Machine, f: Fault) -> Machine:
+def web_wave(m: Machine, f: Fault) -> Machine:
+    """Let the web's strain vary along its length."""
     m.web[6], m.web[7] = f.size, f.shape
     return m
 
 
-def _stiffening(m: Machine, f: Fault) -> Machine:
+def stiffening(m: Machine, f: Fault) -> Machine:
+    """Make the web stiffer the more it is pulled."""
     m.web[8] += f.size
     return m
 
 
-def _gusty_drive(m: Machine, f: Fault) -> Machine:
+def gusty_drive(m: Machine, f: Fault) -> Machine:
+    """Let a drive push irregularly."""
     m.gust[:] = DRIVES.index(f.location), f.size
     return m
-
-
-CHANGES: dict[str, Change] = {
-    "eccentric_roller": _eccentric,
-    "out_of_round_roll": _out_of_round,
-    "unbalanced_roller": _unbalanced,
-    "unbalanced_measuring_roller": _unbalanced_cell,
-    "torque_ripple": _ripple,
-    "bearing_drag": _drag,
-    "web_modulus": _modulus,
-    "wound_in_strain": _wound_in,
-    "thermal_strain": _thermal,
-    "slip": _slip,
-    "load_cell_filter": _slow_cell,
-    "mains_hum": _hum,
-    "loop_delay": _delay,
-    "encoder_eccentricity": _encoder,
-    "radius_error": _believed_radius,
-    # beyond any library
-    "dancer_swing": _shaken,
-    "hidden_nip": _shaken,
-    "drifting_cell": _drifting_cell,
-    "web_wave": _web_wave,
-    "stiffening_web": _stiffening,
-    "gusty_drive": _gusty_drive,
-}
-
-
-def copied(m: Machine) -> Machine:
-    """Return an independent copy."""
-    bodies = Bodies._make(part.copy() for part in m.bodies)
-    return Machine._make([bodies, *(part.copy() for part in m[1:])])
-
-
-def with_faults(m: Machine, faults: tuple[Fault, ...]) -> Machine:
-    """Return a copy of the machine with these faults."""
-    found = copied(m)
-    for fault in faults:
-        found = CHANGES[fault.effect](found, fault)
-    return found

@@ -6,29 +6,33 @@ after a hash of all compiled sources.
 
 from __future__ import annotations
 
+import functools
 import hashlib
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 
+from sim_plant.base.cache_folder import own_cache_folder
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def _folder() -> str:
+@functools.cache
+def _folder() -> Path | None:
     digest = hashlib.sha256(numba.__version__.encode())
     for name in ("contact.py", "motion.py", "state.py"):
         digest.update((Path(__file__).parent / name).read_bytes())
-    return str(Path(tempfile.gettempdir()) / f"aff-campaign-{digest.hexdigest()[:16]}")
+    return own_cache_folder("aff-campaign", digest.hexdigest()[:16])
 
 
 def compiled(function: F) -> F:
     """Compile ``function``, cached on disk; it may not allocate (no reference counts)."""
-    options: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
+    folder = _folder()
+    options: dict[str, Any] = {"cache": folder is not None, "error_model": "numpy", "_nrt": False}
     before = getattr(numba.config, "CACHE_DIR")  # noqa: B009
-    setattr(numba.config, "CACHE_DIR", _folder())  # noqa: B010 - numba types it read-only
+    setattr(numba.config, "CACHE_DIR", str(folder or ""))  # noqa: B010 - numba types it read-only
     try:
         return cast(F, numba.njit(**options)(function))
     finally:

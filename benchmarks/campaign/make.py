@@ -10,10 +10,10 @@ from typing import Any
 from benchmarks.campaign import line as short
 from benchmarks.campaign.cases import Case
 from benchmarks.campaign.contact import Array
-from benchmarks.campaign.effects import Fault, with_faults
+from benchmarks.campaign.effects import Fault
 from benchmarks.campaign.record import simulate, write_line, write_record
 from benchmarks.campaign.sizes import sized
-from benchmarks.campaign.stage import JUDGED_FROM_S, RADII, rms, stage
+from benchmarks.campaign.stage import JUDGED_FROM_S, RADII, rms, stage, with_faults
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -30,11 +30,11 @@ HEAD = """# Campaign: `sim-plant refine` on records that other code made
 
 Written by `make campaign` (`python -m benchmarks.campaign --cases N --seed S --workers 2
 --out DIR`; it goes on where it was stopped). The records come from `benchmarks/campaign`, which
-imports nothing of `sim_plant` but its command line: circles with moving centres and polygons of
-4096 points instead of support functions, velocity Verlet at 0.5 ms on unstretched lengths instead
-of Runge-Kutta on strains, its own drives, loops and sensors. On a healthy line both codes agree
-to 1 % of the noise in the tensions and 5 % in the speeds, and their answers to the same effect to
-1 to 3 % (`tests/benchmarks/campaign`).
+imports nothing of `sim_plant` but its command line and the folder for compiled code: circles with
+moving centres and polygons of 4096 points instead of support functions, velocity Verlet at 0.5 ms
+on unstretched lengths instead of Runge-Kutta on strains, its own drives, loops and sensors. On a
+healthy line both codes agree to 1 % of the noise in the tensions and 5 % in the speeds, and their
+answers to the same effect to 1 to 3 % (`tests/benchmarks/campaign`).
 
 A line of nine bodies, three load cells, four drive speeds, two angles, one radius, 60 s at 10 ms,
 three speeds, a tension step. In every case every declared number lies anywhere within its
@@ -44,7 +44,7 @@ power coloured. SNR: rms of the effect over rms of the noise in its strongest te
 single effects 0.4 and 0.2, all others 0.6. Of an effect without a line of its own only what the
 declared tolerances cannot take up counts (root of that share of its chi-square in whitened
 tensions and speeds, each number moving at the price of its prior), up to a size that speaks for
-itself (`LARGEST`). "Where the record tells" leaves out cases that
+itself (`largest` of its row). "Where the record tells" leaves out cases that
 this generator itself shows to be undecided, whatever the tool: another effect or place answers
 to within a chi-square of 10 (eccentric idlers of one radius in one zone; at a drive, an unbalance
 and a torque ripple of order 1; two rollers of one radius like one between them), or the effect's
@@ -52,7 +52,7 @@ chi-square is below 100; for effects that are no lines 150, beside all declared 
 error: against this generator's own noise, not the tool's. Bounds are Wilson's, 95 %; where one
 holds both sides of a target, this many cases do not decide it. Not drawn: viscoelastic web, cell
 calibration and resonance, rate limit, splice, roll bounce, shaft compliance, radius error. Rules
-and thresholds of the search were set on cases of seeds 1 to 9 and on `shared/data/lines`; report
+and thresholds of the search were set on cases of seeds 1 to 9 and on `data/lines`; report
 on seeds from 100.
 """
 

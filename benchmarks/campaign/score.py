@@ -4,41 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
-NORMAL95 = 1.959964
-SAID_AS = {"unbalanced_measuring_roller": "unbalanced_roller"}
-"""Names that a version 1 verdict does not have."""
-STRENGTH = {  # parameter of a verdict that says the size of a fault, and what size 0 is there
-    "eccentric_roller": ("eccentricity_m", 0.0),
-    "unbalanced_roller": ("unbalance_kg_m", 0.0),
-    "unbalanced_measuring_roller": ("unbalance_kg_m", 0.0),
-    "torque_ripple": ("amplitude_N_m", 0.0),
-    "bearing_drag": ("constant_N_m", 0.0),
-    "web_modulus": ("factor", 1.0),
-    "wound_in_strain": ("strain", 0.0),
-    "thermal_strain": ("strain", 0.0),
-    "load_cell_filter": ("lag_s", 0.0),
-    "mains_hum": ("amplitude_N", 0.0),
-    "loop_delay": ("delay_s", 0.0),
-    "encoder_eccentricity": ("eccentricity", 0.0),
-    "slip": ("slope_s_m", 0.0),
-}
+import numpy as np
+from scipy.stats import binomtest
+
+from benchmarks.campaign.effect_table import BY_NAME
+
 NEEDED, NEEDED_STATIC = 100.0, 150.0
 """Chi-square above which an effect (with a line, without) pays its price and beats all chance."""
-STATIC = (
-    "bearing_drag",
-    "web_modulus",
-    "wound_in_strain",
-    "thermal_strain",
-    "slip",
-    "load_cell_filter",
-    "loop_delay",
-    "stiffening_web",
-    "gusty_drive",
-    "drifting_cell",
-)
-"""Effects without a line of their own: a declared number within its tolerance may hide them."""
 OUTCOMES = ("exact", "wrong", "unknown", "not identifiable", "missed", "part", "failed")
 
 
@@ -46,30 +20,41 @@ def wilson(hits: int, runs: int) -> tuple[float, float]:
     """Return the 95 % interval of a share   [Wilson 1927]."""
     if runs == 0:
         return 0.0, 1.0
-    share, z2 = hits / runs, NORMAL95**2
-    middle = (share + z2 / (2 * runs)) / (1.0 + z2 / runs)
-    spread = NORMAL95 / (1.0 + z2 / runs)
-    spread *= math.sqrt(share * (1.0 - share) / runs + z2 / (4.0 * runs * runs))
-    return max(0.0, middle - spread), min(1.0, middle + spread)
+    found = binomtest(hits, runs).proportion_ci(0.95, method="wilson")
+    return float(found.low), float(found.high)
 
 
-def keys(faults: Sequence[dict[str, Any]]) -> set[tuple[str, str]]:
-    """Return (effect, location) as verdicts say them."""
-    return {(SAID_AS.get(f["effect"], f["effect"]), f["location"]) for f in faults}
+class Place(NamedTuple):
+    """An effect at a location, by the names of a version 1 verdict."""
+
+    effect: str
+    location: str
 
 
-def left_open(verdict: dict[str, Any], truth: set[tuple[str, str]]) -> set[tuple[str, str]]:
+def place(effect: str, location: str) -> Place:
+    """Return where an effect is, as a verdict says it."""
+    row = BY_NAME.get(effect)
+    return Place(row.said_as if row is not None and row.said_as else effect, location)
+
+
+def said_place(text: str) -> Place:
+    """Return what a verdict says in one text, ``effect at location``."""
+    effect, _, location = text.partition(" at ")
+    return place(effect, location)
+
+
+def keys(faults: Sequence[dict[str, Any]]) -> set[Place]:
+    """Return effects and locations as verdicts say them."""
+    return {place(f["effect"], f["location"]) for f in faults}
+
+
+def left_open(verdict: dict[str, Any], truth: set[Place]) -> set[Place]:
     """Return what the verdict names but says may as well be one of the truth."""
-    found = set()
-    for pair in verdict.get("ambiguous", ()):
-        if truth & {_key(text) for text in pair["with"]}:
-            found.add(_key(pair["effect"]))
-    return found
-
-
-def _key(text: str) -> tuple[str, str]:
-    effect, _, place = text.partition(" at ")
-    return SAID_AS.get(effect, effect), place
+    return {
+        said_place(pair["effect"])
+        for pair in verdict.get("ambiguous", ())
+        if truth & {said_place(text) for text in pair["with"]}
+    }
 
 
 def outcome(row: dict[str, Any]) -> str:
@@ -98,7 +83,9 @@ def outcome(row: dict[str, Any]) -> str:
 def told_apart(row: dict[str, Any]) -> bool:
     """Return whether the record tells every fault from its like and from declared tolerances."""
     pairs = zip(row["faults"], row.get("evidence", ()), strict=False)
-    shown = all(e >= (NEEDED_STATIC if f["effect"] in STATIC else NEEDED) for f, e in pairs)
+    shown = all(
+        e >= (NEEDED_STATIC if BY_NAME[f["effect"]].standing else NEEDED) for f, e in pairs
+    )
     return shown and not any(row.get("alike", ()))
 
 
@@ -130,7 +117,7 @@ def covered(row: dict[str, Any]) -> list[bool]:
     """Return, per rightly traced effect, whether its 95 % interval holds the true size."""
     found = []
     for fault in row["faults"]:
-        name, zero = STRENGTH.get(fault["effect"], ("", 0.0))
+        name, zero = BY_NAME[fault["effect"]].strength
         for said in row["refine"]["verdict"].get("effects", ()):
             same = keys([fault]) == keys([said])
             if same and name in said.get("interval95", {}):
@@ -147,7 +134,4 @@ def held_out(row: dict[str, Any], moving: Sequence[str]) -> list[float]:
 
 def quantile(values: Sequence[float], share: float) -> float:
     """Return a quantile, nan of nothing."""
-    if not values:
-        return math.nan
-    ordered = sorted(values)
-    return ordered[min(len(ordered) - 1, math.ceil(share * len(ordered)) - 1 if share else 0)]
+    return float(np.quantile(values, share, method="inverted_cdf")) if values else math.nan

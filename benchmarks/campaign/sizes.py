@@ -6,29 +6,12 @@ import math
 from dataclasses import replace
 
 from benchmarks.campaign.alike import beside, beside_tolerances
-from benchmarks.campaign.cases import LARGEST, Case
+from benchmarks.campaign.cases import Case
 from benchmarks.campaign.contact import Array
+from benchmarks.campaign.effect_table import BY_NAME
 from benchmarks.campaign.effects import Fault
-from benchmarks.campaign.motion import TICK_S
 from benchmarks.campaign.stage import SIZED_BY, Stage, rms
 
-PROPORTIONAL = (
-    "eccentric_roller",
-    "unbalanced_roller",
-    "unbalanced_measuring_roller",
-    "torque_ripple",
-    "bearing_drag",
-    "mains_hum",
-    "encoder_eccentricity",
-    "wound_in_strain",
-    "thermal_strain",
-    "dancer_swing",
-    "hidden_nip",
-    "drifting_cell",
-    "gusty_drive",
-    "web_wave",
-)
-"""Effects whose response grows with their size: one run tells the size that is wanted."""
 ROUNDS = 5
 
 
@@ -53,20 +36,21 @@ def sized(
 ) -> tuple[Fault, float]:
     """Return the fault at the size that has the case's ratio, and the ratio it reaches.
 
-    Of a fault without a line of its own only what tolerances cannot take up counts; ``LARGEST``
-    ends its growth where they take up nearly all.
+    Of a fault without a line of its own only what tolerances cannot take up counts; the largest
+    size of its row ends its growth where they take up nearly all.
     """
-    share = visible(case, fault) if fault.effect in LARGEST else 1.0
+    row = BY_NAME[fault.effect]
+    share = visible(case, fault) if math.isfinite(row.largest) else 1.0
     reached = share * snr_of(at.quiet((fault,)), healthy, floor)
     for _ in range(ROUNDS):
         if case.snr == 0.0 or abs(reached / case.snr - 1.0) < 0.05:
             break
         size = abs(fault.size) * case.snr / max(reached, 1e-9)
-        size = math.copysign(min(size, LARGEST.get(fault.effect, math.inf)), fault.size)
-        if fault.effect in PROPORTIONAL:
+        size = math.copysign(min(size, row.largest), fault.size)
+        if row.proportional:
             return replace(fault, size=size), reached * size / fault.size
-        if fault.effect == "loop_delay":
-            size = TICK_S * max(1, round(size / TICK_S))
+        if row.step:
+            size = row.step * max(1, round(size / row.step))
         if size == fault.size:
             break
         fault = replace(fault, size=size)

@@ -8,8 +8,9 @@ import numpy as np
 
 from benchmarks.campaign import line as short
 from benchmarks.campaign.cases import ROWS, Case
-from benchmarks.campaign.contact import Array
-from benchmarks.campaign.effects import Fault, with_faults
+from benchmarks.campaign.contact import Array, Bodies
+from benchmarks.campaign.effect_table import BY_NAME
+from benchmarks.campaign.effects import Fault
 from benchmarks.campaign.machine import CENTRE_M, IDLER_ECCENTRICITY_M, Scatter, scattered
 from benchmarks.campaign.record import References, references, simulate
 from benchmarks.campaign.state import Machine
@@ -18,6 +19,18 @@ RADII = {"a": short.NOMINAL_RADII, "b": (0.162, 0.166)}
 JUDGED_FROM_S = 15.0
 SIZED_BY = (*short.CELLS, *short.SPEEDS)
 """Channels in which a signal-to-noise ratio is taken; angles drift without bound."""
+
+
+def with_faults(m: Machine, faults: tuple[Fault, ...]) -> Machine:
+    """Return a copy of the machine with these faults."""
+    bodies = Bodies._make(part.copy() for part in m.bodies)
+    found = Machine._make([bodies, *(part.copy() for part in m[1:])])
+    for fault in faults:
+        change = BY_NAME[fault.effect].change
+        if change is None:
+            raise ValueError(f"{fault.effect}: this generator does not make it")
+        found = change(found, fault)
+    return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -11,7 +11,9 @@ from typing import Any
 
 from benchmarks.campaign import line as short
 from benchmarks.campaign.alike import told
+from benchmarks.campaign.beyond import ANGLE
 from benchmarks.campaign.cases import case_number
+from benchmarks.campaign.effect_table import BY_NAME
 from benchmarks.campaign.effects import Fault
 from benchmarks.campaign.make import write_case
 from benchmarks.campaign.refine_runs import refine_files
@@ -19,23 +21,19 @@ from benchmarks.campaign.refine_runs import refine_files
 
 def coordinate_of(fault: dict[str, Any]) -> dict[str, float]:
     """Return where the free line of a fault is: Hz, 1/m of web, or order."""
-    shape, effect = fault["shape"], fault["effect"]
-    if effect in ("dancer_swing", "hidden_nip"):
-        return {"frequency_Hz" if fault["kind"] == "time" else "wavenumber_1_m": shape}
-    if effect == "web_wave":  # lengths of unstretched web; the free line counts it under tension
-        strain = short.WOUND_N / short.EA_N
-        return {"wavenumber_1_m": 1.0 / (shape * (1.0 + strain))}
-    if effect == "mains_hum":
-        return {"frequency_Hz": abs(shape - 100.0 * round(shape / 100.0))}
-    order = shape if effect == "torque_ripple" else max(1.0, shape)
-    if fault["kind"] == "angle":
+    row = BY_NAME[fault["effect"]]
+    if row.coordinate is not None:
+        return row.coordinate(fault)
+    order = row.order(fault["shape"])
+    if fault["kind"] == ANGLE:
         return {"order": order}
     radius = {b[0]: b[2] for b in short.BODIES}.get(fault["location"], 0.0)
     return {"wavenumber_1_m": order / (2.0 * math.pi * radius)} if radius else {}
 
 
-def do(seed: int, number: int, folder: Path) -> dict[str, Any]:
-    """Make one case, refine it, and return the row."""
+def run_case(job: tuple[int, int, Path]) -> dict[str, Any]:
+    """Make one case (seed, number, folder to work in), refine it, and return the row."""
+    seed, number, folder = job
     case = case_number(seed, number)
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)

@@ -7,16 +7,18 @@ import os
 import sys
 import time
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 from pathlib import Path
 
 from benchmarks.control import cases, extras, report, store
-from benchmarks.control.jobs import BOTH, NO_SWRAP, ORACLE, PERFECT, SAVED, Job, Row, do
+from benchmarks.control.jobs import BOTH, NO_SWRAP, ORACLE, PERFECT, SAVED, Job, Row
 from benchmarks.control.laws import OWN, RIVALS
 from benchmarks.control.lines import ROOT
-from benchmarks.control.nominal_loop import nominal_loop
+from benchmarks.control.parts import do_together, together
+from benchmarks.workers import LostJobError, WorkerPool
 
+LIMIT_S = 3600.0
+"""For rows run together; those of a whole roll take a few minutes of a core."""
 TUNED_SEED, UNSEEN_SEED = 1, 101
 SECTIONS = ("constant", "ramp", "roll", "follower", "mismatch", "transient")
 FOLLOWERS = ("follower, tension", BOTH, "follower, velocity", "velocity and unwind")
@@ -86,46 +88,35 @@ def only(jobs: Sequence[Job], *, laws: str, names: str) -> list[Job]:
     return [job for job in jobs if job in kept]
 
 
-def run_jobs(jobs: Sequence[Job], folder: Path, processes: int) -> tuple[int, float]:
-    """Run what has no row yet, keep every row as it comes; return how many and the CPU seconds."""
-    todo = [job for job in jobs if store.load(folder, job) is None]
-    sys.stderr.write(f"{len(jobs)} rows, {len(jobs) - len(todo)} of them kept from before\n")
-    if not todo:
-        return 0, 0.0
-    for material, cycle_s in sorted({(job.case.material, job.case.cycle_s) for job in todo}):
-        nominal_loop(material, cycle_s=cycle_s)  # once, before the workers are forked
-    spent_s = 0.0
-    ended = 0
-    with ProcessPoolExecutor(processes) as pool:
-        waiting = [pool.submit(do_together, part, folder) for part in together(todo)]
-        for done in as_completed(waiting):
-            for row in done.result():
-                ended, spent_s = ended + 1, spent_s + row["cpu_s"]
-                said = f"{ended}/{len(todo)} {row['cpu_s']:.0f} s {report.line(row)}\n"
-                sys.stderr.write(said)
-    return len(todo), spent_s
+def run_jobs(jobs: Sequence[Job], folder: Path, processes: int) -> tuple[int, float, int]:
+    """Run what has no row yet, keep every row as it comes.
 
-
-def together(jobs: Sequence[Job]) -> list[list[Job]]:
-    """Return the jobs in parts that share runs: one case, its seeds apart only for whole rolls.
-
-    The line without any law, and what the law learned before a saved start, are run once a part.
+    Returns
+    -------
+    How many rows there were to run, the CPU seconds, and how many parts lost all workers.
     """
-    parts: dict[tuple[str, cases.Case, int], list[Job]] = {}
-    for job in jobs:
-        seed = job.seed if job.section == "roll" else 0
-        parts.setdefault((job.section, job.case, seed), []).append(job)
-    return list(parts.values())
+    todo = [job for job in jobs if store.load(folder, job) is None]
+    _say(f"{len(jobs)} rows, {len(jobs) - len(todo)} of them kept from before")
+    spent_s, ended, lost = 0.0, 0, 0
+    with WorkerPool(do_together, processes, limit_s=LIMIT_S, name=_name, tell=_say) as pool:
+        for _, rows in pool.run((part, folder) for part in together(todo)):
+            if isinstance(rows, LostJobError):
+                lost += 1
+                _say(f"{rows}; what it lacks is not on the page")
+                continue
+            for row in rows:
+                ended, spent_s = ended + 1, spent_s + row["cpu_s"]
+                _say(f"{ended}/{len(todo)} {row['cpu_s']:.0f} s {report.line(row)}")
+    return len(todo), spent_s, lost
 
 
-def do_together(jobs: Sequence[Job], folder: Path) -> list[Row]:
-    """Run jobs that share runs, keep every row as it comes, return them."""
-    rows = []
-    for job in jobs:
-        row = do(job)
-        store.save(folder, job, row)
-        rows.append(row)
-    return rows
+def _name(part: tuple[Sequence[Job], Path]) -> str:
+    first = part[0][0]
+    return f"{len(part[0])} rows of {first.section}, {first.case.name}, seed {first.seed}"
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
 
 
 def _arguments() -> argparse.Namespace:
@@ -161,11 +152,12 @@ def main() -> int:
     if given.fresh:
         for job in jobs:
             store.place(folder, job).unlink(missing_ok=True)
+    lost = 0
     started = time.monotonic()  # noqa: TID251
     if not given.report_only:
-        count, spent_s = run_jobs(jobs, folder, given.processes)
+        count, spent_s, lost = run_jobs(jobs, folder, given.processes)
         took_s = time.monotonic() - started  # noqa: TID251
-        sys.stderr.write(f"{count} rows: {took_s:.0f} s, {spent_s:.0f} CPU s\n")
+        _say(f"{count} rows: {took_s:.0f} s, {spent_s:.0f} CPU s")
         if count:
             extras.note_run(folder, count, took_s, spent_s)
     extras.run_asked(given, folder)
@@ -179,7 +171,7 @@ def main() -> int:
     if given.docs is not None and not quick:
         (given.docs / "control-bench.md").write_text(page)
         report.plots(rows, given.docs)
-    return 0
+    return 1 if lost else 0
 
 
 if __name__ == "__main__":

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from benchmarks.control.jobs import Row
 from benchmarks.control.laws import OWN
+from benchmarks.rows import read_rows, write_row
 
 PARTS = ("timing", "memory", "wire")
 
 
-def _write(folder: Path, name: str, found: Any) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{name}.json").write_text(json.dumps(found, indent=1))
+def _place(folder: Path, name: str) -> Path:
+    return folder / f"{name}.json"
 
 
 def timing(ticks: int = 3000) -> list[Row]:
@@ -44,32 +42,31 @@ def timing(ticks: int = 3000) -> list[Row]:
 def run_asked(given: argparse.Namespace, folder: Path) -> None:
     """Run the parts that the command line asked for, and keep what they found."""
     if given.timing:
-        _write(folder, "timing", timing())
+        write_row(_place(folder, "timing"), timing())
     if given.memory > 0.0:
         from benchmarks.control.memory import watch_memory
 
-        _write(folder, "memory", [{"law": OWN, **watch_memory(60.0 * given.memory)}])
+        found = [{"law": OWN, **watch_memory(60.0 * given.memory)}]
+        write_row(_place(folder, "memory"), found)
     if given.wire:
         from benchmarks.control.wire import over_the_wire
 
-        _write(folder, "wire", over_the_wire(folder))
+        write_row(_place(folder, "wire"), over_the_wire(folder))
 
 
 def note_run(folder: Path, rows: int, took_s: float, cpu_s: float) -> None:
     """Add a line to the list of runs."""
-    path = folder / "runs.json"
-    found = json.loads(path.read_text()) if path.exists() else []
+    path = _place(folder, "runs")
+    found = read_rows(path)
     found.append({"rows": rows, "took_s": took_s, "cpu_s": cpu_s, "at": time.strftime("%H:%M")})
-    _write(folder, "runs", found)
+    write_row(path, found)
 
 
 def rows(folder: Path) -> list[Row]:
     """Return the rows of every part that has been run."""
     found: list[Row] = []
     for name in PARTS:
-        path = folder / f"{name}.json"
-        if path.exists():
-            found += [{"section": name, **row} for row in json.loads(path.read_text())]
+        found += [{"section": name, **row} for row in read_rows(_place(folder, name))]
     for row in found:
         if row["section"] == "wire":
             from benchmarks.control.wire import lockstep

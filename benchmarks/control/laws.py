@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,15 +13,15 @@ import numpy as np
 from aff_runtime.core.blocks.bank import Bank
 from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import ActuatorLaw, Inputs
-from aff_runtime.core.params import ActuatorParams, BlockParams, DriveParams, LawKind, ShapeParams
+from aff_runtime.core.params import ActuatorParams, BlockParams, DriveParams, ShapeParams
 from aff_runtime.core.phase import RollPhase
-from aff_runtime.core.printed import PrintedLaw
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.core.shape.law import ShapeLaw
 from aff_runtime.core.shape.profile import ShapeProfile
 from benchmarks.control.lines import nominal
 from benchmarks.control.lockstep import LIMIT_M_S, LawBuilder
 from benchmarks.control.nominal_loop import nominal_loop
+from benchmarks.control.printed import PrintedLaw
 from benchmarks.control.rivals_blocks import AngleBlocks
 from benchmarks.control.rivals_filtered import FxLms
 from benchmarks.control.rivals_repetitive import Repetitive
@@ -85,7 +84,7 @@ def unwind_params(
         signal="unwind_tension_N",
         reference="tension_ref_N",
         transport_s=cycle_s,
-        law=LawKind.SHAPE,
+        law="shape",
         drive=drive_of(material),
         shape=SHAPE,
         blocks=tuple(blocks),
@@ -159,8 +158,8 @@ def rival(
     if name == "plain blocks":
         return plain_blocks(material, cycle_s, chosen["orders"], chosen["settle_s"])
     if name == "printed (5.14)":
-        params = replace(_plain(cycle_s, chosen["orders"]), printed_gain=chosen["gain"])
-        return lambda ph, _c: PrintedLaw(params, phases=ph)
+        params = _plain(cycle_s, chosen["orders"])
+        return lambda ph, _c: PrintedLaw(params, phases=ph, gain=chosen["gain"])
     if name == "angle, no phase":
         return lambda ph, c: AngleBlocks(ph, c, **chosen)
     if name == "resonators":
@@ -228,7 +227,7 @@ def follower_law(material: str, cycle_s: float = 0.005, *, velocity: bool = Fals
         name="swrap_follower",
         signal=channel,
         transport_s=cycle_s,
-        law=LawKind.SHAPE,
+        law="shape",
         drive=drive,
         shape=ShapeParams(signal_sd=2e-4 if velocity else 0.6),
         blocks=(

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from sim_plant.line.declaration import Declaration, EffectEntry, SpanEntry
+from sim_plant.line.declaration import Declaration, EffectEntry, LoadCell, SpanEntry
 from sim_plant.line.load import load_declaration
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -14,7 +14,7 @@ EUCLID = ROOT / "config" / "lines" / "euclid.yaml"
 INCH_M = 0.0254
 FPM_M_S = 0.3048 / 60.0
 
-# Found by scanning P(jw) of this line; see docs/adr/polyethylene.md
+# Found by scanning P(jw) of this line; see docs/notes/polyethylene-and-shape-weights.md
 POLYETHYLENE = {"EA_N": 3960.0, "density_kg_m3": 920.0}
 SHAPES = {"flat": 0.012, "bulge": 0.005, "asym": 0.006}
 SHAPE_ANGLE_RAD = 0.7
@@ -118,7 +118,7 @@ def with_hidden(line: Declaration, hidden: Hidden) -> Declaration:
     )
     sensors = tuple(
         s.model_copy(update={"low_pass_Hz": hidden.cell_Hz})
-        if hidden.cell_Hz is not None and s.low_pass_Hz is not None
+        if hidden.cell_Hz is not None and isinstance(s, LoadCell)
         else s
         for s in line.sensors
     )

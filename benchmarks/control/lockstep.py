@@ -17,8 +17,10 @@ from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.params import RollParams, SiteParams
 from aff_runtime.core.phase import RollPhase
 from benchmarks.control.lines import Hidden, with_hidden
+from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.kernel import log_frame, run_frames, step_frame
+from sim_plant.line.log_layout import LogLayout
 from sim_plant.line.open import make_line
 from sim_plant.line.simulation import LineSimulation
 
@@ -34,6 +36,7 @@ CHANNELS = (
     "swrap_follower_speed_m_s",
 )
 COUNT_RAD = math.tau / 4096
+SWRAP_RADIUS_M = 0.15367
 ROLLS = (
     RollParams(
         name="unwind",
@@ -48,7 +51,7 @@ ROLLS = (
         name="swrap_follower",
         angle="swrap_follower_angle_rad",
         line_speed="line_speed_m_s",
-        radius_m=0.15367,
+        radius_m=SWRAP_RADIUS_M,
     ),
 )
 SIGNAL_OF = {"unwind": 0, "swrap_follower": 4, "swrap_follower speed": 7}
@@ -140,10 +143,10 @@ def run(
     }
     drives = {name: line.drive_index(name.split()[0]) for name in laws}
     count = speed_m_s.size
-    cells, d, n = line.arrays.cells.size, line.arrays.drives.size, line.layout.n
-    log = np.zeros((count, 3 * cells + 2 * d + n + 2 + n - 1))
+    cells, d = line.arrays.cells.size, line.arrays.drives.size
+    log = np.zeros((count, line.log.width))
     corrections = np.zeros((max(1, len(laws)), count))
-    columns = _Columns(line.declaration, cells, d, n, secret)
+    columns = _Columns(line.declaration, line.log, secret)
     state, arrays, lay, work = line.state, line.arrays, line.layout, line.work
     aff = np.zeros(d)
     rng = np.random.default_rng(seed)
@@ -153,7 +156,7 @@ def run(
     tension_ref = np.full(arrays.loops.size, declaration.operating_point.tension_N)
     noise = rng.standard_normal((0, width))
     row = log[0]
-    log_frame(arrays, lay, state, work, cells, d, n, row)
+    log_frame(arrays, lay, state, work, row)
     for k in range(count):
         values = columns.values(row, theta0, float(tension_ref[0]))
         if roll_id is not None and roll_id[k] > 1:
@@ -222,13 +225,13 @@ def _alone(
 ) -> Record:
     """Run the line without any law: the same frames in compiled chunks."""
     state, arrays, lay, work = line.state, line.arrays, line.layout, line.work
-    cells, d, n, count = arrays.cells.size, arrays.drives.size, lay.n, speed_m_s.size
-    log = np.zeros((count, 3 * cells + 2 * d + n + 2 + n - 1))
+    cells, d, count = arrays.cells.size, arrays.drives.size, speed_m_s.size
+    log = np.zeros((count, line.log.width))
     rng = np.random.default_rng(seed)
     arrays.timing["noisy"] = 0 if seed is None else 1
     width = cells + d * (1 + line.timing.ticks_per_frame)
     theta0 = line.angles().copy()
-    log_frame(arrays, lay, state, work, cells, d, n, log[0])
+    log_frame(arrays, lay, state, work, log[0])
     tension_N = line.declaration.operating_point.tension_N
     for first in range(0, count - 1, CHUNK):
         frames = min(CHUNK, count - 1 - first)
@@ -245,64 +248,60 @@ def _alone(
             noise,
             log[first + 1 : first + 1 + frames],
         )
-    columns = _Columns(line.declaration, cells, d, n, hidden)
+    columns = _Columns(line.declaration, line.log, hidden)
     return columns.record(log, theta0, np.zeros((1, count)), speed_m_s, cycle_s)
 
 
 class _Columns:
     """Where a log row keeps what the gateway and the judge read."""
 
-    def __init__(
-        self, declaration: Declaration, cells: int, drives: int, n: int, hidden: Hidden
-    ) -> None:
+    def __init__(self, declaration: Declaration, log: LogLayout, hidden: Hidden) -> None:
         names = [r.name for r in declaration.rollers]
-        channels = [s.channel for s in declaration.sensors if s.low_pass_Hz is not None]
+        channels = [s.channel for s in cell_sensors(declaration)]
         driven = [d.roller for d in declaration.control.drives]
+        self.log = log
         self.tension = channels.index("unwind_tension_N")
         self.pullroll = channels.index("pullroll_tension_N")
-        self.cells = cells
-        self.lead = 3 * cells + driven.index("swrap_lead")
-        self.follower = 3 * cells + driven.index("swrap_follower")
-        self.drives = drives
-        self.angles = 3 * cells + 2 * drives
+        self.lead, self.follower = driven.index("swrap_lead"), driven.index("swrap_follower")
         self.follower_body = names.index("swrap_follower")
-        self.radius = self.angles + n
         self.hidden = hidden
 
     def values(self, row: Array, theta0: Array, tension_ref_N: float) -> tuple[float, ...]:
         """Return the gateway's channels of one row, at the resolution of its words."""
-        a, f = self.angles, self.follower_body
-        tension = float(row[self.tension])
+        at, f = self.log, self.follower_body
+        a, speed = at.theta_rad, at.measured_rad_s
+        tension = float(row[at.measured_N + self.tension])
         if self.hidden.word_bits is not None:
             lsb = WORD_SPAN_N / 2**self.hidden.word_bits
             tension = lsb * math.floor(tension / lsb + 0.5)
         unwind = COUNT_RAD * math.floor((float(row[a]) - theta0[0]) / COUNT_RAD + 0.5)
         follower = COUNT_RAD * math.floor((float(row[a + f]) - theta0[f]) / COUNT_RAD + 0.5)
-        radius = float(row[self.radius]) * self.hidden.radius_tag_ratio
+        radius = float(row[at.radius_m]) * self.hidden.radius_tag_ratio
         return (
             tension,
             tension_ref_N,
-            float(row[self.lead]) * 0.15367,
+            float(row[speed + self.lead]) * SWRAP_RADIUS_M,
             2e-5 * math.floor(radius / 2e-5 + 0.5),
-            float(row[self.pullroll]),
+            float(row[at.measured_N + self.pullroll]),
             unwind,
             follower,
-            float(row[self.follower]) * 0.15367,
+            float(row[speed + self.follower]) * SWRAP_RADIUS_M,
         )
 
     def record(
         self, log: Array, theta0: Array, corrections: Array, speed_m_s: Array, cycle_s: float
     ) -> Record:
         """Return the run's true signals."""
-        a, f = self.angles, self.follower_body
+        at, f = self.log, self.follower_body
+        a = at.theta_rad
         return Record(
             time_s=np.asarray(np.arange(len(log)) * cycle_s, dtype=np.float64),
-            tension_N=log[:, 2 * self.cells + self.tension].copy(),
-            pullroll_N=log[:, 2 * self.cells + self.pullroll].copy(),
-            follower_m_s=log[:, self.follower + self.drives] * 0.15367,
+            tension_N=log[:, at.mean_N + self.tension].copy(),
+            pullroll_N=log[:, at.mean_N + self.pullroll].copy(),
+            follower_m_s=log[:, at.true_rad_s + self.follower] * SWRAP_RADIUS_M,
             unwind_rad=log[:, a] - theta0[0],
             follower_rad=log[:, a + f] - theta0[f],
-            radius_m=log[:, self.radius].copy(),
+            radius_m=log[:, at.radius_m].copy(),
             speed_m_s=speed_m_s,
             correction_m_s=corrections,
         )

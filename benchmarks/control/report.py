@@ -128,11 +128,13 @@ def page(rows: Sequence[Row], missing: int = 0, *, quick: bool = False) -> str:
     out = ["# Control bench", "", *INTRODUCTION, ""]
     if missing:
         out += [f"**{missing} rows of the full table have not been run.**", ""]
-    note = Path(__file__).parent / "state.md"
     if quick:
-        out += ["Short set (`QUICK=1`): a few rows of `docs/control-bench.md`, seed 1.", ""]
-    elif note.exists():
-        out += [note.read_text().strip(), ""]
+        out += [
+            "Short set (`QUICK=1`): a few rows of `docs/results/control-bench.md`, seed 1.",
+            "",
+        ]
+    else:
+        out += ["Why targets are missed: [notes](../notes/control-bench-misses.md).", ""]
     out += ["## Targets", "", *_targets(rows), ""]
     out += ["## Laws and their tuning", ""]
     out += [f"- **{law}**: {tuning(law)}." for law in (OWN, *RIVALS)]

@@ -7,12 +7,12 @@ import hashlib
 import json
 import re
 from pathlib import Path
-from typing import Any
 
 from benchmarks.control.jobs import Job, Row
 from benchmarks.control.laws import ORDERS, RIVALS, TUNED
 from benchmarks.control.laws import SHAPE as SHAPE_SETTING
 from benchmarks.control.lines import EUCLID, ROOT
+from benchmarks.rows import read_row, write_row
 
 BENCH = ROOT / "benchmarks" / "control"
 CORE = ROOT / "aff_runtime" / "core"
@@ -32,7 +32,7 @@ SHAPE = (
 )
 OF_LAW: dict[str, tuple[Path, ...]] = {
     "plain blocks": (*sorted((CORE / "blocks").glob("*.py")), CORE / "residual.py"),
-    "printed (5.14)": (CORE / "printed.py",),
+    "printed (5.14)": (BENCH / "printed.py",),
     "angle, no phase": (BENCH / "rivals_blocks.py",),
     "resonators": (BENCH / "rivals_blocks.py",),
     "FxLMS": (BENCH / "rivals_filtered.py", CORE / "shape" / "filter.py"),
@@ -69,16 +69,14 @@ def place(folder: Path, job: Job) -> Path:
 
 
 def load(folder: Path, job: Job) -> Row | None:
-    """Return the row of an earlier run, or None when there is none or its sources changed."""
-    path = place(folder, job)
-    if not path.exists():
+    """Return the row of an earlier run, or None: none, no whole one, or its sources changed."""
+    found = read_row(place(folder, job), ("from", "row"))
+    if found is None or found["from"] != fingerprint(job.law):
         return None
-    found: dict[str, Any] = json.loads(path.read_text())
-    return found["row"] if found["from"] == fingerprint(job.law) else None
+    row: Row = found["row"]
+    return row
 
 
 def save(folder: Path, job: Job, row: Row) -> None:
     """Keep a row."""
-    path = place(folder, job)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({"from": fingerprint(job.law), "row": row}, indent=1))
+    write_row(place(folder, job), {"from": fingerprint(job.law), "row": row})

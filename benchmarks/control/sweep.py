@@ -12,8 +12,7 @@ import itertools
 import json
 import math
 import sys
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,12 @@ import numpy as np
 from benchmarks.control import cases, judge
 from benchmarks.control.laws import rival
 from benchmarks.control.lockstep import Record, run
+from benchmarks.rows import write_row
+from benchmarks.workers import LostJobError, WorkerPool
 
+Score = tuple[str, dict[str, Any], float, list[float]]
+LIMIT_S = 1800.0
+"""For one setting: six rows of seconds each."""
 SEED = 1
 WORST = 10.0
 GRIDS: dict[str, dict[str, list[Any]]] = {
@@ -64,7 +68,7 @@ def _rows() -> list[tuple[str, cases.Case, Any, float]]:
 _PLAIN: dict[str, Record] = {}
 
 
-def score(job: tuple[str, dict[str, Any]]) -> tuple[str, dict[str, Any], float, list[float]]:
+def score(job: tuple[str, dict[str, Any]]) -> Score:
     """Return law, setting, geometric mean and the ripple of every row."""
     law, setting = job
     found = []
@@ -92,6 +96,29 @@ def _jobs(laws: list[str]) -> Iterator[tuple[str, dict[str, Any]]]:
             yield law, dict(zip(grid, values, strict=True))
 
 
+def scored(jobs: Sequence[tuple[str, dict[str, Any]]], processes: int) -> list[Score]:
+    """Return the scores in the order of the jobs, and print them as they come.
+
+    Raises
+    ------
+    LostJobError
+        When a setting has lost every process that was given it: the best could be that one.
+    """
+    found: dict[int, Score] = {}
+    with WorkerPool(score, processes, limit_s=LIMIT_S, tell=_say) as pool:
+        for number, result in pool.run(jobs):
+            if isinstance(result, LostJobError):
+                raise result
+            found[number] = result
+            law, setting, mean, rows = result
+            _say(f"{law:16s} {setting} {mean:.3f}: {' '.join(f'{r:.3f}' for r in rows)}")
+    return [found[number] for number in sorted(found)]
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
+
+
 def main() -> int:
     """Search, print, write ``tuned.json``."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.control.sweep")
@@ -102,11 +129,8 @@ def main() -> int:
     laws = [law for law in GRIDS if law in given.laws.split(",")]
     best: dict[str, Any] = json.loads(given.out.read_text()) if given.out.exists() else {}
     tried: dict[str, list[Any]] = {law: [] for law in laws}
-    with ProcessPoolExecutor(given.processes) as pool:
-        for law, setting, mean, rows in pool.map(score, _jobs(laws)):
-            text = " ".join(f"{r:.3f}" for r in rows)
-            sys.stderr.write(f"{law:16s} {setting} {mean:.3f}: {text}\n")
-            tried[law].append((mean, setting, rows))
+    for law, setting, mean, rows in scored(list(_jobs(laws)), given.processes):
+        tried[law].append((mean, setting, rows))
     for law, all_of in tried.items():
         mean, setting, rows = min(all_of, key=lambda t: t[0])
         best[law] = {
@@ -115,7 +139,7 @@ def main() -> int:
             "tried": len(all_of),
             "rows": [round(r, 4) for r in rows],
         }
-    given.out.write_text(json.dumps(best, indent=1) + "\n")
+    write_row(given.out, best)
     return 0
 
 

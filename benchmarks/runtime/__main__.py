@@ -1,4 +1,4 @@
-"""Measure kernel, wake-up, law and wire in one run; print a table and write ``docs/bench.md``."""
+"""Measure kernel, wake-up, law and wire in one run; print a table, write docs/results/bench.md."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from benchmarks.runtime.page import markdown, text
 from benchmarks.runtime.whole_tick import whole_tick
 from sim_plant.cli.bench_kernel import bench_kernel, table
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "bench.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "results" / "bench.md"
 
 
 def main() -> None:

@@ -14,12 +14,14 @@ from collections.abc import Callable
 from typing import Any
 
 from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.python_child import module_command
 from aff_runtime.base.signals import Outcome, Permission, Snapshot
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.params import ActuatorParams, BlockParams, RollParams, SiteParams
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.loop.realtime import RealtimeRequest, ask
 from aff_runtime.loop.ticker import Ticker
+from benchmarks.runtime.child import environment
 
 PERIOD_NS = 5_000_000
 WARM_UP_TICKS = 50
@@ -125,8 +127,8 @@ def law_step(blocks: int) -> Callable[[int], None]:
 
 def in_child(*arguments: str) -> dict[str, Any]:
     """Run this module in a process of its own and return what it measured."""
-    command = [sys.executable, "-m", "benchmarks.runtime.paced", *arguments]
-    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    command = [*module_command("benchmarks.runtime.paced"), *arguments]
+    done = subprocess.run(command, check=True, capture_output=True, text=True, env=environment())
     found: dict[str, Any] = json.loads(done.stdout)
     return found
 

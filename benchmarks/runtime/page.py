@@ -1,4 +1,4 @@
-"""The result as text for a terminal and as ``docs/bench.md``."""
+"""The result as text for a terminal and as ``docs/results/bench.md``."""
 
 from __future__ import annotations
 

@@ -17,10 +17,12 @@ from aff_runtime.app.supervisor.validation import load_record
 from aff_runtime.app.wiring.assemble import assemble, cycle_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.ports import Law
+from aff_runtime.base.python_child import module_command
 from aff_runtime.base.signals import Outcome, State
 from aff_runtime.loop.messages import Arm, Message, Stop
 from aff_runtime.loop.realtime import RealtimeRequest, ask
 from aff_runtime.loop.seams import Advice
+from benchmarks.runtime.child import environment
 from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
 from benchmarks.runtime.paced import PERIOD_NS, own_processor
 from sim_plant.demo.processes import Child
@@ -107,18 +109,20 @@ def one_round(wire: str, seconds: float) -> dict[str, Any]:
         wired = wire_up(wire, CONFIG / SITES[wire], folder)
         stamps = folder / "stamps.json"
         command = [
-            *(sys.executable, "-m", "benchmarks.runtime.stamped_plant", str(stamps)),
+            *(*module_command("benchmarks.runtime.stamped_plant"), str(stamps)),
             *(str(CONFIG / "lines" / "euclid_ripple.yaml"), *wired.plant_arguments),
         ]
-        with Child("plant", command, folder / "plant.log", ready="ready"):
-            found: dict[str, Any] = json.loads(
-                subprocess.run(
-                    [sys.executable, "-m", __name__, str(wired.site), str(seconds)],
-                    check=True,
-                    stdout=subprocess.PIPE,
-                    text=True,
-                ).stdout
+        ours = module_command("benchmarks.runtime.whole_tick")
+        log, env = folder / "plant.log", environment()
+        with Child("plant", command, log, ready="ready", environment=env):
+            done = subprocess.run(
+                [*ours, str(wired.site), str(seconds)],
+                check=True,
+                stdout=subprocess.PIPE,
+                text=True,
+                env=env,
             )
+        found: dict[str, Any] = json.loads(done.stdout)
         made_ns = {int(k): int(v) for k, v in json.loads(stamps.read_text()).items()}
     found["age"] = [at_ns - made_ns[beat] for at_ns, beat in found.pop("used")]
     return found

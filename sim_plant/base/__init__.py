@@ -1,1 +1,15 @@
 """Words that every floor of the plant shares."""
+
+__all__ = [
+    "arrays",
+    "effects",
+    "jit",
+    "order_tracking",
+    "plain_file",
+    "ports",
+    "profiles",
+    "runge_kutta",
+    "signatures",
+    "svg",
+    "worker_pool",
+]

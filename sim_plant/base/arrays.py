@@ -44,7 +44,7 @@ WEB = record_type(
     "",
     "viscosity_s "  # Kelvin-Voigt: T = EA (strain + viscosity * d strain/dt)
     "maxwell_ratio maxwell_time_s "  # one Maxwell branch, stiffness over EA
-    "density_kg_m3 thickness_m width_m wound_in_strain core_radius_m "
+    "density_kg_m3 thickness_m width_m supply_strain core_radius_m "
     "bounce_mass_kg bounce_Hz bounce_damping "  # unwind on a soft mandrel, mass 0 = rigid
     "bounce_order "  # driven by unbalance of order 1 and of this order
     "bounce_cos1_kg_m bounce_sin1_kg_m bounce_cosn_kg_m bounce_sinn_kg_m "
@@ -58,7 +58,7 @@ DRIVE = record_type(
     "limit_N_m slew_m_s2 "  # slew 0 = none
     "shaft_stiffness_N_m shaft_damping_N_m_s shaft_backlash_rad "  # stiffness 0 = rigid
     "motor_share "  # share of the body's fixed inertia on the motor side
-    "encoder_eccentricity encoder_angle_rad "
+    "encoder_offset_ratio encoder_angle_rad "
     "encoder_loop_share "  # share of the eccentricity that the drive's own loop reads
     "noise_rad_s lsb_rad_s",
 )

@@ -1,7 +1,8 @@
 """What an effect is: a named change of the line's arrays, shared by simulation and tracing.
 
-Beside how an effect acts, a row says what tracing has to know: which numbers are worth fitting,
-how large they usually are, between which bounds, and whether the response is linear in them.
+Beside how an effect acts, a row says all that is known of it: how it shows in a record, which
+numbers are worth fitting and between which bounds, what tells it from another effect, what to do
+about it. Tracing, verdict and report ask the row and know no effect by its name.
 """
 
 from __future__ import annotations
@@ -11,8 +12,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sim_plant.base.arrays import LineArrays
+from sim_plant.base.profiles import Profiles
+from sim_plant.base.signatures import Orders, Signature
 
-Place = Literal["body", "drive", "cell", "web", "span", "loop"]
+PlaceKind = Literal["body", "drive", "cell", "web", "span", "loop"]
 Candidates = Literal[
     "roll",
     "unwind",
@@ -28,6 +31,8 @@ Candidates = Literal[
 Value = float | str
 Apply = Callable[[LineArrays, int, Mapping[str, Value]], LineArrays]
 Limits = Callable[[LineArrays, int], Mapping[str, tuple[float, float]]]
+Experiment = Callable[[str, "Effect", str], str]
+"""(own location, another effect, its location) -> what to do at the machine; empty: no help."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,6 +54,8 @@ class Parameter:
         chosen, not fitted.
     step : finite difference to take, where the line answers in steps; 0: chosen by the search.
     tries : values worth a candidate each, where a search by slope is hopeless; empty otherwise.
+    words : what a word may be; empty for a number.
+    detail : says nothing of how much of the effect there is; a report's summary leaves it out.
     """
 
     default: Value
@@ -60,6 +67,8 @@ class Parameter:
     role: Literal["strength", "shape", "angle", "option"] = "strength"
     step: float = 0.0
     tries: tuple[Value, ...] = ()
+    words: tuple[str, ...] = ()
+    detail: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,6 +85,30 @@ class Quadrature:
     amplitude: str = ""
     angle: str = ""
     order: str = ""
+
+
+def _as_it_is(_arrays: LineArrays, _place: int) -> float:
+    return 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeclaredNumber:
+    """A parameter that changes nothing but one declared number: the effect is its other name.
+
+    Attributes
+    ----------
+    number : dotted path in the declaration; ``{place}`` stands for the roller, of a load cell for
+        its channel.
+    parameter : of the effect.
+    scale : (arrays, index of the place) -> change of the number, as its tolerance counts it, per
+        unit of the parameter.
+    proposed : a number pulled beyond its tolerance is tried as this effect.
+    """
+
+    number: str
+    parameter: str
+    scale: Callable[[LineArrays, int], float] = _as_it_is
+    proposed: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,26 +128,57 @@ class Effect:
     apply : returns arrays with the effect added at the index of its place; the arrays given may
         be changed in place.
     text : one sentence for a process engineer.
-    order_locked : its response stands still over the angle of the body at its location.
+    shows : its signature in a record; None: no line and no moment of its own.
+    remedy : what to do at the machine or in the declaration, without a stop at its end;
+        ``{place}`` stands for where.
+    experiment : what tells it from another effect, where the signatures of both do not say it.
     sensor_only : acts in a reading, not in the web: must not be cancelled.
+    cancel_orders : whole orders of its body that a drive can cancel, or the parameter that says
+        which; empty: none.
     quadratures : pairs among ``accepts``.
     limits : returns narrower bounds (low, high) of some parameters at an index of its place on a
         given line, where physics knows them; None where the line says nothing.
+    declared_as : declared numbers that it is another name of.
+    profiles : its named profiles, where tracing finds it by orders first.
+    name_in_version_1 : what a version 1 verdict calls it; empty: its name.
     """
 
     name: str
-    place: Place
+    place: PlaceKind
     candidates: Candidates
     accepts: Mapping[str, Parameter]
     traced: tuple[str, ...]
     apply: Apply
     text: str
-    order_locked: bool = False
+    shows: Signature | None
+    remedy: str
+    experiment: Experiment | None = None
     sensor_only: bool = False
+    cancel_orders: tuple[int, ...] | str = ()
     quadratures: tuple[Quadrature, ...] = ()
     limits: Limits | None = None
+    declared_as: tuple[DeclaredNumber, ...] = ()
+    profiles: Profiles | None = None
+    name_in_version_1: str = ""
 
     @property
     def parameters(self) -> Mapping[str, Value]:
         """Defaults of every parameter: the effect exactly absent."""
         return {name: parameter.default for name, parameter in self.accepts.items()}
+
+    @property
+    def order_locked(self) -> bool:
+        """Whether its response stands still over the angle of the body at its location."""
+        return isinstance(self.shows, Orders) and not self.shows.resonant
+
+    @property
+    def resonant(self) -> bool:
+        """Whether it shows at an order that something rings at."""
+        return isinstance(self.shows, Orders) and self.shows.resonant
+
+    def cancelled(self, values: Mapping[str, Value]) -> tuple[int, ...]:
+        """Return the whole orders of its body that a drive can cancel, none where it must not."""
+        if isinstance(self.cancel_orders, str):
+            name = self.cancel_orders
+            return (round(float(values.get(name, self.accepts[name].default))),)
+        return self.cancel_orders

@@ -8,7 +8,19 @@ import matplotlib as mpl
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
+from aff_runtime.base.printable import printable
+
+# matplotlib takes a matplotlibrc of the working folder first, so of whoever sent what lies there:
+# it may have every word set by TeX, a program that reads files.
+mpl.rcdefaults()
+
+_LONGEST_WORD = 80
 _SALT = "reproduce"  # any fixed text: identities in the figure come from what is drawn
+
+
+def as_written(text: str) -> str:
+    """Return a word from a file as a figure shows it: on one line, and ``$`` starts no formula."""
+    return printable(text, _LONGEST_WORD).replace("$", r"\$")
 
 
 def svg(figure: Figure, *, tight: bool = True, letters: bool = False) -> str:

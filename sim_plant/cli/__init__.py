@@ -1,1 +1,3 @@
 """The sim-plant command."""
+
+__all__ = ["main"]

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declaration import Declaration, LoadCell
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
 from sim_plant.line.simulation import LineSimulation
@@ -73,7 +73,7 @@ def _best(line: LineSimulation) -> tuple[float, float]:
 
 def convergence(line: Declaration, duration_s: float = CONVERGED_S) -> float:
     """Return the tension error of the shipped step over the tension's ripple, worst cell."""
-    cells = [s.channel for s in line.sensors if s.low_pass_Hz is not None]
+    cells = [s.channel for s in line.sensors if isinstance(s, LoadCell)]
     runs = []
     for substeps in (1, 4):
         rows = _run(make_line(line, seed=None, substeps=substeps), duration_s)

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.cli.output import say
 
 ROOT = Path(__file__).resolve().parents[2]
 FPM_M_S = 0.00508
@@ -43,12 +44,12 @@ def run(arguments: argparse.Namespace) -> int:
         line_speed_m_s=arguments.speed_fpm * FPM_M_S,
         seed=arguments.seed,
     )
-    session = run_session(plan, lambda text: print(text, flush=True))
+    session = run_session(plan, say)
     rows = judge(
         window(session.record, *session.before_s),
         window(session.record, *session.after_s),
         NOISE_N,
     )
     page = write_report(session, rows, NOISE_N)
-    print(f"\n{table_text(rows)}\n\nreport: {page}")
+    say(f"\n{table_text(rows)}\n\nreport: {page}")
     return 0 if all(row.passed for row in rows) else 5

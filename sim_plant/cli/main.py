@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 
 from aff_runtime.base.errors import AffError
 from sim_plant.cli import demo, identify, refine, reproduce, serve, simulate, tell
+from sim_plant.cli.output import say
 
 # a new subcommand is one more module in this row
 COMMANDS = (demo, identify, refine, reproduce, serve, simulate, tell)
@@ -29,7 +30,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return run(arguments)
     except AffError as error:
-        print(f"sim-plant: {error}", file=sys.stderr)
+        say(f"sim-plant: {error}", error=True)
         return error.exit_code
     except KeyboardInterrupt:
         print("sim-plant: stopped", file=sys.stderr)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from aff_runtime.base.arguments import speed_m_s
 from aff_runtime.base.errors import PlantError
+from sim_plant.cli.output import say
 
 if TYPE_CHECKING:
     from sim_plant.servers.serve import ServeOptions
@@ -94,7 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _say(text: str) -> None:
     with contextlib.suppress(BrokenPipeError):  # a line whose log nobody reads goes on
-        print(text, flush=True)
+        say(text)
 
 
 def read_options(arguments: argparse.Namespace) -> ServeOptions:

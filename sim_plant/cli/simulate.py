@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.cli.output import say
 
 
 def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -61,5 +62,5 @@ def run(arguments: argparse.Namespace) -> int:
     table |= {name: channels[name] for name in names}
     table |= {"line_speed_ref_m_s": speeds, "tension_ref_N": tensions}
     write_columns(arguments.out, table)
-    print(f"{speeds.size} samples of {len(names)} channels: {arguments.out}")
+    say(f"{speeds.size} samples of {len(names)} channels: {arguments.out}")
     return 0

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from sim_plant.base.arrays import Array
 from sim_plant.base.order_tracking import order_spectrum
-from sim_plant.base.svg import svg
+from sim_plant.base.svg import as_written, svg
 from sim_plant.demo.judge import window
 from sim_plant.demo.session import Session
 
@@ -68,7 +68,7 @@ def block_figure(columns: Mapping[str, Array]) -> str:
     axes = figure.subplots(len(kinds) + 1, 1, sharex=True)
     for axis, (ending, factor, words) in zip(axes, kinds, strict=False):
         for name in (n for n in columns if n.endswith(ending)):
-            label = name.removesuffix(ending).rstrip("._")
+            label = as_written(name.removesuffix(ending).rstrip("._"))
             axis.plot(time[::step], factor * columns[name][::step], lw=1, label=label)
             phase = name.removesuffix(ending) + "phase_deg"
             if phase in columns:

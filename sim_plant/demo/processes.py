@@ -7,7 +7,6 @@ import os
 import select
 import signal
 import subprocess
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,10 +15,11 @@ from typing import Any
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.python_child import module_command
 from sim_plant.servers.control_client import ask
 
-PLANT = (sys.executable, "-m", "sim_plant.cli.main")
-RUNTIME = (sys.executable, "-m", "aff_runtime.cli.main")
+PLANT = tuple(module_command("sim_plant.cli.main"))
+RUNTIME = tuple(module_command("aff_runtime.cli.main"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

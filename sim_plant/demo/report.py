@@ -12,6 +12,7 @@ from jinja2 import Environment, PackageLoader
 from sim_plant.base.arrays import Array
 from sim_plant.demo.figures import block_figure, spectrum_figure, tension_figure, timing_figure
 from sim_plant.demo.judge import Row, more_orders, window
+from sim_plant.demo.picture import write_picture
 from sim_plant.demo.roll_figure import learned_orders, roll_figure
 from sim_plant.demo.session import Session
 from sim_plant.line.record_file import read_columns
@@ -28,7 +29,7 @@ def runtime_columns(folder: Path) -> dict[str, Array]:
 
 
 def write_report(session: Session, rows: list[Row], noise_N: float) -> Path:
-    """Write ``report.html`` and ``report.json`` beside the records; return the page's path.
+    """Write ``report.html``, ``report.json`` and ``picture.svg``; return the page's path.
 
     ``noise_N`` is the load cell's noise per sample, for the floor of orders that are shown only.
     """
@@ -65,6 +66,7 @@ def write_report(session: Session, rows: list[Row], noise_N: float) -> Path:
         timing=timing_figure(columns),
         probe=session.probe_text,
     )
+    write_picture(session, [*rows, *more], out / "picture.svg")
     path = out / "report.html"
     path.write_text(page, encoding="utf-8")
     twin = {

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from sim_plant.base.arrays import Array
-from sim_plant.base.svg import svg
+from sim_plant.base.svg import as_written, svg
 from sim_plant.demo.figures import AFTER, BEFORE
 
 COLUMN = re.compile(r"(\w+)\.(\w+)_(\d+)x\.shape_mm")
@@ -84,7 +84,9 @@ def roll_figure(orders: list[LearnedOrder]) -> str:
         axis.set_yticks(ROOM * size + marks, [f"{mark:+.1f} mm" for mark in marks], fontsize=8)
         axis.set_ylim(0.0, (ROOM + 1.15) * size)
         axis.set_title(
-            f"{roll}, as {actuator} learned it: moment arm over the roll's angle", fontsize=10
+            f"{as_written(roll)}, as {as_written(actuator)} learned it: "
+            "moment arm over the roll's angle",
+            fontsize=10,
         )
         axis.legend(loc="lower left", bbox_to_anchor=(-0.1, -0.1), fontsize=8)
     return svg(figure)

@@ -1,1 +1,3 @@
 """One physical effect per file; absent means exactly zero."""
+
+__all__ = ["catalogue", "eccentric_roller", "shape_rows"]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.base.effects import DeclaredNumber, Effect, Parameter, Value
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -27,9 +28,25 @@ def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
     T is the tension the roll was wound at. A bearing easier than declared is a tolerance of the
     declared friction, not this effect.
     """
-    tension_N = float(arrays.web["wound_in_strain"][0]) * float(np.max(arrays.spans["EA_N"]))
+    tension_N = float(arrays.web["supply_strain"][0]) * float(np.max(arrays.spans["EA_N"]))
     most = tension_N * float(arrays.bodies["radius_m"][place])
     return {"constant_N_m": (0.0, most)} if most > 0.0 else {}
+
+
+def share(arrays: LineArrays, place: int) -> float:
+    """Return the change of the declared friction per N m, a share of it; inf where it has none."""
+    declared_N_m = float(arrays.bodies["friction_constant_N_m"][place])
+    return 1.0 / declared_N_m if declared_N_m > 0.0 else math.inf
+
+
+def experiment(place: str, other: Effect, there: str) -> str:
+    """Return what tells which of two bearings drags."""
+    if other is not EFFECT:
+        return ""
+    return (
+        f"take the web off and time how long {place} and {there} coast after a push: "
+        "the one that drags stops first"
+    )
 
 
 EFFECT = Effect(
@@ -44,8 +61,16 @@ EFFECT = Effect(
             default=0.0, unit="N m s", typical=0.001, low=0.0, high=2.0, linear=True
         ),
     },
-    traced=("constant_N_m", "viscous_N_m_s"),
+    traced=("constant_N_m",),
     apply=apply,
     limits=limits,
     text="a bearing turns hard: tension steps across the roller, with a slope over speed",
+    shows=None,
+    remedy="turn {place} by hand with the web off; clean, grease or change its bearings",
+    experiment=experiment,
+    declared_as=(
+        DeclaredNumber(
+            number="rollers.{place}.friction_constant_N_m", parameter="constant_N_m", scale=share
+        ),
+    ),
 )

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
+from sim_plant.base.signatures import whole
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 from sim_plant.effects.shape_rows import add_heavy, add_shape
 from sim_plant.geometry.shapes import eccentric
@@ -45,5 +46,7 @@ EFFECT = Effect(
     quadratures=(PAIR,),
     apply=apply,
     text="a roller turns off its centre: ripple once per turn in both its spans",
-    order_locked=True,
+    shows=whole(1),
+    remedy="put a dial gauge on {place} and have the roller, or its bearing seats, trued",
+    cancel_orders=(1,),
 )

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
+from sim_plant.base.signatures import whole
+from sim_plant.effects.experiments import of_the_encoder
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
 PAIR = Quadrature(cos="cos", sin="sin", amplitude="eccentricity", angle="angle_rad")
@@ -22,7 +24,7 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     if eccentricity != 0.0:
         drive = arrays.drives[place]
         # c cos(theta) + s sin(theta) = e cos(theta - angle)
-        drive["encoder_eccentricity"] = abs(eccentricity)
+        drive["encoder_offset_ratio"] = abs(eccentricity)
         drive["encoder_angle_rad"] = -cmath.phase(eccentricity)
         drive["encoder_loop_share"] = float(parameters["loop_share"])
     return arrays
@@ -52,6 +54,8 @@ EFFECT = Effect(
     quadratures=(PAIR,),
     apply=apply,
     text="an encoder off its centre: its speed wobbles once per turn while the roller runs even",
-    order_locked=True,
+    shows=whole(1),
+    remedy="centre the encoder of {place} and its coupling",
+    experiment=of_the_encoder,
     sensor_only=True,
 )

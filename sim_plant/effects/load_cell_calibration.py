@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.base.effects import DeclaredNumber, Effect, Parameter, Value
+from sim_plant.effects.experiments import of_the_cell
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -30,5 +31,12 @@ EFFECT = Effect(
     traced=("gain", "offset_N"),
     apply=apply,
     text="a load cell reads a wrong scale or zero: the loop holds the reading, not the tension",
+    shows=None,
+    remedy="calibrate {place} with a known weight",
+    experiment=of_the_cell,
+    declared_as=(
+        DeclaredNumber(number="sensors.{place}.gain", parameter="gain"),
+        DeclaredNumber(number="sensors.{place}.offset", parameter="offset_N"),
+    ),
     sensor_only=True,
 )

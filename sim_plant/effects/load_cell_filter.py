@@ -44,4 +44,6 @@ EFFECT = Effect(
     apply=apply,
     limits=limits,
     text="a load-cell amplifier filters more than declared: readings and loop lag",
+    shows=None,
+    remedy="compare the filter set in the amplifier of {place} with low_pass_Hz as declared",
 )

@@ -27,12 +27,7 @@ EFFECT = Effect(
     candidates="cell",
     accepts={
         "frequency_Hz": Parameter(
-            default=0.0,
-            unit="Hz",
-            typical=12.0,
-            low=0.0,
-            high=200.0,
-            tries=(4.0, 6.0, 9.0, 13.0, 20.0, 30.0),
+            default=0.0, unit="Hz", typical=12.0, low=0.0, high=200.0, tries=(6.0, 13.0, 30.0)
         ),
         "damping": Parameter(
             default=0.05, unit="1", typical=0.1, low=0.001, high=1.0, role="shape"
@@ -41,4 +36,6 @@ EFFECT = Effect(
     traced=("frequency_Hz", "damping"),
     apply=apply,
     text="a load cell rings on its mounts: one frequency is amplified in its reading",
+    shows=None,
+    remedy="look for loose mounts at {place}",
 )

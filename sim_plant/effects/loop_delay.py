@@ -36,4 +36,6 @@ EFFECT = Effect(
     traced=("delay_s",),
     apply=apply,
     text="corrections reach their drive late: the tension loop rings more",
+    shows=None,
+    remedy="look for what is slow between load cell and drive {place}: task period, bus, filters",
 )

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
+from sim_plant.base.signatures import Frequency
+from sim_plant.effects.experiments import of_the_cell
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
 PAIR = Quadrature(cos="cos_N", sin="sin_N", amplitude="amplitude_N", angle="phase_rad")
@@ -50,5 +52,8 @@ EFFECT = Effect(
     quadratures=(PAIR,),
     apply=apply,
     text="mains pick-up in a reading: a line in time, often an alias, that no roller explains",
+    shows=Frequency(at=lambda values: float(values["frequency_Hz"])),
+    remedy="look at shield and earth of the cable of {place}",
+    experiment=of_the_cell,
     sensor_only=True,
 )

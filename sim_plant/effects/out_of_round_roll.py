@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.base.arrays import REWIND, UNWIND, LineArrays
+from sim_plant.base.arrays import REWIND, UNWIND, Array, LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
+from sim_plant.base.profiles import Profile, Profiles
+from sim_plant.base.signatures import whole
 from sim_plant.effects.phasor import angle, component, phasor
 from sim_plant.effects.shape_rows import add_heavy, add_mean, add_shape
 from sim_plant.geometry.roll_profiles import asymmetric, bulge, flat_spot, flattened_bulge
@@ -19,9 +21,15 @@ from sim_plant.geometry.wound_mass import wound_mass
 
 GRAVITY_M_S2 = 9.80665
 LARGEST_ROLL_M = 5.0
-KINDS = ("flat", "bulge", "asym", "flattened_bulge", "ellipse", "orders")
+FLATTENED = "flattened_bulge"
+KINDS = ("flat", "bulge", "asym", FLATTENED, "ellipse", "orders")
+"""Profiles by name; the last is none, only orders."""
 MOST_UNWOUND_M = 0.05
 HIGHEST_ORDER = 6
+TRIED_SIZES_M = (0.001, 0.002, 0.004, 0.006, 0.009, 0.012, 0.016)
+TRIED_ANGLES_RAD = np.radians(np.arange(0.0, 360.0, 2.0))
+TRACED_FINEST_ORDER = 64.0
+"""A profile that is traced has no finer orders: drives and cells do not answer to them."""
 PAIRS = tuple(Quadrature(cos=f"cos{n}_m", sin=f"sin{n}_m") for n in range(1, HIGHEST_ORDER + 1))
 
 
@@ -45,7 +53,7 @@ def _at_angle_0(kind: str, size_m: float, radius_m: float, flat_width_m: float) 
         return bulge(size_m, radius_m)
     if kind == "asym":
         return asymmetric(size_m, radius_m)
-    if kind == "flattened_bulge":
+    if kind == FLATTENED:
         return flattened_bulge(size_m, flat_width_m or 6.0 * size_m, radius_m)
     return ellipse(radius_m + size_m, radius_m - size_m)
 
@@ -152,6 +160,46 @@ def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
     return {"unwound_m": (-MOST_UNWOUND_M, 0.0)} if kind == REWIND else {}
 
 
+def profile_starts(
+    radius_m: float, inner: Array, against: Array, amplitudes_m: Sequence[float], keep: int = 2
+) -> list[Profile]:
+    """Return named profiles with size and angle that explain most, best first.
+
+    ``inner`` (2 n, 2 n) and ``against`` (2 n,) are S'PS and S'Pr of the order columns
+    (cos, sin per order, columns per ``amplitudes_m``): a profile is a fixed mix of orders, so its
+    gain 2 z'b - z'Gz needs no simulation.
+    """
+    highest = len(amplitudes_m) // 2
+    number = np.arange(1, highest + 1)
+    found: list[tuple[float, str, float, float]] = []
+    for kind in KINDS[:-1]:
+        best = (-np.inf, kind, 0.0, 0.0)
+        for size in TRIED_SIZES_M:
+            shape = named(kind, size, radius_m, 0.0).deviation_m
+            h = np.zeros(highest, dtype=np.complex128)
+            h[: min(highest, shape.size)] = shape[:highest]
+            turned = h[None, :] * np.exp(-1j * np.outer(TRIED_ANGLES_RAD, number))
+            z = np.stack([turned.real, -turned.imag], axis=2).reshape(TRIED_ANGLES_RAD.size, -1)
+            z = z / np.asarray(amplitudes_m)
+            gain = 2.0 * z @ against - np.einsum("ai,ij,aj->a", z, inner, z)
+            at = int(np.argmax(gain))
+            best = max(best, (float(gain[at]), kind, size, float(TRIED_ANGLES_RAD[at])))
+        found.append(best)
+    found.sort(reverse=True)
+    return [
+        _start(kind, size, angle_rad) for gain, kind, size, angle_rad in found[:keep] if gain > 0.0
+    ]
+
+
+def _start(kind: str, size_m: float, angle_rad: float) -> Profile:
+    wide = kind == FLATTENED
+    return Profile(
+        choice=(("shape", kind), ("finest_order", TRACED_FINEST_ORDER)),
+        names=("size_m", "angle_rad", "smoothing_rad", *(("flat_width_m",) if wide else ())),
+        start=(size_m, angle_rad, 0.02, *((6.0 * size_m,) if wide else ())),
+    )
+
+
 def _components() -> dict[str, Parameter]:
     found = {}
     for order, pair in enumerate(PAIRS, start=1):
@@ -165,11 +213,11 @@ EFFECT = Effect(
     place="body",
     candidates="roll",
     accepts={
-        "shape": Parameter(default="flat", unit="", role="option", tries=KINDS[:-1]),
+        "shape": Parameter(default="flat", unit="", role="option", words=KINDS),
         "size_m": Parameter(default=0.0, unit="m", typical=5e-3, low=0.0, high=0.05),
         "angle_rad": angle(),
         "smoothing_rad": Parameter(
-            default=0.0, unit="rad", typical=0.03, low=0.0, high=0.5, role="shape"
+            default=0.0, unit="rad", typical=0.03, low=0.0, high=0.5, role="shape", detail=True
         ),
         "formed_radius_m": Parameter(  # 0: the radius of the roll at the start
             default=0.0, unit="m", typical=0.2, low=0.0, high=LARGEST_ROLL_M, role="shape"
@@ -190,6 +238,7 @@ EFFECT = Effect(
             low=1.0,
             high=float(MAX_ORDER),
             role="option",
+            detail=True,
         ),
         "flat_width_m": Parameter(  # of a flattened bulge; 0: six times its size
             default=0.0, unit="m", typical=0.03, low=0.0, high=0.3, role="shape"
@@ -207,5 +256,13 @@ EFFECT = Effect(
     apply=apply,
     limits=limits,
     text="the roll is not round: ripple at its turning frequency and several harmonics",
-    order_locked=True,
+    shows=whole(*range(1, HIGHEST_ORDER + 1)),
+    remedy="look how {place} was stored and clamped; the next roll brings a shape of its own",
+    profiles=Profiles(
+        starts=profile_starts,
+        size="size_m",
+        age="unwound_m",
+        age_tries=(0.006, 0.012, -0.006, -0.012),
+    ),
+    cancel_orders=(1, 2, 3, 4),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.base.effects import DeclaredNumber, Effect, Parameter, Value
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -28,4 +28,10 @@ EFFECT = Effect(
     traced=("ratio",),
     apply=apply,
     text="a drive believes a wrong radius or gear ratio: its roller runs fast or slow",
+    shows=None,
+    remedy="put radius or gear ratio in drive {place} right",
+    declared_as=(
+        # what makes a radius seem wrong is mostly a shape, which is tried itself
+        DeclaredNumber(number="rollers.{place}.radius_m", parameter="ratio", proposed=False),
+    ),
 )

@@ -25,15 +25,12 @@ EFFECT = Effect(
     candidates="drive",
     accepts={
         "slew_m_s2": Parameter(
-            default=0.0,
-            unit="m/s2",
-            typical=0.1,
-            low=0.0,
-            high=100.0,
-            tries=(0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
+            default=0.0, unit="m/s2", typical=0.1, low=0.0, high=100.0, tries=(0.05, 0.2)
         )
     },
     traced=("slew_m_s2",),
     apply=apply,
     text="a drive ramps its reference: fast corrections and speed changes come out slower",
+    shows=None,
+    remedy="let the tension correction enter behind the ramp of drive {place}",
 )

@@ -37,10 +37,12 @@ EFFECT = Effect(
             low=0.0,
             high=20.0,
             role="shape",
-            tries=(0.0, 0.5, 0.8, 1.0, 1.2, 1.4),
+            tries=(0.0, 0.8, 1.2),
         ),
     },
     traced=("slope_s_m", "threshold_m_s"),
     apply=apply,
     text="the web slips on a driven roller above a speed: the tension it holds drops",
+    shows=None,
+    remedy="clean the surface of {place}, give it more wrap or nip, or run slower",
 )

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.base.signatures import Onset
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -40,4 +41,6 @@ EFFECT = Effect(
     traced=("EA_factor", "thickness_factor", "at_length_m"),
     apply=apply,
     text="from a splice on the web is another one: tensions change zone by zone as it passes",
+    shows=Onset(at=lambda values: float(values["at_length_m"])),
+    remedy="judge the webs before and after the splice on their own",
 )

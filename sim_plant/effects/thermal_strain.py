@@ -31,4 +31,6 @@ EFFECT = Effect(
     traced=("strain",),
     apply=apply,
     text="the web is warmer in a zone: it is longer without being pulled",
+    shows=None,
+    remedy="measure the web's temperature before and after {place}",
 )

@@ -8,6 +8,7 @@ import numpy as np
 
 from sim_plant.base.arrays import RIPPLE, LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
+from sim_plant.base.signatures import said_by
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
 PAIR = Quadrature(cos="cos_N_m", sin="sin_N_m", amplitude="amplitude_N_m", angle="angle_rad")
@@ -26,6 +27,16 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     row["drive"], row["order"] = place, float(parameters["order"])
     row["cos_N_m"], row["sin_N_m"] = ripple.real, ripple.imag
     return arrays._replace(ripples=np.concatenate((arrays.ripples, row)))
+
+
+def experiment(place: str, _other: Effect, there: str) -> str:
+    """Return what tells the motor's torque from anything else at its roller."""
+    if place != there:
+        return ""
+    return (
+        f"take the web off {place} and let it coast with its drive off: a ripple ends with "
+        "the motor's torque, everything else goes on"
+    )
 
 
 EFFECT = Effect(
@@ -51,5 +62,8 @@ EFFECT = Effect(
     quadratures=(PAIR,),
     apply=apply,
     text="a drive pushes unevenly over its turn: ripple at a fixed number per turn of that roller",
-    order_locked=True,
+    shows=said_by("order"),
+    remedy="look at the commutation and the encoder offset of the motor of {place}",
+    experiment=experiment,
+    cancel_orders="order",
 )

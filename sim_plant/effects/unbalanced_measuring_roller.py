@@ -7,6 +7,8 @@ from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Quadrature, Value
+from sim_plant.base.signatures import whole
+from sim_plant.effects.experiments import of_the_cell
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
 PAIR = Quadrature(cos="cos_kg_m", sin="sin_kg_m", amplitude="unbalance_kg_m", angle="angle_rad")
@@ -42,6 +44,9 @@ EFFECT = Effect(
     quadratures=(PAIR,),
     apply=apply,
     text="a measuring roller shakes its own cell once per turn, as speed squared",
-    order_locked=True,
+    shows=whole(1),
+    remedy="have the measuring roller {place} balanced",
+    experiment=of_the_cell,
+    name_in_version_1="unbalanced_roller",
     sensor_only=True,
 )

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Quadrature, Value
+from sim_plant.base.signatures import whole
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 from sim_plant.effects.shape_rows import add_heavy
 
@@ -37,5 +38,7 @@ EFFECT = Effect(
     quadratures=(PAIR,),
     apply=apply,
     text="a body is heavier on one side: a torque once per turn that does not grow with speed",
-    order_locked=True,
+    shows=whole(1),
+    remedy="have {place} balanced",
+    cancel_orders=(1,),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.base.effects import DeclaredNumber, Effect, Parameter, Value
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -15,7 +15,7 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     """
     factor = float(parameters["factor"])
     arrays.spans["EA_N"] *= factor
-    arrays.web["wound_in_strain"] /= factor
+    arrays.web["supply_strain"] /= factor
     return arrays
 
 
@@ -29,4 +29,7 @@ EFFECT = Effect(
     traced=("factor",),
     apply=apply,
     text="the web is stiffer or softer than declared: draw zones hold another tension",
+    shows=None,
+    remedy="measure the stiffness of the web and put web.EA_N of the declaration right",
+    declared_as=(DeclaredNumber(number="web.EA_N", parameter="factor"),),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.base.effects import DeclaredNumber, Effect, Parameter, Value
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -13,13 +13,18 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
 
     The roll then turns by d eps / (1 + eps) faster or slower at the same line speed.
     """
-    arrays.web["wound_in_strain"] += float(parameters["strain"])
+    arrays.web["supply_strain"] += float(parameters["strain"])
     return arrays
 
 
 def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
     """Return the change at which the roll would have been wound with no strain at all."""
-    return {"strain": (-float(arrays.web["wound_in_strain"][place]), 0.02)}
+    return {"strain": (-float(arrays.web["supply_strain"][place]), 0.02)}
+
+
+def share(arrays: LineArrays, place: int) -> float:
+    """Return the change of the declared winding tension per unit of strain, a share of it."""
+    return 1.0 / float(arrays.web["supply_strain"][place])
 
 
 EFFECT = Effect(
@@ -35,4 +40,9 @@ EFFECT = Effect(
     apply=apply,
     limits=limits,
     text="the roll was wound tighter or looser: it turns at another speed for the same web",
+    shows=None,
+    remedy="ask how tight the roll was wound and put web.wound_in_tension_N right",
+    declared_as=(
+        DeclaredNumber(number="web.wound_in_tension_N", parameter="strain", scale=share),
+    ),
 )

@@ -2,4 +2,20 @@
 
 from sim_plant.line.open import open_line
 
-__all__ = ["open_line"]
+__all__ = [
+    "accumulator_section",
+    "build",
+    "climate_section",
+    "corrections",
+    "dancer_section",
+    "declaration",
+    "frequency",
+    "load",
+    "locations",
+    "open",
+    "open_line",
+    "record_file",
+    "simulation",
+    "with_effects",
+    "yaml_places",
+]

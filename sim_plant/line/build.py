@@ -26,7 +26,7 @@ from sim_plant.base.arrays import (
     LineState,
     Records,
 )
-from sim_plant.line.declaration import Declaration, Sensor
+from sim_plant.line.declaration import Declaration, DriveSpeed, LoadCell
 from sim_plant.line.layout import Layout, layout_of
 
 
@@ -56,9 +56,9 @@ def timing_of(declaration: Declaration, sample_time_s: float) -> Timing:
     )
 
 
-def cell_sensors(declaration: Declaration) -> list[Sensor]:
+def cell_sensors(declaration: Declaration) -> list[LoadCell]:
     """Return the load-cell channels, in the order of the kernel's cells."""
-    return [s for s in declaration.sensors if s.low_pass_Hz is not None]
+    return [s for s in declaration.sensors if isinstance(s, LoadCell)]
 
 
 def build_arrays(declaration: Declaration, timing: Timing, substeps: int = 1) -> LineArrays:
@@ -112,7 +112,7 @@ def _web(declaration: Declaration) -> Records:
     web["density_kg_m3"] = given.density_kg_m3
     web["thickness_m"] = given.thickness_m
     web["width_m"] = given.width_m
-    web["wound_in_strain"] = given.wound_in_tension_N / given.EA_N
+    web["supply_strain"] = given.wound_in_tension_N / given.EA_N
     web["core_radius_m"] = declaration.initial_radii_m.core
     web["bounce_Hz"], web["bounce_damping"], web["bounce_order"] = 1.0, 0.05, 1.0
     web["splice_EA_ratio"], web["splice_thickness_ratio"] = 1.0, 1.0
@@ -161,7 +161,7 @@ def _loops(declaration: Declaration) -> Records:
 def _encoder(declaration: Declaration) -> tuple[float, float]:
     """Return noise and resolution of the speed signals, rad/s."""
     for sensor in declaration.sensors:
-        if sensor.noise_sd_rad_s is not None:
+        if isinstance(sensor, DriveSpeed) and sensor.noise_sd_rad_s is not None:
             return sensor.noise_sd_rad_s, sensor.lsb_rad_s or 0.0
     return 0.0, 0.0
 

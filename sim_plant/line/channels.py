@@ -9,8 +9,9 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array, LineArrays
 from sim_plant.line.build import cell_sensors
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declaration import Declaration, LoadCell, RollAngle, RollRadius
 from sim_plant.line.layout import Layout
+from sim_plant.line.log_layout import log_layout
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,40 +37,48 @@ def channels_of(declaration: Declaration, lay: Layout, p: LineArrays) -> list[Ch
     PlantError
         When a speed is declared for a roller without a drive.
     """
-    cells, drives, n = p.cells.size, p.drives.size, lay.n
-    speeds = 3 * cells
-    angles = speeds + 2 * drives
+    log = log_layout(p.cells.size, p.drives.size, lay.n)
     cell_of = {s.channel: c for c, s in enumerate(cell_sensors(declaration))}
     found = []
     for sensor in declaration.sensors:
         name, body = sensor.channel, declaration.body(sensor.roller)
         where = np.flatnonzero(p.drives["body"] == body)
-        if name in cell_of:
-            c = cell_of[name]
-            found.append(
-                Channel(name=name, column=c, true_column=cells + c, exact_column=cells + c)
-            )
-        elif sensor.lsb_m is not None:
-            at = angles + n + (0 if body == 0 else 1)
-            found.append(
-                Channel(name=name, column=at, true_column=at, exact_column=at, lsb=sensor.lsb_m)
-            )
-        elif sensor.lsb_rad is not None:
-            found.append(_angle(name, angles, body, sensor.lsb_rad, p.drives[where]))
+        if isinstance(sensor, LoadCell):
+            cell = cell_of[name]
+            true = log.true_N + cell
+            found.append(_channel(name, log.measured_N + cell, true=true, exact=true))
+        elif isinstance(sensor, RollRadius):
+            at = log.radius_m + (0 if body == 0 else 1)
+            found.append(_channel(name, at, lsb=sensor.lsb_m))
+        elif isinstance(sensor, RollAngle):
+            found.append(_angle(name, log.theta_rad, body, sensor.lsb_rad, p.drives[where]))
         elif where.size == 0:
             raise PlantError(f"sensors.{name}: {sensor.roller} has no drive")
         else:
-            at = speeds + int(where[0])
-            found.append(
-                Channel(
-                    name=name,
-                    column=at,
-                    true_column=at + drives,
-                    exact_column=at,
-                    scale=sensor.scale_radius_m or 1.0,
-                )
-            )
+            drive, scale = int(where[0]), sensor.scale_radius_m or 1.0
+            at = log.measured_rad_s + drive
+            found.append(_channel(name, at, true=log.true_rad_s + drive, scale=scale))
     return found
+
+
+def _channel(
+    name: str,
+    column: int,
+    *,
+    true: int | None = None,
+    exact: int | None = None,
+    scale: float = 1.0,
+    lsb: float = 0.0,
+) -> Channel:
+    """Return a channel whose true and exact values stand where the measured one does, or apart."""
+    return Channel(
+        name=name,
+        column=column,
+        true_column=column if true is None else true,
+        exact_column=column if exact is None else exact,
+        scale=scale,
+        lsb=lsb,
+    )
 
 
 def _angle(name: str, angles: int, body: int, lsb_rad: float, drives: Array) -> Channel:
@@ -82,7 +91,7 @@ def _angle(name: str, angles: int, body: int, lsb_rad: float, drives: Array) -> 
         exact_column=at,
         lsb=lsb_rad,
         theta_body=body,
-        eccentricity=0.0 if eccentric is None else float(eccentric["encoder_eccentricity"]),
+        eccentricity=0.0 if eccentric is None else float(eccentric["encoder_offset_ratio"]),
         eccentricity_angle_rad=0.0 if eccentric is None else float(eccentric["encoder_angle_rad"]),
     )
 

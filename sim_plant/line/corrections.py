@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.suggest import hint
 from sim_plant.base.arrays import DRIVEN, IDLER, LineArrays
 from sim_plant.effects.shape_rows import add_mean
 from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
-from sim_plant.line.suggest import meant
 
 Shift = Callable[[LineArrays, float], LineArrays]
 
@@ -55,7 +55,7 @@ def _idler_inertia(arrays: LineArrays, amount: float) -> LineArrays:
 
 def _modulus(arrays: LineArrays, amount: float) -> LineArrays:
     arrays.spans["EA_N"] *= 1.0 + amount
-    arrays.web["wound_in_strain"] /= 1.0 + amount  # wound at a declared tension
+    arrays.web["supply_strain"] /= 1.0 + amount  # wound at a declared tension
     return arrays
 
 
@@ -90,7 +90,7 @@ def declared_numbers(line: Declaration) -> list[Number]:
         ("web.kelvin_voigt_eta_s", "web.kelvin_voigt_eta_s", _scale("web", "viscosity_s", 0)),
         ("web.density_kg_m3", "web.density_kg_m3", _scale("web", "density_kg_m3", 0)),
         ("web.thickness_m", "web.thickness_m", _scale("web", "thickness_m", 0)),
-        ("web.wound_in_tension_N", "web.wound_in_tension_N", _scale("web", "wound_in_strain", 0)),
+        ("web.wound_in_tension_N", "web.wound_in_tension_N", _scale("web", "supply_strain", 0)),
         ("idlers.inertia_kg_m2", "idlers.inertia_kg_m2", _idler_inertia),
         ("sensors.low_pass_Hz", "corner", _corner),
     ]
@@ -128,8 +128,9 @@ def apply_corrections(
     table = {n.name: n for n in declared_numbers(line)} if corrections else {}
     for name, amount in corrections.items():
         if name not in table:
-            hint = meant(name, table)
-            raise PlantError(f"corrections.{name}: this line declares no such number{hint}")
+            raise PlantError(
+                f"corrections.{name}: this line declares no such number{hint(name, table)}"
+            )
         arrays = table[name].shift(arrays, amount)
     return arrays
 

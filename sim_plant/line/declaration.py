@@ -12,13 +12,24 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
 Tick = Annotated[float, Field(ge=1e-5, allow_inf_nan=False, strict=True)]
 """A drive's; the line is simulated at each, and faster ones only take longer."""
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, strict=True)]
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
+
+
+def _shows(name: str) -> str:
+    if not name.isprintable() or len(name) > LONGEST_NAME:
+        raise ValueError(f"expected at most {LONGEST_NAME} characters, all of which print")
+    return name
+
+
+LONGEST_NAME = 200
+Name = Annotated[str, AfterValidator(_shows)]
+"""What stands in tables, figures and on terminals as it is."""
 
 
 class Section(BaseModel):
@@ -50,7 +61,7 @@ class InitialRadii(Section):
 class Roller(Section):
     """One body that the web wraps, in web order."""
 
-    name: str
+    name: Name
     kind: Literal["roll", "idler", "driven"]
     radius_m: Positive
     inertia_kg_m2: Positive
@@ -65,8 +76,8 @@ class Roller(Section):
 class SpanEntry(Section):
     """One free span, tangent point to tangent point."""
 
-    start: str
-    end: str
+    start: Name
+    end: Name
     length_m: Positive
     direction_deg: Finite
 
@@ -81,7 +92,7 @@ class CoreInertia(Section):
 class Drive(Section):
     """Inner speed PI of one driven body."""
 
-    roller: str
+    roller: Name
     K_ref_rad_s: Positive
     zeta: Positive
     speed_reference: str
@@ -91,9 +102,9 @@ class Drive(Section):
 class TensionPi(Section):
     """Outer tension loop."""
 
-    loop: str
-    acts_on: str
-    load_cell: str
+    loop: Name
+    acts_on: Name
+    load_cell: Name
     gain_m_s_per_N: Positive
     corner_rad_s: Positive
     law: str
@@ -111,28 +122,72 @@ class Control(Section):
     tension_loop_sample_time_s: Positive
 
 
-class Sensor(Section):
-    """One recorded channel; which keys it has says what it measures."""
+class LoadCell(Section):
+    """Tension at a roller, through the cell's low-pass."""
 
-    channel: str
-    roller: str
-    low_pass_Hz: Positive | None = None
+    kind: Literal["load_cell"] = "load_cell"
+    channel: Name
+    roller: Name
+    low_pass_Hz: Positive
     low_pass_order: Literal[1] | None = None
     noise_sd_N: NotNegative | None = None
     lsb_N: NotNegative | None = None
+
+
+class DriveSpeed(Section):
+    """Speed of a driven roller; in m/s where ``scale_radius_m`` says at which radius."""
+
+    kind: Literal["drive_speed"] = "drive_speed"
+    channel: Name
+    roller: Name
     noise_sd_rad_s: NotNegative | None = None
     lsb_rad_s: NotNegative | None = None
     scale_radius_m: Positive | None = None
-    lsb_rad: NotNegative | None = None
+
+
+class RollAngle(Section):
+    """Angle of a roll or roller from its encoder; it counts from zero at the start."""
+
+    kind: Literal["roll_angle"] = "roll_angle"
+    channel: Name
+    roller: Name
+    lsb_rad: NotNegative
     zero: str | None = None
-    lsb_m: NotNegative | None = None
+
+
+class RollRadius(Section):
+    """Radius of an unwinding or rewinding roll."""
+
+    kind: Literal["roll_radius"] = "roll_radius"
+    channel: Name
+    roller: Name
+    lsb_m: NotNegative
+
+
+def _kind_of(given: Any) -> str:
+    """Return a sensor's kind, from its own keys where it does not say."""
+    if not isinstance(given, dict):
+        return str(getattr(given, "kind", ""))
+    if "kind" in given:
+        return str(given["kind"])
+    told_by = {"low_pass_Hz": "load_cell", "lsb_m": "roll_radius", "lsb_rad": "roll_angle"}
+    return next((kind for key, kind in told_by.items() if key in given), "drive_speed")
+
+
+Sensor = Annotated[
+    Annotated[LoadCell, Tag("load_cell")]
+    | Annotated[DriveSpeed, Tag("drive_speed")]
+    | Annotated[RollAngle, Tag("roll_angle")]
+    | Annotated[RollRadius, Tag("roll_radius")],
+    Discriminator(_kind_of),
+]
 
 
 class EffectEntry(Section):
     """An effect that the line is known to have."""
 
-    effect: str
-    location: str
+    effect: Name
+    location: Name
     parameters: dict[str, Any] = Field(default_factory=dict)
 
 
@@ -161,7 +216,7 @@ class Declaration(Section):
     control: Control
     sensors: tuple[Sensor, ...]
     sensor_note: str = ""
-    reference_columns: tuple[str, ...] = ()
+    reference_columns: tuple[Name, ...] = ()
     operating_point: OperatingPoint = OperatingPoint()
     tolerances: dict[str, NotNegative] = Field(default_factory=dict)
     origins: dict[str, str] = Field(default_factory=dict)

@@ -121,7 +121,7 @@ def span_tensions(
     spans = lay.n - 1
     spliced = web.splice_EA_ratio != 1.0 or web.splice_thickness_ratio != 1.0
     behind = y[lay.flow] - web.splice_m
-    upstream = web.wound_in_strain
+    upstream = web.supply_strain
     if spliced and behind > 0.0:
         upstream /= web.splice_EA_ratio
     branch_up = 0.0

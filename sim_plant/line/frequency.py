@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import Declaration, Sensor
+from sim_plant.line.build import cell_sensors
+from sim_plant.line.declaration import Declaration, DriveSpeed, LoadCell
 from sim_plant.line.operating_point import SteadyLine, friction_of, inertias_of, steady_line
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -53,7 +54,7 @@ def response(
     if drive_roller not in where:
         raise PlantError(f"roller {drive_roller!r} has no drive; expected one of {sorted(where)}")
     sensor = next((s for s in declaration.sensors if s.channel == channel), None)
-    if sensor is None or (sensor.low_pass_Hz is None and sensor.noise_sd_rad_s is None):
+    if not isinstance(sensor, LoadCell | DriveSpeed):
         raise PlantError(f"channel {channel!r} is no tension and no speed of this line")
     tension = declaration.operating_point.tension_N if tension_N is None else tension_N
     rest = steady_line(declaration, line_speed_m_s, tension)
@@ -101,23 +102,19 @@ class _Network:
         integral = period / (1.0 - np.exp(-self.s * period))
         drives = [d.roller for d in control.drives]
         for loop in control.tension_pi:
-            sensor = next(
-                c
-                for c in self.line.sensors
-                if c.low_pass_Hz is not None and c.roller == loop.load_cell
-            )
+            sensor = next(c for c in cell_sensors(self.line) if c.roller == loop.load_cell)
             sign = -1.0 if "v_correction = -" in loop.law else 1.0
             law = sign * loop.gain_m_s_per_N * (1.0 + loop.corner_rad_s * integral)
             gain = self.torque_per_reference[drives.index(loop.acts_on)]
             row = self.line.body(loop.acts_on)
             self.A[row] += gain * law * hold_factor(self.s, period, tick) * self.reading(sensor)
 
-    def reading(self, sensor: Sensor) -> ComplexArray:
+    def reading(self, sensor: LoadCell | DriveSpeed) -> ComplexArray:
         """Return the row that takes the unknowns to a channel."""
         n = len(self.line.rollers)
         body = self.line.body(sensor.roller)
         row = np.zeros(2 * n - 1, dtype=np.complex128)
-        if sensor.low_pass_Hz is None:
+        if isinstance(sensor, DriveSpeed):
             row[body] = sensor.scale_radius_m or 1.0
             return row
         low_pass = 1.0 / (1.0 + self.s / (2.0 * math.pi * sensor.low_pass_Hz))
@@ -133,7 +130,7 @@ class _Network:
         b[row] = self.torque_per_reference[drive] * held
         return np.asarray(np.linalg.solve(self.A, b), dtype=np.complex128)
 
-    def read(self, sensor: Sensor, x: ComplexArray) -> complex:
+    def read(self, sensor: LoadCell | DriveSpeed, x: ComplexArray) -> complex:
         """Return the channel's phasor."""
         return complex(self.reading(sensor) @ x)
 

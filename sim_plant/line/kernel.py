@@ -12,6 +12,7 @@ from sim_plant.elements.load_cell import expected_quantise, quantise
 from sim_plant.elements.tension_loop import tension_pi
 from sim_plant.line.derivative import derivative, mean_radius, roll_inertia
 from sim_plant.line.layout import Layout
+from sim_plant.line.log_layout import log_layout
 
 
 class Work(NamedTuple):
@@ -96,7 +97,7 @@ def encoder_speed(p: LineArrays, lay: Layout, s: LineState, d: int, share: float
     k = drive.body
     stiff = drive.shaft_stiffness_N_m == 0.0
     omega = s.y[lay.omega + k] if stiff else s.y[lay.motor + d]
-    eccentricity = share * drive.encoder_eccentricity
+    eccentricity = share * drive.encoder_offset_ratio
     if eccentricity != 0.0:
         turn = s.y[lay.theta + k] + s.y[lay.twist + d] + drive.encoder_angle_rad
         omega *= 1.0 + eccentricity * math.cos(turn)
@@ -221,9 +222,7 @@ def run_frames(
     """Run ``out.shape[0]`` frames and log after each, through the same code as one frame.
 
     Shapes: line_speed (f, 2) at start and end of the frame, tension_ref (f, l), aff (f, d),
-    noise (f, c + d + ticks * d) or (1, ...) to repeat, out (f, 3 c + 2 d + n + 2 + m): measured
-    and true cell force, mean of the two tensions, measured and true drive speed, all angles, both
-    radii, all tensions (those of the last Runge-Kutta stage).
+    noise (f, c + d + ticks * d) or (1, ...) to repeat, out (f, ``LogLayout.width``).
     """
     for f in range(out.shape[0]):
         step_frame(
@@ -255,36 +254,24 @@ def step_frame(
 ) -> None:
     """Advance one frame and log it: one call instead of two, see ``run_frames``."""
     advance_frame(p, lay, s, w, line_speed_m_s, line_speed_end_m_s, tension_ref_N, aff_m_s, noise)
-    log_frame(p, lay, s, w, p.cells.size, p.drives.size, lay.n, row)
+    log_frame(p, lay, s, w, row)
 
 
 @compiled
-def log_frame(
-    p: LineArrays,
-    lay: Layout,
-    s: LineState,
-    w: Work,
-    cells: int,
-    drives: int,
-    bodies: int,
-    row: Array,
-) -> None:
-    """Write one log row, see ``run_frames``."""
-    for c in range(cells):
+def log_frame(p: LineArrays, lay: Layout, s: LineState, w: Work, row: Array) -> None:
+    """Write one log row, see ``LogLayout``; tensions are those of the last Runge-Kutta stage."""
+    at = log_layout(p.cells.size, p.drives.size, lay.n)
+    for c in range(p.cells.size):
         k = p.cells[c].body
-        row[c] = s.measured_N[c]
-        row[cells + c] = s.true_N[c]
-        row[2 * cells + c] = 0.5 * (w.tensions[k - 1] + w.tensions[k])
-    at = 3 * cells
-    for d in range(drives):
-        row[at + d] = s.measured_rad_s[d]
-        row[at + drives + d] = s.y[lay.omega + p.drives[d].body]
-    at += 2 * drives
-    for k in range(bodies):
-        row[at + k] = s.y[lay.theta + k]
-    at += bodies
-    row[at] = s.y[lay.radius]
-    row[at + 1] = s.y[lay.radius + 1]
-    at += 2
-    for i in range(bodies - 1):
-        row[at + i] = w.tensions[i]
+        row[at.measured_N + c] = s.measured_N[c]
+        row[at.true_N + c] = s.true_N[c]
+        row[at.mean_N + c] = 0.5 * (w.tensions[k - 1] + w.tensions[k])
+    for d in range(p.drives.size):
+        row[at.measured_rad_s + d] = s.measured_rad_s[d]
+        row[at.true_rad_s + d] = s.y[lay.omega + p.drives[d].body]
+    for k in range(lay.n):
+        row[at.theta_rad + k] = s.y[lay.theta + k]
+    row[at.radius_m] = s.y[lay.radius]
+    row[at.radius_m + 1] = s.y[lay.radius + 1]
+    for i in range(lay.n - 1):
+        row[at.tension_N + i] = w.tensions[i]

@@ -4,70 +4,126 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-import yaml
 from pydantic import ValidationError
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.yaml_places import Place, read_places
+from aff_runtime.base.printable import printable
+from sim_plant.base.plain_file import read_plain_text
+from sim_plant.line.declaration import Declaration, LoadCell
+from sim_plant.line.yaml_places import LONGEST_BYTES, Place, parse_yaml
 
 LENGTH_TOLERANCE_M = 2e-3
+MOST_TICKS = 1_000_000
+"""Drive periods in one period of a tension loop."""
 
 
-def load_declaration(path: str | Path) -> Declaration:
-    """Return the declaration in ``path``.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """A YAML file, read and parsed once.
+
+    Attributes
+    ----------
+    text, data : as read, and parsed.
+    places : line and column of every key.
+    """
+
+    path: Path
+    text: str
+    data: Any
+    places: Mapping[Place, tuple[int, int]]
+
+    @property
+    def shown(self) -> str:
+        """The path as an error may say it."""
+        return printable(str(self.path))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LineFile:
+    """A line file as its owner wrote it, and what it declares."""
+
+    path: Path
+    text: str
+    declaration: Declaration
+
+
+def read_source(path: str | Path) -> Source:
+    """Return the YAML file in ``path``, whatever it declares.
 
     Raises
     ------
     PlantError
-        When the file cannot be read, is not YAML, has wrong keys or numbers, or its geometry
-        contradicts itself; the message names file, key and remedy.
+        When it cannot be read or is not YAML.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise PlantError(f"{path}: cannot be read ({error}). Give a line declaration.") from error
-    try:
-        data, places, repeated = read_places(text)
-    except yaml.YAMLError as error:
-        raise PlantError(f"{path}: not YAML: {error}") from error
+        text = read_plain_text(Path(path), LONGEST_BYTES)
+    except PlantError as error:
+        raise PlantError(f"{error}. Give a line declaration.") from error
+    data, places = parse_yaml(text, printable(str(path)))
+    return Source(path=Path(path), text=text, data=data, places=places)
+
+
+def line_in(source: Source) -> LineFile:
+    """Return the line that a file declares.
+
+    Raises
+    ------
+    PlantError
+        When it has wrong keys or numbers, or its geometry contradicts itself; the message names
+        file, key and remedy.
+    """
+    shown, data = source.shown, source.data
     if not isinstance(data, dict):
-        raise PlantError(f"{path}: holds no keys; expected schema: web-line-declaration/1")
+        raise PlantError(f"{shown}: holds no keys; expected schema: web-line-declaration/1")
     if "schema" not in data and "gateway" in data:
         raise PlantError(
-            f"{path}:1:1: is a site file, which aff-runtime reads. "
+            f"{shown}:1:1: is a site file, which aff-runtime reads. "
             "Give a line declaration, such as config/lines/euclid.yaml."
         )
-    if repeated:
-        raise PlantError("\n".join(f"{path}:{finding}" for finding in repeated))
     try:
         declaration = Declaration.model_validate(data)
     except ValidationError as error:
-        raise PlantError(_readable(path, error, places)) from error
+        raise PlantError(_readable(shown, error, source.places)) from error
     findings = consistency(declaration)
     if findings:
-        raise PlantError("\n".join(f"{path}: {finding}" for finding in findings))
-    return declaration
+        raise PlantError("\n".join(f"{shown}: {printable(finding)}" for finding in findings))
+    return LineFile(path=source.path, text=source.text, declaration=declaration)
 
 
-def _readable(
-    path: str | Path, error: ValidationError, places: dict[Place, tuple[int, int]]
-) -> str:
+def load_line(path: str | Path) -> LineFile:
+    """Return the line file in ``path``; PlantError as `read_source` and `line_in`."""
+    return line_in(read_source(path))
+
+
+def load_declaration(path: str | Path) -> Declaration:
+    """Return the declaration in ``path``; PlantError as `read_source` and `line_in`."""
+    return load_line(path).declaration
+
+
+def _readable(shown: str, error: ValidationError, places: Mapping[Place, tuple[int, int]]) -> str:
     lines = []
     for item in error.errors():
-        at = tuple(item["loc"])
+        named = at = _without_kind(item["loc"])
         while at not in places:  # a missing key stands where its section does
             at = at[:-1]
         line, column = places[at]
-        where, given = ".".join(map(str, item["loc"])), item.get("input")
+        where, given = printable(".".join(map(str, named)), 200), item.get("input")
         said = item["msg"] + _hint(given)
         if item["type"] == "missing":
-            lines.append(f"{path}:{line}:{column}: {where}: {said}")
+            lines.append(f"{shown}:{line}:{column}: {where}: {said}")
         else:
-            lines.append(f"{path}:{line}:{column}: {where}: read {repr(given)[:60]}; {said}")
+            lines.append(f"{shown}:{line}:{column}: {where}: read {repr(given)[:60]}; {said}")
     return "\n".join(lines)
+
+
+def _without_kind(at: tuple[int | str, ...]) -> tuple[int | str, ...]:
+    """Return a place without the kind of sensor that stands between index and key."""
+    return (*at[:2], *at[3:]) if at[:1] == ("sensors",) else at
 
 
 def _hint(given: object) -> str:
@@ -109,7 +165,7 @@ def _geometry(line: Declaration) -> list[str]:
         if distance <= reach:
             findings.append(f"spans.{span.start}-{span.end}: the two bodies overlap")
             continue
-        length = math.sqrt(distance**2 - reach**2)
+        length = math.sqrt((distance - reach) * (distance + reach))  # a square can overflow
         if abs(length - span.length_m) > LENGTH_TOLERANCE_M:
             findings.append(
                 f"spans.{span.start}-{span.end}.length_m: read {span.length_m}, but the centres "
@@ -129,7 +185,7 @@ def _references(line: Declaration, names: list[str]) -> list[str]:
             findings.append(f"{where}: roller {name} does not exist")
     findings += _twice("control.drives", [d.roller for d in line.control.drives])
     findings += _twice("sensors", [s.channel for s in line.sensors])
-    cells = {s.roller for s in line.sensors if s.low_pass_Hz is not None}
+    cells = {s.roller for s in line.sensors if isinstance(s, LoadCell)}
     findings += [
         f"sensors: a load cell needs a span on both sides, {name} has one"
         for name in (names[0], names[-1])
@@ -142,8 +198,11 @@ def _references(line: Declaration, names: list[str]) -> list[str]:
         if loop.acts_on not in driven:
             findings.append(f"control.tension_pi.{loop.loop}: no drive on {loop.acts_on}")
     ratio = line.control.tension_loop_sample_time_s / line.control.drive_sample_time_s
-    if abs(ratio - round(ratio)) > 1e-9:
-        findings.append("control: tension loop period must be a multiple of the drive period")
+    if not ratio < MOST_TICKS or abs(ratio - round(ratio)) > 1e-9:
+        findings.append(
+            "control: tension loop period must be a multiple of the drive period, "
+            f"below {MOST_TICKS} of it"
+        )
     return findings
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.suggest import hint
 from sim_plant.base.effects import Effect
 from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
-from sim_plant.line.suggest import meant
 
 
 def zones(declaration: Declaration) -> dict[str, list[int]]:
@@ -66,8 +66,7 @@ def _spans(declaration: Declaration, location: str, where: str) -> list[int]:
 
 def _index(names: list[str], name: str, where: str) -> int:
     if name not in names:
-        hint = meant(name, names)
-        raise PlantError(f"{where}: read {name!r}; expected one of {names}{hint}")
+        raise PlantError(f"{where}: read {name!r}; expected one of {names}{hint(name, names)}")
     return names.index(name)
 
 

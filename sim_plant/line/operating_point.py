@@ -42,7 +42,7 @@ class RestingLine:
     friction_constant_N_m, friction_viscous_N_m_s : of every body (n,).
     slip_s_m, slip_speed_m_s : share of speed the web loses above a speed (n,).
     EA_N, free_strain : of every span (n - 1,); what is free pulls nothing.
-    wound_in_strain : of the web on the unwind.
+    supply_strain : of the web on the unwind.
     driven, ratio : bodies of the drives (d,) and their surface speed over the line's (d,).
     cell, acts_on, gain, offset_N : per tension loop, body of its cell, driven body, and what the
         cell makes of the tension (l,).
@@ -55,7 +55,7 @@ class RestingLine:
     slip_speed_m_s: Array
     EA_N: Array
     free_strain: Array
-    wound_in_strain: float
+    supply_strain: float
     driven: IntArray
     ratio: Array
     cell: IntArray
@@ -76,7 +76,7 @@ def declared_line(line: Declaration) -> RestingLine:
         slip_speed_m_s=np.zeros(n),
         EA_N=np.full(n - 1, line.web.EA_N),
         free_strain=np.zeros(n - 1),
-        wound_in_strain=line.web.wound_in_tension_N / line.web.EA_N,
+        supply_strain=line.web.wound_in_tension_N / line.web.EA_N,
         driven=np.array([line.body(d.roller) for d in drives], dtype=np.int64),
         ratio=np.array([1.0 + (draw if "draw" in d.speed_reference else 0.0) for d in drives]),
         cell=np.array([line.body(loop.load_cell) for loop in loops], dtype=np.int64),
@@ -163,7 +163,7 @@ def _imbalance(line: RestingLine, line_speed_m_s: float, tension_N: float, x: Ar
     speed, strain = x[:n], x[n:]
     over = np.maximum(np.abs(speed) - line.slip_speed_m_s, 0.0)
     web = speed * (1.0 - line.slip_s_m * over)
-    upstream = np.concatenate(([line.wound_in_strain], strain[:-1]))
+    upstream = np.concatenate(([line.supply_strain], strain[:-1]))
     mass = web[1:] * (1.0 + upstream) - web[:-1] * (1.0 + strain)
     pull_N = line.EA_N * (strain - line.free_strain)
     friction, _slope = friction_at(

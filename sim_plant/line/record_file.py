@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import csv
 import gzip
-from collections.abc import Mapping, Sequence
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
+from sim_plant.base.plain_file import read_plain, text_stream
+
+LONGEST_BYTES = 256 << 20
+"""The file, and what it is unpacked: 1 GB of doubles at the most."""
+LONGEST_LINE = 1 << 20
 
 
 def write_columns(path: Path, columns: Mapping[str, Array]) -> None:
@@ -43,21 +51,33 @@ def read_columns(
     PlantError
         When the file is not such a record, a column is missing, or a value is not finite.
     """
-    opener = gzip.open if path.suffix == ".gz" else open
+    payload, shown = read_plain(path, LONGEST_BYTES), printable(str(path))
     try:
-        with opener(path, "rt", encoding="ascii") as stream:
-            header = [name.strip() for name in next(csv.reader(stream), [])]
+        with text_stream(path, payload, LONGEST_BYTES) as stream:
+            header = [name.strip() for name in next(csv.reader([stream.readline(LONGEST_LINE)]))]
             names = header if names is None else names
             missing = [name for name in names if name not in header]
             if missing:
-                raise PlantError(f"{path}:1: no column {missing[0]!r}; its header has {header}")
-            table = np.loadtxt(stream, delimiter=",", ndmin=2)
-    except (OSError, EOFError, ValueError, UnicodeDecodeError) as error:
-        raise PlantError(f"{path}: not a record ({error}). Give a CSV or CSV.gz file.") from error
+                found = printable(str(header), 500)
+                raise PlantError(f"{shown}:1: no column {missing[0]!r}; its header has {found}")
+            table = np.loadtxt(_lines(shown, stream), delimiter=",", ndmin=2)
+    except (OSError, EOFError, ValueError, csv.Error, zlib.error) as error:
+        said = printable(str(error), 200)
+        raise PlantError(f"{shown}: not a record ({said}). Give a CSV or CSV.gz file.") from error
     if table.shape[0] == 0 or table.shape[1] != len(header):
-        raise PlantError(f"{path}: {len(header)} names over {table.shape[1]} columns of samples")
+        raise PlantError(f"{shown}: {len(header)} names over {table.shape[1]} columns of samples")
     columns = {name: np.ascontiguousarray(table[:, header.index(name)]) for name in names}
     for name, values in columns.items():
         if finite and not np.isfinite(values).all():
-            raise PlantError(f"{path}: column {name!r} holds a number that is not finite")
+            raise PlantError(f"{shown}: column {name!r} holds a number that is not finite")
     return columns
+
+
+def _lines(shown: str, stream: TextIO) -> Iterator[str]:
+    """Yield the lines below the header; numpy takes some 20 bytes for every character of one."""
+    number = 1
+    while line := stream.readline(LONGEST_LINE + 1):
+        number += 1
+        if len(line) > LONGEST_LINE:
+            raise PlantError(f"{shown}: line {number} is longer than {LONGEST_LINE} characters")
+        yield line

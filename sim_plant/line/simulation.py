@@ -14,6 +14,7 @@ from sim_plant.line.channels import channel_value, channels_of, column_values
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.kernel import Work, log_frame, measure, run_frames, step_frame
 from sim_plant.line.layout import Layout
+from sim_plant.line.log_layout import LogLayout, log_layout
 from sim_plant.line.roll_change import change_rolls
 from sim_plant.line.start import start_at_rest
 
@@ -93,7 +94,7 @@ class LineSimulation:
         start_at_rest(self.arrays, self.layout, self.state, self._speed, start_N)
         self.work = make_work(self.arrays, self.layout, self.state)
         self._rng = None if seed is None else np.random.default_rng(seed)
-        self._row = np.zeros(self._columns())
+        self._row = np.zeros(self.log.width)
         self.channels = channels_of(declaration, self.layout, self.arrays)
         self._names = {r.name: k for k, r in enumerate(declaration.rollers)}
         self._theta0 = self.angles().copy()
@@ -105,9 +106,10 @@ class LineSimulation:
         t = self.timing
         return t.frames_per_sample * t.ticks_per_frame * t.drive_tick_s
 
-    def _columns(self) -> int:
-        p, n = self.arrays, self.layout.n
-        return 3 * p.cells.size + 2 * p.drives.size + n + 2 + n - 1
+    @property
+    def log(self) -> LogLayout:
+        """Where each value sits in a log row."""
+        return log_layout(self.arrays.cells.size, self.arrays.drives.size, self.layout.n)
 
     def _noise(self, frames: int) -> Array:
         p = self.arrays
@@ -160,10 +162,10 @@ class LineSimulation:
         """Measure the present state and log it as the row that the next record starts with."""
         measure(self.arrays, self.layout, self.state, self._noise(1)[0])
         p, lay = self.arrays, self.layout
-        log_frame(p, lay, self.state, self.work, p.cells.size, p.drives.size, lay.n, self._row)
+        log_frame(p, lay, self.state, self.work, self._row)
 
     def _run(self, speed: Array, tension: Array, aff: Array) -> Array:
-        out = np.empty((speed.shape[0], self._columns()))
+        out = np.empty((speed.shape[0], self.log.width))
         run_frames(
             self.arrays,
             self.layout,
@@ -265,10 +267,9 @@ class LineSimulation:
             measured, true = column_values(channel, rows, self._theta0, exact)
             found[channel.name] = measured
             found["true_" + channel.name] = true
-        spans = self.layout.n - 1
-        found["span_tension_N"] = rows[:, -spans:]
-        bodies = rows.shape[1] - spans - 2 - self.layout.n
-        found["body_angle_rad"] = rows[:, bodies : bodies + self.layout.n]
+        at = self.log
+        found["span_tension_N"] = rows[:, at.tension_N : at.width]
+        found["body_angle_rad"] = rows[:, at.theta_rad : at.radius_m]
         return found
 
 

@@ -78,7 +78,7 @@ def resting_line(p: LineArrays, lay: Layout, state: LineState) -> RestingLine:
         slip_speed_m_s=p.bodies["slip_speed_m_s"].copy(),
         EA_N=p.spans["EA_N"].copy(),
         free_strain=p.spans["free_strain"].copy(),
-        wound_in_strain=float(p.web["wound_in_strain"][0]),
+        supply_strain=float(p.web["supply_strain"][0]),
         driven=driven,
         ratio=ratio * felt[driven] / (told[driven] * p.drives["radius_ratio"]),
         cell=cells["body"].copy(),

@@ -7,12 +7,12 @@ import numbers
 from collections.abc import Iterable, Mapping
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.suggest import hint
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Value
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.locations import places_of
-from sim_plant.line.suggest import meant
 
 
 def apply_effects(
@@ -36,8 +36,9 @@ def apply_effects(
 
 def _known(table: Mapping[str, Effect], name: str, where: str) -> Effect:
     if name not in table:
-        hint = meant(name, table)
-        raise PlantError(f"{where}: read {name!r}; expected one of {sorted(table)}{hint}")
+        raise PlantError(
+            f"{where}: read {name!r}; expected one of {sorted(table)}{hint(name, table)}"
+        )
     return table[name]
 
 
@@ -46,7 +47,7 @@ def merged(effect: Effect, given: Mapping[str, Value], where: str) -> dict[str, 
     values = dict(effect.parameters)
     for key, value in given.items():
         if key not in values:
-            raise PlantError(f"{where}.parameters: unknown key {key!r}{meant(key, values)}")
+            raise PlantError(f"{where}.parameters: unknown key {key!r}{hint(key, values)}")
         if isinstance(values[key], str):
             values[key] = str(value)
         else:

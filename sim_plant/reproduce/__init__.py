@@ -1,1 +1,3 @@
 """The source, experiment by experiment: figure, number, claim, verdict."""
+
+__all__ = ["gallery"]

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import cantools
-import yaml
 from cantools.database.can import Database, Message
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.line.yaml_places import load_yaml
 from sim_plant.servers.can_frames import CanFrame
 from sim_plant.servers.faults import Fault
 from sim_plant.servers.plant import Plant
@@ -56,9 +56,9 @@ def load_dbc_map(path: Path) -> tuple[DbcMap, Database]:
         A file is missing or says something it must not.
     """
     try:
-        rows = DbcMap.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+        rows = DbcMap.model_validate(load_yaml(path)[0])
         database = cantools.database.load_file(path.parent / rows.dbc)
-    except (OSError, yaml.YAMLError, ValidationError, ValueError, cantools.Error) as error:
+    except (OSError, ValidationError, ValueError, cantools.Error) as error:
         raise PlantError(f"{path}: {error}") from error
     if not isinstance(database, Database):
         raise PlantError(f"{path}: {rows.dbc} is no CAN database")

@@ -10,10 +10,10 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
-import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.line.yaml_places import load_yaml
 from sim_plant.servers.can_frames import CanFrame
 from sim_plant.servers.canopen_device import Bench, Device, NodeRow, maps
 from sim_plant.servers.faults import Fault
@@ -63,13 +63,13 @@ class CanopenNetwork:
 
     def __init__(self, path: Path, registers: Registers) -> None:
         try:
-            self._rows = NodeMap.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+            self._rows = NodeMap.model_validate(load_yaml(path)[0])
             self._network = Bench()
             self._devices = {
                 name: Device(name, row, path.parent, self._network)
                 for name, row in self._rows.nodes.items()
             }
-        except (OSError, yaml.YAMLError, ValidationError, ValueError) as error:
+        except (OSError, ValidationError, ValueError) as error:
             raise PlantError(f"{path}: {error}") from error
         self._registers = registers
         self._plant: Plant | None = None

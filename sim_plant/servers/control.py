@@ -47,7 +47,7 @@ class ControlSocket:
             The path cannot be used.
         """
         try:
-            if self._path.exists() and stat.S_ISSOCK(self._path.stat().st_mode):
+            if os.path.lexists(self._path) and stat.S_ISSOCK(self._path.lstat().st_mode):
                 self._path.unlink()
             mask = os.umask(0o177)
             try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import socket
+import stat
 import struct
 from pathlib import Path
 
@@ -44,10 +45,13 @@ class FrameHub:
         listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         listener.setblocking(False)
         try:
-            self._path.unlink(missing_ok=True)
+            _make_room(self._path)
             listener.bind(str(self._path))
             self._path.chmod(0o600)
             listener.listen(8)
+        except WireError:
+            listener.close()
+            raise
         except OSError as error:
             listener.close()
             raise WireError(f"{self._path}: cannot listen there ({error})") from error
@@ -72,8 +76,8 @@ class FrameHub:
             loop.remove_reader(self._listener.fileno())
             self._listener.close()
             self._listener = None
-            with contextlib.suppress(OSError):
-                self._path.unlink(missing_ok=True)
+            with contextlib.suppress(OSError, WireError):
+                _make_room(self._path)
         for descriptor in tuple(self._parties):
             self._forget(descriptor)
 
@@ -121,6 +125,17 @@ class FrameHub:
         if party is not None:
             asyncio.get_running_loop().remove_reader(descriptor)
             party.close()
+
+
+def _make_room(path: Path) -> None:
+    """Take a socket away that was left at ``path``; WireError for what is none, which stays."""
+    try:
+        kind = path.lstat().st_mode
+    except FileNotFoundError:
+        return
+    if not stat.S_ISSOCK(kind):
+        raise WireError(f"{path}: is no socket and stays. Take it away, or name another --channel")
+    path.unlink()
 
 
 def _listens(path: Path) -> bool:

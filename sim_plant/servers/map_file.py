@@ -6,11 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Status
+from sim_plant.line.yaml_places import load_yaml
 from sim_plant.servers.plc_map import CorrectionItem, PlcMap
 from sim_plant.servers.words import RegisterItem, WordType
 
@@ -107,14 +107,14 @@ def load_plc_map(path: Path) -> PlcMap:
         The file is missing, is not YAML, or says something a map must not.
     """
     try:
-        rows = _MapFile.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+        rows = _MapFile.model_validate(load_yaml(path)[0])
         return _build(rows)
     except ValidationError as error:
         findings = "; ".join(
             f"{'.'.join(str(part) for part in row['loc'])}: {row['msg']}" for row in error.errors()
         )
         raise PlantError(f"{path}: {findings}") from error
-    except (OSError, yaml.YAMLError, ValueError) as error:
+    except (OSError, ValueError) as error:
         raise PlantError(f"{path}: {error}") from error
 
 

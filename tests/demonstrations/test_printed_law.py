@@ -15,7 +15,8 @@ import pytest
 
 from aff_runtime.app.wiring.site_to_law import site_params
 from aff_runtime.config.loader import load_site
-from aff_runtime.core.params import BlockParams, LawKind, SiteParams
+from aff_runtime.core.params import BlockParams, SiteParams
+from benchmarks.control.printed import with_printed
 from sim_plant.base.arrays import Array
 from sim_plant.base.order_tracking import order_amplitudes
 from tests.lockstep.bench import SITE, Bench, Setup
@@ -59,8 +60,7 @@ def _law(case: Case) -> SiteParams:
                 a,
                 signal=case.error[0],
                 reference=case.error[1],
-                law=LawKind.PRINTED if case.gain else LawKind.PLAIN,
-                printed_gain=case.gain,
+                law="printed" if case.gain else "blocks",
                 blocks=(block,),
             )
             if a.name == case.actuator
@@ -78,7 +78,7 @@ def _ripple_N(tension_N: Array, angle_rad: Array, other_rad: Array, order: int) 
 def _outcome(case: Case) -> tuple[float, float]:
     """Return ripple after as a share of before, and the block's amplitude, m/s."""
     actuator, order = case.actuator, case.order
-    bench = Bench(Setup(responses=known_responses(), law=_law(case)))
+    bench = Bench(Setup(responses=known_responses(), law=_law(case), laws=with_printed(case.gain)))
     tension = "unwind" if actuator == "unwind" else "pullroll"
     other = "swrap_follower" if actuator == "unwind" else "unwind"
     names = f"true_{tension}_tension_N", f"true_{actuator}_angle_rad", f"true_{other}_angle_rad"

@@ -6,7 +6,6 @@ import math
 import warnings
 from pathlib import Path
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import Command, Outcome
 from aff_runtime.config.can_wire import network_of, signal_names, wire_files
@@ -20,6 +19,7 @@ from aff_runtime.fieldbus.can.writer import CanWriter
 from aff_runtime.fieldbus.canopen.link import CanopenLink
 from tests.aff_runtime.fieldbus.euclid_can import DATABASE, euclid_map, scan
 from tests.aff_runtime.fieldbus.fake_link import FakeLink
+from tests.doubles.virtual_clock import VirtualClock
 from tests.fuzz.source import Source
 
 CONFIG = Path(__file__).parents[2] / "config"

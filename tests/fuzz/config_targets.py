@@ -17,6 +17,7 @@ from aff_runtime.app.wiring.shape_file import ShapeFile
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Site
+from aff_runtime.config.yaml_marks import parse_marked
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.core.shape.profile import ShapeProfile
 from tests.fuzz.source import Source
@@ -97,6 +98,34 @@ def site(data: bytes) -> str:
         return "refused" if str(error).strip() else "refused without a word"
     _keeps_its_promises(found)
     _says_what_stands_there(found, yaml.safe_load(path.read_text(encoding="utf-8")))
+    return "ok"
+
+
+def merges(data: bytes) -> str:
+    """Sections merged into one another or themselves are refused, or what PyYAML makes of it."""
+    source = Source(data)
+    count = 1 + source.below(8)
+    lines = []
+    for k in range(count):
+        keys = [f"{name}: {source.below(9)}" for name in "abc" if source.below(2)]
+        known = k + (source.below(32) == 31)  # now and then itself
+        keys += [f"d: *s{source.below(known)}"] if known and source.below(4) == 3 else []
+        others = [f"*s{source.below(known)}" for _ in range(source.below(4) if known else 0)]
+        if others:
+            keys.insert(source.below(len(keys) + 1), f"<<: [{', '.join(others)}]")
+        lines.append(f"s{k}: &s{k} {{ {', '.join(keys)} }}")
+    whole = "\n".join(lines).encode()
+    raw = source.spoilt(whole) if source.below(4) == 3 else whole
+    try:
+        tree = parse_marked(raw, "m.yaml")
+    except ConfigError as error:
+        said = str(error).splitlines()
+        assert all(line.startswith("m.yaml:") for line in said)
+        assert len(set(said)) == len(said)
+        return "refused"
+    assert set(tree.marks) >= {path for path, _ in _leaves(tree.values)}
+    if raw == whole:
+        assert tree.values == yaml.safe_load(raw)
     return "ok"
 
 

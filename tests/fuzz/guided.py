@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 BATCH = 500
+INSTRUMENTED = ["aff_runtime", "sim_plant.refine.records", "sim_plant.base"]
 
 
 class Count:
@@ -67,7 +68,7 @@ def by_coverage(name: str, seconds: float, folder: Path) -> None:
     """Atheris: keep what reaches new lines of the runtime and go on from there; never returns."""
     import atheris
 
-    with atheris.instrument_imports(include=["aff_runtime"], enable_loader_override=False):
+    with atheris.instrument_imports(include=INSTRUMENTED, enable_loader_override=False):
         count = Count(name, folder)
     corpus = folder / f"{name}.corpus"
     corpus.mkdir(exist_ok=True)

@@ -7,7 +7,6 @@ import struct
 
 from pymodbus.framer import FramerRTU
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import Command, Outcome
 from aff_runtime.fieldbus.modbus.codec import WordCodec
@@ -32,6 +31,7 @@ from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.registers import Registers
 from tests.aff_runtime.fieldbus.fake_wire import Arrivals, FakeWire
 from tests.aff_runtime.fieldbus.modbus_bytes import function_of, register_reply, write_reply
+from tests.doubles.virtual_clock import VirtualClock
 from tests.fuzz.source import Source
 from tests.sim_plant.servers.fake_line import default_map
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from tests.fuzz import can_targets, config_targets, modbus_targets
+from tests.fuzz import can_targets, config_targets, modbus_targets, record_targets, socket_targets
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,6 +30,12 @@ TARGETS = {
     "dbc_text": Target(run=can_targets.dbc_text, seeds=can_targets.SEEDS),
     "eds_text": Target(run=can_targets.eds_text, seeds=can_targets.SEEDS),
     "site_file": Target(run=config_targets.site, seeds=config_targets.SEEDS),
+    "yaml_merges": Target(run=config_targets.merges, seeds=config_targets.SEEDS),
     "response_file": Target(run=config_targets.response, seeds=config_targets.SEEDS),
+    "record_text": Target(run=record_targets.text, seeds=record_targets.SEEDS),
+    "record_parquet": Target(run=record_targets.parquet, seeds=record_targets.SEEDS),
+    "record_mdf": Target(run=record_targets.mdf, seeds=record_targets.SEEDS),
+    "mdf_conversion": Target(run=record_targets.conversion, seeds=record_targets.SEEDS),
     "shape_file": Target(run=config_targets.shape, seeds=config_targets.SEEDS),
+    "control_socket": Target(run=socket_targets.socket_lines, seeds=socket_targets.SEEDS),
 }

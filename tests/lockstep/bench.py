@@ -11,12 +11,13 @@ from pathlib import Path
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.app.wiring.site_to_law import site_params
 from aff_runtime.app.wiring.site_to_wire import register_map
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.ports import Law
 from aff_runtime.base.signals import Outcome, State
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.controller import Controller
+from aff_runtime.core.law import LawBuilder
+from aff_runtime.core.laws import LAWS
 from aff_runtime.core.params import SiteParams
 from aff_runtime.core.response import Response
 from aff_runtime.fieldbus.modbus.codec import WordCodec
@@ -33,6 +34,7 @@ from sim_plant.servers.faults import parse_fault
 from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plc import Plc
+from tests.doubles.virtual_clock import VirtualClock
 from tests.lockstep.known_response import CYCLE_S, LINE, ROOT, SPEED_M_S
 
 SITE = ROOT / "config" / "euclid_blocks.yaml"
@@ -53,6 +55,7 @@ class Setup:
     law: SiteParams | None = None
     soft_start_s: float = 0.2
     responses: Mapping[str, Response] = field(default_factory=dict)
+    laws: Mapping[str, LawBuilder] = field(default_factory=lambda: LAWS)
 
 
 @cache
@@ -140,7 +143,7 @@ class Bench:
         self._transport = _Transport(self.clock, self.wire)
         words = setup.words or register_map(site)
         self.guard = Guard(self.params)
-        self.law = Controller(setup.law or site_params(site), setup.responses)
+        self.law = Controller(setup.law or site_params(site), setup.responses, laws=setup.laws)
         self.outside = Outside(self.guard)
         self.cycle = self._cycle(WordGateway(self._transport, WordCodec(words), self.clock))
 

@@ -1,6 +1,6 @@
 """``python -m tests.matrix [--docs]``: run every cell and print the matrix.
 
-With ``--docs`` the table also goes between its marks in ``docs/fault-matrix.md``.
+With ``--docs`` the table also goes between its marks in ``docs/results/fault-matrix.md``.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from tests.matrix.cells import STATES, cells, judge
 
-PAGE = Path(__file__).parents[2] / "docs" / "fault-matrix.md"
+PAGE = Path(__file__).parents[2] / "docs" / "results" / "fault-matrix.md"
 BEGIN, END = "<!-- matrix: begin -->\n", "<!-- matrix: end -->\n"
 Found = dict[tuple[str, str], dict[str, str]]
 

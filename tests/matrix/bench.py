@@ -9,7 +9,6 @@ from pathlib import Path
 
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.app.wiring.site_to_wire import register_map
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.ports import Gateway
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot, State
 from aff_runtime.config.can_wire import can_map_of, network_of, wire_files
@@ -26,11 +25,12 @@ from aff_runtime.loop.seams import Advice
 from aff_runtime.safety.guard import Guard
 from aff_runtime.safety.params import AppliedParams
 from sim_plant.servers.can_catalogue import can_node
-from sim_plant.servers.can_lockstep import LockstepBus
 from sim_plant.servers.faults import parse_fault
 from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.plc import Plc
 from sim_plant.servers.plc_map import PlcMap
+from tests.doubles.can_lockstep import LockstepBus
+from tests.doubles.virtual_clock import VirtualClock
 from tests.sim_plant.servers.fake_line import FakeLine, default_map
 
 CONFIG = Path(__file__).parents[2] / "config"

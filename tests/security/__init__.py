@@ -1,0 +1,1 @@
+"""What a file, a neighbour or a wire with bad intent gets: a sentence."""

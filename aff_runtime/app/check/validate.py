@@ -1,11 +1,13 @@
-"""``python -m aff_runtime.app.check.validate SITE.yaml``: one verdict as JSON on standard output.
+"""``python -m aff_runtime.app.check.validate SITE.yaml STATE``: one verdict as JSON.
 
-Runs in its own short process because parsing would hold up anything that shares its interpreter.
-Exit code 0 whatever the verdict: ``{"record": {...} or null, "findings": [...]}``.
+Runs in its own short and bounded process because parsing would hold up anything that shares its
+interpreter. What the file names lies below its own folder or below STATE. On standard output, with
+exit code 0 whatever the verdict: ``{"record": {...} or null, "findings": [...]}``.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
 import platform
 import sys
@@ -14,18 +16,21 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime import __version__
+from aff_runtime.app.check.limits import TOO_LARGE, bound_this_process
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES
 from aff_runtime.app.wiring.assemble import controller_of
 from aff_runtime.app.wiring.loops import loop_rows
 from aff_runtime.app.wiring.parameter_record import for_control
-from aff_runtime.app.wiring.shape_file import shape_path
 from aff_runtime.app.wiring.site_to_guard import guard_params
-from aff_runtime.app.wiring.site_to_wire import register_map, transport
+from aff_runtime.app.wiring.site_to_wire import register_map
+from aff_runtime.app.wiring.wires import transport
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
 from aff_runtime.config.can_wire import wire_files
 from aff_runtime.config.loader import Reading, read_site
-from aff_runtime.config.revision import revision_hash
+from aff_runtime.config.plain_file import TooLargeError, read_plain
+from aff_runtime.config.revision import learned_digests, revision_hash, revision_with
+from aff_runtime.config.site_paths import STATE_DIRECTORY, shape_path
 from aff_runtime.core.response import Provenance, Response
 from aff_runtime.fieldbus.modbus.registers import RegisterMap
 
@@ -34,10 +39,13 @@ MAX_RESPONSE_BYTES = 16 * MAX_RECORD_BYTES  # shorter ones are told what passes 
 SAME_CYCLE_S = 1e-6
 
 
-def verdict(path: Path) -> dict[str, Any]:
-    """Return the parameter record of the file at ``path``, or what is wrong with it."""
+def verdict(path: Path, state: Path = STATE_DIRECTORY) -> dict[str, Any]:
+    """Return the parameter record of the file at ``path``, or what is wrong with it.
+
+    ``state`` : folder beside the site file's own that what it names may lie in.
+    """
     try:
-        reading = read_site(path)
+        reading = read_site(path, state)
         record = parameter_record(path, reading)
     except AffError as error:
         return {"record": None, "findings": str(error).splitlines()}
@@ -66,10 +74,13 @@ def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
             _look_up(reading, words, folder)
     loops = loop_rows(site, responses)
     controller_of(site, {"responses": responses, "loops": loops})
+    site_hash, learned = revision_hash(site), learned_digests(responses, {})
     record = {
         "site": plain,
-        "site_text": path.read_text(encoding="utf-8"),
-        "config_hash": revision_hash(site),
+        "site_text": reading.tree.raw.decode("utf-8"),
+        "site_hash": site_hash,
+        "learned": learned,
+        "config_hash": revision_with(site_hash, learned),
         "permissives": [bit.name for bit in guard_params(site).permissives.all_bits],
         "responses": responses,
         "loops": loops,
@@ -104,11 +115,7 @@ def _look_up(reading: Reading, words: RegisterMap, folder: Path) -> None:
 def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
     """Return the text of a learned response, None while it was never measured."""
     try:
-        if file.exists() and not file.is_file():
-            raise ConfigError("is not a file; remove it and run the probe again")
-        if file.exists() and file.stat().st_size > MAX_RESPONSE_BYTES:
-            raise ConfigError("is too long for a response; remove it and run the probe again")
-        text = file.read_text(encoding="utf-8")
+        text = read_plain(file, MAX_RESPONSE_BYTES).decode("utf-8")
         measured = Response.from_json(text).provenance
         _of_this_place(measured, reading, actuator)
         if abs(measured.cycle_s - reading.site.cycle_s) > SAME_CYCLE_S:
@@ -116,13 +123,18 @@ def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
     except FileNotFoundError:
         return None
     except OSError as error:
-        raise ConfigError(_finding(reading, actuator, f"{file}: {error.strerror}")) from None
+        said = f"{error.strerror}"
     except UnicodeDecodeError:
-        text = f"{file}: not a response file: not text; run the probe again"
-        raise ConfigError(_finding(reading, actuator, text)) from None
+        said = "not a response file: not text; run the probe again"
+    except TooLargeError:
+        said = "is too long for a response; remove it and run the probe again"
+    except ValueError as error:
+        said = f"{error}; remove it and run the probe again"
     except ConfigError as error:
-        raise ConfigError(_finding(reading, actuator, f"{file}: {error}")) from None
-    return text
+        said = str(error)
+    else:
+        return text
+    raise ConfigError(_finding(reading, actuator, f"{file}: {said}"))
 
 
 def _outdated(reading: Reading, record: dict[str, Any]) -> list[str]:
@@ -161,8 +173,13 @@ def _versions() -> dict[str, str]:
 
 
 def main(arguments: list[str]) -> int:
-    """Print the verdict on one file."""
-    json.dump(verdict(Path(arguments[0])), sys.stdout)
+    """Print the verdict on one file, at less than it may cost."""
+    bound_this_process()
+    site, state = (Path(argument) for argument in arguments)
+    said = None
+    with contextlib.suppress(MemoryError):  # what held the memory is gone below
+        said = verdict(site, state)
+    json.dump(said or {"record": None, "findings": [f"{site}:1:1  {TOO_LARGE}"]}, sys.stdout)
     return 0
 
 

@@ -1,1 +1,3 @@
 """The control process: the tick and everything around it."""
+
+__all__ = ["process"]

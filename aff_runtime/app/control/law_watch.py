@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import isfinite, nan, tau
+from collections.abc import Callable, Sequence
+from math import tau
 
 from aff_runtime.app.report.block_status import RESTS
 from aff_runtime.app.wiring.recorded_law import RecordedLaw
@@ -12,15 +12,14 @@ from aff_runtime.base.signals import State
 from aff_runtime.config.models import Site
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.monitor import Trend
+from aff_runtime.core.order_status import OrderStatus
 from aff_runtime.core.ripple_watch import RippleWatch
 from aff_runtime.loop.seams import Advice
 
 STEADY_ASKS = 10  # a block is held, or free again, after this many answers alike
-EVENT_OF = {
-    int(Trend.CLAMPED): BY_NAME["BLOCK_CLAMPED"],
-    int(Trend.HELD_PHASE): BY_NAME["PHASE_UNSURE"],
-}
-RESTING = int(Trend.DIVERGING)
+EVENT_OF = {Trend.CLAMPED: BY_NAME["BLOCK_CLAMPED"], Trend.HELD_PHASE: BY_NAME["PHASE_UNSURE"]}
+RESTING = Trend.DIVERGING
+RESTS_IN = "shape"  # the law whose orders rest when they do harm
 TOLD = {*EVENT_OF, RESTING}
 
 
@@ -103,12 +102,10 @@ class LawWatch:
         self._wrong.clear()
 
     def _note_blocks(self, controller: Controller, is_open: bool) -> None:
-        names = controller.telemetry_names()
-        values = controller.telemetry() if is_open else (nan,) * len(names)
-        rests = {f"{actuator}." for actuator in controller.shape_laws()}
-        for block, state in self._held.step(names, values):
-            if state == RESTING:
-                if block[: block.index(".") + 1] in rests:
+        for order, state in self._held.step(controller.order_statuses(), is_open=is_open):
+            block = f"{order.actuator}.{order.name}"
+            if state is RESTING:
+                if order.law == RESTS_IN:
                     self._say(f"{block} {RESTS}")
                 continue
             event = EVENT_OF[state]
@@ -120,24 +117,23 @@ class HeldBlocks:
     """Finds the moment in which a block becomes held, once per change and not per flicker."""
 
     def __init__(self) -> None:
-        self._count: dict[str, int] = {}
-        self._told: dict[str, int] = {}
+        self._count: dict[tuple[str, str], int] = {}
+        self._told: dict[tuple[str, str], Trend | None] = {}
 
-    def step(self, names: tuple[str, ...], values: tuple[float, ...]) -> list[tuple[str, int]]:
-        """Return (block, state) of blocks newly held; ``values`` NaN: no output is open."""
-        news: list[tuple[str, int]] = []
-        for name, value in zip(names, values, strict=True):
-            if not name.endswith(".state"):
-                continue
-            block = name.removesuffix(".state")
-            state = int(value) if isfinite(value) else -1
-            told = self._told.get(block, -1)
-            held = state if state in TOLD else -1
-            count = self._count.get(block, 0) + 1 if held != told else 0
+    def step(
+        self, orders: Sequence[OrderStatus], *, is_open: bool = True
+    ) -> list[tuple[OrderStatus, Trend]]:
+        """Return the blocks newly held, with their state; none while no output is open."""
+        news: list[tuple[OrderStatus, Trend]] = []
+        for order in orders:
+            block = (order.actuator, order.name)
+            told = self._told.get(block)
+            held = order.state if is_open and order.state in TOLD else None
+            count = self._count.get(block, 0) + 1 if held is not told else 0
             if count >= STEADY_ASKS:
                 count = 0
                 self._told[block] = held
-                if held in TOLD:
-                    news.append((block, held))
+                if held is not None:
+                    news.append((order, held))
             self._count[block] = count
         return news

@@ -7,8 +7,7 @@ command costs some ten microseconds, reading a parameter record a millisecond, o
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 from aff_runtime.app.control.commands import Commands
@@ -16,6 +15,7 @@ from aff_runtime.app.control.law_watch import LawWatch
 from aff_runtime.app.control.probe_run import ProbeRun
 from aff_runtime.app.control.shape_keeper import ShapeKeeper
 from aff_runtime.app.control.trouble_log import TroubleLog
+from aff_runtime.app.link import messages
 from aff_runtime.app.link.packets import Link, LinkClosedError
 from aff_runtime.app.report.status import not_armed
 from aff_runtime.app.wiring.assemble import Assembly, controller_of, revision_of, site_of
@@ -25,6 +25,7 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.ports import Law
+from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
 from aff_runtime.loop.messages import Arm, Bypass, Message, Shadow, Stop, SupervisorLost, Swap
 from aff_runtime.loop.record import HEAD, record_columns
@@ -48,19 +49,18 @@ class ControlOutside:
     ----------
     assembly : the rooms, wired.
     link : to the supervisor.
-    ring : path of the ring; made anew whenever the columns change.
     meta : what a reader of the ring should know; ``start_ns`` and real-time rights among it.
     """
 
-    def __init__(self, assembly: Assembly, link: Link, ring: Path, meta: dict[str, Any]) -> None:
+    def __init__(self, assembly: Assembly, link: Link, meta: dict[str, Any]) -> None:
         self._site = assembly.site
         self._guard = assembly.guard
         self._troubles = TroubleLog(assembly.gateway, self._say, self._show_wire)
         self._law = assembly.law
         self._link = link
         self._commands = Commands(link)
-        self._ring_path = ring
         self._meta = meta
+        self._rights = tuple(messages.Right(**right) for right in meta["rights"])
         self._notifier = ServiceNotifier(
             {k: v for k, v in os.environ.items() if k == "NOTIFY_SOCKET"}
         )
@@ -87,9 +87,9 @@ class ControlOutside:
         self._bypass_signal = True
 
     def close(self) -> None:
-        """Hand on what was learned; remove the ring, the supervisor may be gone and cannot."""
+        """Hand on what was learned; the ring ends."""
         self._shapes.close(self._law.controller)
-        self._ring.remove()
+        self._ring.close()
 
     # --- what the cycle tells -----------------------------------------------------------------
 
@@ -115,11 +115,12 @@ class ControlOutside:
 
     def fault_text(self, text: str) -> None:
         """Pass the traceback of an internal fault to the supervisor's log."""
-        self._say(text[-4000:])
+        for line in text[-4000:].split("\n"):
+            self._say(line)
 
     def blocked(self, reason: str) -> None:
         """Tell the supervisor what stands against an armed output, for ``status``."""
-        self._link.send({"did": "BLOCKED", "text": reason})
+        self._link.send(messages.Blocked(text=reason))
 
     def adopt(self, settings: object) -> None:
         """Hand new settings to the guard."""
@@ -150,69 +151,70 @@ class ControlOutside:
 
     def poll(self) -> Sequence[Message]:
         """Return what the supervisor, a signal or the probe wants."""
-        messages: list[Message] = []
+        wanted: list[Message] = []
         if self._bypass_signal:
             self._bypass_signal = False
-            messages.append(Bypass())
+            wanted.append(Bypass())
             for overtaken in self._commands.overtake():
                 self._reply(overtaken, ok=False, message="bypassed meanwhile")
         if self._shadow_wanted and self._tick % ARM_PATIENCE_TICKS == 0:
             self._shadow_wanted = self._guard.state is not State.SHADOW
-            messages.append(Shadow(on=True))  # again, until the PLC is there
+            wanted.append(Shadow(on=True))  # again, until the PLC is there
         self._answer_arm()
         if self._probe is not None:
-            messages += self._watch_probe(self._probe)
+            wanted += self._watch_probe(self._probe)
         try:
             said = self._commands.next()
         except LinkClosedError:
-            return (*messages, SupervisorLost())
+            return (*wanted, SupervisorLost())
         if said is not None:
             try:
-                messages += self._obey(said)
+                wanted += self._obey(said)
             except (AffError, ValueError, KeyError, TypeError) as error:
                 self._reply(said, ok=False, message=str(error))
-        return messages
+        return wanted
 
-    def _obey(self, said: dict[str, Any]) -> list[Message]:
-        """Return the messages that one command stands for."""
-        handlers: dict[str, Callable[[dict[str, Any]], list[Message]]] = {
-            "ARM": self._arm,
-            "BYPASS": lambda _: [Bypass()],
-            "SHADOW": self._shadow,
-            "PROBE": self._start_probe,
-            "PARAMS": self._parameters,
-            "STOP": lambda _: [Stop()],
-            "DIFFERS": self._differs,
-            "FORGET": self._forget,
-        }
-        handler = handlers.get(str(said.get("do")))
-        return handler(said) if handler is not None else []
+    def _obey(self, said: messages.Message) -> list[Message]:
+        """Return what one command means to the cycle."""
+        found: list[Message] = []
+        match said:
+            case messages.Arm():
+                found = self._arm(said)
+            case messages.Bypass():
+                found = [Bypass()]
+            case messages.Shadow():
+                found = self._shadow(said)
+            case messages.MeasureResponse():
+                found = self._start_probe(said)
+            case messages.Parameters():
+                found = self._parameters(said)
+            case messages.Stop():
+                found = [Stop()]
+            case messages.ConfigDiffers():
+                self._note(CONFIG_DIFFERS)
+            case messages.Forget():
+                self._forget(said)
+        return found
 
-    def _arm(self, said: dict[str, Any]) -> list[Message]:
+    def _arm(self, said: messages.Arm) -> list[Message]:
         """Pass on the operator's edge; the reply waits until the guard has decided."""
-        self._arm_question = int(said["id"])
+        self._arm_question = said.id
         self._arm_tick = self._tick
         return [Arm()]
 
-    def _shadow(self, said: dict[str, Any]) -> list[Message]:
+    def _shadow(self, said: messages.Shadow) -> list[Message]:
         """Begin or end shadow operation."""
         self._shadow_wanted = False
         self._reply(said, ok=True)
-        return [Shadow(on=bool(said.get("on", True)))]
+        return [Shadow(on=said.on)]
 
-    def _differs(self, said: dict[str, Any]) -> list[Message]:
-        """Note that the site file is not what runs."""
-        self._note(CONFIG_DIFFERS)
-        return []
-
-    def _forget(self, said: dict[str, Any]) -> list[Message]:
+    def _forget(self, said: messages.Forget) -> None:
         """Drop what was learned of rolls that are exchanged."""
         if not self._guard.quiet:
             self._reply(said, ok=False, message="a correction goes out; bypass first")
         else:
             self._shapes.forget(self._law.controller)
             self._reply(said, ok=True)
-        return []
 
     def _answer_arm(self) -> None:
         """Reply to the operator once the guard has decided about the edge."""
@@ -220,24 +222,26 @@ class ControlOutside:
             return
         waited = self._tick - self._arm_tick
         state = self._guard.state
-        ident = {"id": self._arm_question}
-        if state in ARMED:
-            self._reply(ident, ok=True, state=state.name)
-        elif waited > ARM_PATIENCE_TICKS or (waited > ARM_LEAST_TICKS and state not in AT_REST):
-            blocked = self._guard.first_blocking().removeprefix("blocked by ")
-            self._reply(ident, ok=False, message=not_armed(state, blocked), state=state.name)
-        else:
-            return
+        message = ""
+        if state not in ARMED:
+            if not (
+                waited > ARM_PATIENCE_TICKS or (waited > ARM_LEAST_TICKS and state not in AT_REST)
+            ):
+                return
+            message = not_armed(state, self._guard.first_blocking().removeprefix("blocked by "))
+        ok = state in ARMED
+        reply = messages.Reply(id=self._arm_question, ok=ok, message=message, state=state.name)
+        self._link.send(reply)
         self._arm_question = None
 
     # --- change of law ------------------------------------------------------------------------
 
-    def _parameters(self, said: dict[str, Any]) -> list[Message]:
+    def _parameters(self, said: messages.Parameters) -> list[Message]:
         """Go on with another parameter record from the next tick."""
         if self._probe is not None:
             self._reply(said, ok=False, message="a probe is under way; save the file after it")
             return []
-        record = said["record"]
+        record = said.record
         site = site_of(record)
         present = self._law.controller
         law = RecordedLaw(controller_of(site, record), adopt_from=present)
@@ -245,6 +249,7 @@ class ControlOutside:
         self._site = site
         self._shapes.follow(record, site)
         self._revision = record["config_hash"]
+        self._meta = {**self._meta, "config_hash": self._revision}  # of the next ring
         self._next_law = law
         self._reply(said, ok=True)
         return [
@@ -256,7 +261,7 @@ class ControlOutside:
             )
         ]
 
-    def _start_probe(self, said: dict[str, Any]) -> list[Message]:
+    def _start_probe(self, said: messages.MeasureResponse) -> list[Message]:
         """Put the probe in the law's place and arm for its duration."""
         if self._probe is not None:
             self._reply(said, ok=False, message="a probe is already under way")
@@ -270,14 +275,15 @@ class ControlOutside:
         was_armed = self._guard.state in (*ARMED, State.FADING)
         self._probe = ProbeRun(
             self._site,
-            [str(name) for name in said["actuators"]] or list(self._site.actuators),
+            said.actuators or tuple(self._site.actuators),
             was_armed=was_armed,
             config_hash=self._revision,
             version=str(self._meta["versions"].get("aff-runtime", "")),
         )
         law = RecordedLaw(self._law.controller, probe=self._probe.probe)
         self._next_law = law
-        self._reply(said, ok=True, duration_s=self._probe.duration_s)
+        duration_s = self._probe.duration_s
+        self._link.send(messages.Reply(id=said.id, ok=True, duration_s=duration_s))
         return [Swap(law=law), Arm()]
 
     def _watch_probe(self, run: ProbeRun) -> list[Message]:
@@ -285,7 +291,8 @@ class ControlOutside:
         if not run.has_ended(self._guard.state, self._tick):
             return []
         if run.failure(self._guard.first_blocking()):
-            self._link.send({"did": "PROBED", "error": run.failure(self._guard.first_blocking())})
+            reason = run.failure(self._guard.first_blocking())
+            self._link.send(messages.Probed(error=reason))
         else:
             run.fit_in_child(self._link, dict(zip(self._ring_columns, self._record, strict=False)))
         self._probe = None
@@ -303,12 +310,14 @@ class ControlOutside:
             self._ring = self._new_ring()
 
     def _new_ring(self) -> RingWriter:
-        """Create the ring for the present columns and tell the supervisor."""
+        """Create the ring for the present columns and pass it to the supervisor."""
         outputs = [f"{name}_{_suffix(a.unit)}" for name, a in self._site.actuators.items()]
         columns = record_columns(tuple(self._site.gateway.read.channels), outputs, ())
         self._ring_columns = (*columns, *self._law.law_telemetry_names())
-        ring = RingWriter(self._ring_path, self._ring_columns, meta=self._meta)
-        self._link.send({"did": "RING", "rights": self._meta["rights"]})
+        ring = RingWriter(self._ring_columns, meta=self._meta)
+        descriptor = ring.open_for_readers()
+        self._link.send(messages.RingMade(rights=self._rights), descriptor)
+        os.close(descriptor)
         return ring
 
     def _note(self, code: int) -> None:
@@ -316,25 +325,25 @@ class ControlOutside:
         self._ring.event(self._tick, self._clock.now_ns(), code)
 
     def _say(self, text: str) -> None:
-        """Pass a sentence to the supervisor's log."""
-        self._link.send({"did": "LOG", "text": text})
+        """Pass a sentence to the supervisor's log, the wire's words in it made printable."""
+        self._link.send(messages.LogLine(text=printable(text)))
 
     def _show_wire(self, troubles: tuple[str, ...]) -> None:
         """Tell the supervisor what ails the wire, for ``status``."""
-        self._link.send({"did": "WIRE", "troubles": troubles})
+        self._link.send(messages.WireTroubles(troubles=troubles))
 
     def _tell_shape(self, actuator: str, text: str) -> None:
         """Tell the supervisor what became of a shape."""
-        self._link.send({"did": "SHAPE", "actuator": actuator, "text": text})
+        self._link.send(messages.ShapeNews(actuator=actuator, text=text))
 
     def _keep_shape(self, actuator: str, text: str) -> None:
         """Hand the supervisor a learned shape to be kept."""
-        self._link.send({"did": "LEARNED", "actuator": actuator, "file": text})
+        self._link.send(messages.ShapeLearned(actuator=actuator, file=text))
 
-    def _reply(self, said: dict[str, Any], **answer: Any) -> None:
-        """Answer the supervisor."""
-        if "id" in said:
-            self._link.send({"id": said["id"], **answer})
+    def _reply(self, said: messages.Message, *, ok: bool, message: str = "") -> None:
+        """Answer the supervisor, when it asked."""
+        if isinstance(said, messages.Question):
+            self._link.send(messages.Reply(id=said.id, ok=ok, message=message))
 
 
 def _follow(old: Law) -> None:

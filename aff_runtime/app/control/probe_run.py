@@ -7,8 +7,9 @@ import os
 import signal
 from collections.abc import Mapping, Sequence
 from math import nan
-from typing import Any
 
+from aff_runtime.app.link import messages
+from aff_runtime.app.link.messages import Probed
 from aff_runtime.app.link.packets import Link
 from aff_runtime.app.wiring.site_to_law import probe_params, site_params
 from aff_runtime.base.clock import wall_time_iso
@@ -85,7 +86,7 @@ class ProbeRun:
         try:
             child = os.fork()
         except OSError as error:
-            link.send({"did": "PROBED", "error": f"the fit cannot start: {error.strerror}"})
+            link.send(Probed(error=f"the fit cannot start: {error.strerror}"))
             return
         if child == 0:
             self._fit_and_exit(link, readings)
@@ -95,16 +96,16 @@ class ProbeRun:
         try:
             with contextlib.suppress(OSError):
                 os.sched_setaffinity(0, range(os.cpu_count() or 1))
-            link.send({"did": "PROBED", "results": self.results(readings)})
+            link.send(Probed(results=self.results(readings)))
         except AffError as error:
-            link.send({"did": "PROBED", "error": str(error)})
+            link.send(Probed(error=str(error)))
         except Exception as error:
-            link.send({"did": "PROBED", "error": f"the fit failed ({error!r}); probe again"})
+            link.send(Probed(error=f"the fit failed ({error!r}); probe again"))
         finally:
             os._exit(0)
 
-    def results(self, readings: Mapping[str, float]) -> list[dict[str, Any]]:
-        """Return one row of plain values per actuator, with the response file's text."""
+    def results(self, readings: Mapping[str, float]) -> tuple[messages.ProbeResult, ...]:
+        """Return one row per actuator, with the response file's text."""
         about = {
             name: Provenance(
                 actuator=name,
@@ -118,7 +119,7 @@ class ProbeRun:
             )
             for name in self._settings.actuators
         }
-        return [_plain(result) for result in self.probe.result(about)]
+        return tuple(_told(result) for result in self.probe.result(about))
 
     def _radius_m(self, actuator: str, readings: Mapping[str, float]) -> float:
         """Return the present radius of the first roll that the actuator works on."""
@@ -128,12 +129,12 @@ class ProbeRun:
         return readings.get(roll.radius or "", nan)
 
 
-def _plain(result: ProbeResult) -> dict[str, Any]:
-    """Return a result ready for JSON."""
-    return {
-        "actuator": result.actuator,
-        "sign": result.sign,
-        "remarks": list(result.remarks),
-        "delay_s": result.response.delay_s,
-        "text": result.response.to_json(),
-    }
+def _told(result: ProbeResult) -> messages.ProbeResult:
+    """Return a result as it goes to the supervisor."""
+    return messages.ProbeResult(
+        actuator=result.actuator,
+        sign=result.sign,
+        remarks=tuple(result.remarks),
+        delay_s=result.response.delay_s,
+        text=result.response.to_json(),
+    )

@@ -1,4 +1,4 @@
-"""The control process: ``python -m aff_runtime.app.control.process --link-fd N --ring PATH``.
+"""The control process: ``python -m aff_runtime.app.control.process --link-fd N``.
 
 Started by the supervisor with one end of a socketpair. It imports everything before its first
 tick and then does nothing but ticks: no logging, no files, no waiting for anybody but its
@@ -13,14 +13,14 @@ import select
 import signal
 import socket
 import sys
-from pathlib import Path
-from typing import Any
 
 from aff_runtime.app.control.outside import ControlOutside
+from aff_runtime.app.link.messages import LogLine, Start
 from aff_runtime.app.link.packets import Link, LinkClosedError
 from aff_runtime.app.wiring.assemble import assemble, cycle_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, WireError
+from aff_runtime.base.printable import printable
 from aff_runtime.loop.realtime import RealtimeReport, RealtimeRequest, ask
 
 START_PATIENCE_S = 10.0
@@ -30,24 +30,24 @@ def main(arguments: list[str]) -> int:
     """Run the cycle until told to stop; return the exit code."""
     parser = argparse.ArgumentParser(prog="aff_runtime.app.control.process")
     parser.add_argument("--link-fd", type=int, required=True)
-    parser.add_argument("--ring", type=Path, required=True)
     options = parser.parse_args(arguments)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # ctrl-c is the supervisor's
     link = Link(socket.socket(fileno=options.link_fd))
     try:
         start = _first_message(link)
-        return _run(start, link, options.ring)
+        return _run(start, link)
     except LinkClosedError:
         return WireError.exit_code
     except AffError as error:
-        link.send({"did": "LOG", "text": str(error)})
+        for line in str(error).split("\n"):
+            link.send(LogLine(text=printable(line)))
         return error.exit_code
 
 
-def _run(start: dict[str, Any], link: Link, ring: Path) -> int:
+def _run(start: Start, link: Link) -> int:
     """Wire the rooms and tick."""
     clock = MonotonicClock()
-    record = start["record"]
+    record = start.record
     assembly = assemble(record, clock)
     rights = ask(RealtimeRequest(cpus=_own_processor()))
     meta = {
@@ -59,9 +59,9 @@ def _run(start: dict[str, Any], link: Link, ring: Path) -> int:
         ],
         "machine": " ".join(os.uname()),
         "start_ns": clock.now_ns(),
-        "shadow": bool(start.get("shadow")),
+        "shadow": start.shadow,
     }
-    outside = ControlOutside(assembly, link, ring, meta)
+    outside = ControlOutside(assembly, link, meta)
     cycle = cycle_of(assembly, outside)
     signal.signal(signal.SIGUSR1, lambda *_: outside.bypass_by_signal())
     signal.signal(signal.SIGTERM, lambda *_: cycle.request_stop())
@@ -73,11 +73,11 @@ def _run(start: dict[str, Any], link: Link, ring: Path) -> int:
     return 0
 
 
-def _first_message(link: Link) -> dict[str, Any]:
+def _first_message(link: Link) -> Start:
     """Wait for the parameter record."""
     select.select([link], [], [], START_PATIENCE_S)
     message = link.receive()
-    if message is None:
+    if not isinstance(message, Start):
         raise LinkClosedError
     return message
 

@@ -1,4 +1,4 @@
-"""The socketpair between supervisor and control process: one JSON text per packet.
+"""The socketpair between supervisor and control process: one message per packet.
 
 Packets keep their borders, so neither side ever reassembles. The end of the stream means that
 the other process is dead, however it died.
@@ -6,12 +6,14 @@ the other process is dead, however it died.
 
 from __future__ import annotations
 
-import json
+import os
 import socket
-from collections.abc import Mapping
-from typing import Any
+import struct
+
+from aff_runtime.app.link.messages import Message, MessageError, decode, encode
 
 MAX_PACKET_BYTES = 1 << 18
+_DESCRIPTOR = struct.Struct("i")
 
 
 class LinkClosedError(Exception):
@@ -31,13 +33,15 @@ class Link:
         """Return the descriptor, for select."""
         return self._socket.fileno()
 
-    def receive(self) -> dict[str, Any] | None:
+    def receive(self) -> Message | None:
         """Return the next message or None when there is none.
 
         Raises
         ------
         LinkClosedError
             When the other side is gone.
+        MessageError
+            When it says what is no message.
         """
         try:
             packet = self._socket.recv(MAX_PACKET_BYTES)
@@ -47,19 +51,50 @@ class Link:
             raise LinkClosedError from None
         if not packet:
             raise LinkClosedError
-        message: dict[str, Any] = json.loads(packet)
-        return message
+        return decode(packet)
 
-    def send(self, message: Mapping[str, Any]) -> bool:
+    def receive_passed(self) -> tuple[Message, int | None] | None:
+        """Return the next message and the descriptor that came with it; None without a message.
+
+        Raises
+        ------
+        LinkClosedError
+            When the other side is gone.
+        MessageError
+            When it says what is no message.
+        """
+        try:
+            packet, passed, _, _ = self._socket.recvmsg(
+                MAX_PACKET_BYTES, socket.CMSG_LEN(_DESCRIPTOR.size), socket.MSG_CMSG_CLOEXEC
+            )
+        except BlockingIOError:
+            return None
+        except OSError:
+            raise LinkClosedError from None
+        if not packet:
+            raise LinkClosedError
+        descriptor = _DESCRIPTOR.unpack(passed[0][2])[0] if passed else None
+        try:
+            return decode(packet), descriptor
+        except MessageError:
+            if descriptor is not None:
+                os.close(descriptor)
+            raise
+
+    def send(self, message: Message, descriptor: int | None = None) -> bool:
         """Send one message; return False when the other side is gone or does not read.
 
         A message that does not fit one packet is not sent either: the reader would see half.
+        ``descriptor`` : passed on with it; the reader gets one of its own.
         """
-        packet = json.dumps(message).encode()
+        packet = encode(message)
         if len(packet) > MAX_PACKET_BYTES:
             return False
         try:
-            self._socket.send(packet)
+            if descriptor is None:
+                self._socket.send(packet)
+            else:
+                socket.send_fds(self._socket, [packet], [descriptor])
         except OSError:
             return False
         return True

@@ -6,58 +6,134 @@ The directory is 0700 and the socket 0600; besides, the kernel tells who is call
 
 from __future__ import annotations
 
-import contextlib
 import fcntl
 import json
 import os
 import socket
-import struct
+from collections import deque
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.link.peer import Peer, peer_of
+from aff_runtime.app.link.requests import MAX_REQUEST_BYTES, Request
 from aff_runtime.app.link.runtime_directory import make_private
-from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.errors import AffError, RefusedError
+from aff_runtime.base.printable import printable
 
-MAX_REQUEST_BYTES = 4096
 MAX_CALLERS = 16
-_CREDENTIALS = struct.Struct("3i")
+BACKLOG = 64
 
 
 class Caller:
-    """One connected caller and what it has said so far."""
+    """One connected caller: what it has said and not been answered, what it has not taken yet.
 
-    def __init__(self, connection: socket.socket) -> None:
+    Attributes
+    ----------
+    peer : who it is, by the kernel.
+    owed : requests of it that wait for their answer.
+    """
+
+    def __init__(self, connection: socket.socket, peer: Peer) -> None:
         connection.setblocking(False)
         self.connection = connection
+        self.peer = peer
+        self.owed = 0
         self._heard = b""
+        self._lines: deque[bytes] = deque()
+        self._unsent = b""
 
-    def requests(self) -> list[dict[str, Any]] | None:
-        """Return the complete requests that came; None when the caller is gone or babbles."""
+    @property
+    def has_more(self) -> bool:
+        """Whether it waits for us: to be heard further, or to be told the rest of an answer."""
+        return bool(self._lines or self._unsent)
+
+    @property
+    def babbles(self) -> bool:
+        """Whether it says more than fits a request."""
+        return not self._lines and len(self._heard) > MAX_REQUEST_BYTES
+
+    def read(self) -> bool:
+        """Take what has come; False when the caller is gone."""
         try:
             chunk = self.connection.recv(MAX_REQUEST_BYTES)
         except BlockingIOError:
-            return []
+            return True
         except OSError:
-            return None
+            return False
         *lines, self._heard = (self._heard + chunk).split(b"\n")
-        if not chunk or len(self._heard) > MAX_REQUEST_BYTES:
-            return None
-        requests: list[dict[str, Any]] = []
-        for line in lines:
-            try:
-                request = json.loads(line)
-            except (ValueError, RecursionError):
-                return None
-            if not isinstance(request, dict):
-                return None
-            requests.append(request)
-        return requests
+        self._lines.extend(lines)
+        return bool(chunk)
 
-    def reply(self, answer: Mapping[str, Any]) -> None:
-        """Send one answer; a caller that does not listen loses it."""
-        with contextlib.suppress(OSError):
-            self.connection.sendall(json.dumps(answer).encode() + b"\n")
+    def next_line(self) -> bytes | None:
+        """Return the next complete line; None without one, or while an answer is on its way.
+
+        Answers are so never more than the caller takes: who does not listen is not heard either.
+        """
+        return self._lines.popleft() if self._lines and not self._unsent else None
+
+    def send(self, answer: Mapping[str, Any]) -> None:
+        """Send one answer; what the caller does not take now is sent when it does."""
+        self._unsent += json.dumps(answer).encode() + b"\n"
+        self.flush()
+
+    def flush(self) -> bool:
+        """Send what is left; False when the caller is gone."""
+        try:
+            while self._unsent:
+                self._unsent = self._unsent[self.connection.send(self._unsent) :]
+        except BlockingIOError:
+            return True
+        except OSError:
+            self._unsent = b""
+            return False
+        return True
+
+
+class Asked:
+    """One request of one caller; it gets one answer, now or later.
+
+    Parameters
+    ----------
+    caller : who asked.
+    request : what.
+    """
+
+    __slots__ = ("_is_answered", "caller", "request")
+
+    def __init__(self, caller: Caller, request: Request) -> None:
+        self.caller = caller
+        self.request = request
+        self._is_answered = False
+        caller.owed += 1
+
+    @property
+    def who(self) -> str:
+        """Return who commands: the kernel's word, and on whose behalf as the caller claims."""
+        claimed = printable(self.request.by).replace('"', "'")
+        return (
+            f'{self.caller.peer}, on behalf of "{claimed}" as it says'
+            if claimed
+            else (str(self.caller.peer))
+        )
+
+    def answer(self, answer: Mapping[str, Any]) -> None:
+        """Answer it, with the caller's own number of it; a second answer is dropped."""
+        if self._is_answered:
+            return
+        self._is_answered = True
+        self.caller.owed -= 1
+        ident = self.request.ident
+        self.caller.send(answer if ident is None else {**answer, "id": ident})
+
+    def refuse(self, error: AffError) -> None:
+        """Say no, and why."""
+        self.answer(refusal(error))
+
+
+def refusal(error: AffError) -> dict[str, Any]:
+    """Return the answer that says no."""
+    return {"ok": False, "message": str(error), "exit_code": error.exit_code}
 
 
 class RequestSocket:
@@ -73,7 +149,9 @@ class RequestSocket:
         make_private(path.parent)
         lock = path.with_suffix(".lock")
         try:
-            self._lock = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+            self._lock = os.open(
+                lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600
+            )
         except OSError as error:
             raise _unusable(lock, error) from None
         try:
@@ -96,7 +174,7 @@ class RequestSocket:
             raise _unusable(path, error) from None
         finally:
             os.umask(before)
-        self.listener.listen(64)
+        self.listener.listen(BACKLOG)
         self.listener.setblocking(False)
         self.callers: dict[int, Caller] = {}
 
@@ -106,10 +184,11 @@ class RequestSocket:
             connection, _ = self.listener.accept()
         except OSError:
             return None
-        if not _is_allowed(connection):
+        peer = peer_of(connection)
+        if not is_allowed_uid(peer.uid, os.geteuid()):
             connection.close()
             return None
-        caller = Caller(connection)
+        caller = Caller(connection, peer)
         self.callers[connection.fileno()] = caller
         return caller
 
@@ -118,8 +197,17 @@ class RequestSocket:
         self.callers[caller.connection.fileno()] = self.callers.pop(caller.connection.fileno())
 
     def surplus(self) -> Caller | None:
-        """Return who has been silent longest when there are too many: none may shut out others."""
-        return next(iter(self.callers.values())) if len(self.callers) > MAX_CALLERS else None
+        """Return who has been silent longest when there are too many: none may shut out others.
+
+        Who waits for an answer is not silent.
+        """
+        idle = [caller for caller in self.callers.values() if not caller.owed]
+        return idle[0] if len(idle) > MAX_CALLERS else None
+
+    @property
+    def waiting(self) -> int:
+        """How many callers wait for an answer."""
+        return sum(caller.owed > 0 for caller in self.callers.values())
 
     def drop(self, caller: Caller) -> None:
         """Close the connection of ``caller``."""
@@ -139,13 +227,6 @@ def _unusable(path: Path, error: OSError) -> RefusedError:
     """Return the refusal of a runtime directory in which nothing can be made."""
     reason = error.strerror or error
     return RefusedError(f"{path}: {reason}; remove it, or name another --runtime-dir")
-
-
-def _is_allowed(connection: socket.socket) -> bool:
-    """Return whether the calling process belongs to our user or to root."""
-    raw = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
-    _, uid, _ = _CREDENTIALS.unpack(raw)
-    return is_allowed_uid(uid, os.geteuid())
 
 
 def is_allowed_uid(uid: int, own_uid: int) -> bool:

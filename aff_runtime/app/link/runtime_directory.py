@@ -1,13 +1,29 @@
-"""Where the running service keeps its socket and its ring."""
+"""Where the running service keeps its socket, and who may be found there.
+
+Three ways of running share these rules. Installed: the service runs as user aff-runtime in
+/run/aff-runtime, and technicians come by ``sudo``. By hand: in the session's own folder, or in
+/tmp/aff-runtime-UID. Anywhere: with --runtime-dir. On a machine where the service is installed
+nothing but /run/aff-runtime is meant unless another place is named: a command that fell through
+to a folder in /tmp would talk to whoever made that folder first.
+"""
 
 from __future__ import annotations
 
-import hashlib
 import os
+import pwd
+import stat
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from aff_runtime.app.link.peer import SERVICE_USER, service_uids, user_name
 from aff_runtime.base.errors import RefusedError
+
+INSTALLED = Path("/run/aff-runtime")
+OF_OTHERS = stat.S_IRWXG | stat.S_IRWXO
+WRITTEN_BY_OTHERS = stat.S_IWGRP | stat.S_IWOTH
+OURS = frozenset({"control.sock", "control.lock"})
+ANOTHER = "name another one with --runtime-dir"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -18,59 +34,124 @@ class RuntimePaths:
     ----------
     directory : 0700, belongs to the service's user.
     socket : request socket, 0600.
-    ring : shared-memory ring, on a memory file system whenever there is one.
     """
 
     directory: Path
     socket: Path
-    ring: Path
 
 
-def default_directory() -> Path:
-    """Return the runtime directory when none is named: systemd's, the session's, or /tmp."""
-    for variable in ("RUNTIME_DIRECTORY", "XDG_RUNTIME_DIR"):
-        base = os.environ.get(variable, "").split(":")[0]
-        if base:
-            return Path(base) if variable == "RUNTIME_DIRECTORY" else Path(base) / "aff-runtime"
-    if os.access("/run/aff-runtime", os.X_OK):
-        return Path("/run/aff-runtime")
-    return Path(f"/tmp/aff-runtime-{os.getuid()}")
+def default_directory(environment: Mapping[str, str] = os.environ) -> Path:
+    """Return the runtime directory when none is named.
+
+    The service manager's; else the installed service's, on a machine that has one; else the
+    session's, if the session is ours (under ``sudo -E`` it is not); else one in /tmp.
+    """
+    named = environment.get("RUNTIME_DIRECTORY", "").split(":")[0]
+    if named:
+        return Path(named)
+    if is_installed():
+        return INSTALLED
+    session = environment.get("XDG_RUNTIME_DIR", "")
+    if session and _owner(Path(session)) == os.geteuid():
+        return Path(session) / "aff-runtime"
+    return Path(f"/tmp/aff-runtime-{os.geteuid()}")
+
+
+def is_installed() -> bool:
+    """Return whether this machine has, or had until its last stop, the installed service."""
+    if os.path.lexists(INSTALLED):
+        return True
+    try:
+        pwd.getpwnam(SERVICE_USER)
+    except KeyError:
+        return False
+    return True
 
 
 def runtime_paths(directory: Path) -> RuntimePaths:
     """Return the paths below ``directory`` without touching anything."""
     directory = directory.absolute()
-    return RuntimePaths(
-        directory=directory, socket=directory / "control.sock", ring=_ring_path(directory)
-    )
+    return RuntimePaths(directory=directory, socket=directory / "control.sock")
 
 
 def make_private(directory: Path) -> None:
-    """Create ``directory`` with mode 0700, or check that it is ours and close it to others.
+    """Create ``directory`` with mode 0700, or check that one that is there will do.
+
+    A folder that we did not make keeps its mode: closing one that others use would shut them out.
 
     Raises
     ------
     RefusedError
-        When it belongs to somebody else or cannot be made.
+        When it belongs to somebody else, is open to others and used for other things or may be
+        written by them, or cannot be made.
     """
     try:
-        directory.mkdir(mode=0o700, parents=True, exist_ok=True)
-        found = directory.lstat()
-        if not directory.is_dir() or directory.is_symlink() or found.st_uid != os.geteuid():
-            raise RefusedError(
-                f"{directory}: is not a directory of user {os.geteuid()}; "
-                "name another one with --runtime-dir"
-            )
-        directory.chmod(0o700)
+        directory.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            directory.mkdir(mode=0o700)
+        except FileExistsError:
+            _check_found(directory)
     except OSError as error:
-        raise RefusedError(f"{directory}: {error.strerror}; name another --runtime-dir") from None
+        mine = f"the installed service's place; {ANOTHER}" if directory == INSTALLED else ANOTHER
+        raise RefusedError(f"{directory}: {error.strerror}; {mine}") from None
 
 
-def _ring_path(directory: Path) -> Path:
-    """Return a path on a memory file system: a page written back to disk would stall a tick."""
-    text = str(directory)
-    shared = Path("/dev/shm")
-    if text.startswith(("/run/", "/dev/shm/")) or not os.access(shared, os.W_OK):
-        return directory / "ring"
-    tag = hashlib.sha256(text.encode()).hexdigest()[:12]
-    return shared / f"aff-runtime-{os.getuid()}-{tag}.ring"
+def _check_found(directory: Path) -> None:
+    """Refuse a folder that is not ours alone."""
+    found = directory.lstat()
+    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.geteuid():
+        raise RefusedError(f"{directory}: is not a directory of user {os.geteuid()}; {ANOTHER}")
+    mode = f"{directory}: its mode {stat.S_IMODE(found.st_mode):04o}"
+    if found.st_mode & WRITTEN_BY_OTHERS:
+        raise RefusedError(f"{mode} lets others write in it; {ANOTHER}, which will be made")
+    others = sorted(path.name for path in directory.iterdir() if path.name not in OURS)
+    if found.st_mode & OF_OTHERS and others:
+        raise RefusedError(
+            f"{mode} opens it to others and it holds {others[0]!a}, so it is not the service's "
+            f"alone; {ANOTHER}, which will be made"
+        )
+
+
+def check_trusted(directory: Path) -> None:
+    """Refuse a folder in which somebody else than a service of ours could listen.
+
+    Raises
+    ------
+    RefusedError
+        When it belongs to another user, or others may write in it. One that is not there is no
+        refusal: then nobody listens.
+    """
+    try:
+        found = directory.lstat()
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        raise RefusedError(f"{directory}: {error.strerror}; {ANOTHER}") from None
+    if not stat.S_ISDIR(found.st_mode):
+        raise RefusedError(f"{directory}: is not a directory, so no service of ours; {ANOTHER}")
+    if found.st_uid not in service_uids():
+        raise RefusedError(how_to_reach(directory))
+    if found.st_mode & WRITTEN_BY_OTHERS:
+        raise RefusedError(
+            f"{directory}: others may write in it (mode {stat.S_IMODE(found.st_mode):04o}), so "
+            f"anybody could listen there; {ANOTHER}"
+        )
+
+
+def how_to_reach(directory: Path) -> str:
+    """Return why a folder is not for us, and how its owner's service is reached."""
+    uid = _owner(directory)
+    if uid is None:
+        return f"{directory}: cannot be looked into; {ANOTHER}"
+    return (
+        f"{directory}: belongs to uid {uid} ({user_name(uid)}); if this is the service meant: "
+        f"`sudo -u '#{uid}' aff-runtime ...`, else {ANOTHER}"
+    )
+
+
+def _owner(path: Path) -> int | None:
+    """Return who owns a path, None when it cannot be seen."""
+    try:
+        return path.lstat().st_uid
+    except OSError:
+        return None

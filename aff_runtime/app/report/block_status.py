@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from aff_runtime.core.monitor import Trend
+from aff_runtime.core.order_status import OrderStatus, order_statuses
 from aff_runtime.core.phase import Source
 from aff_runtime.core.shape.basis import IMBALANCE_N_M_PER_M
 
@@ -21,9 +23,7 @@ WORDS = {
     Trend.CLAMPED: "CLAMPED",
     Trend.FROZEN: "frozen",
 }
-AMPLITUDE = "amplitude_"
-SHAPE = "shape_mm"
-IMBALANCE = "imbalance"
+SHAPE = "shape"
 N_M_PER_MM = 1e-3 * IMBALANCE_N_M_PER_M
 WHY = {
     Trend.DIVERGING: "ripple is larger than without it",
@@ -40,83 +40,105 @@ SHAPE_WHY = {
     Trend.DIVERGING: RESTS,
     Trend.CLAMPED: "the actuator's limit is used up; it gives way to orders that help more",
 }
-UNITS = {"m_s": "m/s", "N_m": "N m", "N": "N", "m": "m"}
+LIMIT_KEYS = {"m/s": "amp_limit_m_s", "N m": "amp_limit_N_m"}
 
 
-def blocks(record: Mapping[str, float], site: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return one row per block in the order of the record; NaN becomes None.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockStatus:
+    """One order in words and plant units; None where nothing is known.
+
+    Attributes
+    ----------
+    out : share of the order's correction that reaches the drive, 0..1.
+    phase_deg, encoder_deg : angle of the order, in the service's count and where the encoder
+        reads zero.
+    share, loop_gain : of a shape alone: share that the law lets out, true response over measured.
+    """
+
+    actuator: str
+    name: str
+    roll: str
+    order: int
+    state: str
+    why: str
+    frequency_Hz: float | None
+    law: str
+    amplitude: float | None
+    unit: str
+    limit: float | None
+    out: float | None
+    phase_deg: float | None
+    encoder_deg: float | None
+    ripple_before: float | None
+    ripple: float | None
+    benefit_dB: float | None
+    ripple_unit: str
+    settle_s: float | None
+    share: float | None = None
+    loop_gain: float | None = None
+
+
+def blocks(record: Mapping[str, float], site: Mapping[str, Any]) -> tuple[BlockStatus, ...]:
+    """Return one row per block in the order of the record.
 
     Parameters
     ----------
     record : newest record by column name.
     site : the site of the parameter record, as plain values.
     """
-    rows = []
-    for column, value in record.items():
-        if column.count(".") == 2 and column.endswith(".state"):
-            actuator, name, _ = column.split(".")
-            rows.append(_row(record, site, actuator, name, value))
-    _say_meetings(rows, site)
-    return rows
+    rows = [_row(record, site, order) for order in order_statuses(record)]
+    shapes = [row for row in rows if row.law == SHAPE and row.frequency_Hz and row.order]
+    return tuple(_with_meeting(row, shapes, site) for row in rows)
 
 
-def _row(
-    record: Mapping[str, float], site: Mapping[str, Any], actuator: str, name: str, state: float
-) -> dict[str, Any]:
-    prefix = f"{actuator}.{name}."
-    said = {k.removeprefix(prefix): v for k, v in record.items() if k.startswith(prefix)}
-    of_actuator = site.get("actuators", {}).get(actuator, {})
-    roll, _, order = name.rpartition("_")
-    number = int(order[:-1]) if order[:-1].isdigit() else 0
-    if name == IMBALANCE:
-        roll, number = str((of_actuator.get("drive") or {}).get("roll", "")), 1
-    settings = _settings(site, actuator, roll, number)
+def _row(record: Mapping[str, float], site: Mapping[str, Any], order: OrderStatus) -> BlockStatus:
+    of_actuator = site.get("actuators", {}).get(order.actuator, {})
+    roll = order.roll
+    if order.is_imbalance:
+        roll = str((of_actuator.get("drive") or {}).get("roll", ""))
+    settings = _settings(site, order.actuator, roll, order.order)
     signal = str(of_actuator.get("error", {}).get("signal", ""))
     omega = record.get(f"{roll}.omega_rad_s", math.nan)
-    before, now = said.get("ripple_before", math.nan), said.get("ripple", math.nan)
-    return {
-        "actuator": actuator,
-        "name": name,
-        "roll": roll,
-        "order": number,
-        "state": _word(state),
-        "why": _why(state, "shape" if SHAPE in said else "blocks"),
-        "frequency_Hz": _finite(number * omega / math.tau),
-        **_size(said, name, of_actuator, settings),
-        "out": _finite(said.get("share", 1.0) * _applied(record, actuator)),
-        "phase_deg": _finite(said.get("phase_deg", math.nan)),
-        "encoder_deg": _finite(
-            _at_encoder_zero_deg(record, site, roll, number, said.get("phase_deg", math.nan))
-        ),
-        "ripple_before": _finite(before),
-        "ripple": _finite(now),
-        "benefit_dB": _finite(_benefit_dB(before, now)),
-        "ripple_unit": "N" if signal.endswith("_N") else "m/s" if signal.endswith("_m_s") else "",
-        "settle_s": settings.get("settle_s"),
-    }
+    share = 1.0 if math.isnan(order.share) else order.share
+    of_encoder_deg = _at_encoder_zero_deg(record, site, roll, order.order, order.phase_deg)
+    shape = order.law == SHAPE
+    return BlockStatus(
+        actuator=order.actuator,
+        name=order.name,
+        roll=roll,
+        order=order.order,
+        state="" if order.state is None else WORDS[order.state],
+        why=_why(order.state, order.law),
+        frequency_Hz=_finite(order.order * omega / math.tau),
+        law=order.law,
+        **(_shape_size(order, of_actuator) if shape else _block_size(order, settings)),
+        out=_finite(share * _applied(record, order.actuator)),
+        phase_deg=_finite(order.phase_deg),
+        encoder_deg=_finite(of_encoder_deg),
+        ripple_before=_finite(order.ripple_before),
+        ripple=_finite(order.ripple),
+        benefit_dB=_finite(_benefit_dB(order.ripple_before, order.ripple)),
+        ripple_unit="N" if signal.endswith("_N") else "m/s" if signal.endswith("_m_s") else "",
+        settle_s=settings.get("settle_s"),
+        share=_finite(order.share) if shape else None,
+        loop_gain=_finite(order.response_ratio) if shape else None,
+    )
 
 
-def _size(
-    said: Mapping[str, float], name: str, actuator: Mapping[str, Any], block: Mapping[str, Any]
-) -> dict[str, Any]:
-    """Return amplitude, unit and limit of one block; of a shape also what goes out of it."""
-    if SHAPE not in said:
-        suffix = next((k.removeprefix(AMPLITUDE) for k in said if k.startswith(AMPLITUDE)), "")
-        return {
-            "law": "blocks",
-            "amplitude": _finite(said.get(AMPLITUDE + suffix, math.nan)),
-            "unit": UNITS.get(suffix, suffix),
-            "limit": block.get(f"amp_limit_{suffix}"),
-        }
-    factor = N_M_PER_MM if name == IMBALANCE else 1.0
+def _block_size(order: OrderStatus, block: Mapping[str, Any]) -> dict[str, Any]:
+    """Return amplitude, unit and limit of a plain block."""
+    limit = block.get(LIMIT_KEYS.get(order.size_unit, ""))
+    return {"amplitude": _finite(order.size), "unit": order.size_unit, "limit": limit}
+
+
+def _shape_size(order: OrderStatus, actuator: Mapping[str, Any]) -> dict[str, Any]:
+    """Return size, unit and limit of a shape; an imbalance is a torque."""
+    factor = N_M_PER_MM if order.is_imbalance else 1.0
     limit_m = actuator.get("shape_limit_m")
     return {
-        "law": "shape",
-        "amplitude": _finite(factor * said[SHAPE]),
-        "unit": "N m" if name == IMBALANCE else "mm",
+        "amplitude": _finite(factor * order.size),
+        "unit": "N m" if order.is_imbalance else order.size_unit,
         "limit": None if limit_m is None else factor * 1e3 * limit_m,
-        "share": _finite(said.get("share", math.nan)),
-        "loop_gain": _finite(said.get("gain_of_P", math.nan)),
     }
 
 
@@ -145,27 +167,29 @@ def _benefit_dB(before: float, now: float) -> float:
     return 20.0 * math.log10(before / now) if before > 0.0 and now > 0.0 else math.nan
 
 
-def _why(state: float, law: str) -> str:
+def _why(state: Trend | None, law: str) -> str:
     """Return why a block is held or faded, empty when it is not."""
-    try:
-        trend = Trend(int(state)) if math.isfinite(state) else Trend.IDLE
-        return (SHAPE_WHY if law == "shape" else {}).get(trend, WHY.get(trend, ""))
-    except ValueError:
+    if state is None:
         return ""
+    return (SHAPE_WHY if law == SHAPE else {}).get(state, WHY.get(state, ""))
 
 
-def _say_meetings(rows: list[dict[str, Any]], site: Mapping[str, Any]) -> None:
-    """Add to shapes of different rolls that the signal cannot tell apart now that they meet."""
-    shapes = [r for r in rows if r["law"] == "shape" and r["frequency_Hz"] and r["order"]]
-    for one in shapes:
-        memory = site.get("actuators", {}).get(one["actuator"], {}).get("memory_turns", 9.0)
-        for other in shapes:
-            if other["actuator"] != one["actuator"] or other["roll"] == one["roll"]:
-                continue
-            apart_Hz = abs(abs(one["frequency_Hz"]) - abs(other["frequency_Hz"]))
-            slowest_Hz = min(abs(r["frequency_Hz"]) / r["order"] for r in (one, other))
-            if apart_Hz * memory < slowest_Hz:
-                one["why"] = f"meets {other['name']}: not judged, not saved meanwhile"
+def _with_meeting(
+    row: BlockStatus, shapes: Sequence[BlockStatus], site: Mapping[str, Any]
+) -> BlockStatus:
+    """Return the row; a shape whose order meets another roll's says so."""
+    memory = site.get("actuators", {}).get(row.actuator, {}).get("memory_turns", 9.0)
+    for other in reversed(shapes if row in shapes else ()):
+        if other.actuator == row.actuator and other.roll != row.roll and _meet(row, other, memory):
+            return replace(row, why=f"meets {other.name}: not judged, not saved meanwhile")
+    return row
+
+
+def _meet(one: BlockStatus, other: BlockStatus, memory_turns: float) -> bool:
+    """Return whether the signal cannot tell two orders apart within the memory."""
+    mine_Hz, theirs_Hz = abs(one.frequency_Hz or 0.0), abs(other.frequency_Hz or 0.0)
+    slowest_Hz = min(mine_Hz / one.order, theirs_Hz / other.order)
+    return abs(mine_Hz - theirs_Hz) * memory_turns < slowest_Hz
 
 
 def _settings(site: Mapping[str, Any], actuator: str, roll: str, order: int) -> Mapping[str, Any]:
@@ -175,15 +199,6 @@ def _settings(site: Mapping[str, Any], actuator: str, roll: str, order: int) -> 
             found: Mapping[str, Any] = block
             return found
     return {}
-
-
-def _word(state: float) -> str:
-    if not math.isfinite(state):
-        return ""
-    try:
-        return WORDS[Trend(int(state))]
-    except ValueError:
-        return f"state {state:.0f}"
 
 
 def _finite(value: float) -> float | None:

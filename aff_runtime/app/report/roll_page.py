@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from html import escape
-from typing import Any
 
+from aff_runtime.app.report.block_status import BlockStatus
 from aff_runtime.app.report.status import headline
+from aff_runtime.app.report.status_answer import StatusAnswer
 
 FEWEST_ORDERS = 3
 POINTS = 360
@@ -22,15 +23,14 @@ STYLE = (
     "th:first-child,th:nth-last-child(-n+2),td:first-child,td:nth-last-child(-n+2)"
     "{text-align:left}svg text{font:12px sans-serif}"
 )
-Block = Mapping[str, Any]
 
 
-def page(answer: Mapping[str, Any]) -> str:
+def page(answer: StatusAnswer) -> str:
     """Return a self-contained HTML page of a ``status`` answer."""
-    blocks: Sequence[Block] = answer.get("blocks", [])
-    shapes = [b for b in blocks if b.get("law") == "shape" and b["amplitude"] is not None]
-    parts = [f"<h1>{escape(str(answer['line']))}: {escape(headline(answer))}</h1>"]
-    parts += [f"<p>next: {escape(text)}</p>" for text in answer.get("crossings", [])]
+    blocks = answer.blocks
+    shapes = [b for b in blocks if b.law == "shape" and b.amplitude is not None]
+    parts = [f"<h1>{escape(answer.line)}: {escape(headline(answer))}</h1>"]
+    parts += [f"<p>next: {escape(text)}</p>" for text in answer.crossings]
     parts += [
         plot(actuator, roll, rows)
         for (actuator, roll), rows in _by_roll(shapes).items()
@@ -39,26 +39,26 @@ def page(answer: Mapping[str, Any]) -> str:
     if not shapes:
         parts.append("<p>No roll is known in mm: no actuator runs law shape, or no probe yet.</p>")
     parts += _tables(blocks)
-    parts += [f"<p>{escape(text)}</p>" for text in answer.get("shapes", [])]
+    parts += [f"<p>{escape(text)}</p>" for text in answer.shapes]
     body = "\n".join(parts)
     return (
-        f'<!doctype html><meta charset="utf-8"><title>{escape(str(answer["line"]))}</title>'
+        f'<!doctype html><meta charset="utf-8"><title>{escape(answer.line)}</title>'
         f"<style>{STYLE}</style>\n{body}\n"
     )
 
 
-def _by_roll(blocks: Sequence[Block]) -> dict[tuple[str, str], list[Block]]:
-    rolls: dict[tuple[str, str], list[Block]] = {}
+def _by_roll(blocks: Sequence[BlockStatus]) -> dict[tuple[str, str], list[BlockStatus]]:
+    rolls: dict[tuple[str, str], list[BlockStatus]] = {}
     for block in blocks:
-        if block["unit"] == "mm":  # an imbalance is a torque and no part of the outline
-            rolls.setdefault((block["actuator"], block["roll"]), []).append(block)
+        if block.unit == "mm":  # an imbalance is a torque and no part of the outline
+            rolls.setdefault((block.actuator, block.roll), []).append(block)
     return rolls
 
 
-def outline_mm(blocks: Sequence[Block]) -> list[float]:
+def outline_mm(blocks: Sequence[BlockStatus]) -> list[float]:
     """Return the deviation of the moment arm at whole degrees of the roll's angle, mm."""
     weights = [
-        (b["order"], cmath.rect(b["amplitude"], math.radians(_angle_deg(b)))) for b in blocks
+        (b.order, cmath.rect(b.amplitude or 0.0, math.radians(_angle_deg(b)))) for b in blocks
     ]
     return [
         sum((w * cmath.exp(1j * n * math.radians(at))).real for n, w in weights)
@@ -66,12 +66,12 @@ def outline_mm(blocks: Sequence[Block]) -> list[float]:
     ]
 
 
-def _angle_deg(block: Block) -> float:
-    known = block["encoder_deg"] if block["encoder_deg"] is not None else block["phase_deg"]
+def _angle_deg(block: BlockStatus) -> float:
+    known = block.encoder_deg if block.encoder_deg is not None else block.phase_deg
     return float(known or 0.0)
 
 
-def plot(actuator: str, roll: str, blocks: Sequence[Block]) -> str:
+def plot(actuator: str, roll: str, blocks: Sequence[BlockStatus]) -> str:
     """Return one roll as SVG, the deviation enlarged, angles counter-clockwise from the right."""
     outline = outline_mm(blocks)
     size = max(1e-3, *map(abs, outline))
@@ -92,7 +92,7 @@ def plot(actuator: str, roll: str, blocks: Sequence[Block]) -> str:
     for degrees in (0, 90, 180, 270):
         x, y = at(degrees, 1.45 * size)
         marks += f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="middle">{degrees} deg</text>'
-    sure = all(b["encoder_deg"] is not None for b in blocks)
+    sure = all(b.encoder_deg is not None for b in blocks)
     zero = "where the encoder reads zero" if sure else "where the service began to count"
     return (
         f"<h2>{escape(roll)}, as learned for {escape(actuator)}</h2>"
@@ -102,31 +102,31 @@ def plot(actuator: str, roll: str, blocks: Sequence[Block]) -> str:
     )
 
 
-def _tables(blocks: Sequence[Block]) -> Iterator[str]:
-    for actuator in dict.fromkeys(b["actuator"] for b in blocks):
-        rows = "".join(_row(b) for b in blocks if b["actuator"] == actuator)
+def _tables(blocks: Sequence[BlockStatus]) -> Iterator[str]:
+    for actuator in dict.fromkeys(b.actuator for b in blocks):
+        rows = "".join(_row(b) for b in blocks if b.actuator == actuator)
         head = "".join(f"<th>{name}</th>" for name in HEAD)
         yield f"<h2>{escape(str(actuator))}</h2><table><tr>{head}</tr>{rows}</table>"
 
 
-def _row(block: Block) -> str:
+def _row(block: BlockStatus) -> str:
     """Return one order: with law shape in mm, with the plain law in mm/s."""
-    speed = block["unit"] == "m/s"
-    unit = "mm/s" if speed else block["unit"]
-    size = _shown(block["amplitude"], 1e3 if speed else 1.0)
-    share = block.get("out")
-    ripple = block["ripple_unit"]
+    speed = block.unit == "m/s"
+    unit = "mm/s" if speed else block.unit
+    size = _shown(block.amplitude, 1e3 if speed else 1.0)
+    share = block.out
+    ripple = block.ripple_unit
     cells = (
-        block["name"],
-        _shown(block["frequency_Hz"]),
+        block.name,
+        _shown(block.frequency_Hz),
         size if unit == "mm" else f"{size} {unit}",
-        _shown(block["phase_deg"] if block.get("encoder_deg") is None else block["encoder_deg"]),
+        _shown(block.phase_deg if block.encoder_deg is None else block.encoder_deg),
         "-" if share is None else f"{100 * share:.0f} %",
-        f"{_shown(block['ripple_before'])} {ripple}",
-        f"{_shown(block['ripple'])} {ripple}",
-        _shown(block.get("benefit_dB")),
-        block["state"],
-        block.get("why", ""),
+        f"{_shown(block.ripple_before)} {ripple}",
+        f"{_shown(block.ripple)} {ripple}",
+        _shown(block.benefit_dB),
+        block.state,
+        block.why,
     )
     return "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in cells) + "</tr>"
 

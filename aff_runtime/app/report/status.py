@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from aff_runtime.app.report.block_status import blocks
+from aff_runtime.app.report.status_answer import Alarm, Live, StatusAnswer
 from aff_runtime.base.events import BY_CODE, BY_NAME
 from aff_runtime.base.signals import Outcome, State, Status
 
@@ -31,9 +32,9 @@ def missing_permissive(status: int, need: Sequence[str]) -> str:
     return ""
 
 
-def describe(
+def live_status(
     record: Mapping[str, float], need: Sequence[str], site: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
+) -> tuple[State, Live]:
     """Return a ring record in words and numbers; NaN becomes None.
 
     Parameters
@@ -42,21 +43,14 @@ def describe(
     need : names of the permissives, in the order in which the first missing one is named.
     site : the site of the parameter record, for units and limits of the blocks.
     """
-    state = State(int(record["state"]))
     event = BY_CODE.get(int(record["alarm"]), BY_CODE[0])
-    return {
-        "state": state.name,
-        "blocked_by": missing_permissive(int(record["status"]), need),
-        "alarm": {
-            "code": event.code,
-            "name": event.name,
-            "text": event.text,
-            "action": event.action,
-        },
-        "blocks": blocks(record, site or {}),
-        "comm": Outcome(int(record["outcome"])).name,
-        "signals": {k: v if math.isfinite(v) else None for k, v in record.items()},
-    }
+    return State(int(record["state"])), Live(
+        blocked_by=missing_permissive(int(record["status"]), need),
+        alarm=Alarm(code=event.code, name=event.name, text=event.text, action=event.action),
+        blocks=blocks(record, site or {}),
+        comm=Outcome(int(record["outcome"])).name,
+        signals={k: v if math.isfinite(v) else None for k, v in record.items()},
+    )
 
 
 def explain(blocked: str) -> str:
@@ -76,26 +70,26 @@ def not_armed(state: State, blocked: str) -> str:
     return f"{name}: blocked by {explain(blocked)}" if blocked else f"{state.name}: not armed"
 
 
-def headline(answer: Mapping[str, Any]) -> str:
+def headline(answer: StatusAnswer) -> str:
     """Return the first line of ``aff-runtime status``: state, what blocks, what to do."""
-    state, blocked = str(answer.get("state", "STARTING")), str(answer.get("blocked_by", ""))
-    alarm = answer.get("alarm", {})
+    state, live = answer.state, answer.live or Live()
     line = state
-    if state in (State.FAULT.name, State.BYPASS.name) and alarm.get("code"):
-        line = f"{state}: {_rest(alarm, blocked)}"
-    elif blocked:
-        line = not_armed(State[state], blocked) if state in State.__members__ else state
-    if answer.get("config_differs"):
+    if state in (State.FAULT.name, State.BYPASS.name) and live.alarm.code:
+        line = f"{state}: {_rest(live.alarm, live.blocked_by)}"
+    elif live.blocked_by:
+        line = not_armed(State[state], live.blocked_by) if state in State.__members__ else state
+    if answer.config_differs:
         line += "  [CONFIG_DIFFERS]"
     return line
 
 
-def _rest(alarm: Mapping[str, Any], blocked: str) -> str:
+def _rest(alarm: Alarm, blocked: str) -> str:
     """Return why the output rests, what keeps it from being armed, and the operator's step."""
-    name, text, action = str(alarm["name"]), str(alarm["text"]), str(alarm["action"])
-    why = text if name in (POWER_UP, BYPASSED) else f"{name}, {text}"
-    if blocked.split(" ", maxsplit=1)[0] == name:
-        return f"{blocked}, {text}; {action}"  # with the signal or the numbers, where it has them
+    why = alarm.text if alarm.name in (POWER_UP, BYPASSED) else f"{alarm.name}, {alarm.text}"
+    if blocked.split(" ", maxsplit=1)[0] == alarm.name:
+        # with the signal or the numbers, where it has them
+        return f"{blocked}, {alarm.text}; {alarm.action}"
     if blocked:
         return f"{why}; blocked by {explain(blocked)}"
-    return f"{why}; {action}" if name in (POWER_UP, BYPASSED) else f"{why}, over now; {action}"
+    over = "" if alarm.name in (POWER_UP, BYPASSED) else ", over now"
+    return f"{why}{over}; {alarm.action}"

@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sys
+from collections import deque
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.link.messages import LogLine, Message, MessageError, Start, Stop
 from aff_runtime.app.link.packets import Link, LinkClosedError, link_pair
 from aff_runtime.app.wiring.parameter_record import for_control
+from aff_runtime.base.python_child import module_command
+from aff_runtime.telemetry.ring import RingReader
 
 
 class ControlChild:
@@ -20,20 +23,18 @@ class ControlChild:
     Parameters
     ----------
     record : complete parameter record, sent as the first message.
-    ring : path of the ring it is to create.
     shadow : compute and record, transmit zero.
     """
 
-    def __init__(self, record: Mapping[str, Any], ring: Path, *, shadow: bool) -> None:
-        ring.unlink(missing_ok=True)
+    def __init__(self, record: Mapping[str, Any], *, shadow: bool) -> None:
         ours, theirs = link_pair()
         # A bypass that comes before the process listens waits for it, and does not kill it.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGUSR1})
         try:
             self._process = subprocess.Popen(
                 [
-                    *(sys.executable, "-m", "aff_runtime.app.control.process"),
-                    *("--link-fd", str(theirs.fileno()), "--ring", str(ring)),
+                    *module_command("aff_runtime.app.control.process"),
+                    *("--link-fd", str(theirs.fileno())),
                 ],
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
@@ -45,7 +46,8 @@ class ControlChild:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
             theirs.close()
         self.link = Link(ours)
-        self.link.send({"do": "START", "record": for_control(record), "shadow": shadow})
+        self._rings: deque[int] = deque()
+        self.link.send(Start(record=for_control(record), shadow=shadow))
 
     @property
     def pid(self) -> int:
@@ -59,15 +61,37 @@ class ControlChild:
             return None
         return f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit {code}"
 
-    def replies(self) -> list[dict[str, Any]]:
-        """Return what the process has said since the last call."""
-        messages: list[dict[str, Any]] = []
+    def replies(self) -> list[Message]:
+        """Return what the process has said since the last call.
+
+        What is no message is told as a line for the log: the service was updated in place and
+        this process is of the new installation; what it can be told still, zero first, goes on.
+        """
+        messages: list[Message] = []
+        while True:
+            try:
+                received = self.link.receive_passed()
+            except MessageError as error:
+                messages.append(LogLine(text=f"{error}; restart the service"))
+                continue
+            except LinkClosedError:
+                return messages
+            if received is None:
+                return messages
+            message, passed = received
+            messages.append(message)
+            if passed is not None:
+                self._rings.append(passed)
+
+    def open_ring(self) -> RingReader | None:
+        """Return the oldest ring that it has made and nobody has looked at yet."""
+        if not self._rings:
+            return None
+        descriptor = self._rings.popleft()
         try:
-            while (message := self.link.receive()) is not None:
-                messages.append(message)
-        except LinkClosedError:
-            return messages
-        return messages
+            return RingReader(Path(f"/dev/fd/{descriptor}"))
+        finally:
+            os.close(descriptor)
 
     def bypass_by_signal(self) -> None:
         """Ask for bypass the way that needs no link."""
@@ -78,7 +102,7 @@ class ControlChild:
 
         Return True when it ended by itself, in good order: its last commands were zero.
         """
-        self.link.send({"do": "STOP"})
+        self.link.send(Stop())
         try:
             self._process.wait(patience_s)
         except subprocess.TimeoutExpired:
@@ -94,3 +118,5 @@ class ControlChild:
     def close(self) -> None:
         """Release the link of a process that has ended."""
         self.link.close()
+        while self._rings:
+            os.close(self._rings.popleft())

@@ -6,9 +6,13 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.link.messages import ConfigDiffers, Parameters, Reply
+from aff_runtime.app.link.peer import author_of
 from aff_runtime.app.supervisor.file_watch import FileWatch
-from aff_runtime.app.supervisor.pending import Pending
+from aff_runtime.app.supervisor.pending import Pending, as_answer
 from aff_runtime.app.supervisor.processes import Processes
+from aff_runtime.app.supervisor.response_exchange import exchanged_responses
+from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.validation import Validation, Verdict
 from aff_runtime.app.wiring.assemble import site_of
 from aff_runtime.app.wiring.parameter_record import for_control
@@ -27,12 +31,12 @@ class EditSession:
     """
 
     def __init__(
-        self, processes: Processes, pending: Pending, site: Path, verdict: Verdict
+        self, processes: Processes, pending: Pending, options: RunOptions, verdict: Verdict
     ) -> None:
         self._processes = processes
         self._pending = pending
-        self._site = site
-        self._watch = FileWatch(_watched(site, processes.record))
+        self._site, self._state = options.site, options.state_directory
+        self._watch = FileWatch(_watched(self._site, processes.record))
         self._check: Validation | None = None
         self._waiting: Verdict | None = None
         self._handing_over = False
@@ -58,7 +62,7 @@ class EditSession:
         """Check the file now; a check under way is of an older file."""
         self.close()
         try:
-            self._check = Validation(self._site)
+            self._check = Validation(self._site, self._state)
         except OSError as error:
             self._refuse(
                 [f"{self._site}:1:1  cannot be checked now: {error.strerror}; save again"]
@@ -78,20 +82,23 @@ class EditSession:
             self._refuse(verdict.findings)
             return
         found = diff_sites(site_of(running), site_of(record))
-        for change in found:
-            self._processes.note("EDIT", str(change))
+        exchanged = exchanged_responses(running, record, self._processes.probed)
+        if found:
+            self._processes.note("EDIT", f"{self._site}: {author_of(self._site)}")
+        for edit in (*found, *exchanged):
+            self._processes.note("EDIT", str(edit))
+        fixed = [change.path for change in found if not change.may_change_while_active]
+        waits = [f"{path}: may not change while armed" for path in fixed]
+        waits += [exchange.objection for exchange in exchanged if not exchange.is_ours]
         if self._processes.control is None:
             self._accept(record)  # the next start takes it
-        elif may_apply_while_active(found):
-            if found or record["responses"] != running["responses"]:
-                self._hand_over(record)
-            self.differs = ()
-        elif self._processes.is_live():
+        elif waits and self._processes.is_live():
             self._waiting = verdict
-            waiting = [c.path for c in found if not c.may_change_while_active]
-            self._refuse(
-                f"{path}: may not change while armed; waits for bypass" for path in waiting
-            )
+            self._refuse(f"{what}; waits for bypass" for what in waits)
+        elif may_apply_while_active(found):
+            if found or exchanged:
+                self._hand_over(self._processes.revised(record))
+            self.differs = ()
         else:
             self._processes.stop()
             self._accept(record)
@@ -103,29 +110,29 @@ class EditSession:
         """Send the record to the control process, which takes it between two ticks."""
         self._handing_over = True
         ident = self._pending.expect(
-            None, lambda said: self._adopted(record, said), ADOPT_PATIENCE_S
+            None, lambda reply: self._adopted(record, reply), ADOPT_PATIENCE_S
         )
         control = self._processes.control
-        message = {"do": "PARAMS", "record": for_control(record), "id": ident}
+        message = Parameters(id=ident, record=for_control(record))
         if control is None or not control.link.send(message):
             text = "the control process did not take the edit; save the file again"
-            self._pending.resolve({"id": ident, "ok": False, "message": text})
+            self._pending.resolve(Reply(id=ident, ok=False, message=text))
 
-    def _adopted(self, record: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
+    def _adopted(self, record: dict[str, Any], reply: Reply) -> dict[str, Any]:
         """Take the control process's word on a new parameter record."""
         self._handing_over = False
-        if said.get("ok"):
+        if reply.ok:
             self._accept(record)
+            self._processes.note("CONFIG_APPLIED", self._processes.revision_words())
         else:
-            self._refuse([str(said.get("message", "refused"))])
-        return said
+            self._refuse([reply.message or "refused"])
+        return as_answer(reply)
 
     def _accept(self, record: dict[str, Any]) -> None:
         """Take the record as the running one."""
         self.differs = ()
         self._processes.record = record
         self._watch.watch(_watched(self._site, record))
-        self._processes.note("CONFIG_APPLIED", str(record["config_hash"])[:12])
 
     def _refuse(self, why: Iterable[str]) -> None:
         """Keep what runs and say why."""
@@ -133,7 +140,7 @@ class EditSession:
         for line in self.differs:
             self._processes.note("CONFIG_DIFFERS", line)
         if self._processes.control is not None:
-            self._processes.control.link.send({"do": "DIFFERS"})
+            self._processes.control.link.send(ConfigDiffers())
 
 
 def _watched(site: Path, record: dict[str, Any]) -> list[Path]:

@@ -6,17 +6,30 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from aff_runtime.app.link.request_socket import Caller
+from aff_runtime.app.link.messages import Reply
+from aff_runtime.app.link.request_socket import Asked, Caller
 from aff_runtime.base.ports import Clock
 
-Answer = Callable[[dict[str, Any]], dict[str, Any]]
+Answer = Callable[[Reply], dict[str, Any]]
+
+
+def as_answer(reply: Reply) -> dict[str, Any]:
+    """Return a reply as the answer of the request socket: what it leaves open is left out."""
+    answer: dict[str, Any] = {"ok": reply.ok}
+    if reply.message:
+        answer["message"] = reply.message
+    if reply.state:
+        answer["state"] = reply.state
+    if reply.duration_s is not None:
+        answer["duration_s"] = reply.duration_s
+    return answer
 
 
 @dataclass(slots=True, kw_only=True)
 class _Question:
     """Who asked (None: the supervisor itself), how to answer, until when."""
 
-    caller: Caller | None
+    asked: Asked | None
     answer: Answer
     until_ns: int
 
@@ -29,21 +42,21 @@ class Pending:
         self._questions: dict[int, _Question] = {}
         self._last = 0
 
-    def expect(self, caller: Caller | None, answer: Answer, patience_s: float) -> int:
+    def expect(self, asked: Asked | None, answer: Answer, patience_s: float) -> int:
         """Return the number of a new question."""
         self._last += 1
         until_ns = self._clock.now_ns() + int(patience_s * 1e9)
-        self._questions[self._last] = _Question(caller=caller, answer=answer, until_ns=until_ns)
+        self._questions[self._last] = _Question(asked=asked, answer=answer, until_ns=until_ns)
         return self._last
 
-    def resolve(self, message: dict[str, Any]) -> None:
-        """Answer the question ``message["id"]``; a late reply has none and is dropped."""
-        question = self._questions.pop(int(message.get("id", 0)), None)
+    def resolve(self, reply: Reply) -> None:
+        """Answer the question of this number; a late reply has none and is dropped."""
+        question = self._questions.pop(reply.id, None)
         if question is None:
             return
-        answer = question.answer({k: v for k, v in message.items() if k != "id"})
-        if question.caller is not None:
-            question.caller.reply(answer)
+        answer = question.answer(reply)
+        if question.asked is not None:
+            question.asked.answer(answer)
 
     def expire(self) -> None:
         """Answer those who have waited too long."""
@@ -51,15 +64,15 @@ class Pending:
         for ident, question in list(self._questions.items()):
             if now_ns >= question.until_ns:
                 text = "the control process did not reply in time"
-                self.resolve({"id": ident, "ok": False, "message": text})
+                self.resolve(Reply(id=ident, ok=False, message=text))
 
     def refuse_all(self, text: str) -> None:
         """Answer everybody with a refusal."""
         for ident in list(self._questions):
-            self.resolve({"id": ident, "ok": False, "message": text})
+            self.resolve(Reply(id=ident, ok=False, message=text))
 
     def forget(self, caller: Caller) -> None:
         """Drop the questions of a caller who has hung up."""
         for question in self._questions.values():
-            if question.caller is caller:
-                question.caller = None
+            if question.asked is not None and question.asked.caller is caller:
+                question.asked = None

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.link.files import replace_text
-from aff_runtime.app.link.request_socket import Caller
+from aff_runtime.app.link.messages import Probed, ProbeResult
+from aff_runtime.app.link.request_socket import Asked
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.base.errors import RefusedError
@@ -19,22 +22,22 @@ class ProbeSession:
     ----------
     processes : for the record's file names and notes.
     edits : looks at the files again, which hands the new responses to the running law.
-    caller : who asked.
+    asked : who wants it, and waits for the answer.
     """
 
-    def __init__(self, processes: Processes, edits: EditSession, caller: Caller) -> None:
+    def __init__(self, processes: Processes, edits: EditSession, asked: Asked) -> None:
         self._processes = processes
         self._edits = edits
-        self._caller = caller
+        self._asked = asked
         self._answer: dict[str, Any] | None = None
 
-    def finish(self, message: dict[str, Any]) -> None:
+    def finish(self, probed: Probed) -> None:
         """Write what was measured, or note why there is nothing."""
-        error = str(message.get("error", ""))
+        error = probed.error
         written: list[dict[str, Any]] = []
         if not error:
             try:
-                written = [self._keep(result) for result in message["results"]]
+                written = [self._keep(result) for result in probed.results]
             except OSError as failure:
                 error = f"{failure.filename}: {failure.strerror}; the response is not kept"
         if error:
@@ -49,12 +52,15 @@ class ProbeSession:
         """Answer the caller once the running law has the new responses; True when done."""
         if self._answer is None or (self._answer["ok"] and self._edits.is_busy):
             return False
-        self._caller.reply(self._answer)
+        self._asked.answer(self._answer)
         return True
 
-    def _keep(self, result: dict[str, Any]) -> dict[str, Any]:
+    def _keep(self, result: ProbeResult) -> dict[str, Any]:
         """Replace one response file at once; return the result with its path."""
-        path = Path(self._processes.record["response_files"][result["actuator"]])
-        replace_text(path, result["text"] + "\n")
-        self._processes.note("PROBE", f"{result['actuator']}: {path}")
-        return {**result, "file": str(path)}
+        path = Path(self._processes.record["response_files"][result.actuator])
+        text = result.text + "\n"
+        self._processes.probed.add(path, text)
+        replace_text(path, text)
+        self._processes.note("PROBE", f"{result.actuator}: {path}")
+        told = asdict(result)
+        return {**told, "response": json.loads(told.pop("text")), "file": str(path)}

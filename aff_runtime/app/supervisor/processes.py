@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
+from aff_runtime.app.link.messages import Bypass, LogLine
+from aff_runtime.app.link.peer import own_process
+from aff_runtime.app.report.status_answer import RecorderReport
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
+from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_words
 from aff_runtime.app.supervisor.restart_policy import RestartPolicy
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
+from aff_runtime.app.wiring.parameter_record import with_shapes
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import StateBits
+from aff_runtime.config.revision import SHORT
 from aff_runtime.telemetry.ring import RingReader
 
 STOP_PATIENCE_S = 3.0
@@ -35,6 +42,7 @@ class Processes:
     troubles : its words on what ails the wire.
     gave_up : the control process died too often.
     shapes : learned shapes, kept across starts.
+    probed : which responses a probe of this service wrote.
     """
 
     def __init__(
@@ -59,27 +67,40 @@ class Processes:
         self.control: ControlChild | None = None
         self.ring: RingReader | None = None
         self.blocked = ""
-        self.troubles: list[str] = []
+        self.troubles: tuple[str, ...] = ()
         self.gave_up = False
         self.shapes = ShapeShelf(self.note)
+        self.probed = ResponseLedger(lambda text: self.note("RESPONSES", text))
+        self._shape_texts: dict[str, str] = {}
+        self._started_by = str(own_process())
 
     def start(self) -> None:
         """Start the control process; its first words tell when there is a ring."""
         self._restart_at_ns = None
         self._started_at_ns = self._clock.now_ns()
         self.blocked = ""
-        self.troubles = []
+        self.troubles = ()
+        self._shape_texts = self.shapes.load(self.record)
+        self.record = self.revised(self.record)
         try:
-            record = {**self.record, "shapes": self.shapes.load(self.record)}
-            self.control = ControlChild(
-                record, self._options.paths.ring, shadow=self._options.shadow
-            )
+            record = {**self.record, "shapes": self._shape_texts}
+            self.control = ControlChild(record, shadow=self._options.shadow)
         except OSError as error:
             LOG.error("the control process cannot be started (%s)", error.strerror)
             self._come_back()
             return
         self._on_change()
         LOG.info("control process %d started", self.control.pid)
+        self.note("CONFIG_APPLIED", self.revision_words())
+
+    def revised(self, record: Mapping[str, Any]) -> dict[str, Any]:
+        """Return a record with the revision that it has beside the shapes in use."""
+        return with_shapes(record, self._shape_texts)
+
+    def revision_words(self) -> str:
+        """Return what runs: the whole revision, the site's, the learned files'."""
+        whole, site = self.record["config_hash"][:SHORT], self.record["site_hash"][:SHORT]
+        return f"{whole}: site {site}; {'; '.join(learned_words(self.record, self.probed))}"
 
     def stop(self) -> bool:
         """Let the control process fade and end, and the recorder flush in its own time.
@@ -103,12 +124,11 @@ class Processes:
         reached_zero = self.stop()
         for recorder in self._old_recorders:
             recorder.wait(RECORDER_PATIENCE_S)
-        self._options.paths.ring.unlink(missing_ok=True)
         return reached_zero
 
     def watch(self) -> bool:
         """Notice a death, restart when due; return True when the control process has died."""
-        for recorder in [r for r in self._old_recorders if not r.report()["alive"]]:
+        for recorder in [r for r in self._old_recorders if not r.report().alive]:
             recorder.wait(0.0)
             self._old_recorders.remove(recorder)
         due_ns = self._restart_at_ns
@@ -123,8 +143,8 @@ class Processes:
             return False
         self.note("CONTROL_DIED", f"control process {self.control.pid}: {how}")
         for message in self.control.replies():
-            if message.get("did") == "LOG":
-                LOG.error("control: %s", message.get("text", ""))
+            if isinstance(message, LogLine):
+                LOG.error("control: %s", message.text)
             self.shapes.hear(self.record, message)
         self._forget_control()
         self._release_ring()
@@ -136,7 +156,7 @@ class Processes:
         recorder, ring = self._recorder, self.ring
         if recorder is None or ring is None or self._recorder_lost:
             return
-        if recorder.report()["alive"] or not ring.writer_alive():
+        if recorder.report().alive or not ring.writer_alive():
             return
         if self._recorder_policy.died(self._clock.now_ns() * 1e-9) is None:
             LOG.error("the recorder died three times within 60 s; nothing is recorded from now on")
@@ -160,12 +180,10 @@ class Processes:
     def take_ring(self) -> None:
         """Follow the ring that the control process has just made; begin a new record."""
         self._release_ring()
-        try:
-            self.ring = RingReader(self._options.paths.ring)
-        except OSError:
-            return  # it ended before we looked
-        self._recorder_lost = False
-        self._start_recorder(self.ring)
+        self.ring = self.control.open_ring() if self.control is not None else None
+        if self.ring is not None:
+            self._recorder_lost = False
+            self._start_recorder(self.ring)
 
     def _start_recorder(self, ring: RingReader) -> None:
         """Begin a new record of ``ring``; the service goes on without one if need be."""
@@ -176,6 +194,9 @@ class Processes:
         context = {
             "name": self.record["site"]["line"]["name"],
             "site_file": str(self._options.site.absolute()),
+            "started_by": self._started_by,
+            "site_hash": self.record["site_hash"],
+            "learned": self.record["learned"],
             "max_MB": recording["max_MB"],
             "segment_s": recording["segment_s"],
             "site_text": self.record["site_text"],
@@ -186,7 +207,8 @@ class Processes:
             LOG.error("nothing is recorded: the recorder cannot be started (%s)", error.strerror)
 
     def note(self, name: str, text: str) -> None:
-        """Put a line into the log and into the record's events."""
+        """Put a line into the log and into the record's events, foreign words made printable."""
+        text = printable(text)
         loud = name in LOUD_NOTES
         LOG.log(logging.WARNING if loud else logging.INFO, "%s: %s", name, text)
         if self._recorder is not None:
@@ -196,9 +218,9 @@ class Processes:
         """Return the newest ring record by column name, None while there is none."""
         return self.ring.status() if self.ring is not None else None
 
-    def recorder_report(self) -> dict[str, Any]:
+    def recorder_report(self) -> RecorderReport | None:
         """Return what the recorder says of itself."""
-        return self._recorder.report() if self._recorder is not None else {}
+        return self._recorder.report() if self._recorder is not None else None
 
     def is_live(self) -> bool:
         """Return whether a correction may be going out."""
@@ -208,8 +230,7 @@ class Processes:
     def bypass(self) -> None:
         """Take the correction back, by link and by signal: one of them works."""
         if self.control is not None and self.control.ended() is None:
-            self.note("OPERATOR", "bypass")
-            self.control.link.send({"do": "BYPASS"})
+            self.control.link.send(Bypass())
             self.control.bypass_by_signal()
 
     def _forget_control(self) -> None:

@@ -6,11 +6,13 @@ import contextlib
 import json
 import os
 import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.report.status_answer import RecorderReport, recorder_report
+from aff_runtime.app.supervisor.child_environment import without_service_manager
+from aff_runtime.base.python_child import module_command
 from aff_runtime.telemetry.ring import RingReader
 
 
@@ -21,10 +23,11 @@ class RecorderChild:
         # By descriptor: the file may be removed or replaced before the recorder has started.
         name = f"/dev/fd/{ring.fileno()}"
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "aff_runtime.telemetry.recorder", name, str(directory)],
+            [*module_command("aff_runtime.telemetry.recorder"), name, str(directory)],
             pass_fds=[ring.fileno()],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
+            env=without_service_manager(),
         )
         assert self._process.stdin is not None
         assert self._process.stdout is not None
@@ -36,11 +39,16 @@ class RecorderChild:
         os.set_blocking(self._input, False)
         os.set_blocking(self._output, False)
 
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._process.pid
+
     def note(self, name: str, text: str) -> None:
         """Have a line put into ``events.csv``."""
         self._write({"name": name, "text": text})
 
-    def report(self) -> dict[str, Any]:
+    def report(self) -> RecorderReport:
         """Return the newest report (folder, rows, losses), with ``alive``."""
         with contextlib.suppress(OSError):
             while chunk := os.read(self._output, 1 << 16):
@@ -49,7 +57,7 @@ class RecorderChild:
         if lines:
             with contextlib.suppress(ValueError):
                 self._report = json.loads(lines[-1])
-        return {**self._report, "alive": self._process.poll() is None}
+        return recorder_report(self._report, alive=self._process.poll() is None)
 
     def wait(self, patience_s: float) -> None:
         """Let it flush after the writer's end; kill it after ``patience_s``."""

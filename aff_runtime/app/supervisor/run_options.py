@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from aff_runtime.app.link.runtime_directory import RuntimePaths
+from aff_runtime.config.site_paths import STATE_DIRECTORY
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -17,6 +18,7 @@ class RunOptions:
     site : the site file.
     paths : socket and ring.
     record_directory : folder of all records; None takes the site file's.
+    state_directory : folder beside the site file's own that what it names may lie in.
     shadow : compute and record, transmit zero.
     forget : start without the saved shapes of rolls that are exchanged.
     """
@@ -24,5 +26,6 @@ class RunOptions:
     site: Path
     paths: RuntimePaths
     record_directory: Path | None = None
+    state_directory: Path = STATE_DIRECTORY
     shadow: bool = False
     forget: bool = False

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.link.files import replace_text
+from aff_runtime.app.link.messages import Message, ShapeLearned, ShapeNews
 from aff_runtime.app.wiring.shape_file import WAITS, ShapeFile, read_shapes
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.core.shape.profile import ShapeProfile
@@ -38,17 +39,14 @@ class ShapeShelf:
             self._say(fault)
         return texts
 
-    def hear(self, record: Mapping[str, Any], message: Mapping[str, Any]) -> bool:
-        """Take a message of the control process; False when it is not about shapes."""
-        actuator = str(message.get("actuator", ""))
-        if message.get("did") == "SHAPE":
-            self._over(actuator)
-            self._say(f"{actuator}: {message['text']}")
-        elif message.get("did") == "LEARNED":
-            self._keep(record, actuator, str(message["file"]))
-        else:
-            return False
-        return True
+    def hear(self, record: Mapping[str, Any], message: Message) -> None:
+        """Take what the control process says of shapes, and nothing else."""
+        match message:
+            case ShapeNews(actuator=actuator, text=text):
+                self._over(actuator)
+                self._say(f"{actuator}: {text}")
+            case ShapeLearned(actuator=actuator, file=file):
+                self._keep(record, actuator, file)
 
     def _keep(self, record: Mapping[str, Any], actuator: str, text: str) -> None:
         name = record.get("shape_files", {}).get(actuator)

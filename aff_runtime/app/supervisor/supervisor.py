@@ -10,21 +10,38 @@ import logging
 import os
 import selectors
 import signal
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from aff_runtime.app.link.request_socket import Caller, RequestSocket
-from aff_runtime.app.report.status import describe
+from aff_runtime.app.link.messages import (
+    Arm,
+    Blocked,
+    Forget,
+    LogLine,
+    MeasureResponse,
+    Probed,
+    Question,
+    Reply,
+    RingMade,
+    Shadow,
+    WireTroubles,
+)
+from aff_runtime.app.link.request_socket import Asked, RequestSocket
+from aff_runtime.app.report.status import live_status
+from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
 from aff_runtime.app.supervisor.edit_session import EditSession
-from aff_runtime.app.supervisor.pending import Answer, Pending
+from aff_runtime.app.supervisor.pending import Answer, Pending, as_answer
 from aff_runtime.app.supervisor.probe_session import ProbeSession
 from aff_runtime.app.supervisor.processes import Processes
+from aff_runtime.app.supervisor.request_desk import RequestDesk
+from aff_runtime.app.supervisor.response_ledger import learned_words
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.state_log import StateLog
 from aff_runtime.app.supervisor.validation import load_record
 from aff_runtime.base.clock import MonotonicClock
-from aff_runtime.base.errors import AffError, ConfigError, RefusedError
+from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.signals import State
 from aff_runtime.loop.watchdog import ServiceNotifier
 
@@ -45,22 +62,22 @@ class Supervisor:
     """
 
     def __init__(self, options: RunOptions) -> None:
-        verdict = load_record(options.site)
-        self._requests = RequestSocket(options.paths.socket)
+        verdict = load_record(options.site, options.state_directory)
+        requests = RequestSocket(options.paths.socket)
         self._clock = MonotonicClock()
         self._notifier = ServiceNotifier(os.environ, every_ticks=1)
         self._selector = selectors.DefaultSelector()
-        self._selector.register(self._requests.listener, selectors.EVENT_READ)
         self._pending = Pending(self._clock)
+        self._desk = RequestDesk(requests, self._selector, self._do, self._pending.forget)
         self._processes = Processes(
             options, verdict.record or {}, self._clock, on_change=self._watch_link
         )
         self._states = StateLog()
         self._forecast = CrossingForecast()
         self._link_fd: int | None = None
-        self._edits = EditSession(self._processes, self._pending, options.site, verdict)
+        self._edits = EditSession(self._processes, self._pending, options, verdict)
         self._probe: ProbeSession | None = None
-        self._stop_callers: list[Caller] = []
+        self._stop_asked: list[Asked] = []
         self._stopping = False
         self._stopped_by = ""
         self._forget = options.forget
@@ -71,7 +88,7 @@ class Supervisor:
         """Serve until stopped; return the exit code."""
         signal.signal(signal.SIGTERM, lambda *_: self._stop(why="SIGTERM"))
         signal.signal(signal.SIGINT, lambda *_: self._stop(why="SIGINT (ctrl-c)"))
-        signal.signal(signal.SIGUSR1, lambda *_: self._processes.bypass())
+        signal.signal(signal.SIGUSR1, lambda *_: self._bypass_by_signal())
         for finding in self._edits.findings:
             LOG.warning("%s", finding)
         if self._forget:
@@ -89,18 +106,8 @@ class Supervisor:
 
     def _serve(self, timeout_s: float) -> None:
         """Wait for callers and for the control process, and hear them."""
-        for key, _ in self._selector.select(timeout_s):
-            if key.fileobj is self._requests.listener:
-                caller = self._requests.accept()
-                if caller is not None:
-                    self._selector.register(caller.connection, selectors.EVENT_READ, caller)
-                surplus = self._requests.surplus()
-                if surplus is not None:
-                    self._hang_up(surplus)
-            elif isinstance(key.data, Caller):
-                if self._requests.callers.get(key.fd) is key.data:
-                    self._hear(key.data)
-            else:
+        for key, events in self._selector.select(timeout_s):
+            if not self._desk.serve(key, events):
                 self._hear_control()
 
     def _look_after(self) -> None:
@@ -118,6 +125,7 @@ class Supervisor:
         self._edits.step()
         if self._probe is not None and self._probe.has_answered():
             self._probe = None
+        self._desk.look_after()
         if self._told_ready and self._processes.ring is None:
             self._notifier.tick_done(True)  # nothing goes out before the first tick
 
@@ -125,29 +133,32 @@ class Supervisor:
         """Take what the control process says."""
         control = self._processes.control
         for message in control.replies() if control is not None else []:
-            did = message.get("did")
-            if did == "RING":
-                self._processes.take_ring()
-                self._states.restart()
-                self._greet(message)
-            elif did == "BLOCKED":
-                self._processes.blocked = str(message["text"])
-            elif did == "WIRE":
-                self._processes.troubles = [str(text) for text in message["troubles"]]
-            elif did == "PROBED" and self._probe is not None:
-                self._probe.finish(message)
-            elif did == "LOG":
-                LOG.warning("control: %s", message.get("text", ""))
-            elif not self._processes.shapes.hear(self._processes.record, message):
-                self._pending.resolve(message)
+            match message:
+                case RingMade():
+                    self._processes.take_ring()
+                    self._states.restart()
+                    self._greet(message)
+                case Blocked():
+                    self._processes.blocked = message.text
+                case WireTroubles():
+                    self._processes.troubles = message.troubles
+                case Probed():
+                    if self._probe is not None:
+                        self._probe.finish(message)
+                case LogLine():
+                    LOG.warning("control: %s", message.text)
+                case Reply():
+                    self._pending.resolve(message)
+                case _:
+                    self._processes.shapes.hear(self._processes.record, message)
 
-    def _greet(self, message: dict[str, Any]) -> None:
+    def _greet(self, made: RingMade) -> None:
         """Log real-time rights and tell the service manager, once."""
         if self._told_ready:
             return
         self._told_ready = True
-        for right in message.get("rights", []):
-            LOG.log(logging.INFO if right["granted"] else logging.WARNING, "%s", right["text"])
+        for right in made.rights:
+            LOG.log(logging.INFO if right.granted else logging.WARNING, "%s", right.text)
         self._notifier.tick_done(True)
         LOG.info("ready; `aff-runtime arm` enables the correction")
 
@@ -162,122 +173,114 @@ class Supervisor:
 
     # --- requests ---------------------------------------------------------------------------
 
-    def _hear(self, caller: Caller) -> None:
-        """Answer what one caller asks."""
-        requests = caller.requests()
-        if requests is None:
-            self._hang_up(caller)
-            return
-        self._requests.heard(caller)
-        for request in requests:
-            try:
-                self._answer(caller, request)
-            except AffError as error:
-                caller.reply({"ok": False, "message": str(error), "exit_code": error.exit_code})
-
-    def _hang_up(self, caller: Caller) -> None:
-        """Let go of one caller."""
-        self._selector.unregister(caller.connection)
-        self._pending.forget(caller)
-        self._requests.drop(caller)
-
-    def _answer(self, caller: Caller, request: dict[str, Any]) -> None:
+    def _do(self, asked: Asked) -> None:
         """Do what one request asks, or say why not."""
-        match request.get("do"):
+        request = asked.request
+        match request.do:
             case "status":
-                caller.reply(self._status())
+                asked.answer(self._status().to_json())
             case "arm":
-                self._processes.note("OPERATOR", "arm")
-                self._ask_control({"do": "ARM"}, caller)
+                self._command(asked)
+                self._ask_control(lambda ident: Arm(id=ident), asked)
             case "shadow":
-                on = bool(request.get("on", True))
-                self._processes.note("OPERATOR", f"shadow {'on' if on else 'off'}")
-                self._ask_control({"do": "SHADOW", "on": on}, caller)
+                self._command(asked, "on" if request.on else "off")
+                self._ask_control(lambda ident: Shadow(id=ident, on=request.on), asked)
             case "bypass":
                 self._processes.bypass()
-                caller.reply({"ok": True})
+                self._command(asked)
+                asked.answer({"ok": True})
             case "forget":
-                self._processes.note("OPERATOR", "forget")
-                self._ask_control({"do": "FORGET"}, caller, self._forget_files)
+                self._command(asked)
+                self._ask_control(lambda ident: Forget(id=ident), asked, self._forget_files)
             case "probe":
-                self._start_probe(caller, request)
+                self._start_probe(asked)
             case "stop":
-                self._processes.note("OPERATOR", "stop")
-                self._stop_callers.append(caller)
+                self._command(asked)
+                self._stop_asked.append(asked)
                 self._stop()
-            case other:
-                raise RefusedError(
-                    f"unknown request {other!r}; use arm, bypass, forget, shadow, status, probe "
-                    "or stop"
-                )
 
-    def _forget_files(self, said: dict[str, Any]) -> dict[str, Any]:
+    def _command(self, asked: Asked, *words: str) -> None:
+        """Put on record who commands what."""
+        said = " ".join((asked.request.do, *words))
+        self._processes.note("OPERATOR", f"{said} by {asked.who}")
+
+    def _forget_files(self, reply: Reply) -> dict[str, Any]:
         """Forget in the files too once the control process has; a refusal leaves them alone."""
-        if said.get("ok"):
+        if reply.ok:
             try:
                 self._processes.shapes.forget(self._processes.record)
             except ConfigError as error:
                 return {"ok": False, "message": str(error), "exit_code": error.exit_code}
-        return said
+        return as_answer(reply)
 
     def _ask_control(
-        self, message: dict[str, Any], caller: Caller, answer: Answer = lambda said: said
+        self, question: Callable[[int], Question], asked: Asked, answer: Answer = as_answer
     ) -> None:
-        """Send ``message`` to the control process; ``answer`` to its reply goes to the caller."""
+        """Put a question to the control process; ``answer`` to its reply goes to the caller."""
         control = self._processes.control
-        ident = self._pending.expect(caller, answer, 2.0)
-        if control is None or not control.link.send({**message, "id": ident}):
+        ident = self._pending.expect(asked, answer, 2.0)
+        if control is None or not control.link.send(question(ident)):
             text = "the control process is not running; see `aff-runtime status`"
-            self._pending.resolve({"id": ident, "ok": False, "message": text})
+            self._pending.resolve(Reply(id=ident, ok=False, message=text))
 
-    def _start_probe(self, caller: Caller, request: dict[str, Any]) -> None:
+    def _start_probe(self, asked: Asked) -> None:
         """Have the control process measure; the caller is answered when it is fitted."""
         control = self._processes.control
         if self._probe is not None or control is None:
             raise RefusedError("a probe is already under way" if control else "not running yet")
-        actuators = _known(request.get("actuators", []), self._processes.record)
-        self._probe = ProbeSession(self._processes, self._edits, caller)
+        actuators = _known(asked.request.actuators, self._processes.record)
+        self._probe = ProbeSession(self._processes, self._edits, asked)
         ident = self._pending.expect(None, self._probe_began, 2.0)
-        self._processes.note("OPERATOR", f"probe {' '.join(actuators)}".strip())
-        control.link.send({"do": "PROBE", "actuators": actuators, "id": ident})
+        self._command(asked, *actuators)
+        control.link.send(MeasureResponse(id=ident, actuators=tuple(actuators)))
 
-    def _probe_began(self, said: dict[str, Any]) -> dict[str, Any]:
+    def _probe_began(self, reply: Reply) -> dict[str, Any]:
         """Tell the caller when the control process would not begin."""
-        if not said.get("ok"):
-            self._end_probe(str(said.get("message", "refused")))
-        return said
+        if not reply.ok:
+            self._end_probe(reply.message or "refused")
+        return as_answer(reply)
 
     def _end_probe(self, reason: str) -> None:
         """Tell the caller of a probe that it came to nothing."""
         if self._probe is not None:
-            self._probe.finish({"error": reason})
+            self._probe.finish(Probed(error=reason))
             self._probe.has_answered()
             self._probe = None
 
-    def _status(self) -> dict[str, Any]:
+    def _status(self) -> StatusAnswer:
         """Return the answer to a status request."""
-        processes = self._processes
-        answer: dict[str, Any] = {
-            "ok": True,
-            "line": processes.record["site"]["line"]["name"],
-            "config_hash": processes.record["config_hash"],
-            "config_differs": list(self._edits.differs),
-            "control_pid": processes.control.pid if processes.control is not None else 0,
-            "state": "STARTING" if processes.control is not None else State.FAULT.name,
-            "recorder": processes.recorder_report(),
-            "probing": self._probe is not None,
-            "shapes": list(processes.shapes.words),
-            "crossings": self._forecast.words(),
-        }
+        processes, record = self._processes, self._processes.record
+        state = "STARTING" if processes.control is not None else State.FAULT.name
+        live = None
         latest = processes.latest()
         if processes.ring is not None and latest is not None:
-            answer.update(
-                describe(latest, processes.record["permissives"], processes.record["site"])
+            guard_state, live = live_status(latest, record["permissives"], record["site"])
+            state = guard_state.name
+            live = replace(
+                live,
+                wire=processes.troubles,
+                blocked_by=processes.blocked.removeprefix("blocked by "),
+                meta=processes.ring.header["meta"],
             )
-            answer["wire"] = processes.troubles
-            answer["blocked_by"] = processes.blocked.removeprefix("blocked by ")
-            answer["meta"] = processes.ring.header["meta"]
-        return answer
+        return StatusAnswer(
+            line=record["site"]["line"]["name"],
+            state=state,
+            config_hash=record["config_hash"],
+            site_hash=record["site_hash"],
+            learned=tuple(learned_words(record, processes.probed)),
+            config_differs=tuple(self._edits.differs),
+            control_pid=processes.control.pid if processes.control is not None else 0,
+            probing=self._probe is not None,
+            recorder=processes.recorder_report(),
+            shapes=tuple(processes.shapes.words),
+            crossings=tuple(self._forecast.words()),
+            live=live,
+        )
+
+    def _bypass_by_signal(self) -> None:
+        """Take the correction back; a signal does not tell who sent it."""
+        self._processes.bypass()
+        self._processes.note("OPERATOR", "bypass by SIGUSR1; who sent it is not known")
 
     # --- the end ----------------------------------------------------------------------------
 
@@ -295,21 +298,19 @@ class Supervisor:
         if self._stopped_by:
             LOG.info("%s: the correction fades to zero, the service ends", self._stopped_by)
         zero = self._processes.finish()
-        for caller in self._stop_callers:
-            caller.reply({"ok": True})
+        for asked in self._stop_asked:
+            asked.answer({"ok": True})
         self._selector.close()
-        self._requests.close()
+        self._desk.close()
         self._notifier.close()
         LOG.info("stopped%s", "; the correction reached zero" if zero else "")
 
 
-def _known(names: object, record: Mapping[str, Any]) -> list[str]:
+def _known(names: Sequence[str], record: Mapping[str, Any]) -> list[str]:
     """Return the names of actuators in a request, or refuse what names none of the site's."""
     actuators = record["site"]["actuators"]
-    if not isinstance(names, list):
-        raise RefusedError("actuators: a list of names is needed")
     for name in names:
-        if not isinstance(name, str) or name not in actuators:
+        if name not in actuators:
             known = ", ".join(actuators)
-            raise RefusedError(f"no actuator {name!a} in the site file; there are {known}")
-    return names
+            raise RefusedError(f"no actuator {name[:60]!a} in the site file; there are {known}")
+    return list(names)

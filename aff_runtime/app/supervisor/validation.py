@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
-import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.check.limits import ONE_THREAD, PATIENCE_S, TOO_LONG, TOO_SLOW
+from aff_runtime.app.supervisor.child_environment import without_service_manager
+from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.ports import Clock
+from aff_runtime.base.python_child import module_command
+from aff_runtime.config.site_paths import STATE_DIRECTORY
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,23 +34,46 @@ class Verdict:
 
 
 class Validation:
-    """One check under way in ``python -m aff_runtime.app.check.validate``."""
+    """One check under way in ``python -m aff_runtime.app.check.validate``.
 
-    def __init__(self, site: Path) -> None:
+    Parameters
+    ----------
+    site : the site file.
+    state : folder beside the site file's own that what it names may lie in.
+    clock : for the patience with it.
+    """
+
+    def __init__(
+        self, site: Path, state: Path = STATE_DIRECTORY, clock: Clock | None = None
+    ) -> None:
         self._site = site
+        self._clock = clock or MonotonicClock()
+        self._end_ns = self._clock.now_ns() + int(PATIENCE_S * 1e9)
         self._output = tempfile.TemporaryFile()  # noqa: SIM115  lives as long as the process
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "aff_runtime.app.check.validate", str(site)],
+            [*module_command("aff_runtime.app.check.validate"), *(str(site), str(state))],
             stdin=subprocess.DEVNULL,
             stdout=self._output,
+            env=without_service_manager() | ONE_THREAD,
         )
 
-    def verdict(self, *, wait_s: float | None = 0.0) -> Verdict | None:
-        """Return the verdict, or None while the check still runs after ``wait_s``."""
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._process.pid
+
+    def verdict(self, *, wait_s: float = 0.0) -> Verdict | None:
+        """Return the verdict, or None while the check still runs after ``wait_s``.
+
+        A check that takes longer than `PATIENCE_S` is ended, and that is the verdict.
+        """
         try:
             self._process.wait(wait_s)
         except subprocess.TimeoutExpired:
-            return None
+            if self._clock.now_ns() < self._end_ns:
+                return None
+            self.abandon()
+            return self._refused(TOO_SLOW)
         self._output.seek(0)
         text = self._output.read()
         self._output.close()
@@ -52,10 +81,7 @@ class Validation:
             said = json.loads(text)
             return Verdict(record=said["record"], findings=tuple(said["findings"]))
         except (ValueError, KeyError, TypeError):
-            code = self._process.returncode
-            return Verdict(
-                record=None, findings=(f"{self._site}:1:1  the check itself failed (exit {code})",)
-            )
+            return self._refused(_how_it_died(self._process.returncode))
 
     def abandon(self) -> None:
         """End a check whose result nobody wants any more."""
@@ -63,16 +89,35 @@ class Validation:
         self._process.wait()
         self._output.close()
 
+    def _refused(self, why: str) -> Verdict:
+        return Verdict(record=None, findings=(f"{self._site}:1:1  {why}",))
 
-def load_record(site: Path) -> Verdict:
+
+def _how_it_died(code: int) -> str:
+    """Return in words why a check gave no verdict."""
+    if code == -signal.SIGXCPU:
+        return TOO_LONG
+    if code < 0:
+        return (
+            f"the check was ended by {signal.Signals(-code).name}. Somebody did that, the machine "
+            "has too little memory, or a file that it names breaks its reader."
+        )
+    return f"the check itself failed (exit {code}); the log has its own words."
+
+
+def load_record(site: Path, state: Path = STATE_DIRECTORY) -> Verdict:
     """Check ``site`` and return its verdict.
+
+    Parameters
+    ----------
+    state : folder beside the site file's own that what it names may lie in.
 
     Raises
     ------
     ConfigError
-        With every finding when the file is not good.
+        With every finding when the file is not good, or when the check takes too long.
     """
-    verdict = Validation(site).verdict(wait_s=None)
+    verdict = Validation(site, state).verdict(wait_s=PATIENCE_S)
     if verdict is None or verdict.record is None:
-        raise ConfigError("\n".join(verdict.findings if verdict else ("the check did not end",)))
+        raise ConfigError("\n".join(verdict.findings if verdict else (f"{site}:1:1  {TOO_SLOW}",)))
     return verdict

@@ -1,1 +1,13 @@
 """From a site file to the parts that the control process runs."""
+
+__all__ = [
+    "assemble",
+    "loops",
+    "parameter_record",
+    "recorded_law",
+    "shape_file",
+    "site_to_guard",
+    "site_to_law",
+    "site_to_wire",
+    "wires",
+]

@@ -18,7 +18,7 @@ from aff_runtime.app.wiring.loops import loops_of
 from aff_runtime.app.wiring.recorded_law import RecordedLaw
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.app.wiring.site_to_law import site_params
-from aff_runtime.app.wiring.site_to_wire import gateway_of
+from aff_runtime.app.wiring.wires import gateway_of
 from aff_runtime.base.ports import Clock, Gateway
 from aff_runtime.config.models import Site
 from aff_runtime.core.controller import Controller

@@ -17,6 +17,7 @@ from typing import Any
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.models import Site
+from aff_runtime.config.plain_file import TooLargeError, read_plain
 from aff_runtime.core.response import Response
 from aff_runtime.core.shape.basis import IMBALANCE_N_M_PER_M
 from aff_runtime.core.shape.profile import ShapeProfile
@@ -148,11 +149,6 @@ def _odd_number(file: ShapeFile) -> str | None:
 _HEAD = ("actuator", "belongs_to", "response", "config_hash", "saved_at", "version", "roll_id")
 
 
-def shape_path(response: Path) -> Path:
-    """Return where the shape learned with a response is kept."""
-    return response.with_name(f"{response.stem}.shape.json")
-
-
 def shape_basis_hash(site: Site, actuator: str) -> str:
     """Return a hash of what a shape rests on: rolls, their encoders, the drive, the signal.
 
@@ -194,22 +190,30 @@ def read_shapes(paths: Mapping[str, str]) -> tuple[dict[str, str], list[str]]:
     for actuator, name in paths.items():
         path = Path(name)
         try:
-            if not path.exists():
-                continue
-            if not path.is_file():
-                raise ConfigError("not a shape file: not a file at all; the roll is learned anew")
-            if path.stat().st_size > MAX_FILE_BYTES:
-                raise ConfigError("not a shape file: too long; the roll is learned anew")
-            text = path.read_text(encoding="utf-8")
+            text = read_plain(path, MAX_FILE_BYTES).decode("utf-8")
             ShapeFile.from_json(text)
             texts[actuator] = text
-        except OSError as error:
-            faults.append(f"{path}: {error.strerror}; the roll is learned anew")
-        except UnicodeDecodeError:
-            faults.append(f"{path}: not a shape file: not text; the roll is learned anew")
-        except ConfigError as error:
-            faults.append(f"{path}: {error}")
+        except FileNotFoundError:
+            continue
+        except (OSError, ValueError, ConfigError) as error:
+            faults.append(f"{path}: {_why_not(error)}")
     return texts, faults
+
+
+def _why_not(error: Exception) -> str:
+    """Return in words why a file gave no shape."""
+    match error:
+        case ConfigError():
+            return str(error)
+        case UnicodeDecodeError():
+            return "not a shape file: not text; the roll is learned anew"
+        case TooLargeError():
+            return "not a shape file: too long; the roll is learned anew"
+        case IsADirectoryError() | ValueError():
+            return "not a shape file: not a file at all; the roll is learned anew"
+        case OSError():
+            return f"{error.strerror}; the roll is learned anew"
+    return str(error)
 
 
 def start_values(site: Mapping[str, Any], actuator: str) -> dict[tuple[str, int], complex]:

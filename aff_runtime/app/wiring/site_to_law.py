@@ -13,7 +13,6 @@ from aff_runtime.core.params import (
     ActuatorParams,
     BlockParams,
     DriveParams,
-    LawKind,
     OutputKind,
     ProbeParams,
     RollParams,
@@ -120,7 +119,7 @@ def _actuator(site: Site, name: str, actuator: Actuator) -> ActuatorParams:
         transport_s = drive.transport_ms * 1e-3
     return replace(
         params,
-        law=LawKind.SHAPE,
+        law=actuator.law,
         transport_s=transport_s,
         drive=_drive(drive),
         shape=ShapeParams(

@@ -45,4 +45,5 @@ __all__ = [
     "Tls",
     "WriteBlock",
     "WriteWord",
+    "gateway",
 ]

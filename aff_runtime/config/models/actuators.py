@@ -189,8 +189,8 @@ class Actuator(Section):
         le=50,
     )
     response: Text = key(
-        "File of the measured loop response, relative to the folder of the site file; "
-        "`aff-runtime probe` writes it. Without it nothing arms."
+        "File of the measured loop response, below the folder of the site file or the state "
+        "folder of the service; `aff-runtime probe` writes it. Without it nothing arms."
     )
     response_memory_s: Seconds = key(
         "Law shape: how long the loop remembers a correction. Lengthen it where no tension loop "

@@ -152,7 +152,9 @@ class WriteBlock(Section):
     echo: WriteWord = key("Copy of the last plc_heartbeat; proof of the round trip.")
     alarm: WriteWord = key("Code of the present alarm, 0 when none.")
     limit: WriteWord = key("Limit in force of the first actuator, in counts of its correction.")
-    config_revision: WriteWord = key("Low 16 bits of the site file's hash.")
+    config_revision: WriteWord = key(
+        "Low 16 bits of the hash of site file and learned files, as `status` shows them."
+    )
     corrections: Annotated[Mapping[Name, Correction], *Few] = key(
         "One correction per actuator, by the actuator's name."
     )

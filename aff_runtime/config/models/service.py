@@ -59,8 +59,8 @@ class Recording(Section):
     """The record of every run."""
 
     directory: Text = key(
-        "Folder of the records, relative to the folder of the site file; the option --record-dir "
-        "of the service goes before it.",
+        "Folder of the records, below the folder of the site file; the option --record-dir of "
+        "the service goes before it, and may name any other.",
         default="runs",
     )
     max_MB: Megabytes = key(

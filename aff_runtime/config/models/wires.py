@@ -23,7 +23,7 @@ CAN_DEADLINE = (
 
 
 class Tls(Section):
-    """Modbus/TCP Security; file names are relative to the folder of the site file."""
+    """Modbus/TCP Security; the files lie below the folder of the site file."""
 
     ca: Text = key("Certificate (PEM) that the PLC's certificate is checked against.")
     certificate: Text | None = key(
@@ -32,7 +32,27 @@ class Tls(Section):
     private_key: Text | None = key(
         "Its key (PEM); readable by the service's user alone.", default=None
     )
-    server_name: Text | None = key("Name in the PLC's certificate. Absent: host.", default=None)
+    crl: Text | None = key(
+        "List (PEM) of the certificates that the same authority has taken back; a PLC that shows "
+        "one of them is not spoken to. It is read when the service starts, and no connection is "
+        "made once the list is out of date: give it only where somebody renews it.",
+        default=None,
+    )
+    server_name: Text | None = key(
+        "Name in the PLC's certificate, as a DNS name or address of its subjectAltName; a name "
+        "that stands in the CN alone does not count. Absent: host.",
+        default=None,
+    )
+
+    def files(self) -> dict[str, str]:
+        """Return the names of the files that are given, by key."""
+        names = {
+            "ca": self.ca,
+            "certificate": self.certificate,
+            "private_key": self.private_key,
+            "crl": self.crl,
+        }
+        return {key: name for key, name in names.items() if name is not None}
 
 
 class ModbusTcp(Section):
@@ -107,7 +127,7 @@ class CanDbc(Section):
         ge=10_000,
         le=1_000_000,
     )
-    dbc: Text = key("DBC file, relative to the folder of the site file.")
+    dbc: Text = key("DBC file of 1 MB at most, below the folder of the site file.")
     deadline_ms: Milliseconds = key(CAN_DEADLINE, default=3.0, ge=0.5, le=50)
 
 
@@ -126,7 +146,7 @@ class CanopenNode(Section):
     """One node of the CANopen network."""
 
     node: Node = key("Node id, as set at the device.", ge=1, le=127)
-    eds: Text = key("EDS file, relative to the folder of the site file.")
+    eds: Text = key("EDS file of 1 MB at most, below the folder of the site file.")
     objects: Annotated[tuple[ObjectValue, ...], MaxLen(64)] = key(
         "Objects to set and verify at start, above all the reaction to our lost heartbeat "
         "(0x6007 at CiA 402 drives).",

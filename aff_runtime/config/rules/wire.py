@@ -9,6 +9,10 @@ from aff_runtime.config.models import Applied, Channel, Correction, ReadWord, Si
 from aff_runtime.config.models.gateway import WIRES
 from aff_runtime.config.rules.issue import Issue
 
+PLAIN = (
+    "nothing on this wire is encrypted or signed: who can reach the PLC can do what this service "
+    "can do, up to the PLC's own limit. Keep others off this network; Modbus TCP may have tls."
+)
 _Place = ReadWord | WriteWord | Channel | Correction | Applied
 
 
@@ -32,6 +36,8 @@ def issues(site: Site) -> Iterator[Issue]:
         if lack:
             text = f"{lack} is missing; {given[0]} needs it."
             yield Issue(path=path, text=text, at_key=True)
+    if site.gateway.modbus_tcp is None or site.gateway.modbus_tcp.tls is None:
+        yield Issue(path=("gateway", given[0]), text=PLAIN, warning=True, at_key=True)
     if modbus and site.gateway.read.aff_echo is None:  # on a bus everybody's frames are seen
         text = (
             "no aff_echo: a second master that always writes last before the PLC's scan cannot "

@@ -11,6 +11,7 @@ from aff_runtime.core.blocks.sharing import gain_share
 from aff_runtime.core.gate import RAMP_S, SpeedGate
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.monitor import OrderMonitor, Trend
+from aff_runtime.core.order_status import STATE, Column, column_names, column_values
 from aff_runtime.core.params import ActuatorParams
 from aff_runtime.core.phase import Quality, RollPhase
 from aff_runtime.core.residual import Residual
@@ -24,7 +25,7 @@ MAX_ELAPSED_S = 0.1
 RATIO_EPS = 1e-9
 
 
-class _Slot:
+class Slot:
     """One block with its roll, its monitor and what is known about its present frequency."""
 
     __slots__ = (
@@ -60,11 +61,18 @@ class _Slot:
 
     @property
     def omega_rad_s(self) -> float:
+        """How fast the order's angle turns, rad/s."""
         return self.block.order * self.phase.omega_rad_s
 
     @property
     def name(self) -> str:
+        """Roll and order, as in the record."""
         return f"{self.roll}_{self.block.order}x"
+
+    @property
+    def phase_deg(self) -> float:
+        """Angle of the weight, deg."""
+        return math.degrees(math.atan2(self.block.weight.imag, self.block.weight.real))
 
 
 class Bank:
@@ -91,20 +99,21 @@ class Bank:
         self._gate = SpeedGate(params.active_above_m_s)
         rolls = list(dict.fromkeys(b.roll for b in params.blocks))
         self._rolls = [phases[roll] for roll in rolls]
-        self._slots = [
-            _Slot(b.roll, rolls.index(b.roll), phases, HarmonicBlock(n, b.settle_s, b.amp_limit))
+        self.slots = [
+            Slot(b.roll, rolls.index(b.roll), phases, HarmonicBlock(n, b.settle_s, b.amp_limit))
             for b in params.blocks
             for n in b.orders
         ]
-        self._omegas = [0.0] * len(self._slots)
-        self._rates = [0.0] * len(self._slots)
+        self._omegas = [0.0] * len(self.slots)
+        self._rates = [0.0] * len(self.slots)
+        self._columns = _columns(params.unit)
         self._next = 0
         self._adapting = False
 
     def step(self, inputs: Inputs) -> ActuatorStep:
         """Advance by one tick; weights move only on a fresh sample and with permission."""
         if 0.0 < inputs.limit_ratio < 1.0 - RATIO_EPS:
-            for slot in self._slots:
+            for slot in self.slots:
                 slot.block.scale_weights(inputs.limit_ratio)
         error = self._residual.step(
             signal=inputs.signal, reference=inputs.reference, dt_s=inputs.dt_s, fresh=inputs.fresh
@@ -122,7 +131,7 @@ class Bank:
         if math.isfinite(line_speed_m_s):
             return line_speed_m_s
         fastest = 0.0
-        for slot in self._slots:
+        for slot in self.slots:
             fastest = max(fastest, abs(slot.phase.omega_rad_s * slot.phase.radius_m))
         return fastest
 
@@ -131,7 +140,7 @@ class Bank:
         fades_from = FADE_FROM * limit
         rolls = [(phase.lead(self._lead_s), phase.omega_rad_s) for phase in self._rolls]
         slowest = math.inf
-        for i, slot in enumerate(self._slots):
+        for i, slot in enumerate(self.slots):
             theta, turning = rolls[slot.at]
             block = slot.block
             block.turn(theta)
@@ -148,11 +157,11 @@ class Bank:
 
     def _refresh(self) -> None:
         """Renew what depends on frequency, a few blocks per tick."""
-        count = len(self._slots)
+        count = len(self.slots)
         for _ in range(min(count, REFRESHED_PER_TICK)):
             i = self._next
             self._next = (i + 1) % count
-            slot = self._slots[i]
+            slot = self.slots[i]
             omega = self._omegas[i]
             if self._response is None or abs(omega) < MIN_OMEGA_RAD_S:
                 slot.bound_rad = math.pi
@@ -174,7 +183,7 @@ class Bank:
             phase.quality is not Quality.LOST and abs(phase.omega_rad_s) >= MIN_OMEGA_RAD_S
             for phase in self._rolls
         ]
-        for slot in self._slots:
+        for slot in self.slots:
             block = slot.block
             slot.monitor.step(
                 error=error / slot.heard,
@@ -197,7 +206,7 @@ class Bank:
 
     def _sum(self, gate: float) -> ActuatorStep:
         value = peak = slew = 0.0
-        for slot, omega in zip(self._slots, self._omegas, strict=True):
+        for slot, omega in zip(self.slots, self._omegas, strict=True):
             block, scale = slot.block, slot.scale
             amplitude = slot.fade * block.limit(scale)
             value += slot.fade * block.output(scale)
@@ -211,14 +220,14 @@ class Bank:
 
     def reset_roll(self, roll: str) -> None:
         """Forget the blocks of a roll that was changed."""
-        for slot in self._slots:
+        for slot in self.slots:
             if slot.roll == roll:
                 slot.block.reset()
                 slot.monitor.reset()
 
     def weights(self) -> Mapping[tuple[str, int], complex]:
         """Return the complex weights by (roll, order), m when scaled with speed."""
-        return {(slot.roll, slot.block.order): slot.block.weight for slot in self._slots}
+        return {(slot.roll, slot.block.order): slot.block.weight for slot in self.slots}
 
     def adopt(self, old: ActuatorLaw) -> None:
         """Take over weights, ripple, mean and gate; orders that ``old`` lacks start from zero."""
@@ -228,8 +237,8 @@ class Bank:
     def _follow(self, old: Bank) -> None:
         if old._p.scales_with_speed != self._p.scales_with_speed:
             return
-        learned = {(slot.roll, slot.block.order): slot for slot in old._slots}
-        for slot in self._slots:
+        learned = {(slot.roll, slot.block.order): slot for slot in old.slots}
+        for slot in self.slots:
             before = learned.get((slot.roll, slot.block.order))
             if before is not None:
                 slot.block.weight = before.block.weight
@@ -241,7 +250,7 @@ class Bank:
 
     def objections(self) -> tuple[str, ...]:
         """Return why this actuator may not arm at the present speed."""
-        wanted = [(slot.name, slot.omega_rad_s / math.tau) for slot in self._slots]
+        wanted = [(slot.name, slot.omega_rad_s / math.tau) for slot in self.slots]
         found = list(arming_objections(self._response, wanted))
         limit_Hz = self._omega_max / math.tau
         for name, frequency_Hz in wanted:
@@ -252,31 +261,21 @@ class Bank:
     def ripple(self) -> tuple[float, float]:
         """Return the root sum of squares of all orders' amplitudes, before and now."""
         before = now = 0.0
-        for slot in self._slots:
+        for slot in self.slots:
             before += slot.monitor.before**2
             now += slot.monitor.now**2
         return math.sqrt(before), math.sqrt(now)
 
     def telemetry(self) -> tuple[float, ...]:
         """Return amplitude, phase, state and ripple per block."""
-        row: list[float] = []
-        for slot in self._slots:
-            w = slot.block.weight
-            row += (
-                slot.block.amplitude(slot.scale),
-                math.degrees(math.atan2(w.imag, w.real)),
-                float(self._state(slot)),
-                slot.monitor.before,
-                slot.monitor.now,
-            )
-        return tuple(row)
+        return column_values(self, self._columns)
 
     def telemetry_names(self) -> tuple[str, ...]:
         """Return five columns per block."""
-        columns = (f"amplitude_{self._p.unit}", "phase_deg", "state", "ripple_before", "ripple")
-        return tuple(f"{slot.name}.{column}" for slot in self._slots for column in columns)
+        return column_names([slot.name for slot in self.slots], self._columns)
 
-    def _state(self, slot: _Slot) -> Trend:
+    def state_of(self, slot: Slot) -> Trend:
+        """Return where a block stands."""
         if self._gate.share == 0.0:
             return Trend.IDLE
         if slot.fade < 1.0:
@@ -286,3 +285,14 @@ class Bank:
         if slot.block.clamped:
             return Trend.CLAMPED
         return slot.monitor.trend() if self._adapting else Trend.FROZEN
+
+
+def _columns(unit: str) -> tuple[Column[Bank], ...]:
+    """Return the columns of a bank whose output has this unit (m_s or N_m)."""
+    return (
+        Column(f"amplitude_{unit}", lambda b: [s.block.amplitude(s.scale) for s in b.slots]),
+        Column("phase_deg", lambda b: [s.phase_deg for s in b.slots]),
+        Column(STATE, lambda b: [float(b.state_of(s)) for s in b.slots]),
+        Column("ripple_before", lambda b: [s.monitor.before for s in b.slots]),
+        Column("ripple", lambda b: [s.monitor.now for s in b.slots]),
+    )

@@ -1,1 +1,3 @@
 """The probe: tones out, response measured."""
+
+__all__ = ["probe"]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from aff_runtime.core.shape.columns import Common
+from aff_runtime.core.shape.columns import ColumnState
 
 Floats = npt.NDArray[np.float64]
 RATIO_EPS = 1e-9
@@ -19,7 +19,7 @@ LEAST_LIMIT = 0.1  # of the whole wish, from which a limit that took everything 
 TINY = 1e-9
 
 
-class Room:
+class OutputAllocation:
     """A share (0..1) per column; the limit takes first what buys least.
 
     A limit in force comes back as a ratio of the last output's bound. Columns that cost most
@@ -31,8 +31,8 @@ class Room:
 
     __slots__ = ("_limit", "limited", "peak", "share")
 
-    def __init__(self, count: int) -> None:
-        self.share = np.ones(count)
+    def __init__(self, state: ColumnState) -> None:
+        self.share = state.array("allocation.share", 1.0)
         self.peak = 0.0
         self.limited = False  # whether any column is shortened
         self._limit = math.inf
@@ -62,9 +62,8 @@ class Room:
                 self.share[at] = min(1.0, self.share[at] + dt_s / RETURN_S)
                 self.limited = bool((self.share < 1.0).any())
 
-    def adopt(self, old: Room, both: Common) -> None:
-        """Go on where ``old`` stands; other columns have their whole room."""
-        both.take(self.share, old.share)
+    def adopt(self, old: OutputAllocation) -> None:
+        """Go on where ``old`` stands, once the shares are taken over."""
         self.peak, self._limit = old.peak, old._limit
         self.limited = bool((self.share < 1.0).any())
 

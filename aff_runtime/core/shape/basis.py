@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from aff_runtime.core.params import DriveParams
 from aff_runtime.core.phase import RollPhase
-from aff_runtime.core.shape.columns import Common
+from aff_runtime.core.shape.columns import ColumnMap, ColumnState
 
 Complexes = npt.NDArray[np.complex128]
 Floats = npt.NDArray[np.float64]
@@ -92,6 +92,7 @@ class ShapeBasis:
         "omega_rad_s",
         "order",
         "rolls",
+        "state",
         "turn_s",
     )
 
@@ -126,16 +127,17 @@ class ShapeBasis:
         # angle, omega, first term per metre (real; imaginary per order), s per turn, Hz: per roll
         self._rolls = np.zeros((6, len(self.rolls)))
         self._turns = np.zeros((6, count))
-        self._low = np.zeros((2, count), dtype=np.complex128)
-        self._before = np.zeros((2, count), dtype=np.complex128)
+        self.state = ColumnState(count)
+        self._low = self.state.array("basis.low", dtype=np.complex128, rows=2)
+        self._before = self.state.array("basis.before", dtype=np.complex128, rows=2)
         self._now = np.zeros((2, count), dtype=np.complex128)
         self._work = np.zeros((2, count), dtype=np.complex128)
         self._core = np.zeros(count, dtype=np.complex128)
         self._arm = np.zeros(count, dtype=np.complex128)
         self._known = (math.nan, math.nan)
         self._span = 1.0 / (FADE_TO_HZ - FADE_FROM_HZ)
-        self.b = np.zeros(count, dtype=np.complex128)
-        self.fade = np.zeros(count)
+        self.b = self.state.array("basis.b", dtype=np.complex128)
+        self.fade = self.state.array("basis.fade")
         self.frequency_Hz = np.zeros(count)
         self.omega_rad_s = np.zeros(count)
         self.turn_s = np.full(count, math.inf)
@@ -163,7 +165,7 @@ class ShapeBasis:
         work *= 0.5 * (1.0 - keep)
         low *= keep
         low += work
-        self._before, self._now = now, self._before
+        self._before[:] = now
         gain = self._torque(tension_N, K)
         core = self._core
         np.multiply(self._owns, turns[2], out=core.real)
@@ -222,7 +224,7 @@ class ShapeBasis:
         return np.asarray(self._before[1])
 
     @property
-    def twins(self) -> tuple[int, int]:
+    def imbalance_pair(self) -> tuple[int, int]:
         """Columns of the own roll's order 1 and of its imbalance; (-1, -1) without one."""
         if not self._imbalance.any():
             return -1, -1
@@ -238,8 +240,12 @@ class ShapeBasis:
         self.b[:] = 0.0
         self._track = SpeedTrack()
 
-    def adopt(self, old: ShapeBasis, both: Common) -> None:
-        """Go on from the filters of ``old``; a new order of a known roll knows how it turns."""
+    def adopt(self, old: ShapeBasis, both: ColumnMap) -> None:
+        """Go on with every array per column, and with how the rolls of ``old`` turn.
+
+        A new order of a known roll knows how it turns, too.
+        """
+        self.state.adopt(old.state, both)
         self._track = old._track
         for i, roll in enumerate(self.rolls):
             if roll in old.rolls:
@@ -251,7 +257,3 @@ class ShapeBasis:
                     self._turns[4, mine],
                 )
                 self.frequency_Hz[mine] = self.order[mine] * self._turns[5, mine]
-        both.take(self._low, old._low)
-        both.take(self._before, old._before)
-        both.take(self.b, old.b)
-        both.take(self.fade, old.fade)

@@ -6,14 +6,14 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response
-from aff_runtime.core.shape.columns import Common
+from aff_runtime.core.shape.columns import ColumnState
 
 Floats = npt.NDArray[np.float64]
 FADE_S = 1.0
 RENEWED_PER_TICK = 2
 
 
-class Trust:
+class ResponseConfidence:
     """A share (0..1) per column; one whose phase could be wrong by 60 degrees fades and rests.
 
     Without a measured response (a declared line's own) every column is trusted. Columns are
@@ -22,11 +22,11 @@ class Trust:
 
     __slots__ = ("_next", "_response", "held", "moving", "share")
 
-    def __init__(self, count: int, response: Response | None) -> None:
+    def __init__(self, state: ColumnState, response: Response | None) -> None:
         self._response = response
         self._next = 0
-        self.held = np.zeros(count, dtype=bool)
-        self.share = np.ones(count)
+        self.held = state.array("confidence.held", False, dtype=np.bool_)
+        self.share = state.array("confidence.share", 1.0)
         self.moving = False
 
     def judge(self, frequency_Hz: Floats) -> None:
@@ -45,14 +45,9 @@ class Trust:
         self.moving = not bool((self.share == target).all())
         if self.moving:
             change = dt_s / FADE_S
-            self.share = self.share + np.clip(target - self.share, -change, change)
+            self.share += np.clip(target - self.share, -change, change)
 
     def _look(self, at: int, frequency_Hz: float) -> None:
         if self._response is not None and frequency_Hz > 0.0:
             bound = self._response.phase_error_bound_rad(frequency_Hz)
             self.held[at] = bound > MAX_PHASE_ERROR_RAD
-
-    def adopt(self, old: Trust, both: Common) -> None:
-        """Go on from the shares of ``old``; what it held stays held until it is looked at."""
-        both.take(self.share, old.share)
-        both.take(self.held, old.held)

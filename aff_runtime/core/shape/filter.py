@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.core.impulse import LoopModel
-from aff_runtime.core.shape.columns import Common
+from aff_runtime.core.shape.columns import ColumnMap
 
 Complexes = npt.NDArray[np.complex128]
 Seen = npt.NDArray[np.complex64]
@@ -62,7 +62,7 @@ class LoopFilter:
         mask = np.tile(np.repeat(columns, 2), 2)
         self._ring[:, mask] = 0.0
 
-    def adopt(self, old: LoopFilter, both: Common) -> None:
+    def adopt(self, old: LoopFilter, both: ColumnMap) -> None:
         """Go on with the past of ``old``; a longer memory starts with what there is."""
         known = min(self._length, old._length)
         past = old._ring[old._at : old._at + old._length][-known:].view(np.complex64)

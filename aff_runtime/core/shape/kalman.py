@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from aff_runtime.core.shape.columns import Common
+from aff_runtime.core.shape.columns import ColumnMap
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
@@ -23,7 +23,7 @@ SMALLEST_GAIN = 1e-6
 KNOWN_SHARE = 0.2
 KNOWN_M = 3e-5
 KNOWN_CORRECTION = 0.2
-FORGET_TICKS = 8
+PREDICT_TICKS = 8
 
 
 class ShapeFilter:
@@ -41,10 +41,10 @@ class ShapeFilter:
     """
 
     __slots__ = (
+        "_K",
         "_diagonal",
         "_drift",
         "_fresh",
-        "_gain",
         "_h",
         "_memory_turns",
         "_noise",
@@ -59,8 +59,8 @@ class ShapeFilter:
         "count",
         "covariance",
         "deviation",
-        "gain",
         "innovation",
+        "response_ratio",
         "state",
     )
 
@@ -85,13 +85,13 @@ class ShapeFilter:
         self.state = self._fresh.copy()
         # disturbance a_n, m, and 1 + d_n: the state itself, seen as complex numbers
         self.deviation = self.state[: 2 * count].view(np.complex128)
-        self.gain = self.state[2 * count : 4 * count].view(np.complex128)
+        self.response_ratio = self.state[2 * count : 4 * count].view(np.complex128)
         self.covariance = np.diag(self._start)
         self._diagonal = self.covariance.ravel()[:: size + 1]
         self._h = np.zeros(size)
         self._h[-1] = 1.0
         self._seen = self._h[:-1].view(np.complex128).reshape(2, count)
-        self._gain = np.zeros(size)
+        self._K = np.zeros(size)
         self._work = np.zeros((size, size))
         self._noise = np.zeros(size)
         self._turn_s = np.full(count, math.nan)
@@ -103,28 +103,28 @@ class ShapeFilter:
     @property
     def correction(self) -> Complexes:
         """Correction d_n of P."""
-        return self.gain - 1.0
+        return self.response_ratio - 1.0
 
-    def step(self, error: float, phi: Seen, psi: Seen, turn_s: Floats, dt_s: float) -> None:
+    def update(self, error: float, phi: Seen, psi: Seen, turn_s: Floats, dt_s: float) -> None:
         """Take one reading of the signal's deviation from its reference."""
-        h, P, gain = self._h, self.covariance, self._gain
+        h, P, K = self._h, self.covariance, self._K
         np.conjugate(phi, out=self._seen[0])
         np.conjugate(psi, out=self._seen[1])
         self.innovation = error - float(h @ self.state)
-        np.dot(P, h, out=gain)
-        spread = float(h @ gain) + self._sd * self._sd
-        gain *= 1.0 / math.sqrt(spread)
-        np.multiply(gain[:, None], gain, out=self._work)
+        np.dot(P, h, out=K)
+        spread = float(h @ K) + self._sd * self._sd
+        K *= 1.0 / math.sqrt(spread)
+        np.multiply(K[:, None], K, out=self._work)
         P -= self._work
-        gain *= self.innovation / math.sqrt(spread)
-        self.state += gain
+        K *= self.innovation / math.sqrt(spread)
+        self.state += K
         self._passed_s += dt_s
         self._ticks += 1
-        if self._ticks % FORGET_TICKS == 0:
-            self._forget(phi, turn_s, self._passed_s, dt_s)
+        if self._ticks % PREDICT_TICKS == 0:
+            self._predict(phi, turn_s, self._passed_s, dt_s)
             self._passed_s = 0.0
 
-    def _forget(self, phi: Seen, turn_s: Floats, passed_s: float, dt_s: float) -> None:
+    def _predict(self, phi: Seen, turn_s: Floats, passed_s: float, dt_s: float) -> None:
         """Add the process noise of ``passed_s``, brought in by readings every ``dt_s``."""
         n, noise = self.count, self._noise
         turns = passed_s / turn_s
@@ -176,14 +176,14 @@ class ShapeFilter:
         again = np.zeros(self.state.size, dtype=bool)
         again[shape] = again[2 * (n + at) : 2 * (n + at) + 2] = True
         self._renew(again)
-        self.gain[at] = 1.0 + (correction or 0j)
-        self.deviation[at] = -self.gain[at] * weight_m
+        self.response_ratio[at] = 1.0 + (correction or 0j)
+        self.deviation[at] = -self.response_ratio[at] * weight_m
         known = KNOWN_SHARE * abs(weight_m) + KNOWN_M
         self._diagonal[shape] = min(known, START_DEVIATION_M) ** 2
         if correction is not None:
             self._diagonal[2 * (n + at) : 2 * (n + at) + 2] = KNOWN_CORRECTION**2
 
-    def adopt(self, old: ShapeFilter, both: Common) -> None:
+    def adopt(self, old: ShapeFilter, both: ColumnMap) -> None:
         """Go on where ``old`` stands, with what its columns know of each other."""
         mine, theirs = _entries(both.mine, self.count), _entries(both.theirs, old.count)
         self.state[mine] = old.state[theirs]

@@ -13,23 +13,24 @@ from aff_runtime.core.gate import RAMP_S, SpeedGate
 from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.monitor import Trend
+from aff_runtime.core.order_status import STATE, Column, column_names, column_values
 from aff_runtime.core.params import ActuatorParams, DriveParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.response import Response, arming_objections
-from aff_runtime.core.shape.allocation import Room
+from aff_runtime.core.shape.allocation import OutputAllocation
+from aff_runtime.core.shape.availability import RollAvailability
 from aff_runtime.core.shape.basis import FADE_TO_HZ, ShapeBasis
 from aff_runtime.core.shape.bounds import PeakBound
 from aff_runtime.core.shape.columns import common
-from aff_runtime.core.shape.confidence import Trust
+from aff_runtime.core.shape.confidence import ResponseConfidence
 from aff_runtime.core.shape.filter import LoopFilter
 from aff_runtime.core.shape.kalman import ShapeFilter
 from aff_runtime.core.shape.monitor import ShapeMonitor
-from aff_runtime.core.shape.presence import Presence
 from aff_runtime.core.shape.profile import ShapeProfile
 
 NEWTON_TURNS = 0.5
 IMBALANCE_DRIFT = 0.1
-GAIN_FROM, GAIN_TO = 1.0 / 3.0, 3.0
+RATIO_FROM, RATIO_TO = 1.0 / 3.0, 3.0
 ABSURD = 1e6
 CHECK_TICKS = 100
 SILENT = ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
@@ -66,26 +67,29 @@ class ShapeLaw:
         lead_s = 0.5 * cycle_s + params.transport_s
         used = {name: phases[name] for name in dict.fromkeys(r for r, _ in self._keys)}
         self.basis = ShapeBasis(list(self._keys), used, drive, lead_s)
-        count = self.basis.order.size
+        self.state = state = self.basis.state
+        count = state.count
         self._roll_of = [r for r, _ in self._keys] + [drive.roll] * (count - len(self._keys))
         self._model = loop
         self._loop = LoopFilter(loop, count)
-        self._first, self._heavy = self.basis.twins
+        self._first, self._imbalance = self.basis.imbalance_pair
         drift = np.ones(count)
-        if self._heavy >= 0:
-            drift[self._heavy] = IMBALANCE_DRIFT
+        if self._imbalance >= 0:
+            drift[self._imbalance] = IMBALANCE_DRIFT
         self.filter = ShapeFilter(count, params.shape.memory_turns, params.shape.signal_sd, drift)
-        self.monitor = ShapeMonitor(self._roll_of, params.shape.signal_sd, self.basis.twins)
-        self.presence = Presence(self._roll_of, used)
-        self.room = Room(count)
-        self.trust = Trust(count, response)
+        self.monitor = ShapeMonitor(
+            state, self._roll_of, params.shape.signal_sd, self.basis.imbalance_pair
+        )
+        self.availability = RollAvailability(state, self._roll_of, used)
+        self.allocation = OutputAllocation(state)
+        self.confidence = ResponseConfidence(state, response)
         self._bounds = PeakBound(self.basis.order, self._roll_of, drive.roll)
         self._gate = SpeedGate(params.active_above_m_s)
-        self.weight = np.zeros(count, dtype=np.complex128)
-        self._sent = np.zeros(count, dtype=np.complex128)
+        self.weight = state.array("law.weight_m", dtype=np.complex128, of_roll=True)
+        self._sent = state.array("law.sent_m", dtype=np.complex128, of_roll=True)
         self._parts = np.zeros(count, dtype=np.complex128)
         self._move = np.zeros(count, dtype=np.complex128)
-        self._signal_per_m = np.zeros(count)
+        self._signal_per_m = state.array("law.signal_per_m")
         self._step_1_s = np.zeros(count)
         self._tension_N = drive.tension_N
         self._ticks = 0
@@ -99,13 +103,13 @@ class ShapeLaw:
         self._ticks += 1
         ratio = inputs.applied_ratio if 0.0 <= inputs.applied_ratio <= 1.0 else 0.0
         b = self.basis.b
-        self.room.step(inputs.limit_ratio, b, self.weight, self._signal_per_m, dt_s)
+        self.allocation.step(inputs.limit_ratio, b, self.weight, self._signal_per_m, dt_s)
         self._loop.follow_radius(self._own.radius_m)
         np.multiply(self._sent, b, out=self._parts)
         self._parts *= ratio
         self._loop.push(b, self._parts, round(dt_s / self._cycle_s))
-        self._settle_presence(dt_s)
-        self.trust.step(self.basis.frequency_Hz, dt_s)
+        self._settle_availability(dt_s)
+        self.confidence.step(self.basis.frequency_Hz, dt_s)
         speed_m_s = self._speed_m_s(inputs.line_speed_m_s)
         gate = self._gate.step(speed_m_s, dt_s)
         self._learn(inputs, gate, dt_s)
@@ -120,36 +124,35 @@ class ShapeLaw:
         speed = self._own.omega_rad_s * self._own.radius_m
         return speed if math.isfinite(speed) else 0.0
 
-    def _settle_presence(self, dt_s: float) -> None:
-        gone = self.presence.step(dt_s)
+    def _settle_availability(self, dt_s: float) -> None:
+        gone = self.availability.step(dt_s)
         if gone is not None:
             self._forget(gone)
 
     def _forget(self, columns: npt.NDArray[np.bool_]) -> None:
-        self.weight[columns] = 0.0
-        self._sent[columns] = 0.0
+        self.state.forget(columns)
         self.filter.forget(columns)
         self._loop.forget(columns)
-        self.monitor.reset(columns)
+        self.monitor.listen_anew()
 
     def _learn(self, inputs: Inputs, gate: float, dt_s: float) -> None:
         reference = inputs.reference if math.isfinite(inputs.reference) else self._tension_N
         error = inputs.signal - reference
         good = inputs.fresh and abs(error) < ABSURD
-        self.adapting = inputs.adapt and gate == 1.0 and good and self.presence.known
+        self.adapting = inputs.adapt and gate == 1.0 and good and self.availability.known
         if not self.adapting:
             self._step_1_s[:] = 0.0
-            if inputs.applied_ratio == 0.0 and gate == 1.0 and good and self.presence.known:
+            if inputs.applied_ratio == 0.0 and gate == 1.0 and good and self.availability.known:
                 self.monitor.listen(error, self._loop.read()[0], self.basis.turn_s, dt_s)
             return
         phi, psi = self._loop.read()
-        if self._heavy >= 0:  # one frequency, one correction of P: the imbalance has no own
-            psi[self._first] += psi[self._heavy]
-            psi[self._heavy] = 0.0
+        if self._imbalance >= 0:  # one frequency, one correction of P: the imbalance has no own
+            psi[self._first] += psi[self._imbalance]
+            psi[self._imbalance] = 0.0
         turn_s = self.basis.turn_s
-        self.filter.step(error, phi, psi, turn_s, dt_s)
-        if self._heavy >= 0:
-            self.filter.gain[self._heavy] = self.filter.gain[self._first]
+        self.filter.update(error, phi, psi, turn_s, dt_s)
+        if self._imbalance >= 0:
+            self.filter.response_ratio[self._imbalance] = self.filter.response_ratio[self._first]
         deviation = self.filter.deviation
         self.monitor.step(error, phi, self.filter, turn_s, dt_s)
         if not self.monitor.calm and self.monitor.dropped.any():
@@ -158,8 +161,8 @@ class ShapeLaw:
             memory = self._p.shape.memory_turns
             self.monitor.compare(self.basis.frequency_Hz, turn_s, memory)
             self.filter.check()
-        if self.room.limited or inputs.limit_ratio < 1.0:
-            self._signal_per_m = np.abs(phi)
+        if self.allocation.limited or inputs.limit_ratio < 1.0:
+            np.abs(phi, out=self._signal_per_m)
         self._newton(deviation, turn_s, dt_s)
 
     def _start_anew(self, columns: npt.NDArray[np.bool_]) -> None:
@@ -171,18 +174,18 @@ class ShapeLaw:
     def _newton(
         self, deviation: npt.NDArray[np.complex128], turn_s: npt.NDArray[np.float64], dt_s: float
     ) -> None:
-        gain, move = self.filter.gain, self._move
-        np.multiply(gain, self.weight, out=move)
+        ratio, move = self.filter.response_ratio, self._move
+        np.multiply(ratio, self.weight, out=move)
         move += deviation
-        size = np.abs(gain)
+        size = np.abs(ratio)
         share = -np.expm1(-dt_s / (NEWTON_TURNS * turn_s))
-        share *= np.maximum(size, 1e-9) / np.minimum(np.maximum(size, GAIN_FROM), GAIN_TO)
+        share *= np.maximum(size, 1e-9) / np.minimum(np.maximum(size, RATIO_FROM), RATIO_TO)
         move *= share
-        move /= gain
+        move /= ratio
         if not self.monitor.calm:
             move[self.monitor.resting] = 0.0
         if self._response is not None:
-            move[self.trust.held] = 0.0
+            move[self.confidence.held] = 0.0
         self.weight -= move
         limit = self._p.shape.weight_limit_m
         if np.vdot(self.weight, self.weight).real > limit * limit:
@@ -194,39 +197,39 @@ class ShapeLaw:
         b = self.basis.b
         sent, parts = self._sent, self._parts
         np.multiply(self.weight, gate, out=sent)
-        sent *= self.room.share
-        sent *= self.presence.share
+        sent *= self.allocation.share
+        sent *= self.availability.share
         sent *= self.monitor.share
-        sent *= self.trust.share
+        sent *= self.confidence.share
         np.multiply(sent, b, out=parts)
         value = float(parts.real.sum())
         peak, slew = self._bounds.of(parts, self.basis.carrier, self.basis.omega_rad_s)
         peak = max(peak, abs(value))
         # a weight that moves moves the output by no more than its shares
-        slew += float((self._step_1_s * self._shares()) @ np.abs(b))
-        if self._gate.moving or self.presence.moving or self.trust.moving:
-            slew += float(np.abs(self.weight * b).sum()) / min(RAMP_S, self.presence.fade_s)
+        slew += float((self._step_1_s * self.shares()) @ np.abs(b))
+        if self._gate.moving or self.availability.moving or self.confidence.moving:
+            slew += float(np.abs(self.weight * b).sum()) / min(RAMP_S, self.availability.fade_s)
         if not math.isfinite(value + slew):
             self._restart()
             return SILENT
-        self.room.peak = peak
+        self.allocation.peak = peak
         return ActuatorStep(value=value, peak_bound=peak, slew_bound=slew)
 
-    def _shares(self) -> npt.NDArray[np.float64]:
+    def shares(self) -> npt.NDArray[np.float64]:
         """Return how much of every column may go out, 0..1, the speed gate apart."""
-        shares = self.room.share * self.presence.share * self.monitor.share
-        return np.asarray(shares * self.trust.share)
+        shares = self.allocation.share * self.availability.share * self.monitor.share
+        return np.asarray(shares * self.confidence.share)
 
     def _restart(self) -> None:
         """Start from nothing: a number stopped being one."""
         self._forget(np.ones(self.weight.size, dtype=bool))
         self.filter.restart()
         self.basis.restart()
-        self.room.peak = 0.0
+        self.allocation.peak = 0.0
 
     def reset_roll(self, roll: str) -> None:
         """Let the shape of a changed roll fade, then forget it; P's correction stays."""
-        self.presence.leave(roll)
+        self.availability.leave(roll)
 
     def weights(self) -> Mapping[tuple[str, int], complex]:
         """Return the shape by (roll, order), m; an imbalance is not among them."""
@@ -236,11 +239,11 @@ class ShapeLaw:
         """Return what is worth keeping: orders that meet another roll's now are left out."""
         correction = self.filter.correction
         kept = [i for i in range(len(self._keys)) if not self.monitor.meets[i]]
-        heavy = self._heavy >= 0 and not self.monitor.meets[self._heavy]
+        known = self._imbalance >= 0 and not self.monitor.meets[self._imbalance]
         return ShapeProfile(
             weight_m={self._keys[i]: complex(self.weight[i]) for i in kept},
             correction={self._keys[i]: complex(correction[i]) for i in kept},
-            imbalance_m={self._drive.roll: complex(self.weight[self._heavy])} if heavy else {},
+            imbalance_m={self._drive.roll: complex(self.weight[self._imbalance])} if known else {},
         )
 
     def start_from(self, profile: ShapeProfile) -> None:
@@ -249,11 +252,11 @@ class ShapeLaw:
             if key in profile.weight_m:
                 self.weight[i] = profile.weight_m[key]
                 self.filter.expect(i, self.weight[i], profile.correction.get(key))
-        heavy = profile.imbalance_m.get(self._drive.roll)
-        if self._heavy >= 0 and heavy is not None:
-            self.weight[self._heavy] = heavy
+        imbalance_m = profile.imbalance_m.get(self._drive.roll)
+        if self._imbalance >= 0 and imbalance_m is not None:
+            self.weight[self._imbalance] = imbalance_m
             known = profile.correction.get(self._keys[self._first])
-            self.filter.expect(self._heavy, heavy, known)
+            self.filter.expect(self._imbalance, imbalance_m, known)
 
     def adopt(self, old: ActuatorLaw) -> None:
         """Go on where ``old`` stands, column by column; orders that it lacks start from zero."""
@@ -267,16 +270,12 @@ class ShapeLaw:
             self.start_from(old.profile())
             return
         both = common(self.basis.names, old.basis.names)
-        both.take(self.weight, old.weight)
-        both.take(self._sent, old._sent)
-        both.take(self._signal_per_m, old._signal_per_m)
-        self.basis.adopt(old.basis, both)
+        self.basis.adopt(old.basis, both)  # every array per column with it
         self.filter.adopt(old.filter, both)
         self._loop.adopt(old._loop, both)
-        self.monitor.adopt(old.monitor, both)
-        self.room.adopt(old.room, both)
-        self.presence.adopt(old.presence, both)
-        self.trust.adopt(old.trust, both)
+        self.monitor.adopt(old.monitor)
+        self.allocation.adopt(old.allocation)
+        self.availability.adopt(old.availability)
         self._change_P(old._model, both.mine)
 
     def _change_P(self, old: LoopModel, columns: npt.NDArray[np.int_]) -> None:
@@ -288,7 +287,9 @@ class ShapeLaw:
         for i in columns[self.basis.fade[columns] > 0.0]:
             now = self._model.response(float(at[i]), self._cycle_s, radius_m)
             ratio = old.response(float(at[i]), self._cycle_s, radius_m) / now if now else 1.0
-            self.filter.expect(int(i), self.weight[i], complex(self.filter.gain[i] * ratio) - 1.0)
+            self.filter.expect(
+                int(i), self.weight[i], complex(self.filter.response_ratio[i] * ratio) - 1.0
+            )
 
     def objections(self) -> tuple[str, ...]:
         """Return why this actuator may not arm now.
@@ -298,7 +299,7 @@ class ShapeLaw:
         """
         if self._response is None:
             return ()
-        self.trust.judge(self.basis.frequency_Hz)
+        self.confidence.judge(self.basis.frequency_Hz)
         wanted = [
             (name, n * w / math.tau)
             for name, n, w, roll, held in zip(
@@ -306,7 +307,7 @@ class ShapeLaw:
                 self.basis.order,
                 self.basis.omega_rad_s,
                 self._roll_of,
-                self.trust.held,
+                self.confidence.held,
                 strict=True,
             )
             if roll == self._drive.roll and not held and abs(n * w) < math.tau * FADE_TO_HZ
@@ -351,43 +352,36 @@ class ShapeLaw:
 
     def telemetry(self) -> tuple[float, ...]:
         """Return shape, state, ripple, correction of P and share per column."""
-        row: list[float] = []
-        correction = self.filter.correction
-        shares = self._shares()
-        for i, w in enumerate(self.weight):
-            row += (
-                1e3 * abs(w),
-                math.degrees(math.atan2(w.imag, w.real)),
-                float(self._state(i)),
-                float(self.monitor.without[i]),
-                float(self.monitor.now[i]),
-                float(abs(1.0 + correction[i])),
-                float(shares[i]),
-            )
-        return tuple(row)
+        return column_values(self, COLUMNS)
 
     def telemetry_names(self) -> tuple[str, ...]:
         """Return seven columns per order; a shape is in millimetres, as a technician reads it."""
-        columns = (
-            "shape_mm",
-            "phase_deg",
-            "state",
-            "ripple_before",
-            "ripple",
-            "gain_of_P",
-            "share",
-        )
-        return tuple(f"{name}.{column}" for name in self.basis.names for column in columns)
+        return column_names(self.basis.names, COLUMNS)
+
+    def states(self) -> list[float]:
+        """Return the state of every column as the record keeps it."""
+        return [float(self._state(at)) for at in range(self.state.count)]
 
     def _state(self, at: int) -> Trend:
         if self._gate.share == 0.0:
             return Trend.IDLE
         if self.basis.fade[at] < 1.0:
             return Trend.HELD_FREQUENCY
-        if self.trust.held[at]:
+        if self.confidence.held[at]:
             return Trend.HELD_PHASE
-        if self.room.share[at] < 1.0:
+        if self.allocation.share[at] < 1.0:
             return Trend.CLAMPED
         if not self.adapting:
             return Trend.FROZEN
         return self.monitor.trend(at)
+
+
+COLUMNS: tuple[Column[ShapeLaw], ...] = (
+    Column("shape_mm", lambda law: (1e3 * np.abs(law.weight)).tolist()),
+    Column("phase_deg", lambda law: np.degrees(np.angle(law.weight)).tolist()),
+    Column(STATE, lambda law: law.states()),
+    Column("ripple_before", lambda law: law.monitor.without.tolist()),
+    Column("ripple", lambda law: law.monitor.now.tolist()),
+    Column("gain_of_P", lambda law: np.abs(law.filter.response_ratio).tolist()),
+    Column("share", lambda law: law.shares().tolist()),
+)

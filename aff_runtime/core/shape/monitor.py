@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.core.monitor import Trend
-from aff_runtime.core.shape.columns import Common
+from aff_runtime.core.shape.columns import ColumnState
 
 Complexes = npt.NDArray[np.complex128]
 Seen = npt.NDArray[np.complex64] | Complexes
@@ -20,7 +20,7 @@ SLOW_TURNS = 8.0
 HARM = 1.4
 SETTLED = 0.3
 HARM_TURNS = 4.0
-LOST_GAIN = 0.1
+LOST_RATIO = 0.1
 LOST_SHARE = 0.7
 LOST_TURNS = 2.0
 REST_TURNS = 20.0
@@ -32,7 +32,7 @@ class Estimate(Protocol):
     """What a filter says per column: disturbance, m, and true P over the assumed one."""
 
     deviation: Complexes
-    gain: Complexes
+    response_ratio: Complexes
 
 
 class ShapeMonitor:
@@ -44,15 +44,16 @@ class ShapeMonitor:
     correction), and its weight would wind up against nothing. Either way its ``share`` fades to
     zero within a second and it rests for twenty turns; ``dropped`` marks one that had lost its
     effect in the tick in which the last of it goes out, so that it can start anew. An imbalance
-    (``twins``) rests with order 1, whose P it shares. Columns that meet in frequency are not
-    judged: the signal cannot tell them apart, so ``meets`` marks them, and nothing learned then
-    is worth saving.
+    (``imbalance_pair``) rests with order 1, whose P it shares. Columns that meet in frequency are
+    not judged: the signal cannot tell them apart, so ``meets`` marks them, and nothing learned
+    then is worth saving.
     """
 
     __slots__ = (
         "_age",
         "_astray",
         "_bad",
+        "_imbalance_pair",
         "_judged",
         "_lost",
         "_noise",
@@ -64,7 +65,6 @@ class ShapeMonitor:
         "_size",
         "_slow",
         "_ticks",
-        "_twins",
         "_work",
         "calm",
         "dropped",
@@ -75,31 +75,35 @@ class ShapeMonitor:
     )
 
     def __init__(
-        self, roll_of: Sequence[str], signal_sd: float, twins: tuple[int, int] = (-1, -1)
+        self,
+        state: ColumnState,
+        roll_of: Sequence[str],
+        signal_sd: float,
+        imbalance_pair: tuple[int, int] = (-1, -1),
     ) -> None:
-        count = len(roll_of)
+        count = state.count
         names = np.array(roll_of)
         self._others = names[:, None] != names[None, :]
-        self._phasor = np.zeros(count, dtype=np.complex128)
+        self._phasor = state.array("monitor.phasor", dtype=np.complex128, of_roll=True)
         self._work = np.zeros(count, dtype=np.complex128)
         self._size = np.zeros(count)
-        self._pull = np.zeros(count)
-        self._slow = np.zeros(count)
-        self._age = np.zeros(count)
-        self._bad = np.zeros(count)
-        self._lost = np.zeros(count)
-        self._astray = np.zeros(count, dtype=bool)
-        self._twins = twins
-        self._judged = np.zeros(count)
-        self._rest = np.zeros(count)
+        self._pull = state.array("monitor.pull")
+        self._slow = state.array("monitor.slow", of_roll=True)
+        self._age = state.array("monitor.age_turns", of_roll=True)
+        self._bad = state.array("monitor.bad_turns", of_roll=True)
+        self._lost = state.array("monitor.lost_turns", of_roll=True)
+        self._astray = state.array("monitor.astray", False, dtype=np.bool_)
+        self._imbalance_pair = imbalance_pair
+        self._judged = state.array("monitor.judged_turns", of_roll=True)
+        self._rest = state.array("monitor.rest_turns", of_roll=True)
         self._noise = signal_sd
         self._ticks = 0
         self._passed_s = 0.0
-        self.now = np.full(count, math.nan)
-        self.without = np.full(count, math.nan)
-        self.share = np.ones(count)
-        self.meets = np.zeros(count, dtype=bool)
-        self.dropped = np.zeros(count, dtype=bool)
+        self.now = state.array("monitor.now", math.nan, of_roll=True)
+        self.without = state.array("monitor.without", math.nan, of_roll=True)
+        self.share = state.array("monitor.share", 1.0)
+        self.meets = state.array("monitor.meets", False, dtype=np.bool_)
+        self.dropped = state.array("monitor.dropped", False, dtype=np.bool_)
         self.calm = True  # no column rests or is on its way
 
     def step(self, error: float, phi: Seen, found: Estimate, turn_s: Floats, dt_s: float) -> None:
@@ -114,9 +118,10 @@ class ShapeMonitor:
         if not self.calm:
             change = dt_s / FADE_S
             target = np.where(self._rest > 0.0, -change, change)
-            before = self.share
-            self.share = np.minimum(1.0, np.maximum(0.0, before + target))
-            self.dropped = (before > 0.0) & (self.share == 0.0) & self._astray
+            out = self.share > 0.0
+            self.share += target
+            np.clip(self.share, 0.0, 1.0, out=self.share)
+            np.logical_and(out & (self.share == 0.0), self._astray, out=self.dropped)
 
     def listen(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> None:
         """Take a sample while nothing goes out: what is there without correction, unjudged."""
@@ -129,10 +134,11 @@ class ShapeMonitor:
         if self._ticks % JUDGE_TICKS == 0:
             turns, tick = self._passed_s / turn_s, dt_s / turn_s
             self._passed_s = 0.0
-            self._age = np.minimum(self._age + turns, SLOW_TURNS)
+            np.minimum(self._age + turns, SLOW_TURNS, out=self._age)
             # a roll that has not turned yet pulls nothing
-            self._pull = tick / np.minimum(np.maximum(self._age, np.maximum(tick, 1e-12)), TURNS)
-            self.now = np.abs(self._phasor)
+            heard = np.minimum(np.maximum(self._age, np.maximum(tick, 1e-12)), TURNS)
+            np.divide(tick, heard, out=self._pull)
+            np.abs(self._phasor, out=self.now)
         self._ticks += 1
         self._passed_s += dt_s
         np.abs(phi, out=size)
@@ -149,21 +155,23 @@ class ShapeMonitor:
         self._judged += turns
         heard = np.minimum(self._judged, SLOW_TURNS)
         self._slow += turns / np.maximum(heard, np.maximum(turns, 1e-9)) * (self.now - self._slow)
-        self.without = np.abs(found.deviation) * self._size
+        np.multiply(np.abs(found.deviation), self._size, out=self.without)
         # what white noise of one reading leaves in a lock-in over two turns
         noise = 2.0 * self._noise * np.sqrt(dt_s / (TURNS * turn_s))
         bad = (self.now > HARM * self.without + 3.0 * noise) & (self._judged > TURNS)
         bad &= ~self.meets
-        self._bad = np.where(bad, self._bad + turns, 0.0)
-        lost = (np.abs(found.gain) < LOST_GAIN) & (self.now > LOST_SHARE * self.without)
-        self._lost = np.where(lost, self._lost + turns, 0.0)
+        self._bad[:] = np.where(bad, self._bad + turns, 0.0)
+        lost = np.abs(found.response_ratio) < LOST_RATIO
+        lost &= self.now > LOST_SHARE * self.without
+        self._lost[:] = np.where(lost, self._lost + turns, 0.0)
         started = ((self._bad > HARM_TURNS) | (self._lost > LOST_TURNS)) & (self._rest <= 0.0)
-        self._astray = np.where(started, self._lost > LOST_TURNS, self._astray)
-        self._rest = np.where(started, REST_TURNS, np.maximum(0.0, self._rest - turns))
+        self._astray[:] = np.where(started, self._lost > LOST_TURNS, self._astray)
+        self._rest[:] = np.where(started, REST_TURNS, np.maximum(0.0, self._rest - turns))
         self._bad[started] = self._lost[started] = 0.0
-        first, heavy = self._twins
-        if heavy >= 0 and self._rest[first] > self._rest[heavy]:
-            self._rest[heavy], self._astray[heavy] = self._rest[first], self._astray[first]
+        first, imbalance = self._imbalance_pair
+        if imbalance >= 0 and self._rest[first] > self._rest[imbalance]:
+            for part in (self._rest, self._astray):
+                part[imbalance] = part[first]
         self.calm = not self._rest.any() and bool((self.share == 1.0).all())
 
     @property
@@ -175,40 +183,19 @@ class ShapeMonitor:
         """Mark columns of different rolls that their memories cannot tell apart."""
         apart = np.abs(frequency_Hz[:, None] - frequency_Hz[None, :])
         memory_s = memory_turns * np.maximum.outer(turn_s, turn_s)
-        self.meets = (self._others & (apart * memory_s < 1.0)).any(axis=1)
+        np.any(self._others & (apart * memory_s < 1.0), axis=1, out=self.meets)
 
     @property
     def resting(self) -> npt.NDArray[np.bool_]:
         """Columns that did harm and are held."""
         return self._rest > 0.0
 
-    def reset(self, columns: npt.NDArray[np.bool_]) -> None:
-        """Forget some columns, as after a splice."""
-        self._phasor[columns] = 0.0
-        for part in (self._slow, self._age, self._judged, self._bad, self._lost, self._rest):
-            part[columns] = 0.0
-        self._ticks = 0  # judge with the next sample, so that the lock-in starts with its age
-        self.now[columns] = self.without[columns] = math.nan
+    def listen_anew(self) -> None:
+        """Judge with the next sample: a lock-in that was forgotten starts with its age."""
+        self._ticks = 0
 
-    def adopt(self, old: ShapeMonitor, both: Common) -> None:
-        """Go on where ``old`` stands; other columns are heard from now on."""
-        for name in (
-            "_phasor",
-            "_pull",
-            "_slow",
-            "_age",
-            "_bad",
-            "_lost",
-            "_astray",
-            "_judged",
-            "_rest",
-            "now",
-            "without",
-            "share",
-            "meets",
-            "dropped",
-        ):
-            both.take(getattr(self, name), getattr(old, name))
+    def adopt(self, old: ShapeMonitor) -> None:
+        """Go on where ``old`` stands, once the arrays per column are taken over."""
         self._ticks, self._passed_s = old._ticks, old._passed_s
         self.calm = not self._rest.any() and bool((self.share == 1.0).all())
 

@@ -11,6 +11,7 @@ from cantools.database.can import Database, Message, Signal
 from cantools.database.errors import Error as DatabaseError
 
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.fieldbus.can.dbc_bounds import check_bounds
 from aff_runtime.fieldbus.can.layout import (
     CanChannel,
     CanCorrection,
@@ -34,8 +35,9 @@ def load_dbc(text: str, where: str) -> Database:
     ------
     ConfigError
         The text is no DBC file, two of its signals overlap, or two of its messages have one name
-        or one identifier.
+        or one identifier, or a number in it is beyond what a frame can have.
     """
+    check_bounds(text, where)
     try:
         loaded = cantools.database.load_string(text, database_format="dbc", strict=True)
     except (DatabaseError, ValueError, TypeError, KeyError, IndexError) as error:

@@ -1,1 +1,3 @@
 """CANopen: nodes by EDS."""
+
+__all__ = ["device_402", "link"]

@@ -11,6 +11,8 @@ from canopen.objectdictionary import ObjectDictionary
 
 from aff_runtime.fieldbus.signal_names import WireFileError
 
+MOST_ODD_LINES = 100  # a text that goes on over lines has some; no EDS has many
+
 
 def load_eds(text: str, where: str, node_id: int) -> ObjectDictionary:
     """Return the object dictionary of an EDS file's text; ``where``: its name in the site file.
@@ -20,6 +22,7 @@ def load_eds(text: str, where: str, node_id: int) -> ObjectDictionary:
     ConfigError
         The text cannot be read as EDS.
     """
+    _check_lines(text, where)
     stream = io.StringIO(text)
     stream.name = "text.eds"  # canopen tells the format by the ending; no message shows it
     try:
@@ -27,6 +30,26 @@ def load_eds(text: str, where: str, node_id: int) -> ObjectDictionary:
     except (configparser.Error, ValueError, KeyError, TypeError, AttributeError) as error:
         line, said = _why(error, text)
         raise WireFileError(where, f"cannot be read as EDS: {said}", line) from error
+
+
+def _check_lines(text: str, where: str) -> None:
+    """Refuse a text that is no EDS at all: the reader collects every line that it cannot place.
+
+    What a section counts, entries or lines, needs no bound of its own: the reader ends at the
+    first one that is not there, and the file's size is bounded.
+    """
+    odd = 0
+    first = 0
+    for number, line in enumerate(text.splitlines(), 1):
+        said = line.strip()
+        is_section = said.startswith("[") and "]" in said
+        if not said or said[0] in ";#" or is_section or re.match("[^=:]+[=:]", said):
+            continue
+        odd += 1
+        first = first or number
+        if odd > MOST_ODD_LINES:
+            said = "this line is neither [section] nor key=value, nor are many that follow"
+            raise WireFileError(where, f"cannot be read as EDS: {said}", first)
 
 
 def _why(error: Exception, text: str) -> tuple[int, str]:

@@ -1,1 +1,14 @@
 """Modbus: TCP, TLS and RTU."""
+
+__all__ = [
+    "codec",
+    "connections",
+    "frames",
+    "gateway",
+    "probe_map",
+    "registers",
+    "serial_time",
+    "tcp",
+    "tcp_wire",
+    "tls_wire",
+]

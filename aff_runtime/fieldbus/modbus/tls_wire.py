@@ -11,10 +11,16 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, Connecting, TcpWire
 
 _NS_PER_MS: Final = 1_000_000
+_OTHER_NAME: Final = (62, 64)  # of OpenSSL: host name and IP address mismatch
 
 
-def client_context(ca: Path, certificate: Path | None, key: Path | None) -> ssl.SSLContext:
+def client_context(
+    ca: Path, certificate: Path | None, key: Path | None, crl: Path | None = None
+) -> ssl.SSLContext:
     """Return a TLS 1.2+ context that checks the server against ``ca`` and shows our certificate.
+
+    The server's name counts where it belongs, in subjectAltName, and not in the common name. With
+    ``crl`` a server whose certificate has been taken back is refused.
 
     Raises
     ------
@@ -23,13 +29,18 @@ def client_context(ca: Path, certificate: Path | None, key: Path | None) -> ssl.
     """
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
+    context.hostname_checks_common_name = False
+    files = [name for name in (ca, certificate, key, crl) if name is not None]
     try:
         context.load_verify_locations(ca)
         if certificate is not None:
             context.load_cert_chain(certificate, key)
+        if crl is not None:
+            context.load_verify_locations(crl)
+            context.verify_flags |= ssl.VERIFY_CRL_CHECK_LEAF
     except (OSError, ssl.SSLError) as error:
-        given = ", ".join(str(name) for name in (ca, certificate, key) if name)
-        missing = [str(name) for name in (ca, certificate, key) if name and not name.is_file()]
+        given = ", ".join(str(name) for name in files)
+        missing = [str(name) for name in files if not name.is_file()]
         what = (
             f"{missing[0]} is not there"
             if missing
@@ -93,7 +104,13 @@ class TlsWire:
         return Connecting.UP
 
     def _failed(self, error: Exception) -> Connecting:
-        self._refused = f"TLS with {self._server_name}: {error}"
+        said = str(error)
+        if isinstance(error, ssl.SSLCertVerificationError) and error.verify_code in _OTHER_NAME:
+            said += (
+                f"; its certificate has no {self._server_name} in subjectAltName, and the common "
+                "name does not count: correct server_name, or have the certificate made anew"
+            )
+        self._refused = f"TLS with {self._server_name}: {said}"
         return Connecting.FAILED
 
     def send(self, frame: bytes) -> bool:

@@ -12,6 +12,8 @@ from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.locations import candidate_locations, places_of
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.model.twin import Added
 
 
@@ -42,9 +44,15 @@ class Hypothesis:
     linear: tuple[bool, ...]
 
     @property
-    def key(self) -> tuple[str, str]:
-        """Effect name and location."""
-        return self.effect.name, self.location
+    def key(self) -> Place:
+        """What it claims, by name."""
+        return Place(self.effect.name, self.location)
+
+    @property
+    def at_start(self) -> dict[str, Value]:
+        """Every parameter at its start, what is neither fixed nor fitted at its default."""
+        given = dict(zip(self.names, self.start, strict=True))
+        return {**self.effect.parameters, **dict(self.fixed), **given}
 
     def added(self, values: Sequence[float]) -> Added:
         """Return the effect with these parameter values, clipped to their bounds."""
@@ -64,7 +72,8 @@ class Hypothesis:
         """Return whether a number sits at a bound that is not its absence: no estimate."""
         rows = zip(values, self.low, self.high, self.absent, strict=True)
         return any(
-            bound != absent and abs(value - bound) < 1e-6 * abs(bound - absent)
+            bound != absent
+            and abs(value - bound) < CRITERIA.model.at_bound_share * abs(bound - absent)
             for value, low, high, absent in rows
             for bound in (low, high)
             if math.isfinite(bound)
@@ -80,7 +89,7 @@ class Hypothesis:
             found.append(self.added(values))
         return found
 
-    def steps(self, values: Sequence[float]) -> list[float]:
+    def increments(self, values: Sequence[float]) -> list[float]:
         """Return a finite-difference step per number, large against the chaos of quantised loops.
 
         A quarter of the value or of the typical size where the response is linear; else a
@@ -95,7 +104,7 @@ class Hypothesis:
                 found.append(row.step or 0.02)
                 continue
             size, typical = abs(value - absent), abs(start - absent)
-            if row.role == "strength" and row.linear and name != "size_m":
+            if row.role == "strength" and row.linear:
                 step = 0.25 * max(size, typical)
             else:
                 step = 0.05 * max(size, 0.2 * typical)
@@ -103,33 +112,9 @@ class Hypothesis:
         return [-s if v + s > hi else s for s, v, hi in zip(found, values, self.high, strict=True)]
 
 
-FEWER_TRIES: dict[str, tuple[Value, ...]] = {
-    "load_cell_resonance": (6.0, 13.0, 30.0),
-    "rate_limit": (0.05, 0.2),
-    "slip": (0.0, 0.8, 1.2),
-    "viscoelastic_web": (0.3, 3.0),
-}
-BOUNCE_TRIES_HZ: tuple[Value, ...] = (2.6, 4.4)
-SCREENED = {
-    "bearing_drag": ("constant_N_m",),
-    "shaft_compliance_backlash": ("compliance_rad_N_m",),
-}
-"""A first look takes these alone."""
-
-
-def _tries(effect: Effect, name: str) -> tuple[Value, ...]:
-    if effect.name == "roll_bounce" and name == "frequency_Hz":
-        return BOUNCE_TRIES_HZ
-    return FEWER_TRIES.get(effect.name, effect.accepts[name].tries)
-
-
 def variants(effect: Effect) -> list[tuple[tuple[str, Value], ...]]:
     """Return every combination of the values worth a candidate each."""
-    tried = [
-        [(name, value) for value in _tries(effect, name)]
-        for name, p in effect.accepts.items()
-        if p.tries and effect.name != "out_of_round_roll"
-    ]
+    tried = [[(name, value) for value in p.tries] for name, p in effect.accepts.items() if p.tries]
     return [tuple(choice) for choice in itertools.product(*tried)]
 
 
@@ -184,7 +169,7 @@ def limits_at(line: Declaration, effect: Effect, location: str) -> dict[str, tup
 def library(line: Declaration, without: Collection[str] = ()) -> list[Hypothesis]:
     """Return every hypothesis of the library on this line, effects in ``without`` left out."""
     return [
-        hypothesis(effect, location, choice, SCREENED.get(effect.name), line)
+        hypothesis(effect, location, choice, line=line)
         for effect in CATALOGUE
         if effect.name not in without
         for location in candidate_locations(line, effect)

@@ -1,13 +1,15 @@
-"""Effects that are a declared number by another name: both ways from one table."""
+"""Effects that are a declared number by another name: both ways, from their files."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.build import cell_sensors
+from sim_plant.base.effects import Effect
+from sim_plant.effects.catalogue import CATALOGUE
+from sim_plant.line.build import build_arrays, cell_sensors, timing_of
 from sim_plant.line.declaration import Declaration
+from sim_plant.line.locations import candidate_locations, places_of
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.model.nuisances import Nuisance
 
@@ -21,44 +23,43 @@ class Equivalent:
     number : dotted path of the declared number.
     effect, location, parameter : what changes it.
     scale : change of the declared number, as its tolerance counts it, per unit of the parameter.
+    proposed : a number pulled beyond its tolerance is tried as this effect.
     """
 
     number: str
-    effect: str
+    effect: Effect
     location: str
     parameter: str
     scale: float
+    proposed: bool
 
 
 def equivalents(line: Declaration) -> list[Equivalent]:
     """Return every number of an effect that a declared number of this line stands for."""
-
-    def row(number: str, effect: str, place: str, parameter: str, scale: float) -> Equivalent:
-        return Equivalent(
-            number=number, effect=effect, location=place, parameter=parameter, scale=scale
+    arrays = build_arrays(line, timing_of(line, line.sample_time_s))
+    return [
+        Equivalent(
+            number=row.number.format(place=_named(line, effect, at)),
+            effect=effect,
+            location=location,
+            parameter=row.parameter,
+            scale=row.scale(arrays, at),
+            proposed=row.proposed,
         )
-
-    strain = line.web.wound_in_tension_N / line.web.EA_N
-    found = [
-        row("web.EA_N", "web_modulus", "web", "factor", 1.0),
-        row("web.wound_in_tension_N", "wound_in_strain", "web", "strain", 1.0 / strain),
+        for effect in CATALOGUE
+        for row in effect.declared_as
+        for location in candidate_locations(line, effect)
+        for at in places_of(line, effect, location, effect.name)
     ]
-    for roller in line.rollers:
-        where = f"rollers.{roller.name}."
-        found.append(row(where + "radius_m", "radius_error", roller.name, "ratio", 1.0))
-        drag = roller.friction_constant_N_m
-        share = 1.0 / drag if drag > 0.0 else float("inf")
-        found.append(
-            row(
-                where + "friction_constant_N_m", "bearing_drag", roller.name, "constant_N_m", share
-            )
-        )
-    for sensor in cell_sensors(line):
-        for place in (sensor.roller, "all"):
-            for part, parameter in (("gain", "gain"), ("offset", "offset_N")):
-                number = f"sensors.{sensor.channel}.{part}"
-                found.append(row(number, "load_cell_calibration", place, parameter, 1.0))
-    return found
+
+
+def _named(line: Declaration, effect: Effect, at: int) -> str:
+    """Return what a dotted path calls the place of this index: a roller, or a cell's channel."""
+    if effect.place == "cell":
+        return cell_sensors(line)[at].channel
+    if effect.place == "drive":
+        return line.control.drives[at].roller
+    return line.rollers[at].name if effect.place == "body" else ""
 
 
 def within_tolerance(
@@ -70,7 +71,7 @@ def within_tolerance(
     digit is no finding. Effects that are no declared number are never within a tolerance.
     """
     known = {n.name: n.tolerance for n in nuisances}
-    rows = [e for e in equivalents(line) if (e.effect, e.location) == h.key]
+    rows = [e for e in equivalents(line) if e.effect is h.effect and e.location == h.location]
     change = {n: v - a for n, v, a in zip(h.names, values, h.absent, strict=True)}
     if set(h.names) - {e.parameter for e in rows}:
         return False
@@ -86,14 +87,12 @@ def as_effect(
 ) -> tuple[Hypothesis, tuple[float, ...]] | None:
     """Return the effect that says the same as a shift of a declared number, and its values.
 
-    None where no effect is that number, or where it cannot go that way. A radius is not asked
-    for: what makes a roller's radius seem wrong is mostly its shape, which the search tries.
+    None where no effect is proposed for that number, or where it cannot go that way.
     """
     for e in equivalents(line):
-        if e.number != number or e.effect == "radius_error":
+        if e.number != number or not e.proposed:
             continue
-        only = (e.parameter,) if e.effect == "bearing_drag" else None
-        h = hypothesis(BY_NAME[e.effect], e.location, (), only, line)
+        h = hypothesis(e.effect, e.location, line=line)
         at = h.names.index(e.parameter)
         values = [*h.absent]
         values[at] += shift / e.scale

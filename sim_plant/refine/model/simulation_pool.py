@@ -2,39 +2,38 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
-import threading
-from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from types import TracebackType
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
+from sim_plant.base.worker_pool import WorkerPool
 from sim_plant.refine.model.twin import Case, Twin
+
+LIMIT_S = 900.0
+"""For one simulation. The longest record that makes sense (an hour) takes 20 s of a core at the
+declared drive tick, the first start as long again to compile: twenty times that, for a machine
+that has other work."""
 
 _twins: list[Twin] = []
 
 
 def _adopt(twins: Sequence[Twin]) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to answer
-    threading.Thread(target=_end_with_parent, daemon=True).start()
     _twins[:] = twins
-
-
-def _end_with_parent() -> None:
-    """End this worker when its parent is gone, killed too: nobody else would end it."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 def _work(job: tuple[int, Case]) -> Array:
     return attempt(_twins[job[0]], job[1])
+
+
+def _name(job: tuple[int, Case]) -> str:
+    case = job[1]
+    put = [f"{added.effect} at {added.location}" for added in case.effects]
+    put += [f"order {order} of body {body}" for body, order, _, _ in case.ripples]
+    put += [f"{name} shifted" for name, _ in case.shifts]
+    put += [] if case.seed is None else [f"noise {case.seed}"]
+    return f"simulation of record {job[0] + 1} with {', '.join(put) or 'nothing added'}"
 
 
 def attempt(twin: Twin, case: Case) -> Array:
@@ -45,41 +44,55 @@ def attempt(twin: Twin, case: Case) -> Array:
         return np.full((len(twin.channels), twin.speed_m_s.size), np.nan)
 
 
-class Bench:
+class SimulationPool:
     """Simulates cases on every twin, remembers results, uses ``workers`` processes.
 
-    Use as a context manager; one worker runs in this process.
+    Use as a context manager; one worker runs in this process. ``say`` is told of a simulation
+    that is repeated because its process was lost.
     """
 
-    def __init__(self, twins: Sequence[Twin], workers: int = 2) -> None:
+    def __init__(
+        self,
+        twins: Sequence[Twin],
+        workers: int = 2,
+        say: Callable[[str], None] = lambda _: None,
+        limit_s: float = LIMIT_S,
+    ) -> None:
         self.twins = list(twins)
         self.simulations = 0
         self._known: dict[tuple[int, Case], Array] = {}
-        self._pool: ProcessPoolExecutor | None = None
+        self._pool: WorkerPool[tuple[int, Case], Array] | None = None
         if workers > 1:
-            self._pool = ProcessPoolExecutor(
-                workers, multiprocessing.get_context("spawn"), _adopt, (self.twins,)
+            self._pool = WorkerPool(
+                _work,
+                workers,
+                limit_s=limit_s,
+                name=_name,
+                tell=say,
+                begin=_adopt,
+                arguments=(self.twins,),
             )
 
-    def __enter__(self) -> Bench:
+    def __enter__(self) -> SimulationPool:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *what: object) -> None:
         if self._pool is not None:
-            self._pool.shutdown(cancel_futures=True)
+            self._pool.__exit__(*what)
 
     def run(self, cases: Sequence[Case], keep: bool = True) -> list[list[Array]]:
-        """Return, per case, one (channels, samples) array per twin."""
+        """Return, per case, one (channels, samples) array per twin.
+
+        Raises
+        ------
+        LostJobError
+            When a simulation has lost every process that was given it.
+        """
         jobs = [(t, case) for case in cases for t in range(len(self.twins))]
         fresh = [job for job in dict.fromkeys(jobs) if job not in self._known]
         self.simulations += len(fresh)
         if self._pool is not None:
-            done = list(self._pool.map(_work, fresh, chunksize=2))
+            done = self._pool.map(fresh)
         else:
             done = [attempt(self.twins[t], case) for t, case in fresh]
         found = {**self._known, **dict(zip(fresh, done, strict=True))}

@@ -19,8 +19,10 @@ from sim_plant.line.simulation import LineSimulation
 from sim_plant.line.with_effects import apply_effects
 
 COARSE_TICK_S = 0.005
+"""Longest drive tick of a quick simulation, of which only differences are used."""
 COARSE_SETTLE_S = 10.0
 FINE_SETTLE_S = 20.0
+"""How long a line runs before its record begins, at a quick and at the declared tick."""
 REFERENCES = ("line_speed_ref_m_s", "tension_ref_N")
 
 
@@ -140,9 +142,7 @@ def modelled_channels(line: Declaration, columns: Sequence[str]) -> tuple[str, .
     seen: set[tuple[str, str]] = set()
     found = []
     for sensor in line.sensors:
-        kind = "N" if sensor.low_pass_Hz else sensor.channel.rsplit("_", 2)[-1]
-        kind = "speed" if sensor.noise_sd_rad_s is not None else kind
-        if sensor.channel in columns and (sensor.roller, kind) not in seen:
-            seen.add((sensor.roller, kind))
+        if sensor.channel in columns and (sensor.roller, sensor.kind) not in seen:
+            seen.add((sensor.roller, sensor.kind))
             found.append(sensor.channel)
     return tuple(found)

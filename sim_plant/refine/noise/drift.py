@@ -20,7 +20,7 @@ OCTAVES = (0, 1, 2, 4, 8, 16, SLOW)
 
 
 @lru_cache(maxsize=8)
-def slow_terms(samples: int) -> Array:
+def slow_cosines(samples: int) -> Array:
     """Return the slowest cosines over a record (samples, ``SLOW``), orthonormal.
 
     Equation: DCT-II, cos(pi m (t + 1/2) / n)  [Ahmed, Natarajan, Rao 1974].
@@ -31,21 +31,21 @@ def slow_terms(samples: int) -> Array:
     return np.asarray(terms)
 
 
-def wander(whitened: Array) -> Array:
+def drift_standard_deviations(whitened: Array) -> Array:
     """Return the sd of every slow cosine (channels, ``SLOW``), at least 1, in whitened noise.
 
     ``whitened`` (runs, channels, samples) would have 1 everywhere were it white. Octaves share
     their level: few runs tell few numbers.
     """
-    power = np.mean((whitened @ slow_terms(whitened.shape[2])) ** 2, axis=0)
+    power = np.mean((whitened @ slow_cosines(whitened.shape[2])) ** 2, axis=0)
     for low, high in itertools.pairwise(OCTAVES):
         power[:, low:high] = power[:, low:high].mean(axis=1, keepdims=True)
     sd: Array = np.sqrt(np.maximum(power, 1.0))
     return sd
 
 
-def steadied(white: Array, sd: Array) -> Array:
+def drift_whitened(white: Array, sd: Array) -> Array:
     """Return innovations (channels, samples) with their slow cosines at unit size."""
-    terms = slow_terms(white.shape[1])
+    terms = slow_cosines(white.shape[1])
     rest: Array = white - ((white @ terms) * (1.0 - 1.0 / sd)) @ terms.T
     return rest

@@ -2,38 +2,28 @@
 
 from __future__ import annotations
 
-import math
 import re
+
+from aff_runtime.base.units import to_si
 
 SUFFIXES = ("m_s", "rad_s", "N_m", "rad", "Hz", "N", "m", "s")
 """Units a channel name may end in, longest first."""
 
-TO_SI = {
-    "N": ("N", 1.0),
-    "kN": ("N", 1e3),
-    "lbf": ("N", 4.4482216152605),
-    "mN": ("N", 1e-3),
-    "m_s": ("m_s", 1.0),
-    "fpm": ("m_s", 0.00508),
-    "m_min": ("m_s", 1.0 / 60.0),
-    "ft_s": ("m_s", 0.3048),
-    "mm_s": ("m_s", 1e-3),
-    "rad_s": ("rad_s", 1.0),
-    "rpm": ("rad_s", math.pi / 30.0),
-    "deg_s": ("rad_s", math.pi / 180.0),
-    "rad": ("rad", 1.0),
-    "deg": ("rad", math.pi / 180.0),
-    "rev": ("rad", 2.0 * math.pi),
-    "m": ("m", 1.0),
-    "mm": ("m", 1e-3),
-    "in": ("m", 0.0254),
-    "ft": ("m", 0.3048),
-    "s": ("s", 1.0),
-    "ms": ("s", 1e-3),
-    "us": ("s", 1e-6),
-    "min": ("s", 60.0),
-    "N_m": ("N_m", 1.0),
+_SYMBOLS = {
+    **{symbol: symbol for symbol in ("N", "kN", "lbf", "mN", "rad", "deg", "rev", "rpm")},
+    **{symbol: symbol for symbol in ("m", "mm", "in", "ft", "s", "ms", "us", "min")},
+    **{"m_s": "m/s", "fpm": "FPM", "m_min": "m/min", "ft_s": "ft/s", "mm_s": "mm/s"},
+    **{"rad_s": "rad/s", "deg_s": "deg/s", "N_m": "N m"},
 }
+"""Unit as a header spells it -> its symbol in the product's table of units."""
+
+
+def _suffix_and_factor(symbol: str) -> tuple[str, float]:
+    unit, factor = to_si(symbol)
+    return unit.replace("/", "_").replace(" ", "_"), factor
+
+
+TO_SI = {spelling: _suffix_and_factor(symbol) for spelling, symbol in _SYMBOLS.items()}
 """Header unit -> (unit of the channel name, factor)."""
 
 _BRACKET = re.compile(r"^\s*(?P<name>.*?)\s*[\[(](?P<unit>[^\])]+)[\])]\s*$")

@@ -1,1 +1,14 @@
 """Verdict, amended line, AFF block and page."""
+
+__all__ = [
+    "aff_block",
+    "amend",
+    "announce",
+    "findings",
+    "folder",
+    "outcome",
+    "page",
+    "plain",
+    "verdict",
+    "wording",
+]

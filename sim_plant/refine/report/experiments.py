@@ -2,43 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from sim_plant.effects.catalogue import BY_NAME
-
-Key = tuple[str, str]
-CELL_EFFECTS = (
-    "load_cell_calibration",
-    "load_cell_filter",
-    "load_cell_resonance",
-    "mains_hum",
-    "unbalanced_measuring_roller",
-)
+from sim_plant.refine.model.place import Place
 
 
-def experiment(one: Key, other: Key) -> str:
-    """Return the experiment that tells two (effect, location) apart, as a sentence."""
-    (a, here), (b, there) = one, other
-    effects = BY_NAME[a], BY_NAME[b]
-    if here != there and all(e.order_locked and not e.sensor_only for e in effects):
+def experiment(one: Place, other: Place) -> str:
+    """Return the experiment that tells two effects apart, as a sentence.
+
+    What the signatures of both say comes first, then what the effects themselves know.
+    """
+    a, b = BY_NAME[one.effect], BY_NAME[other.effect]
+    elsewhere = one.location != other.location
+    locked = a.order_locked and b.order_locked
+    if elsewhere and locked and not (a.sensor_only or b.sensor_only):
         return (
-            f"lift the web off, turn {here} alone half a turn by hand and record again: "
+            f"lift the web off, turn {one.location} alone half a turn by hand and record again: "
             "the line's phase moves only if that roller causes it"
         )
-    if effects[0].sensor_only != effects[1].sensor_only:
-        return _on_the_sensor(one if effects[0].sensor_only else other)
-    if here == there and "torque_ripple" in (a, b):
+    own = _of_the_effects(one, other)
+    if own:
+        return own
+    if locked and not elsewhere:
         return (
-            f"take the web off {here} and let it coast with its drive off: a ripple ends with "
-            "the motor's torque, everything else goes on"
-        )
-    if here == there and all(e.order_locked for e in effects):
-        return (
-            f"turn {here} by hand under a dial gauge: run-out shows an eccentric or uneven "
-            "roller, none an unbalance"
-        )
-    if a == b == "bearing_drag":
-        return (
-            f"take the web off and time how long {here} and {there} coast after a push: "
-            "the one that drags stops first"
+            f"turn {one.location} by hand under a dial gauge: run-out shows an eccentric or "
+            "uneven roller, none an unbalance"
         )
     return (
         "record again at another speed, another tension and another roll radius, and give "
@@ -46,19 +35,17 @@ def experiment(one: Key, other: Key) -> str:
     )
 
 
-def _on_the_sensor(sensor: Key) -> str:
-    effect, place = sensor
-    if effect in CELL_EFFECTS:
-        return (
-            f"hang a known weight on the web over {place} at standstill, or read a second "
-            "cell there: only a fault of the cell shows then"
-        )
-    return (
-        f"read {place} with a second encoder, or watch its surface with a tachometer wheel: "
-        "what only the first encoder shows is the encoder's"
-    )
+def _of_the_effects(one: Place, other: Place) -> str:
+    """Return what either effect knows against the other, a fault of a sensor first."""
+    ways = sorted(((one, other), (other, one)), key=lambda w: not BY_NAME[w[0].effect].sensor_only)
+    for mine, theirs in ways:
+        asked = BY_NAME[mine.effect].experiment
+        said = asked(mine.location, BY_NAME[theirs.effect], theirs.location) if asked else ""
+        if said:
+            return said
+    return ""
 
 
-def experiments(claimed: Key, rivals: tuple[Key, ...]) -> list[str]:
+def experiments(claimed: Place, rivals: Sequence[Place]) -> list[str]:
     """Return the experiments that tell ``claimed`` from its rivals, each once."""
     return list(dict.fromkeys(experiment(claimed, other) for other in rivals))

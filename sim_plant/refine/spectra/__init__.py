@@ -1,1 +1,3 @@
 """Free spectral lines in time, web travel and roll angle, which compete with the library."""
+
+__all__ = ["coordinates", "line_spectrum"]

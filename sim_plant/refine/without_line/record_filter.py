@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
-import gzip
 import hashlib
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
-from sim_plant.line.yaml_places import read_places
+from sim_plant.base.plain_file import read_plain
+from sim_plant.line.declaration import Name
+from sim_plant.line.load import Source
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.noise.innovations import whitening_filter
-from sim_plant.refine.records.read import LARGEST, read_record
+from sim_plant.refine.records.limits import FILE_BYTES
+from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Record
 from sim_plant.refine.records.sanity import oddities
+from sim_plant.refine.records.text_table import number_table
 
 SCHEMA = "record-declaration/1"
-LEAST_ROWS = 100
-"""Rows that are left to judge when the filter has taken its taps off both ends."""
-RUNS_ONWARD = 0.9
+WITHOUT_LINE = CRITERIA.without_line
 
 
 class RecordDeclaration(BaseModel):
@@ -35,13 +36,13 @@ class RecordDeclaration(BaseModel):
 
     schema_: Literal["record-declaration/1"] = Field(alias="schema")
     note: str = ""
-    columns: tuple[str, ...] | None = Field(default=None, description="names, without a header")
+    columns: tuple[Name, ...] | None = Field(default=None, description="names, without a header")
     sample_time_s: Annotated[float, Field(gt=0, allow_inf_nan=False)]
-    outputs: tuple[str, ...] = Field(min_length=1)
-    inputs: tuple[str, ...] = Field(min_length=1)
+    outputs: tuple[Name, ...] = Field(min_length=1)
+    inputs: tuple[Name, ...] = Field(min_length=1)
     derivative_of_inputs: bool = False
     taps: Annotated[int, Field(ge=1, le=500)] = 40
-    travel_speed: str | None = Field(
+    travel_speed: Name | None = Field(
         default=None, description="column with an absolute speed, m/s"
     )
 
@@ -83,25 +84,20 @@ def whiten(row: Array) -> Array:
     return found
 
 
-def is_record_declaration(path: Path) -> bool:
+def is_record_declaration(source: Source) -> bool:
     """Return whether a file declares records instead of a line."""
-    try:
-        data, _, _ = read_places(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError):
-        return False
-    return isinstance(data, dict) and data.get("schema") == SCHEMA
+    return isinstance(source.data, dict) and source.data.get("schema") == SCHEMA
 
 
-def load_record_declaration(path: Path) -> RecordDeclaration:
+def record_declaration_in(source: Source) -> RecordDeclaration:
     """Return the declaration; PlantError with key and reason when it is wrong."""
-    data, _, repeated = read_places(path.read_text(encoding="utf-8"))
-    if repeated:
-        raise PlantError("\n".join(f"{path}:{finding}" for finding in repeated))
+    path = source.path
     try:
-        return RecordDeclaration.model_validate(data)
+        return RecordDeclaration.model_validate(source.data)
     except ValidationError as error:
         lines = [
-            f"{path}: {'.'.join(map(str, e['loc']))}: read {e.get('input')!r}; {e['msg']}"
+            f"{path}: {printable('.'.join(map(str, e['loc'])), 200)}: "
+            f"read {printable(repr(e.get('input')), 60)}; {e['msg']}"
             for e in error.errors()
         ]
         raise PlantError("\n".join(lines)) from error
@@ -125,7 +121,7 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
         raise PlantError(
             f"{path}: column {absent[0]} is missing; there are {sorted(record.columns)}"
         )
-    least = 2 * declaration.taps + LEAST_ROWS
+    least = 2 * declaration.taps + WITHOUT_LINE.rows_beyond_taps
     if record.samples < least:
         raise PlantError(
             f"{path}: {record.samples} rows are too few for a filter of {declaration.taps} taps "
@@ -133,13 +129,16 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
         )
     if declaration.travel_speed:
         onward = float(np.mean(record.columns[declaration.travel_speed] > 0.0))
-        if onward < RUNS_ONWARD:
+        if onward < WITHOUT_LINE.onward_share:
             raise PlantError(
                 f"{path}: column {declaration.travel_speed} is above 0 in {100 * onward:.0f} % of "
                 "the rows; travel_speed is the speed of a web that runs, counted forwards: "
                 "correct it, or leave travel_speed empty"
             )
-    if abs(record.sample_time_s - declaration.sample_time_s) > 0.02 * declaration.sample_time_s:
+    if (
+        abs(record.sample_time_s - declaration.sample_time_s)
+        > WITHOUT_LINE.sample_time_share * declaration.sample_time_s
+    ):
         raise PlantError(
             f"{path}: sampled every {record.sample_time_s:.5g} s, declared "
             f"{declaration.sample_time_s} s; correct sample_time_s"
@@ -149,15 +148,9 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
 
 def _headerless(declaration: RecordDeclaration, path: Path) -> Record:
     names = declaration.columns or ()
-    try:
-        payload = path.read_bytes()
-        plain = gzip.decompress(payload) if path.name.endswith(".gz") else payload
-        table = np.array([line.split() for line in plain.decode().splitlines()], dtype=np.float64)
-    except (OSError, EOFError, zlib.error, ValueError) as error:
-        raise PlantError(f"{path}: not a table of numbers ({error})") from error
-    if table.ndim != 2 or table.shape[1] != len(names):
-        raise PlantError(f"{path}: has {table.shape[-1]} columns, declared are {len(names)}")
-    bad = np.argwhere(~(np.abs(table) < LARGEST))
+    payload = read_plain(path, FILE_BYTES)
+    table = number_table(path, payload, len(names))
+    bad = np.argwhere(~(np.abs(table) < CRITERIA.records.largest_reading))
     if bad.size:
         raise PlantError(f"{path}: column {names[bad[0][1]]}: no reading in line {bad[0][0] + 1}")
     columns = {n: table[:, k].copy() for k, n in enumerate(names)}

@@ -29,7 +29,7 @@ def stray(angle: Array, time: Array, omega_rad_s: float) -> Array:
 
 def half_wound(arrays: LineArrays) -> LineArrays:
     """Wind the web in at half of its line strain."""
-    arrays.web["wound_in_strain"] *= 0.5
+    arrays.web["supply_strain"] *= 0.5
     return arrays
 
 

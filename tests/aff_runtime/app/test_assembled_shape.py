@@ -126,7 +126,7 @@ def test_the_loop_is_worked_out_by_the_check_and_not_by_the_cycle(monkeypatch):
     def too_slow(*_, **__):
         raise AssertionError("worked out between two ticks")
 
-    monkeypatch.setattr("aff_runtime.core.controller.from_response", too_slow)
+    monkeypatch.setattr("aff_runtime.core.laws.from_response", too_slow)
     assert controller_of(EUCLID, RECORD).shape_laws()
 
 
@@ -224,7 +224,7 @@ def test_an_order_whose_response_is_unsure_stays_held_and_stands_against_nothing
     line.law = unsure()
     line.run(3.0)
     law = line.shape
-    held = [key for key, h in zip(law.keys, law.trust.held, strict=False) if h]
+    held = [key for key, h in zip(law.keys, law.confidence.held, strict=False) if h]
     # a turn is 0.8086 Hz: 12x at 9.7 Hz and above are unsure
     assert ("unwind", 16) in held
     assert ("unwind", 2) not in held

@@ -214,7 +214,7 @@ def test_probe_arm_and_bypass_from_end_to_end(own: ServiceRun) -> None:
     (own.folder / "learned").mkdir()
     other = own.folder / "learned" / "euclid_swrap_follower.json"
     other.write_text(known_response("swrap_follower"))
-    until("the file is applied", lambda: own.said("CONFIG_APPLIED"))
+    until("the file is applied", lambda: own.said("swrap_follower: response"))
     (result,) = probed(own, "unwind")
     response = Response.from_json((own.folder / "learned" / "euclid_unwind.json").read_text())
     for point in response.points:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from aff_runtime.app.report.block_status import BlockStatus
+from aff_runtime.app.report.status_answer import read_answer
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.cli.status import block_lines, is_alarm, lines
 from aff_runtime.cli.top import screen
@@ -52,23 +54,23 @@ def answer(blocks: int = 30) -> dict[str, Any]:
 
 def test_the_screen_never_exceeds_80_columns_and_24_rows() -> None:
     for blocks in (0, 1, 30):
-        rows = screen(answer(blocks))
+        rows = screen(read_answer(answer(blocks)))
         assert len(rows) <= 24
         assert max(map(len, rows)) <= 80
 
 
 def test_the_screen_works_before_the_first_record() -> None:
-    rows = screen({**answer(), "state": "STARTING", "signals": {}})
+    rows = screen(read_answer({**answer(), "state": "STARTING", "signals": {}}))
     assert "STARTING" in rows[0]
 
 
 def test_half_of_the_wish_going_out_fills_half_of_the_bar() -> None:
-    (row,) = [row for row in screen(answer(0)) if row.startswith("correction_unwind")]
+    (row,) = [row for row in screen(read_answer(answer(0))) if row.startswith("correction_unwind")]
     assert row.count("#") == row.count(".") - "0.0014".count(".")
 
 
 def test_a_block_is_told_with_units_and_its_state_in_a_word() -> None:
-    table = list(block_lines(answer(2)["blocks"]))
+    table = list(block_lines(read_answer(answer(2)).blocks))
     assert table[0].split() == ["unwind", "Hz", "mm/s|limit", "deg", "N", "before>now", "state"]
     name, *rest = table[1].split()
     assert name.endswith("_1x")
@@ -81,23 +83,25 @@ def test_the_alarm_code_is_for_alarms_only() -> None:
     def fault(code: int) -> dict[str, Any]:
         return {**answer(0), "state": "FAULT", "alarm": {"code": code}}
 
-    assert not is_alarm(fault(BY_NAME["POWER_UP"].code))
-    assert is_alarm(fault(BY_NAME["PLC_STALE"].code))
-    assert not is_alarm({**answer(0), "state": "OFF"})
+    assert not is_alarm(read_answer(fault(BY_NAME["POWER_UP"].code)))
+    assert is_alarm(read_answer(fault(BY_NAME["PLC_STALE"].code)))
+    assert not is_alarm(read_answer({**answer(0), "state": "OFF"}))
     for name, alarms in (("BYPASSED", False), ("APPLIED_DIFFERS", True)):
         resting = {**answer(0), "state": "BYPASS", "alarm": {"code": BY_NAME[name].code}}
-        assert is_alarm(resting) is alarms
+        assert is_alarm(read_answer(resting)) is alarms
 
 
 def test_lost_rows_and_a_differing_file_are_told() -> None:
-    text = "\n".join(lines(answer(0)))
+    text = "\n".join(lines(read_answer(answer(0))))
     assert "3 LOST" in text
     assert "site.yaml:7:3" in text
     assert "[CONFIG_DIFFERS]" in text
 
 
 def test_a_dead_recorder_is_told() -> None:
-    text = "\n".join(lines({**answer(0), "recorder": {"folder": "x", "alive": False}}))
+    text = "\n".join(
+        lines(read_answer({**answer(0), "recorder": {"folder": "x", "alive": False}}))
+    )
     assert "RECORDER IS GONE" in text
 
 
@@ -119,8 +123,12 @@ def shape_block(order: int, **more: Any) -> dict[str, Any]:
     }
 
 
+def shown(*blocks: dict[str, Any]) -> tuple[BlockStatus, ...]:
+    return read_answer({**answer(0), "blocks": blocks}).blocks
+
+
 def test_an_order_of_a_shape_shows_mm_angle_share_and_benefit() -> None:
-    table = list(block_lines([shape_block(1), shape_block(2, out=None, benefit_dB=None)]))
+    table = list(block_lines(shown(shape_block(1), shape_block(2, out=None, benefit_dB=None))))
     assert table[0].split() == [
         "unwind",
         "Hz",
@@ -140,7 +148,11 @@ def test_an_order_of_a_shape_shows_mm_angle_share_and_benefit() -> None:
 
 def test_blocks_held_for_one_reason_are_told_in_one_line() -> None:
     held = [shape_block(n, why="not sure; probe") for n in (15, 16)]
-    told = list(lines({**answer(0), "blocks": [shape_block(1), *held], "shapes": ["kept in x"]}))
+    told = list(
+        lines(
+            read_answer({**answer(0), "blocks": [shape_block(1), *held], "shapes": ["kept in x"]})
+        )
+    )
     assert "why      unwind unwind_15x unwind_16x: not sure; probe" in told
     assert "shape    kept in x" in told
 
@@ -148,7 +160,7 @@ def test_blocks_held_for_one_reason_are_told_in_one_line() -> None:
 def test_the_screen_keeps_the_low_orders_of_every_roll() -> None:
     blocks = [shape_block(n) for n in range(1, 31)]
     blocks.append(shape_block(1, name="swrap_1x", roll="swrap"))
-    rows = screen({**answer(0), "blocks": blocks})
+    rows = screen(read_answer({**answer(0), "blocks": blocks}))
     assert len(rows) <= 24
     assert any("swrap_1x" in row for row in rows)
     assert not any("unwind_30x" in row for row in rows)
@@ -157,8 +169,8 @@ def test_the_screen_keeps_the_low_orders_of_every_roll() -> None:
 def test_the_next_meeting_of_two_rolls_is_told_and_the_screen_has_a_row_for_it() -> None:
     meets = "unwind: in about 4 min unwind 1x meets swrap_follower 1x at radius 0.1537 m"
     given = {**answer(30), "crossings": [meets]}
-    assert f"next     {meets}" in list(lines(given))
-    rows = screen(given)
+    assert f"next     {meets}" in list(lines(read_answer(given)))
+    rows = screen(read_answer(given))
     (row,) = [row for row in rows if row.startswith("next")]
     assert "in about 4 min unwind 1x meets swrap_follower 1x" in row
     assert len(rows) <= 24

@@ -12,7 +12,7 @@ def test_good_file_gives_facts_and_exit_code_0():
     report = check_site(EUCLID)
     assert report.ok
     assert report.exit_code == 0
-    assert report.lines()[-1] == f"{EUCLID}: ok, 1 warning"
+    assert report.lines()[-1] == f"{EUCLID}: ok, 2 warnings"
 
 
 def test_bad_file_gives_every_finding_and_exit_code_2(tmp_path):
@@ -31,13 +31,13 @@ def test_bad_file_gives_every_finding_and_exit_code_2(tmp_path):
 
 def test_findings_and_verdict_come_last_and_brief_leaves_the_rest_out():
     report = check_site(EUCLID)
-    assert len(report.warnings) == 1
-    *facts, gap, warning, verdict = report.lines()
+    assert len(report.warnings) == 2
+    *facts, gap, wire, warning, verdict = report.lines()
     assert len(facts) > 60
     assert not any(line.startswith(("warning", "error")) for line in facts)
     assert gap == ""
-    assert warning == f"warning  {report.warnings[0]}"
-    assert report.lines(brief=True) == [warning, verdict]
+    assert [wire, warning] == [f"warning  {finding}" for finding in report.warnings]
+    assert report.lines(brief=True) == [wire, warning, verdict]
 
 
 def test_frequencies_are_those_of_the_source():

@@ -13,7 +13,8 @@ import pytest
 from aff_runtime.cli.main import main
 from aff_runtime.config.check import check_site
 from aff_runtime.config.loader import load_site
-from aff_runtime.config.tls_files import _certificates, issues, validity
+from aff_runtime.config.tls_files import issues
+from aff_runtime.config.x509 import CERTIFICATE, pem_blocks, validity
 from tests.aff_runtime.config.shipped import EUCLID
 from tests.aff_runtime.fieldbus.modbus.test_tls_wire import make_certificate
 
@@ -108,14 +109,14 @@ def test_what_cannot_work_is_refused_at_its_place(
 
 
 def test_the_dates_are_those_that_openssl_reads(made: Path) -> None:
-    (der,) = _certificates(made / "aff.pem")
+    (der,) = pem_blocks((made / "aff.pem").read_text(), CERTIFICATE)
     assert list(validity(der)) == of_openssl(made / "aff.pem")
 
 
 def test_a_certificate_that_has_expired_is_said_and_only_warns(made: Path) -> None:
     loaded = load_site(site(made))
     last = max(of_openssl(made / "aff.pem"))
-    before, after = last.timestamp() - 60.0, last.timestamp() + DAY_S
+    before, after = last.timestamp() - 31 * DAY_S, last.timestamp() + DAY_S
     assert not list(issues(loaded, made, before))
     late = list(issues(loaded, made, after))
     assert [issue.path[-1] for issue in late] == ["ca", "certificate"]

@@ -358,7 +358,7 @@ def test_what_never_ends_is_no_description_of_a_wire(folder: Path, kind: str) ->
         with path.open("wb") as stream:
             stream.truncate(MAX_BYTES + 1)
     with pytest.raises(
-        ConfigError, match="is larger than 16 MB" if kind == "too large" else "file"
+        ConfigError, match="is larger than 1 MB" if kind == "too large" else "file"
     ):
         load_site(folder / "euclid_can.yaml")
 

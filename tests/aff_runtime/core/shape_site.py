@@ -9,7 +9,7 @@ import numpy as np
 from aff_runtime.base.signals import Permission
 from aff_runtime.core.impulse import LoopModel, from_taps
 from aff_runtime.core.law import Inputs
-from aff_runtime.core.params import ActuatorParams, BlockParams, DriveParams, LawKind, ShapeParams
+from aff_runtime.core.params import ActuatorParams, BlockParams, DriveParams, ShapeParams
 from aff_runtime.core.shape.law import ShapeLaw
 from tests.aff_runtime.core.plants import ACTUATOR, CYCLE_S, SWRAP, UNWIND, LagDelay
 
@@ -22,9 +22,7 @@ GAIN_N_S_M = 400.0
 def actuator(orders=(1, 2), extra=(), **kw) -> ActuatorParams:
     blocks = [BlockParams(roll="unwind", orders=tuple(orders), settle_s=8.0, amp_limit=0.3)]
     blocks += [BlockParams(roll=r, orders=o, settle_s=8.0, amp_limit=0.3) for r, o in extra]
-    return replace(
-        ACTUATOR, **{"law": LawKind.SHAPE, "drive": DRIVE, "blocks": tuple(blocks), **kw}
-    )
+    return replace(ACTUATOR, **{"law": "shape", "drive": DRIVE, "blocks": tuple(blocks), **kw})
 
 
 def loop_of(plant: LagDelay, length: int = 200) -> LoopModel:

@@ -9,7 +9,6 @@ import numpy as np
 
 from aff_runtime.app.wiring.site_to_law import site_params
 from aff_runtime.app.wiring.site_to_wire import register_map
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.ports import Law
 from aff_runtime.base.signals import Command, Permission, StateBits
 from aff_runtime.config.loader import load_site
@@ -23,6 +22,7 @@ from sim_plant.line import open_line
 from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plc import Plc
+from tests.doubles.virtual_clock import VirtualClock
 
 CONFIG = Path(__file__).parents[3] / "config"
 CYCLE_S = 0.005

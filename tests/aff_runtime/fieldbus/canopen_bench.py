@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.signals import Snapshot
 from aff_runtime.config.can_wire import network_of, wire_files
 from aff_runtime.config.loader import load_site
@@ -13,12 +12,13 @@ from aff_runtime.fieldbus.can.gateway import CanGateway
 from aff_runtime.fieldbus.can.reader import CanReader
 from aff_runtime.fieldbus.can.writer import CanWriter
 from aff_runtime.fieldbus.canopen.link import CanopenLink
-from sim_plant.servers.can_lockstep import LockstepBus
 from sim_plant.servers.canopen_node import CanopenNetwork
 from sim_plant.servers.faults import parse_fault
 from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.plc import Plc
 from tests.aff_runtime.fieldbus.euclid_can import command
+from tests.doubles.can_lockstep import LockstepBus
+from tests.doubles.virtual_clock import VirtualClock
 from tests.sim_plant.servers.fake_line import FakeLine, default_map
 
 CONFIG = Path(__file__).parents[3] / "config"

@@ -1,4 +1,4 @@
-"""The default gateway block of docs/architecture.md, written out once for these tests."""
+"""The default block of docs/technician/gateway-block.md, written out once for these tests."""
 
 from __future__ import annotations
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import deque
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.fieldbus.can.frames import Frame
+from tests.doubles.virtual_clock import VirtualClock
 
 
 class FakeLink:

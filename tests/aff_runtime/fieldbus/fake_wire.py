@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, Connecting
+from tests.doubles.virtual_clock import VirtualClock
 
 # what a request provokes: (delay in ns, bytes), bytes None for the end of the connection
 Arrivals = list[tuple[int, bytes | None]]

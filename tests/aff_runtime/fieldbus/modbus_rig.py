@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
 from aff_runtime.fieldbus.modbus.tcp import ModbusTcpTransport
@@ -13,6 +12,7 @@ from tests.aff_runtime.fieldbus.modbus_bytes import (
     tid_of,
     write_reply,
 )
+from tests.doubles.virtual_clock import VirtualClock
 
 MS = 1_000_000
 DEADLINE_NS = 3 * MS

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import cos
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.ports import Law
 from aff_runtime.base.signals import (
@@ -24,6 +23,7 @@ from aff_runtime.loop.record import record_columns
 from aff_runtime.loop.seams import Advice
 from aff_runtime.safety.guard import Guard
 from aff_runtime.safety.params import ActuatorLimits, GuardParams
+from tests.doubles.virtual_clock import VirtualClock
 
 PERIOD_NS = 5_000_000
 FADE_TICKS = 30

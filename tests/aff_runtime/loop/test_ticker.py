@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.loop.ticker import Ticker
+from tests.doubles.virtual_clock import VirtualClock
 
 MS = 1_000_000
 

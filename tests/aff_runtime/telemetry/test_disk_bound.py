@@ -10,6 +10,7 @@ from aff_runtime.telemetry.disk_bound import delete_oldest, used_bytes
 def run(directory: Path, name: str, segments: int) -> Path:
     folder = directory / name
     folder.mkdir()
+    (folder / "run.yaml").touch()
     for k in range(1, segments + 1):
         (folder / f"signals-{k:04d}.csv.gz").write_bytes(bytes(1000))
     return folder
@@ -24,8 +25,8 @@ def test_the_oldest_segments_of_the_oldest_run_go_first(tmp_path: Path) -> None:
     new = run(tmp_path, "20260102T000000Z_line", 2)
     keep = new / "signals-0002.csv.gz"
     assert delete_oldest(tmp_path, max_bytes=3500, keep=keep) == 2
-    assert names(old) == ["signals-0003.csv.gz"]
-    assert len(names(new)) == 2
+    assert names(old) == ["run.yaml", "signals-0003.csv.gz"]
+    assert len(names(new)) == 3
 
 
 def test_a_run_without_segments_goes_as_a_whole_and_the_kept_segment_stays(tmp_path: Path) -> None:
@@ -34,7 +35,7 @@ def test_a_run_without_segments_goes_as_a_whole_and_the_kept_segment_stays(tmp_p
     new = run(tmp_path, "20260102T000000Z_line", 3)
     delete_oldest(tmp_path, max_bytes=1000, keep=new / "signals-0003.csv.gz")
     assert not old.exists()
-    assert names(new) == ["signals-0003.csv.gz"]
+    assert names(new) == ["run.yaml", "signals-0003.csv.gz"]
     assert used_bytes(tmp_path) == 1000
 
 
@@ -42,4 +43,4 @@ def test_folders_not_named_like_runs_are_left_alone(tmp_path: Path) -> None:
     mine = run(tmp_path, "my-precious-data", 5)
     new = run(tmp_path, "20260102T000000Z_line", 1)
     delete_oldest(tmp_path, max_bytes=0, keep=new / "signals-0001.csv.gz")
-    assert len(names(mine)) == 5
+    assert len(names(mine)) == 6

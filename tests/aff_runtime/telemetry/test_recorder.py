@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -19,17 +20,25 @@ COLUMNS = ["time_s", "tick", "state", "unwind_tension_N", "wake_latency_us"]
 WAIT = MonotonicClock()
 
 
-def start(ring: Path, runs: Path) -> subprocess.Popen[bytes]:
-    return subprocess.Popen(
-        [sys.executable, "-m", "aff_runtime.telemetry.recorder", str(ring), str(runs)],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-    )
+def start(ring: RingWriter, runs: Path) -> subprocess.Popen[bytes]:
+    descriptor = ring.open_for_readers()
+    try:
+        return subprocess.Popen(
+            [
+                *(sys.executable, "-m", "aff_runtime.telemetry.recorder"),
+                *(f"/dev/fd/{descriptor}", str(runs)),
+            ],
+            pass_fds=[descriptor],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
+    finally:
+        os.close(descriptor)
 
 
 def record(tmp_path: Path, rows: list[tuple[float, ...]], **context: object) -> Run:
-    ring = RingWriter(tmp_path / "ring", COLUMNS, meta={"start_ns": 1000, "config_hash": "3f9a"})
-    process = start(tmp_path / "ring", tmp_path / "runs")
+    ring = RingWriter(COLUMNS, meta={"start_ns": 1000, "config_hash": "3f9a"})
+    process = start(ring, tmp_path / "runs")
     assert process.stdin is not None
     context = {"name": "Line 1", "site_text": "version: 1\n", **context}
     process.stdin.write(json.dumps(context).encode() + b"\n")

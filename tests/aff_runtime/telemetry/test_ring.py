@@ -1,4 +1,4 @@
-"""The ring file: header, status, life of the writer."""
+"""The ring: header, status, life of the writer."""
 
 from __future__ import annotations
 
@@ -15,10 +15,17 @@ from aff_runtime.base.errors import AffError
 from aff_runtime.telemetry.ring import RingReader, RingWriter
 
 
-def test_columns_meta_records_and_events_pass_through_the_file(tmp_path: Path) -> None:
-    path = tmp_path / "ring"
-    writer = RingWriter(path, ["time_s", "unwind_tension_N"], meta={"config_hash": "3f9a"})
-    reader = RingReader(path)
+def reader_of(writer: RingWriter) -> RingReader:
+    descriptor = writer.open_for_readers()
+    try:
+        return RingReader(Path(f"/dev/fd/{descriptor}"))
+    finally:
+        os.close(descriptor)
+
+
+def test_columns_meta_records_and_events_pass_through_the_ring() -> None:
+    writer = RingWriter(["time_s", "unwind_tension_N"], meta={"config_hash": "3f9a"})
+    reader = reader_of(writer)
     assert reader.columns == ("time_s", "unwind_tension_N")
     assert reader.header["meta"] == {"config_hash": "3f9a"}
     assert reader.status() is None
@@ -30,37 +37,49 @@ def test_columns_meta_records_and_events_pass_through_the_file(tmp_path: Path) -
     writer.close()
 
 
-def test_the_file_is_private_to_its_user(tmp_path: Path) -> None:
-    writer = RingWriter(tmp_path / "ring", ["time_s"], meta={})
-    assert stat.S_IMODE((tmp_path / "ring").stat().st_mode) == 0o600
+def test_the_ring_has_no_name_and_is_private_to_its_user() -> None:
+    before = set(os.listdir("/dev/shm"))
+    writer = RingWriter(["time_s"], meta={})
+    assert set(os.listdir("/dev/shm")) == before
+    reader = reader_of(writer)
+    found = os.fstat(reader.fileno())
+    assert stat.S_IMODE(found.st_mode) == 0o600
+    assert found.st_nlink == 0
     writer.close()
 
 
-def test_the_writer_counts_as_gone_after_close(tmp_path: Path) -> None:
-    writer = RingWriter(tmp_path / "ring", ["time_s"], meta={})
-    reader = RingReader(tmp_path / "ring")
+def test_a_reader_cannot_write() -> None:
+    writer = RingWriter(["time_s"], meta={})
+    descriptor = writer.open_for_readers()
+    with pytest.raises(OSError, match="Bad file descriptor"):
+        os.write(descriptor, b"x")
+    os.close(descriptor)
+    writer.close()
+
+
+def test_the_writer_counts_as_gone_after_close() -> None:
+    writer = RingWriter(["time_s"], meta={})
+    reader = reader_of(writer)
     assert reader.writer_alive()
     writer.close()
     assert not reader.writer_alive()
 
 
-def test_the_writer_counts_as_gone_after_sigkill(tmp_path: Path) -> None:
+def test_the_writer_counts_as_gone_after_sigkill() -> None:
     code = (
-        "import sys, pathlib\n"
+        "import sys\n"
         "from aff_runtime.telemetry.ring import RingWriter\n"
-        "ring = RingWriter(pathlib.Path(sys.argv[1]), ['time_s'], meta={})\n"
-        "print('up', flush=True)\n"
+        "ring = RingWriter(['time_s'], meta={})\n"
+        "print(ring.open_for_readers(), flush=True)\n"
         "sys.stdin.read()\n"
     )
     process = subprocess.Popen(
-        [sys.executable, "-c", code, str(tmp_path / "ring")],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
     assert process.stdin is not None
     assert process.stdout is not None
-    process.stdout.readline()
-    reader = RingReader(tmp_path / "ring")
+    descriptor = int(process.stdout.readline())
+    reader = RingReader(Path(f"/proc/{process.pid}/fd/{descriptor}"))
     assert reader.writer_alive()
     process.kill()
     process.wait()
@@ -75,42 +94,33 @@ def test_a_foreign_file_is_refused(tmp_path: Path) -> None:
         RingReader(tmp_path / "ring")
 
 
-def test_a_second_writer_leaves_the_first_readers_mapping_intact(tmp_path: Path) -> None:
-    first = RingWriter(tmp_path / "ring", ["time_s"], meta={})
+def test_a_second_ring_leaves_the_first_readers_mapping_intact() -> None:
+    first = RingWriter(["time_s"], meta={})
     first.write((1.0,))
-    reader = RingReader(tmp_path / "ring")
-    second = RingWriter(tmp_path / "ring", ["time_s"], meta={})
+    reader = reader_of(first)
+    second = RingWriter(["time_s"], meta={})
     second.write((2.0,))
-    assert reader.status() == {"time_s": 1.0}
-    assert RingReader(tmp_path / "ring").status() == {"time_s": 2.0}
     first.close()
+    assert reader.status() == {"time_s": 1.0}
+    assert reader_of(second).status() == {"time_s": 2.0}
     second.close()
 
 
-def test_removal_takes_the_own_file_and_leaves_a_successors(tmp_path: Path) -> None:
-    path = tmp_path / "ring"
-    first = RingWriter(path, ["time_s"], meta={})
-    second = RingWriter(path, ["time_s"], meta={})
-    first.remove()
-    assert path.exists()
-    second.remove()
-    assert not path.exists()
-
-
-def test_a_full_file_system_refuses_the_ring_instead_of_killing_its_writer_later(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_too_little_memory_refuses_the_ring_instead_of_killing_its_writer_later(
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def full(*_: int) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
+    before = set(os.listdir("/proc/self/fd"))
     monkeypatch.setattr(os, "posix_fallocate", full)
-    with pytest.raises(AffError, match=r"ring: no room for .* MB \(No space left"):
-        RingWriter(tmp_path / "ring", ["time_s"], meta={})
-    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(AffError, match=r"no memory for a ring of .* MB \(No space left"):
+        RingWriter(["time_s"], meta={})
+    assert set(os.listdir("/proc/self/fd")) == before
 
 
-def test_every_page_of_the_ring_is_there_from_the_start(tmp_path: Path) -> None:
-    writer = RingWriter(tmp_path / "ring", ["time_s"] * 50, meta={})
-    found = (tmp_path / "ring").stat()
+def test_every_page_of_the_ring_is_there_from_the_start() -> None:
+    writer = RingWriter(["time_s"] * 50, meta={})
+    found = os.fstat(reader_of(writer).fileno())
     assert found.st_blocks * 512 >= found.st_size
     writer.close()

@@ -6,7 +6,8 @@ import pytest
 from benchmarks.campaign import alike as told_by
 from benchmarks.campaign import sizes
 from benchmarks.campaign.alike import beside, beside_tolerances
-from benchmarks.campaign.cases import LARGEST, Case
+from benchmarks.campaign.cases import Case
+from benchmarks.campaign.effect_table import BY_NAME
 from benchmarks.campaign.effects import Fault
 from benchmarks.campaign.make import floors
 from benchmarks.campaign.motion import TICK_S
@@ -55,7 +56,7 @@ def test_what_tolerances_take_up_whole_ends_at_a_size_that_speaks_for_itself(hea
     monkeypatch.setattr(sizes, "visible", lambda *_: 1e-3)
     fault = Fault(effect="bearing_drag", location="R1", size=0.01)
     made, reached = sized(CASE, *healthy[:1], fault, *healthy[1:])
-    assert made.size == LARGEST["bearing_drag"]
+    assert made.size == BY_NAME["bearing_drag"].largest
     assert reached < 0.2
 
 

@@ -1,4 +1,5 @@
 import inspect
+import math
 import pkgutil
 
 import numpy as np
@@ -7,36 +8,26 @@ import pytest
 import sim_plant.effects
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.effects import Effect, Parameter
+from sim_plant.base.signatures import Frequency, Onset, Orders
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
+from sim_plant.line.corrections import declared_numbers
 from sim_plant.line.locations import candidate_locations
+from sim_plant.refine.model.parameter_effects import equivalents
 from tests.sim_plant.effects.running import effect, euclid, run
 
 WAVE_M_S = 0.005 * np.sin(2.0 * np.pi * 1.5 * 0.005 * np.arange(200))
 SHORT = {"seconds": 1.0, "settle_s": 2.0, "aff": {"unwind": WAVE_M_S}}
-NAMES = set(
-    """eccentric_roller out_of_round_roll unbalanced_roller bearing_drag web_modulus splice slip
-    viscoelastic_web wound_in_strain load_cell_filter load_cell_resonance rate_limit mains_hum
-    load_cell_calibration shaft_compliance_backlash torque_ripple thermal_strain loop_delay
-    roll_bounce radius_error encoder_eccentricity unbalanced_measuring_roller""".split()  # noqa: SIM905
-)
 LINEAR = [
     (row, name)
     for row in CATALOGUE
     for name, parameter in row.accepts.items()
     if parameter.linear and parameter.role == "strength"
 ]
-# what must be given beside a strength for it to act within a short run
-BESIDE = {"roll_bounce": {"mass_kg": 20.0}, "slip": {"threshold_m_s": 0.2}}
 
 
 @pytest.fixture(scope="module")
 def bare() -> dict[str, np.ndarray]:  # type: ignore[type-arg]
     return run(**SHORT)
-
-
-def test_every_effect_is_there_once() -> None:
-    assert set(BY_NAME) == NAMES
-    assert len(CATALOGUE) == len(NAMES)
 
 
 def test_every_effect_file_has_one_row_under_its_own_name() -> None:
@@ -45,7 +36,7 @@ def test_every_effect_file_has_one_row_under_its_own_name() -> None:
         for _f, name, _p in pkgutil.iter_modules(sim_plant.effects.__path__)
         if hasattr(__import__(f"sim_plant.effects.{name}", fromlist=["EFFECT"]), "EFFECT")
     }
-    assert files == set(BY_NAME)
+    assert sorted(row.name for row in CATALOGUE) == sorted(files)
 
 
 def test_every_row_explains_itself() -> None:
@@ -88,13 +79,58 @@ def test_what_tracing_reads_is_consistent(row: Effect) -> None:
 
 def _check_parameter(name: str, parameter: Parameter) -> None:
     if isinstance(parameter.default, str):
-        assert parameter.tries, name
+        assert parameter.default in parameter.words, name
         return
     assert parameter.low <= parameter.default <= parameter.high, name
     assert parameter.low <= parameter.typical <= parameter.high, name
     assert all(parameter.low <= float(x) <= parameter.high for x in parameter.tries), name
     if parameter.role == "strength":
         assert parameter.typical != parameter.default, name
+
+
+@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+def test_what_shows_as_a_line_has_coordinates(row: Effect) -> None:
+    if isinstance(row.shows, Orders):
+        at = row.shows.at(row.parameters, 0.1)
+        assert at
+    elif isinstance(row.shows, Frequency | Onset):
+        at = (row.shows.at(row.parameters),)
+    else:
+        return
+    assert all(math.isfinite(x) and x >= 0.0 for x in at)
+
+
+@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+def test_only_what_acts_in_the_web_once_or_more_a_turn_is_cancelled(row: Effect) -> None:
+    if row.cancel_orders:
+        assert row.order_locked
+        assert not row.sensor_only
+        assert all(order >= 1 for order in row.cancelled(row.parameters))
+
+
+@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+def test_a_remedy_says_where_on_the_machine(row: Effect) -> None:
+    assert len(row.remedy.format(place="R99")) > 10
+    assert not row.remedy.endswith(".")
+    if row.place in ("body", "cell", "drive"):
+        assert "R99" in row.remedy.format(place="R99")
+
+
+@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+def test_names_beside_the_parameters_are_names_of_parameters(row: Effect) -> None:
+    assert {number.parameter for number in row.declared_as} <= set(row.accepts)
+    if row.profiles is not None:
+        assert {row.profiles.size, row.profiles.age} <= set(row.accepts) - set(row.traced)
+    if row.name_in_version_1:
+        assert set(row.accepts) <= set(BY_NAME[row.name_in_version_1].accepts)
+
+
+@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+def test_an_effect_that_is_a_declared_number_names_one_that_the_line_has(row: Effect) -> None:
+    known = {number.name for number in declared_numbers(euclid())}
+    mine = [e for e in equivalents(euclid()) if e.effect is row]
+    assert {e.number for e in mine} <= known
+    assert bool(mine) is bool(row.declared_as)
 
 
 @pytest.mark.parametrize(("row", "name"), LINEAR, ids=lambda x: getattr(x, "name", x))
@@ -104,7 +140,8 @@ def test_a_parameter_called_linear_moves_the_record_in_proportion(
     bare,  # type: ignore[no-untyped-def]
 ) -> None:
     place = candidate_locations(euclid(), row)[-1]
-    parameter, beside = row.accepts[name], BESIDE.get(row.name, {})
+    parameter = row.accepts[name]
+    beside = {k: p.tries[0] for k, p in row.accepts.items() if p.tries and p.role != "strength"}
     reference = run(effect(row.name, place, **beside), **SHORT) if beside else bare
     default = float(parameter.default)
     step = 0.2 * (parameter.typical - default)

@@ -13,7 +13,7 @@ import yaml
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
 from tests.sim_plant.effects.running import effect
-from tests.sim_plant.line.conftest import shared  # noqa: F401 - a fixture
+from tests.sim_plant.line.conftest import line_records  # noqa: F401 - a fixture
 
 BOUNCE = {"mass_kg": 20.0, "frequency_Hz": 3.4, "damping": 0.06, "order": 4.0}
 CASES = {
@@ -63,7 +63,7 @@ def worst_ratio(folder, name, effects):  # type: ignore[no-untyped-def]
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_the_labelled_effect_leaves_the_noise_of_the_record(name, shared) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
-    folder = shared / "lines"
+def test_the_labelled_effect_leaves_the_noise_of_the_record(name, line_records) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
+    folder = line_records
     assert worst_ratio(folder, name, ()) > 2.0
     assert worst_ratio(folder, name, (CASES[name],)) < 1.07

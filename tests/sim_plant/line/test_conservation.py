@@ -60,6 +60,6 @@ def test_radius_falls_with_the_length_that_left_the_roll():
     for _ in range(400):
         line.step({})
     area = math.pi * (before**2 - y[lay.radius] ** 2)
-    length = y[lay.flow] * (1.0 + line.arrays.web["wound_in_strain"][0])
+    length = y[lay.flow] * (1.0 + line.arrays.web["supply_strain"][0])
     # the contact point wanders along the roll as the span turns: 1e-4 of the length
     assert area / line.arrays.web["thickness_m"][0] == pytest.approx(length, rel=1e-4)

@@ -49,20 +49,20 @@ def ratios(residual, floors):
     return {c: rms(centred[c]) / floors[c] for c in floors}
 
 
-def test_healthy_record_is_reproduced_to_its_noise_in_every_channel(shared):
-    _line, residual, _model, floors = replayed(shared / "lines", "line01_a")
+def test_healthy_record_is_reproduced_to_its_noise_in_every_channel(line_records):
+    _line, residual, _model, floors = replayed(line_records, "line01_a")
     assert len(floors) == 12
     found = ratios(residual, floors)
     assert {c: r for c, r in found.items() if r > ALLOWED} == {}
 
 
-def test_held_out_record_is_reproduced_to_its_noise_in_every_other_channel(shared):
+def test_held_out_record_is_reproduced_to_its_noise_in_every_other_channel(line_records):
     """line01_b, another radius and other speeds: all channels but the unwind angle.
 
     An angle is a random walk under the record's own noise; the label gives a perfect model 1.18
     times the floor on the follower's angle, so 1.3 is asked there.
     """
-    _line, residual, _model, floors = replayed(shared / "lines", "line01_b")
+    _line, residual, _model, floors = replayed(line_records, "line01_b")
     found = ratios(residual, floors)
     del found["unwind_angle_rad"]
     assert found.pop("swrap_follower_angle_rad") < 1.3
@@ -70,13 +70,13 @@ def test_held_out_record_is_reproduced_to_its_noise_in_every_other_channel(share
     assert {c: r for c, r in found.items() if r > ALLOWED} == {}
 
 
-def test_held_out_unwind_angle_drifts_by_less_than_its_radius_is_declared(shared):
+def test_held_out_unwind_angle_drifts_by_less_than_its_radius_is_declared(line_records):
     """line01_b turns 1.3e-5 slower than its declaration: its roll is 1.7 um larger.
 
     That lies within the last decimal of the declared radius (10 um), which no model can know:
     the drift is proportional to the angle, and without it the noise is all that is left.
     """
-    line, residual, model, floors = replayed(shared / "lines", "line01_b")
+    line, residual, model, floors = replayed(line_records, "line01_b")
     angle = model["unwind_angle_rad"]
     slope, offset = np.polyfit(angle, residual["unwind_angle_rad"], 1)
     assert abs(slope) * line.initial_radii_m.unwind < 0.5 * RADIUS_STEP_M
@@ -85,7 +85,7 @@ def test_held_out_unwind_angle_drifts_by_less_than_its_radius_is_declared(shared
     assert ratios(residual, floors)["unwind_angle_rad"] > ALLOWED  # reported, not hidden
 
 
-def test_a_line_with_an_effect_is_not_reproduced(shared):
+def test_a_line_with_an_effect_is_not_reproduced(line_records):
     """The same comparison sees an effect: line02 does not pass as healthy."""
-    _line, residual, _model, floors = replayed(shared / "lines", "line02_a")
+    _line, residual, _model, floors = replayed(line_records, "line02_a")
     assert max(ratios(residual, floors).values()) > 1.5

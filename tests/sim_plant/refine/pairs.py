@@ -1,8 +1,9 @@
-"""All pairs of shared/data/lines, and each with its true effect taken out, as one table.
+"""All pairs of data/lines, and each with its true effect taken out, as one table.
 
-python -m tests.sim_plant.refine.pairs [--out DIR] [--only TEXT] [--swapped]
+python -m tests.sim_plant.refine.pairs [--out DIR] [--only TEXT] [--swapped] [--docs]
 
-``--swapped`` fits on record b and judges on a, with the whole library.
+``--swapped`` fits on record b and judges on a, with the whole library. ``--docs`` puts the table
+between its marks in docs/results/refine-pairs.md.
 Results are kept in DIR, one folder a run; a run that is there is not made again.
 """
 
@@ -16,8 +17,10 @@ import yaml
 
 from sim_plant.cli.main import main as sim_plant
 
-PLACES = [Path(__file__).parents[n] / "shared/data/lines" for n in (4, 5)]
-FOLDER = next((p for p in PLACES if p.exists()), None)
+ROOT = Path(__file__).parents[3]
+FOLDER = ROOT / "data" / "lines"
+PAGE = ROOT / "docs" / "results" / "refine-pairs.md"
+BEGIN, END = "<!-- pairs: begin -->\n", "<!-- pairs: end -->\n"
 NO_LINE = ("web_modulus", "load_cell_filter", "loop_delay")
 
 
@@ -47,8 +50,6 @@ class Run:
 
 def labels():
     """Return the effects (name, location) of every pair."""
-    if FOLDER is None:
-        return {}
     cases = yaml.safe_load((FOLDER / "labels.yaml").read_text())["cases"]
     return {c["case"]: [(e["effect_class"], e["location"]) for e in c["effects"]] for c in cases}
 
@@ -164,18 +165,20 @@ HEAD = (
 
 
 def table(out, only="", swapped=False):
-    """Print the table; return how many rows are wrong."""
-    wrong = 0
-    rows = []
+    """Return the table and how many of its rows are wrong."""
+    rows, wrong = [f"| {' | '.join(HEAD)} |", "|---" * len(HEAD) + "|"], 0
     for run in plan(swapped):
         if only in run.name:
             result = verdict(run, out)
             rows.append(row(run, result))
             wrong += bool(faults(run, result))
-    print(f"| {' | '.join(HEAD)} |")
-    print("|---" * len(HEAD) + "|")
-    print("\n".join(rows))
-    return wrong
+    return "\n".join(rows) + "\n", wrong
+
+
+def written(page, found):
+    """Return the page with the table between its marks."""
+    before, _, rest = page.partition(BEGIN)
+    return before + BEGIN + found + END + rest.partition(END)[2]
 
 
 if __name__ == "__main__":
@@ -183,7 +186,12 @@ if __name__ == "__main__":
     parser.add_argument("--out", type=Path, default=Path("out/refine-pairs"))
     parser.add_argument("--only", default="")
     parser.add_argument("--swapped", action="store_true")
+    parser.add_argument("--docs", action="store_true", help=f"write the table to {PAGE.name}")
     arguments = parser.parse_args()
-    if FOLDER is None:
-        raise SystemExit(f"no line records: looked for {PLACES[0]} and {PLACES[1]}")
-    raise SystemExit(1 if table(arguments.out, arguments.only, arguments.swapped) else 0)
+    if arguments.docs and (arguments.only or arguments.swapped):
+        parser.error("--docs writes the whole table: leave out --only and --swapped")
+    found, misses = table(arguments.out, arguments.only, arguments.swapped)
+    print(found, end="")
+    if arguments.docs:
+        PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), found), encoding="utf-8")
+    raise SystemExit(1 if misses else 0)

@@ -5,9 +5,9 @@ import math
 import pytest
 
 from aff_runtime.core.law import Inputs
-from aff_runtime.core.params import ActuatorParams, BlockParams, LawKind, RollParams
+from aff_runtime.core.params import ActuatorParams, BlockParams, RollParams
 from aff_runtime.core.phase import RollPhase
-from aff_runtime.core.printed import PrintedLaw
+from benchmarks.control.printed import PrintedLaw
 from sim_plant.reproduce.source_laws import PrintedAff
 
 DT_S, SPEED_M_S, RADIUS_M, GAIN = 0.005, 1.0, 0.2, 0.002
@@ -17,14 +17,11 @@ def test_both_printed_laws_give_the_same_correction() -> None:
     roll = RollParams(name="unwind", angle="angle", radius_m=RADIUS_M, line_speed="speed")
     block = BlockParams(roll="unwind", orders=(1, 2, 3), settle_s=8.0, amp_limit=0.02)
     params = ActuatorParams(
-        name="unwind",
-        signal="tension",
-        reference="reference",
-        blocks=(block,),
-        law=LawKind.PRINTED,
-        printed_gain=GAIN,
+        name="unwind", signal="tension", reference="reference", blocks=(block,)
     )
-    runtime = PrintedLaw(params, phases={"unwind": RollPhase(roll, {"angle": 0, "speed": 1})})
+    runtime = PrintedLaw(
+        params, phases={"unwind": RollPhase(roll, {"angle": 0, "speed": 1})}, gain=GAIN
+    )
     plant = PrintedAff(orders=(1, 2, 3), gain=GAIN, limit=0.02)
     inputs = Inputs(
         reference=89.0,

@@ -61,7 +61,7 @@ def write_block(
     state: int = StateBits.ACTIVE,
     broken_complement: bool = False,
 ) -> list[int]:
-    """The ten words 100..109 of docs/architecture.md, spelled out word by word; counts."""
+    """The words 100..109 of docs/technician/gateway-block.md, spelled out one by one; counts."""
     return [
         heartbeat & 0xFFFF,
         int(state),

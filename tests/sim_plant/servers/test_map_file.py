@@ -16,7 +16,7 @@ VALUES = {
 }
 APPLIED = {"unwind": -0.01234, "swrap_follower": 0.02}
 WORDS = {"plc_heartbeat": 7, "status": 0x6F, "roll_id": 3, "aff_echo": 0xBEEF}
-# by hand from the table of docs/architecture.md
+# by hand from the table of docs/technician/gateway-block.md
 GOLDEN = [
     7,
     0x6F,

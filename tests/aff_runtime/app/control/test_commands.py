@@ -7,6 +7,15 @@ from collections.abc import Iterator
 import pytest
 
 from aff_runtime.app.control.commands import Commands
+from aff_runtime.app.link.messages import (
+    Arm,
+    Bypass,
+    ConfigDiffers,
+    MeasureResponse,
+    Message,
+    Parameters,
+    Stop,
+)
 from aff_runtime.app.link.packets import Link, link_pair
 
 
@@ -18,38 +27,50 @@ def ends() -> Iterator[tuple[Link, Link]]:
     b.close()
 
 
-def _said(ends: tuple[Link, Link], *messages: str) -> Commands:
-    for number, do in enumerate(messages):
-        assert ends[0].send({"do": do, "id": number})
+def _said(ends: tuple[Link, Link], *said: Message) -> Commands:
+    for message in said:
+        assert ends[0].send(message)
     return Commands(ends[1])
 
 
-def _rest(commands: Commands) -> list[str]:
+def _rest(commands: Commands) -> list[Message]:
     found = []
     while (said := commands.next()) is not None:
-        found.append(said["do"])
+        found.append(said)
     return found
 
 
 def test_without_a_bypass_commands_come_in_order(ends: tuple[Link, Link]) -> None:
-    commands = _said(ends, "ARM", "DIFFERS", "BYPASS")
-    assert _rest(commands) == ["ARM", "DIFFERS", "BYPASS"]
+    commands = _said(ends, Arm(id=0), ConfigDiffers(), Bypass())
+    assert _rest(commands) == [Arm(id=0), ConfigDiffers(), Bypass()]
 
 
 def test_a_queue_of_arms_does_not_undo_the_bypass_behind_it(ends: tuple[Link, Link]) -> None:
-    commands = _said(ends, "ARM", "ARM", "PROBE", "PARAMS", "BYPASS")
-    assert [said["id"] for said in commands.overtake()] == [0, 1, 2]
-    assert _rest(commands) == ["PARAMS", "BYPASS"]
+    edit = Parameters(id=3, record={})
+    commands = _said(ends, Arm(id=0), Arm(id=1), MeasureResponse(id=2), edit, Bypass())
+    assert [said.id for said in commands.overtake()] == [0, 1, 2]
+    assert _rest(commands) == [edit, Bypass()]
 
 
 def test_an_arm_after_the_bypass_counts(ends: tuple[Link, Link]) -> None:
-    commands = _said(ends, "ARM", "BYPASS", "ARM")
-    assert [said["id"] for said in commands.overtake()] == [0]
-    assert _rest(commands) == ["BYPASS", "ARM"]
+    commands = _said(ends, Arm(id=0), Bypass(), Arm(id=2))
+    assert [said.id for said in commands.overtake()] == [0]
+    assert _rest(commands) == [Bypass(), Arm(id=2)]
 
 
 def test_a_bypass_by_signal_alone_overtakes_everything_that_waits(ends: tuple[Link, Link]) -> None:
-    commands = _said(ends, "ARM", "STOP")
+    commands = _said(ends, Arm(id=0), Stop())
     ends[0].close()
-    assert [said["do"] for said in commands.overtake()] == ["ARM"]
-    assert commands.next() == {"do": "STOP", "id": 1}
+    assert commands.overtake() == [Arm(id=0)]
+    assert commands.next() == Stop()
+
+
+def test_what_is_no_message_is_passed_over_and_the_next_one_counts() -> None:
+    ours, theirs = link_pair()
+    ours.send(b"not json")
+    ours.send(b'{"word": "Arm"}')  # no id
+    link = Link(ours)
+    assert link.send(Bypass())
+    assert Commands(Link(theirs)).next() == Bypass()
+    link.close()
+    theirs.close()

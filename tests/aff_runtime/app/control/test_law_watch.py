@@ -12,6 +12,7 @@ from aff_runtime.app.wiring.recorded_law import RecordedLaw
 from aff_runtime.base.signals import State, Status
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.monitor import Trend
+from aff_runtime.core.order_status import OrderStatus, order_statuses
 from aff_runtime.safety.guard import Guard
 from aff_runtime.safety.params import ActuatorLimits, GuardParams, PermissiveParams
 from tests.aff_runtime.core.plants import (
@@ -25,17 +26,24 @@ from tests.aff_runtime.core.plants import (
 )
 
 OMEGA = 5.0
-NAMES = ("unwind.theta_rad", "unwind.unwind_1x.state", "unwind.unwind_2x.state")
+SIZE = {"blocks": "amplitude_m_s", "shape": "shape_mm"}
 
 
-def row(first: float, second: float) -> tuple[float, ...]:
-    return (0.3, first, second)
+def orders(first: float, second: float, law: str = "blocks") -> tuple[OrderStatus, ...]:
+    record = {"unwind.theta_rad": 0.3}
+    for name, state in (("unwind_1x", first), ("unwind_2x", second)):
+        record |= {f"unwind.{name}.{SIZE[law]}": 0.1, f"unwind.{name}.state": float(state)}
+    return order_statuses(record)
+
+
+def named(news: list[tuple[OrderStatus, Trend]]) -> list[tuple[str, Trend]]:
+    return [(order.name, state) for order, state in news]
 
 
 def test_a_held_block_is_told_once_and_by_its_name() -> None:
     held = HeldBlocks()
-    told = [held.step(NAMES, row(Trend.CLAMPED, Trend.SETTLED)) for _ in range(100)]
-    assert [news for news in told if news] == [[("unwind.unwind_1x", Trend.CLAMPED)]]
+    told = [named(held.step(orders(Trend.CLAMPED, Trend.SETTLED))) for _ in range(100)]
+    assert [news for news in told if news] == [[("unwind_1x", Trend.CLAMPED)]]
     assert told[STEADY_ASKS - 1]
 
 
@@ -43,7 +51,7 @@ def test_flicker_is_not_told() -> None:
     held = HeldBlocks()
     for k in range(200):
         state = Trend.CLAMPED if k % (STEADY_ASKS - 1) else Trend.CONVERGING
-        assert held.step(NAMES, row(state, Trend.CONVERGING)) == []
+        assert held.step(orders(state, Trend.CONVERGING)) == []
 
 
 def test_a_block_that_was_free_in_between_is_told_again() -> None:
@@ -51,14 +59,14 @@ def test_a_block_that_was_free_in_between_is_told_again() -> None:
     count = 0
     for state in (Trend.HELD_PHASE, Trend.SETTLED, Trend.HELD_PHASE):
         for _ in range(2 * STEADY_ASKS):
-            count += len(held.step(NAMES, row(Trend.SETTLED, state)))
+            count += len(held.step(orders(Trend.SETTLED, state)))
     assert count == 2
 
 
 def test_nothing_is_told_while_no_output_is_open() -> None:
     held = HeldBlocks()
     for _ in range(5 * STEADY_ASKS):
-        assert held.step(NAMES, (math.nan,) * 3) == []
+        assert held.step(orders(Trend.CLAMPED, math.nan), is_open=False) == []
 
 
 class Loop:
@@ -150,13 +158,10 @@ def test_a_right_sign_runs_on() -> None:
 
 def test_a_shape_that_rests_is_told_and_a_plain_block_that_rises_is_not() -> None:
     said: list[str] = []
-    for shapes in ({"unwind": None}, {}):
+    for kind in ("shape", "blocks"):
         watch = LawWatch(lambda code: None, said.append)
-        law = SimpleNamespace(
-            telemetry_names=lambda: NAMES,
-            telemetry=lambda: row(Trend.DIVERGING, Trend.SETTLED),
-            shape_laws=lambda shapes=shapes: shapes,
-        )
+        rising = orders(Trend.DIVERGING, Trend.SETTLED, kind)
+        law = SimpleNamespace(order_statuses=lambda rising=rising: rising)
         for _ in range(3 * STEADY_ASKS):
             watch._note_blocks(law, is_open=True)  # type: ignore[arg-type]
     assert len(said) == 1

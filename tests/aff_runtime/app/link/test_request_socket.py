@@ -1,8 +1,9 @@
-"""Who may talk to the service, and what happens to those who babble."""
+"""Who may talk to the service, and how requests and answers pass."""
 
 from __future__ import annotations
 
 import json
+import os
 import socket
 import stat
 from pathlib import Path
@@ -12,11 +13,12 @@ import pytest
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.request_socket import (
     MAX_CALLERS,
-    MAX_REQUEST_BYTES,
+    Asked,
     Caller,
     RequestSocket,
     is_allowed_uid,
 )
+from aff_runtime.app.link.requests import Request, read_request
 from aff_runtime.base.errors import RefusedError, WireError
 
 
@@ -33,13 +35,6 @@ def test_directory_and_socket_are_closed_to_other_users(tmp_path: Path) -> None:
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
     server.close()
     assert not path.exists()
-
-
-def test_an_open_directory_is_closed_when_the_service_takes_it(tmp_path: Path) -> None:
-    (tmp_path / "run").mkdir(mode=0o777)
-    server = RequestSocket(tmp_path / "run" / "control.sock")
-    assert stat.S_IMODE((tmp_path / "run").stat().st_mode) == 0o700
-    server.close()
 
 
 def test_a_link_in_place_of_the_directory_is_refused(tmp_path: Path) -> None:
@@ -69,26 +64,30 @@ def test_a_request_and_its_answer_pass_as_lines(tmp_path: Path) -> None:
         caller_socket.connect(str(path))
         caller = accept(server)
         caller_socket.sendall(b'{"do": "sta')
-        assert caller.requests() == []
-        caller_socket.sendall(b'tus"}\n')
-        assert caller.requests() == [{"do": "status"}]
-        caller.reply({"ok": True})
-        assert json.loads(caller_socket.recv(100)) == {"ok": True}
+        assert caller.read()
+        assert caller.next_line() is None
+        caller_socket.sendall(b'tus", "id": 7}\n')
+        assert caller.read()
+        line = caller.next_line()
+        assert line is not None
+        asked = Asked(caller, read_request(line))
+        assert asked.request == Request(do="status", ident=7)
+        assert caller.owed == 1
+        asked.answer({"ok": True})
+        asked.answer({"ok": False})  # one request, one answer
+        assert json.loads(caller_socket.recv(100)) == {"ok": True, "id": 7}
+        assert caller.owed == 0
     server.close()
 
 
-@pytest.mark.parametrize(
-    "text", [b"arm\n", b"[1]\n", b"[" * 4000 + b"\n", b"x" * MAX_REQUEST_BYTES + b"y"]
-)
-def test_a_caller_that_babbles_is_dropped(tmp_path: Path, text: bytes) -> None:
+def test_the_kernel_says_who_calls(tmp_path: Path) -> None:
     path = tmp_path / "run" / "control.sock"
     server = RequestSocket(path)
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as caller_socket:
         caller_socket.connect(str(path))
-        caller = accept(server)
-        caller_socket.sendall(text)
-        answers = [caller.requests(), caller.requests()]
-        assert None in answers
+        peer = accept(server).peer
+    login = int(Path("/proc/self/loginuid").read_text())
+    assert (peer.uid, peer.pid, peer.login_uid) == (os.geteuid(), os.getpid(), login)
     server.close()
 
 
@@ -112,7 +111,8 @@ def test_silent_callers_cannot_shut_out_the_next_one(tmp_path: Path) -> None:
 def test_a_directory_in_place_of_socket_or_lock_is_refused_in_words(
     tmp_path: Path, name: str
 ) -> None:
-    (tmp_path / "run" / name).mkdir(parents=True)
+    (tmp_path / "run").mkdir(mode=0o700)
+    (tmp_path / "run" / name).mkdir()
     with pytest.raises(RefusedError, match=rf"{name}: .*name another --runtime-dir"):
         RequestSocket(tmp_path / "run" / "control.sock")
 

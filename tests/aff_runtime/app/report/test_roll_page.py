@@ -11,9 +11,10 @@ import pytest
 
 from aff_runtime.app.report.block_status import blocks
 from aff_runtime.app.report.roll_page import CENTRE, ROOM, ROUND, outline_mm, page, plot
+from aff_runtime.app.report.status_answer import read_answer
 from aff_runtime.cli.roll import ATTEMPTS, at_the_encoders_zero
 from aff_runtime.core.phase import Source
-from tests.aff_runtime.cli.test_screens import answer, shape_block
+from tests.aff_runtime.cli.test_screens import answer, shape_block, shown
 
 
 def order(n: int, mm: float, deg: float, **more: Any) -> dict[str, Any]:
@@ -21,7 +22,7 @@ def order(n: int, mm: float, deg: float, **more: Any) -> dict[str, Any]:
 
 
 def test_the_outline_is_the_sum_of_the_orders() -> None:
-    outline = outline_mm([order(1, 0.5, 30.0), order(2, 0.2, -90.0)])
+    outline = outline_mm(shown(order(1, 0.5, 30.0), order(2, 0.2, -90.0)))
     for at in (0, 45, 200):
         turn = math.radians(at)
         expected = 0.5 * math.cos(turn + math.radians(30.0)) + 0.2 * math.sin(2.0 * turn)
@@ -29,7 +30,7 @@ def test_the_outline_is_the_sum_of_the_orders() -> None:
 
 
 def test_the_farthest_place_is_drawn_at_the_largest_deviation_and_its_angle() -> None:
-    text = plot("unwind", "unwind", [order(n, 0.4, -60.0 * n) for n in (1, 2, 3)])
+    text = plot("unwind", "unwind", shown(*(order(n, 0.4, -60.0 * n) for n in (1, 2, 3))))
     path = re.search(r'points="([^"]+)"', text)
     assert path is not None
     points = [tuple(map(float, pair.split(","))) for pair in path[1].split()]
@@ -44,7 +45,7 @@ def test_the_farthest_place_is_drawn_at_the_largest_deviation_and_its_angle() ->
 
 def test_without_the_encoders_zero_the_page_does_not_claim_it() -> None:
     rows = [order(n, 0.4, 0.0) | {"encoder_deg": None} for n in (1, 2, 3)]
-    assert "where the service began to count" in plot("unwind", "unwind", rows)
+    assert "where the service began to count" in plot("unwind", "unwind", shown(*rows))
 
 
 def test_the_angle_at_the_encoders_zero_is_that_of_the_law_turned_by_its_origin() -> None:
@@ -61,10 +62,10 @@ def test_the_angle_at_the_encoders_zero_is_that_of_the_law_turned_by_its_origin(
     }
     site = {"rolls": {"unwind": {"angle": "unwind_angle_rad"}}}
     (row,) = blocks(record, site)
-    assert row["encoder_deg"] == pytest.approx(-140.0)
+    assert row.encoder_deg == pytest.approx(-140.0)
     for lost in ({"fresh": 0.0}, {"unwind.source": float(Source.LINE_SPEED)}):
         (row,) = blocks(record | lost, site)
-        assert row["encoder_deg"] is None
+        assert row.encoder_deg is None
 
 
 class Tags(HTMLParser):
@@ -88,7 +89,7 @@ def test_the_page_tells_every_order_what_it_gains_and_why_one_rests() -> None:
     rows = [order(n, 0.4, 0.0) for n in (1, 2)] + [order(3, 0.1, 5.0, out=0.0, why=why)]
     plain = answer(1)["blocks"][0] | {"benefit_dB": 3.2, "actuator": "swrap_follower"}
     given = {**answer(0), "line": "<b>1 & 2", "blocks": [*rows, plain], "crossings": ["in 4 min"]}
-    seen = Tags(page(given))
+    seen = Tags(page(read_answer(given)))
     assert seen.tags.count("svg") == 1
     assert seen.tags.count("tr") == 2 + 4
     assert "b" not in seen.tags
@@ -96,8 +97,8 @@ def test_the_page_tells_every_order_what_it_gains_and_why_one_rests() -> None:
 
 
 def test_a_line_without_a_shape_says_so() -> None:
-    assert "No roll is known in mm" in page(answer(2))
-    assert "No roll is known in mm" in page({**answer(0), "state": "STARTING"})
+    assert "No roll is known in mm" in page(read_answer(answer(2)))
+    assert "No roll is known in mm" in page(read_answer({**answer(0), "state": "STARTING"}))
 
 
 def test_a_tick_without_a_fresh_reading_is_asked_again_and_not_for_ever() -> None:
@@ -105,9 +106,10 @@ def test_a_tick_without_a_fresh_reading_is_asked_again_and_not_for_ever() -> Non
 
     def ask(word: str) -> dict[str, Any]:
         asked.append(word)
-        return {"blocks": [{"encoder_deg": 12.0 if len(asked) == 3 else None}]}
+        block = shape_block(1, encoder_deg=12.0 if len(asked) == 3 else None)
+        return {**answer(0), "blocks": [block]}
 
-    assert at_the_encoders_zero(ask)["blocks"][0]["encoder_deg"] == 12.0
+    assert at_the_encoders_zero(ask).blocks[0].encoder_deg == 12.0
     assert len(asked) == 3
     at_the_encoders_zero(ask)
     assert len(asked) == 3 + 1 + ATTEMPTS

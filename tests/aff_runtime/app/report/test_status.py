@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict, replace
 
 import pytest
 
 from aff_runtime.app.report.block_status import WORDS
 from aff_runtime.app.report.status import (
-    describe,
     explain,
     headline,
+    live_status,
     missing_permissive,
     not_armed,
 )
+from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State, Status
 from aff_runtime.core.monitor import Trend
@@ -45,16 +47,19 @@ def test_the_first_missing_permissive_is_named(status: int, missing: str) -> Non
 
 
 def test_a_record_is_told_in_words_and_nan_becomes_nothing() -> None:
-    answer = describe(record(State.FAULT, 0, 15), NEED)
-    assert answer["state"] == "FAULT"
-    assert answer["alarm"]["name"] == "POWER_UP"
-    assert answer["comm"] == "TIMEOUT"
-    assert answer["signals"]["unwind_tension_N"] is None
+    state, live = live_status(record(State.FAULT, 0, 15), NEED)
+    assert state is State.FAULT
+    assert live.alarm.name == "POWER_UP"
+    assert live.comm == "TIMEOUT"
+    assert live.signals["unwind_tension_N"] is None
 
 
-def told(state: State, alarm: str = "NONE", blocked: str = "", **more: object) -> str:
-    answer = describe(record(state, 0, BY_NAME[alarm].code), NEED)
-    return headline({**answer, "blocked_by": blocked, **more})
+def told(
+    state: State, alarm: str = "NONE", blocked: str = "", differs: tuple[str, ...] = ()
+) -> str:
+    _, live = live_status(record(state, 0, BY_NAME[alarm].code), NEED)
+    live = replace(live, blocked_by=blocked)
+    return headline(StatusAnswer(line="L", state=state.name, config_differs=differs, live=live))
 
 
 @pytest.mark.parametrize(
@@ -92,7 +97,7 @@ def told(state: State, alarm: str = "NONE", blocked: str = "", **more: object) -
             "check CPU load and real-time rights, then arm again",
         ),
         (told(State.BYPASS, "BYPASSED"), "BYPASS: bypassed, or a probe has ended; arm to return"),
-        (told(State.ACTIVE, config_differs=["x"]), "ACTIVE  [CONFIG_DIFFERS]"),
+        (told(State.ACTIVE, differs=("x",)), "ACTIVE  [CONFIG_DIFFERS]"),
     ],
 )
 def test_the_headline_says_what_blocks_and_what_to_do(line: str, expected: str) -> None:
@@ -144,7 +149,8 @@ def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
         "unwind.unwind_2x.ripple_before": 1.5,
         "unwind.unwind_2x.ripple": math.nan,
     }
-    (block,) = describe(row, NEED, SITE)["blocks"]
+    (shown,) = live_status(row, NEED, SITE)[1].blocks
+    block = asdict(shown)
     assert block.pop("frequency_Hz") == pytest.approx(1.6)
     assert block == {
         "actuator": "unwind",
@@ -165,6 +171,8 @@ def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
         "benefit_dB": None,
         "ripple_unit": "N",
         "settle_s": 6,
+        "share": None,
+        "loop_gain": None,
     }
 
 
@@ -197,7 +205,7 @@ def shapes(*rows: dict[str, float], swrap_Hz: float = 1.05) -> dict[str, dict[st
     }
     for more in rows:
         row |= more
-    return {b["name"]: b for b in describe(row, NEED, SHAPE_SITE)["blocks"]}
+    return {b.name: asdict(b) for b in live_status(row, NEED, SHAPE_SITE)[1].blocks}
 
 
 def test_an_order_of_a_shape_is_told_in_mm_with_its_benefit() -> None:

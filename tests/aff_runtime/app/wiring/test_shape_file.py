@@ -9,7 +9,10 @@ from typing import Any
 
 import pytest
 
-from aff_runtime.app.link.request_socket import Caller
+from aff_runtime.app.link.messages import LogLine, Reply, ShapeLearned, ShapeNews
+from aff_runtime.app.link.peer import Peer
+from aff_runtime.app.link.request_socket import Asked, Caller
+from aff_runtime.app.link.requests import Request
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
 from aff_runtime.app.supervisor.supervisor import Supervisor
@@ -17,12 +20,12 @@ from aff_runtime.app.wiring.shape_file import (
     ShapeFile,
     read_shapes,
     shape_basis_hash,
-    shape_path,
     start_values,
 )
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
+from aff_runtime.config.site_paths import shape_path
 from aff_runtime.core.shape.profile import ShapeProfile
 
 SITE = Path(__file__).parents[4] / "config" / "euclid.yaml"
@@ -133,7 +136,7 @@ def test_forgetting_takes_the_exchanged_roll_and_keeps_the_roller(tmp_path: Path
     said: list[str] = []
     shelf = ShapeShelf(lambda _, text: said.append(text))
     about = record(tmp_path)
-    assert shelf.hear(about, {"did": "LEARNED", "actuator": "unwind", "file": file().to_json()})
+    shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
     shelf.forget(about)
     left = ShapeFile.from_json(shelf.load(about)["unwind"]).profile.weight_m
     assert set(left) == {("swrap_follower", 1)}
@@ -143,8 +146,9 @@ def test_forgetting_takes_the_exchanged_roll_and_keeps_the_roller(tmp_path: Path
 
 def test_the_shelf_hears_of_shapes_only(tmp_path: Path) -> None:
     shelf = ShapeShelf(lambda *_: None)
-    assert not shelf.hear(record(tmp_path), {"did": "LOG", "text": "x"})
-    assert shelf.hear(record(tmp_path), {"did": "SHAPE", "actuator": "unwind", "text": "kept"})
+    shelf.hear(record(tmp_path), LogLine(text="x"))
+    assert shelf.words == []
+    shelf.hear(record(tmp_path), ShapeNews(actuator="unwind", text="kept"))
     assert shelf.words == ["unwind: kept"]
 
 
@@ -153,9 +157,9 @@ def test_a_shape_that_waits_is_no_longer_said_to_wait_when_something_became_of_i
 ) -> None:
     shelf, about = ShapeShelf(lambda *_: None), record(tmp_path)
     for actuator in ("unwind", "rewind"):
-        waits = {"did": "SHAPE", "actuator": actuator, "text": "x waits for its trial: 4 s"}
-        assert shelf.hear(about, waits)
-    assert shelf.hear(about, {"did": "SHAPE", "actuator": "unwind", "text": "starts from x"})
+        waits = ShapeNews(actuator=actuator, text="x waits for its trial: 4 s")
+        shelf.hear(about, waits)
+    shelf.hear(about, ShapeNews(actuator="unwind", text="starts from x"))
     assert shelf.words == ["rewind: x waits for its trial: 4 s", "unwind: starts from x"]
 
 
@@ -165,7 +169,7 @@ def test_a_folder_that_cannot_be_written_is_said_and_ends_nothing(tmp_path: Path
     (tmp_path / "file").write_text("")
     about["shape_files"]["unwind"] = str(tmp_path / "file" / "x.shape.json")
     shelf = ShapeShelf(lambda _, text: said.append(text))
-    assert shelf.hear(about, {"did": "LEARNED", "actuator": "unwind", "file": file().to_json()})
+    shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
     assert "not kept" in said[0]
 
 
@@ -201,10 +205,10 @@ def test_a_number_that_no_roll_has_is_named(old: str, new: str, said: str) -> No
 def test_a_folder_that_may_not_be_read_is_said_and_ends_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def denied(_: Path) -> bool:
+    def denied(_: Path) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "exists", denied)  # root may read everything
+    monkeypatch.setattr(Path, "stat", denied)  # root may read everything
     texts, (fault,) = read_shapes({"unwind": str(tmp_path / "x.shape.json")})
     assert not texts
     assert fault.endswith("x.shape.json: Permission denied; the roll is learned anew")
@@ -219,17 +223,18 @@ class Answered(Caller):
     """A caller that keeps its answer."""
 
     def __init__(self) -> None:
+        self.peer, self.owed = Peer(uid=1000, pid=7), 0
         self.said: list[Any] = []
 
-    def reply(self, answer: Any) -> None:
+    def send(self, answer: Any) -> None:
         self.said.append(answer)
 
 
 @pytest.mark.parametrize("quiet", [True, False])
 def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) -> None:
     about, shelf = record(tmp_path), ShapeShelf(lambda *_: None)
-    shelf.hear(about, {"did": "LEARNED", "actuator": "unwind", "file": file().to_json()})
-    sent: list[dict[str, Any]] = []
+    shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
+    sent: list[Any] = []
     link = SimpleNamespace(send=lambda message: sent.append(message) or True)
     made = Supervisor.__new__(Supervisor)  # its requests alone, without processes
     made._pending = Pending(MonotonicClock())
@@ -237,20 +242,20 @@ def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) ->
         record=about, shapes=shelf, control=SimpleNamespace(link=link), note=lambda *_: None
     )
     caller = Answered()
-    made._answer(caller, {"do": "forget"})
+    made._do(Asked(caller, Request(do="forget")))
     path = Path(about["shape_files"]["unwind"])
     before = path.read_text()
-    made._pending.resolve({"id": sent[0]["id"], "ok": quiet})
+    made._pending.resolve(Reply(id=sent[0].id, ok=quiet))
     assert caller.said == [{"ok": quiet}]
     assert (path.read_text() == before) is not quiet
 
 
 def test_a_file_that_cannot_be_forgotten_is_said_to_the_operator(tmp_path: Path) -> None:
     about, shelf = record(tmp_path), ShapeShelf(lambda *_: None)
-    shelf.hear(about, {"did": "LEARNED", "actuator": "unwind", "file": file().to_json()})
+    shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
     (tmp_path / ".x.shape.json.new").mkdir()  # in the way of writing, also for root
     made = Supervisor.__new__(Supervisor)
     made._processes = SimpleNamespace(record=about, shapes=shelf)  # type: ignore[assignment]
-    said = made._forget_files({"ok": True})
+    said = made._forget_files(Reply(id=1, ok=True))
     assert (said["ok"], said["exit_code"]) == (False, 2)
     assert "is not forgotten" in said["message"]

@@ -23,7 +23,7 @@ def running() -> Rig:
     rig.limit = 0.7 * rig.last.peak_bound
     rig.run(2.0)
     assert rig.law.monitor.meets.any()
-    assert (rig.law.room.share < 1.0).any()
+    assert (rig.law.allocation.share < 1.0).any()
     return rig
 
 
@@ -53,7 +53,13 @@ def test_the_output_goes_on_as_if_nothing_was_edited(blocks):
         assert new.u == pytest.approx(on.u, abs=1e-3 * abs(on.last.peak_bound))
     both = common(new.law.basis.names, on.law.basis.names)
     assert both.mine.size == on.law.weight.size
-    for part in ("weight", "room.share", "monitor.share", "monitor.now", "filter.gain"):
+    for part in (
+        "weight",
+        "allocation.share",
+        "monitor.share",
+        "monitor.now",
+        "filter.response_ratio",
+    ):
         mine, theirs = new.law, on.law
         for name in part.split("."):
             mine, theirs = getattr(mine, name), getattr(theirs, name)

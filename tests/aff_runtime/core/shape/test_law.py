@@ -115,8 +115,8 @@ def test_a_limit_takes_the_costliest_order_first_and_the_shape_stays():
     tight = Rig(actuator(orders=(1, 2)), ripple=RIPPLE)
     tight.limit = 0.7 * free.last.peak_bound
     tight.run(25.0)
-    assert tight.law.room.share[1] < 0.9
-    assert tight.law.room.share[0] > 0.95
+    assert tight.law.allocation.share[1] < 0.9
+    assert tight.law.allocation.share[0] > 0.95
     assert abs(tight.law.weight[0]) == pytest.approx(abs(free.law.weight[0]), rel=0.1)
 
 
@@ -140,7 +140,7 @@ def test_zero_gain_changes_nothing(size, seed):
         rig.tick()
         assert rig.u == 0.0
     assert not rig.law.weight.any()
-    assert (rig.law.filter.gain == 1.0).all()
+    assert (rig.law.filter.response_ratio == 1.0).all()
 
 
 def test_a_loop_that_does_not_answer_is_not_driven_harder_and_harder():
@@ -300,7 +300,7 @@ def test_a_new_response_while_running_leaves_the_ripple_where_it_is():
     assert tail_rms(learned) < 0.1
     right = Rig(rig.params).law
     right._own, right.basis._phases = rig.law._own, rig.law.basis._phases
-    right.presence = rig.law.presence
+    right.availability = rig.law.availability
     right.adopt(rig.law)
     rig.law = right
     assert np.std(rig.run(40.0)) < 0.1

@@ -12,9 +12,10 @@ import pytest
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.core.impulse import from_response, from_taps
-from aff_runtime.core.shape.allocation import Room
+from aff_runtime.core.shape.allocation import OutputAllocation
 from aff_runtime.core.shape.basis import ShapeBasis
 from aff_runtime.core.shape.bounds import PeakBound
+from aff_runtime.core.shape.columns import ColumnState
 from aff_runtime.core.shape.filter import LoopFilter
 from aff_runtime.core.shape.kalman import ShapeFilter
 from aff_runtime.core.shape.monitor import ShapeMonitor
@@ -118,7 +119,7 @@ def test_the_filter_agrees_with_batch_least_squares_under_its_prior():
     n, count = 2, 400
 
     class Still(ShapeFilter):
-        def _forget(self, *given):
+        def _predict(self, *given):
             """Keep everything for ever."""
 
     kalman = Still(n, 1e9, 0.5)
@@ -128,7 +129,7 @@ def test_the_filter_agrees_with_batch_least_squares_under_its_prior():
     for k in range(count):
         phi = 500.0 * np.exp(1j * np.array([0.05 * k, 0.1 * k]))
         error = 0.4 * math.cos(0.05 * k) - 0.7 * math.sin(0.1 * k) + 0.5 * rng.standard_normal()
-        kalman.step(error, phi, zero, np.ones(n), CYCLE_S)
+        kalman.update(error, phi, zero, np.ones(n), CYCLE_S)
         rows.append(np.concatenate([phi.conj().view(float), np.zeros(2 * n), [1.0]]))
         errors.append(error)
     H = np.array(rows)
@@ -142,7 +143,7 @@ def test_variances_never_grow_past_their_start():
     kalman = ShapeFilter(2, 6.0, 0.6)
     zero = np.zeros(2, dtype=complex)
     for _ in range(2000):
-        kalman.step(0.0, zero, zero, np.full(2, 1.0), CYCLE_S)
+        kalman.update(0.0, zero, zero, np.full(2, 1.0), CYCLE_S)
     assert (kalman._diagonal <= kalman._start * (1 + 1e-9)).all()
     assert (kalman._diagonal > 0).all()
 
@@ -173,7 +174,7 @@ def test_the_peak_bound_covers_the_turn_and_is_closer_than_the_sum():
 
 
 def test_room_gives_back_what_it_took_when_the_limit_is_gone():
-    room = Room(2)
+    room = OutputAllocation(ColumnState(2))
     b, weight = np.array([1 + 0j, 4 + 0j]), np.array([1e-3 + 0j, 1e-3 + 0j])
     room.peak = 5e-3
     room.step(0.6, b, weight, np.array([100.0, 100.0]), CYCLE_S)
@@ -186,7 +187,7 @@ def test_room_gives_back_what_it_took_when_the_limit_is_gone():
 
 
 def test_room_comes_back_from_a_limit_that_took_everything():
-    room = Room(2)
+    room = OutputAllocation(ColumnState(2))
     b, weight = np.array([1 + 0j, 4 + 0j]), np.array([1e-3 + 0j, 1e-3 + 0j])
     seen = np.array([100.0, 100.0])
     room.peak = 5e-3
@@ -198,11 +199,11 @@ def test_room_comes_back_from_a_limit_that_took_everything():
     assert 0.9e-3 < room.peak <= 2.1e-3  # of the 2e-3 that there are
 
 
-FOUND = SimpleNamespace(deviation=np.array([1e-3 + 0j]), gain=np.array([1.0 + 0j]))
+FOUND = SimpleNamespace(deviation=np.array([1e-3 + 0j]), response_ratio=np.array([1.0 + 0j]))
 
 
 def test_a_column_that_does_harm_is_faded_and_rests():
-    monitor = ShapeMonitor(["a"], 0.1)
+    monitor = ShapeMonitor(ColumnState(1), ["a"], 0.1)
     phi, turn = np.array([1000.0 + 0j]), np.array([1.0])
     for k in range(2000):
         angle = np.exp(1j * math.tau * k * CYCLE_S)
@@ -212,7 +213,7 @@ def test_a_column_that_does_harm_is_faded_and_rests():
 
 
 def test_a_column_that_helps_is_left_alone():
-    monitor = ShapeMonitor(["a"], 0.1)
+    monitor = ShapeMonitor(ColumnState(1), ["a"], 0.1)
     phi, turn = np.array([1000.0 + 0j]), np.array([1.0])
     for k in range(2000):
         angle = np.exp(1j * math.tau * k * CYCLE_S)
@@ -223,7 +224,7 @@ def test_a_column_that_helps_is_left_alone():
 
 
 def test_only_orders_of_different_rolls_can_meet():
-    monitor = ShapeMonitor(["a", "a", "b"], 0.1)
+    monitor = ShapeMonitor(ColumnState(3), ["a", "a", "b"], 0.1)
     monitor.compare(np.array([1.0, 1.0, 2.0]), np.ones(3), 6.0)
     assert not monitor.meets.any()
     monitor.compare(np.array([1.0, 2.0, 2.1]), np.ones(3), 6.0)

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import pytest
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.signals import NO_ECHO, Outcome, Snapshot
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can.gateway import CanGateway
@@ -14,6 +13,7 @@ from aff_runtime.fieldbus.can.reader import CanReader
 from aff_runtime.fieldbus.can.writer import CanWriter
 from tests.aff_runtime.fieldbus.euclid_can import command, euclid_map, scan
 from tests.aff_runtime.fieldbus.fake_link import FakeLink
+from tests.doubles.virtual_clock import VirtualClock
 
 MAP = euclid_map()
 TICK_NS = 5_000_000

@@ -9,12 +9,12 @@ from collections.abc import Callable
 import can
 import pytest
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.fieldbus import probe_frames
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can.heard_frames import HeardFrames
 from aff_runtime.fieldbus.can.layout import Field
 from tests.aff_runtime.fieldbus.euclid_can import euclid_map, scan
+from tests.doubles.virtual_clock import VirtualClock
 
 MAP = euclid_map()
 SCANS = 6

@@ -8,9 +8,9 @@ from typing import Any
 import can
 import pytest
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can.link import PythonCanLink
+from tests.doubles.virtual_clock import VirtualClock
 
 
 class ScriptedBus(can.BusABC):

@@ -4,9 +4,9 @@ import random
 
 import pytest
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.fieldbus.can.phase_lock import PhaseLock
 from aff_runtime.loop.ticker import Ticker
+from tests.doubles.virtual_clock import VirtualClock
 
 PERIOD_NS = 5_000_000
 MARGIN_NS = 1_000_000

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 import can
 import pytest
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can.link import PythonCanLink
 from aff_runtime.fieldbus.can.slcan_tty import SlcanTtyBus, parse_line
+from tests.doubles.virtual_clock import VirtualClock
 
 pytestmark = pytest.mark.wire
 

@@ -6,7 +6,6 @@ import math
 
 import pytest
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can.reader import CanReader, Taken
 from aff_runtime.fieldbus.can.writer import CanWriter
@@ -15,6 +14,7 @@ from aff_runtime.fieldbus.canopen.node import SYNC
 from tests.aff_runtime.fieldbus.canopen_bench import NETWORK, CanopenBench
 from tests.aff_runtime.fieldbus.euclid_can import command
 from tests.aff_runtime.fieldbus.fake_link import FakeLink
+from tests.doubles.virtual_clock import VirtualClock
 
 COUNT = 2.0 * math.pi / 4096.0
 

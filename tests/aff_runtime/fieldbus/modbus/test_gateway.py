@@ -4,13 +4,13 @@ import math
 
 import pytest
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.signals import NO_ECHO, Outcome, Snapshot
-from aff_runtime.fieldbus.loopback import LoopbackTransport
 from aff_runtime.fieldbus.modbus.codec import WordCodec
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus.registers import Register, WordType
 from tests.aff_runtime.fieldbus.euclid_map import ANGLE_SCALE, command, euclid_map
+from tests.doubles.loopback import LoopbackTransport
+from tests.doubles.virtual_clock import VirtualClock
 
 PERIOD_NS = 5_000_000
 ANGLE = 6

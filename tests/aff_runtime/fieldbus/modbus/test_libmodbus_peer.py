@@ -16,7 +16,7 @@ import pytest
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.ports import WordTransport
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.catalogue import modbus_rtu, modbus_tcp
+from aff_runtime.fieldbus.modbus.connections import modbus_rtu, modbus_tcp
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from tests.aff_runtime.fieldbus.euclid_map import euclid_map
 

@@ -5,15 +5,16 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.base.clock import MonotonicClock, VirtualClock
+from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.signals import Outcome
 from aff_runtime.config.can_wire import can_map_of, wire_files
 from aff_runtime.config.loader import load_site
 from aff_runtime.fieldbus.modbus.probe_map import Decoding, decodings, probe_map
 from aff_runtime.fieldbus.probe_frames import listen
-from aff_runtime.fieldbus.replay import ReplayTransport
 from tests.aff_runtime.config.shipped import EUCLID
+from tests.doubles.replay import ReplayTransport
+from tests.doubles.virtual_clock import VirtualClock
 
 
 def test_one_value_is_laid_out_in_all_four_orders() -> None:

@@ -12,8 +12,8 @@ from pymodbus.simulator import DataType, SimData, SimDevice
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.catalogue import modbus_tcp
 from aff_runtime.fieldbus.modbus.codec import WordCodec
+from aff_runtime.fieldbus.modbus.connections import modbus_tcp
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus.probe_map import open_read_only, probe_map

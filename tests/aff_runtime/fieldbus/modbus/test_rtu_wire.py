@@ -9,8 +9,8 @@ import pytest
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.catalogue import modbus_rtu
 from aff_runtime.fieldbus.modbus.codec import WordCodec
+from aff_runtime.fieldbus.modbus.connections import modbus_rtu
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus.rtu_wire import crc16, reply_length, rtu_of

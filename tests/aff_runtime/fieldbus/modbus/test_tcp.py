@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aff_runtime.base.clock import VirtualClock
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
@@ -28,6 +27,7 @@ from tests.aff_runtime.fieldbus.modbus_rig import (
     good,
     silence,
 )
+from tests.doubles.virtual_clock import VirtualClock
 
 
 def test_fc23_is_one_request_per_tick() -> None:

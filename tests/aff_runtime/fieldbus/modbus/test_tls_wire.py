@@ -15,7 +15,7 @@ import pytest
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.catalogue import modbus_tcp
+from aff_runtime.fieldbus.modbus.connections import modbus_tcp
 from aff_runtime.fieldbus.modbus.tls_wire import client_context
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.registers import Registers
@@ -40,7 +40,7 @@ def make_certificate(folder: Path, name: str) -> None:
             "ec_paramgen_curve:prime256v1",
             "-nodes",
             "-days",
-            "2",
+            "60",
             "-subj",
             f"/CN={name}",
             "-addext",

@@ -4,6 +4,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.nuisances import declared_nuisances
 from sim_plant.refine.model.parameter_effects import as_effect, within_tolerance
+from sim_plant.refine.model.place import Place
 from tests.sim_plant.line.lines import declared
 
 LINE = declared("euclid").model_copy(
@@ -76,7 +77,7 @@ def test_a_shifted_number_is_said_as_the_effect_that_changes_it(
     found = as_effect(LINE, number, shift)
     assert found is not None
     h, values = found
-    assert h.key == (effect, place)
+    assert h.key == Place(effect, place)
     assert dict(zip(h.names, values, strict=True)) == pytest.approx(expected, rel=1e-12)
 
 

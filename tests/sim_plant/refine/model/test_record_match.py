@@ -7,6 +7,7 @@ import yaml
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import main
+from sim_plant.line.declaration import DriveSpeed, RollAngle, RollRadius
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.model.record_match import declaration_for, limits, sidecar_of, twin_of
 from sim_plant.refine.records.recording import Record
@@ -22,13 +23,13 @@ def columns():
     for sensor in LINE.sensors:
         radius = LINE.rollers[LINE.body(sensor.roller)].radius_m
         value = np.full(SAMPLES, 89.0)
-        if sensor.scale_radius_m is not None:
+        if isinstance(sensor, DriveSpeed) and sensor.scale_radius_m is not None:
             value = np.full(SAMPLES, 1.0)
-        elif sensor.noise_sd_rad_s is not None:
+        elif isinstance(sensor, DriveSpeed):
             value = np.full(SAMPLES, 1.0 / radius)
-        elif sensor.lsb_rad is not None:
+        elif isinstance(sensor, RollAngle):
             value = np.arange(SAMPLES) * LINE.sample_time_s / radius
-        elif sensor.lsb_m is not None:
+        elif isinstance(sensor, RollRadius):
             value = np.full(SAMPLES, radius)
         found[sensor.channel] = value
     return found

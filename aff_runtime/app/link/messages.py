@@ -1,0 +1,195 @@
+"""What supervisor and control process say to each other, as frozen records.
+
+``encode`` and ``decode`` are the only places that know how a message looks on the link.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import TypeAdapter
+
+ParameterRecord = dict[str, Any]
+"""Everything that the control process needs of a site file, as plain JSON values."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Start:
+    """First words to a new control process; ``shadow``: compute and record, transmit zero."""
+
+    record: ParameterRecord
+    shadow: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arm:
+    """The operator's edge."""
+
+    id: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bypass:
+    """Take the correction back."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shadow:
+    """Begin or end shadow operation."""
+
+    id: int
+    on: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeasureResponse:
+    """Probe these actuators; all of them when none is named."""
+
+    id: int
+    actuators: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameters:
+    """Go on with another parameter record from the next tick."""
+
+    id: int
+    record: ParameterRecord
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Forget:
+    """Drop what was learned of rolls that are exchanged."""
+
+    id: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConfigDiffers:
+    """The site file is not what runs."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stop:
+    """Fade to zero and end."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Right:
+    """One real-time right, granted or not, in words."""
+
+    granted: bool
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RingMade:
+    """There is a new ring; its descriptor comes with this message."""
+
+    rights: tuple[Right, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Blocked:
+    """What stands against an armed output."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WireTroubles:
+    """What ails the wire."""
+
+    troubles: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogLine:
+    """A sentence for the service's log."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProbeResult:
+    """One measured response; ``text`` is its file."""
+
+    actuator: str
+    sign: int
+    remarks: tuple[str, ...]
+    delay_s: float
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Probed:
+    """A probe has ended: with results, or with the reason why there is none."""
+
+    results: tuple[ProbeResult, ...] = ()
+    error: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShapeNews:
+    """What became of a learned shape."""
+
+    actuator: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShapeLearned:
+    """A learned shape to be kept; ``file`` is the text of its file."""
+
+    actuator: str
+    file: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reply:
+    """Answer to the message of this ``id``; ``state`` and ``duration_s`` where they say more."""
+
+    id: int
+    ok: bool
+    message: str = ""
+    state: str = ""
+    duration_s: float | None = None
+
+
+Command = (
+    Start | Arm | Bypass | Shadow | MeasureResponse | Parameters | Forget | ConfigDiffers | Stop
+)
+Question = Arm | Shadow | MeasureResponse | Parameters | Forget
+Report = RingMade | Blocked | WireTroubles | LogLine | Probed | ShapeNews | ShapeLearned | Reply
+Message = Command | Report
+_ADAPTERS: dict[str, TypeAdapter[Any]] = {
+    kind.__name__: TypeAdapter(kind) for kind in (*Command.__args__, *Report.__args__)
+}
+
+
+class MessageError(ValueError):
+    """A packet is no message of this link."""
+
+
+def encode(message: Message) -> bytes:
+    """Return a message as one packet."""
+    word = type(message).__name__
+    return json.dumps({"word": word, **_ADAPTERS[word].dump_python(message)}).encode()
+
+
+def decode(packet: bytes) -> Message:
+    """Return the message of one packet.
+
+    Raises
+    ------
+    MessageError
+        When it is none: the two processes are not of one installation.
+    """
+    try:
+        said = json.loads(packet)
+        message: Message = _ADAPTERS[said.pop("word")].validate_python(said)
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise MessageError(f"not a message of this link: {packet[:80]!r}") from error
+    return message

@@ -1,0 +1,72 @@
+"""A learned response that is another one than before: what is said of it, and whether it waits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.app.link.peer import author_of
+from aff_runtime.app.supervisor.response_ledger import ResponseLedger
+from aff_runtime.config.revision import SHORT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exchange:
+    """One response file with other content.
+
+    Attributes
+    ----------
+    before, after : short digests, or ``none``.
+    is_ours : a probe of this service wrote it.
+    """
+
+    file: Path
+    before: str
+    after: str
+    is_ours: bool
+
+    def __str__(self) -> str:
+        """Return one line for log and record."""
+        source = "probed here" if self.is_ours else "brought from outside"
+        return f"{self._change} ({source}; {author_of(self.file)})"
+
+    @property
+    def objection(self) -> str:
+        """Return why it does not come in while a correction goes out, and what to do."""
+        return (
+            f"{self._change}: no probe of this service wrote it (`aff-runtime bypass` lets it in; "
+            "the former file put back ends this)"
+        )
+
+    @property
+    def _change(self) -> str:
+        return f"{self.file}: response {self.before} -> {self.after}"
+
+
+def exchanged_responses(
+    running: Mapping[str, Any], record: Mapping[str, Any], ledger: ResponseLedger
+) -> list[Exchange]:
+    """Return the responses that differ between two parameter records."""
+    names = dict.fromkeys((*running["response_files"], *record["response_files"]))
+    found = []
+    for name in names:
+        text = record["responses"].get(name)
+        if text == running["responses"].get(name):
+            continue
+        file = Path({**running["response_files"], **record["response_files"]}[name])
+        found.append(
+            Exchange(
+                file=file,
+                before=_short(running, name),
+                after=_short(record, name),
+                is_ours=text is not None and ledger.knows(file, text),
+            )
+        )
+    return found
+
+
+def _short(record: Mapping[str, Any], name: str) -> str:
+    digest: str = record["learned"].get(name, {}).get("response", "none")
+    return digest[:SHORT]

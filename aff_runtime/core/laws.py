@@ -1,0 +1,34 @@
+"""The laws that a site file can name: one row each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from aff_runtime.core.blocks.bank import Bank
+from aff_runtime.core.impulse import from_response
+from aff_runtime.core.law import ActuatorLaw, LawBuilder, LawSetup
+from aff_runtime.core.shape.law import ShapeLaw
+
+
+def _blocks(setup: LawSetup) -> ActuatorLaw:
+    return Bank(setup.params, phases=setup.phases, response=setup.response, cycle_s=setup.cycle_s)
+
+
+def _shape(setup: LawSetup) -> ActuatorLaw:
+    params, response = setup.params, setup.response
+    if params.drive is None or response is None:
+        return _blocks(setup)  # the plain blocks stand in
+    loop = setup.loop or from_response(
+        response, cycle_s=setup.cycle_s, memory_s=params.shape.response_s
+    )
+    return ShapeLaw(
+        params,
+        drive=params.drive,
+        phases=setup.phases,
+        loop=loop,
+        response=response,
+        cycle_s=setup.cycle_s,
+    )
+
+
+LAWS: Mapping[str, LawBuilder] = {"blocks": _blocks, "shape": _shape}

@@ -1,0 +1,118 @@
+"""One order of one roll as its law sees it: columns of the record and back, in one place.
+
+A law keeps a table of ``Column``; names and numbers of its telemetry both come from it. Whoever
+reads the record (status, top, roll page, the watch on the law) reads ``OrderStatus``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from typing import Generic, TypeVar
+
+from aff_runtime.core.monitor import Trend
+
+Owner = TypeVar("Owner")
+IMBALANCE = "imbalance"
+STATE = "state"
+# the first column of a law says which law it is, and the unit of its size
+SIZES: Mapping[str, tuple[str, str]] = {
+    "shape_mm": ("shape", "mm"),
+    "amplitude_m_s": ("blocks", "m/s"),
+    "amplitude_N_m": ("blocks", "N m"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Column(Generic[Owner]):
+    """One number per order: its name in the record, and how a law works it out for all orders."""
+
+    name: str
+    values: Callable[[Owner], Iterable[float]]
+
+
+def column_names(orders: Sequence[str], columns: Sequence[Column[Owner]]) -> tuple[str, ...]:
+    """Return the record's names, order by order."""
+    return tuple(f"{order}.{column.name}" for order in orders for column in columns)
+
+
+def column_values(owner: Owner, columns: Sequence[Column[Owner]]) -> tuple[float, ...]:
+    """Return the numbers in the order of ``column_names``."""
+    per_column = [column.values(owner) for column in columns]
+    return tuple(chain.from_iterable(zip(*per_column, strict=True)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OrderStatus:
+    """One order, NaN where its law does not say.
+
+    Attributes
+    ----------
+    name : ``unwind_1x``, or ``imbalance`` (order 1 of the drive's own roll; ``roll`` is empty).
+    law, size_unit : which law, and the unit of ``size``.
+    state : None when the number is no state.
+    ripple_before, ripple : amplitude in the signal, in its unit.
+    response_ratio : true response over the measured one. ``share`` : 0..1 of it goes out.
+    """
+
+    actuator: str
+    name: str
+    roll: str
+    order: int
+    law: str
+    state: Trend | None
+    size: float
+    size_unit: str
+    phase_deg: float
+    ripple_before: float
+    ripple: float
+    response_ratio: float
+    share: float
+
+    @property
+    def is_imbalance(self) -> bool:
+        """Whether this is a torque once per turn, and no part of the roll's outline."""
+        return self.name == IMBALANCE
+
+
+def order_statuses(record: Mapping[str, float]) -> tuple[OrderStatus, ...]:
+    """Return every order of a record, in the order of its columns."""
+    said: dict[tuple[str, str], dict[str, float]] = {}
+    for column, value in record.items():
+        parts = column.split(".")
+        if len(parts) == 3:
+            said.setdefault((parts[0], parts[1]), {})[parts[2]] = value
+    return tuple(_status(*key, values) for key, values in said.items() if STATE in values)
+
+
+def _status(actuator: str, name: str, said: Mapping[str, float]) -> OrderStatus:
+    column = next((c for c in said if c in SIZES), "")
+    law, unit = SIZES.get(column, ("blocks", ""))
+    roll, _, order = name.rpartition("_")
+    number = int(order[:-1]) if order[:-1].isdigit() else 0
+    imbalance = name == IMBALANCE
+    return OrderStatus(
+        actuator=actuator,
+        name=name,
+        roll="" if imbalance else roll,
+        order=1 if imbalance else number,
+        law=law,
+        state=_trend(said[STATE]),
+        size=said.get(column, math.nan),
+        size_unit=unit,
+        phase_deg=said.get("phase_deg", math.nan),
+        ripple_before=said.get("ripple_before", math.nan),
+        ripple=said.get("ripple", math.nan),
+        response_ratio=said.get("gain_of_P", math.nan),
+        share=said.get("share", math.nan),
+    )
+
+
+def _trend(value: float) -> Trend | None:
+    """Return the state that a number stands for; None when it is none."""
+    try:
+        return Trend(int(value)) if math.isfinite(value) else None
+    except ValueError:
+        return None

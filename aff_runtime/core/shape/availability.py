@@ -1,0 +1,75 @@
+"""Whether a roll is there for the law: its angle is known and it was not just changed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.core.phase import Quality, RollPhase
+from aff_runtime.core.shape.columns import ColumnState
+
+FADE_S = 0.3
+
+
+class RollAvailability:
+    """A share (0..1) per column that fades out without an angle and after a change of roll.
+
+    A predicted angle still counts: a few missing readings change nothing.
+    """
+
+    __slots__ = (
+        "_calm",
+        "_index",
+        "_leaving",
+        "_phases",
+        "_roll_of",
+        "fade_s",
+        "known",
+        "moving",
+        "share",
+    )
+
+    def __init__(
+        self, state: ColumnState, roll_of: Sequence[str], phases: Mapping[str, RollPhase]
+    ) -> None:
+        rolls = list(dict.fromkeys(roll_of))
+        self._phases = [phases[roll] for roll in rolls]
+        self._roll_of = np.array(roll_of)
+        self._index = np.array([rolls.index(roll) for roll in roll_of])
+        self._leaving = state.array("availability.leaving", False, dtype=np.bool_)
+        self.share = state.array("availability.share", 1.0)
+        self._calm = False
+        self.known = False
+        self.moving = False
+        self.fade_s = FADE_S
+
+    def leave(self, roll: str) -> None:
+        """Fade the columns of a roll that was changed, then have them forgotten."""
+        self._leaving[self._roll_of == roll] = True
+        self._calm = False
+
+    def adopt(self, old: RollAvailability) -> None:
+        """Go on where ``old`` stands, once the shares are taken over; the angles are one's own."""
+        self.known = old.known
+        self._calm = False
+
+    def step(self, dt_s: float) -> npt.NDArray[np.bool_] | None:
+        """Advance; return the columns to forget now, or None."""
+        seen = [phase.quality is not Quality.LOST for phase in self._phases]
+        self.known = all(seen)
+        if self.known and self._calm:
+            return None
+        wanted = np.array(seen)[self._index] & ~self._leaving
+        self.moving = not bool((self.share == wanted).all())
+        self._calm = self.known and not self.moving
+        if not self.moving:
+            return None
+        change = dt_s / self.fade_s
+        np.clip(self.share + np.where(wanted, change, -change), 0.0, 1.0, out=self.share)
+        gone = self._leaving & (self.share == 0.0)
+        if not gone.any():
+            return None
+        self._leaving[gone] = False
+        return np.asarray(gone, dtype=np.bool_)

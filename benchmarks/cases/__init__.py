@@ -1,0 +1,1 @@
+"""Labelled pairs that other code made, refined and scored: ``python -m benchmarks.cases``."""

@@ -1,0 +1,116 @@
+"""The page: every pair in order, then totals with their bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from benchmarks.cases.score import (
+    Key,
+    Label,
+    is_right,
+    named_sets,
+    outcome,
+    over_floor,
+    quantile_text,
+    share_of,
+)
+
+Entry = tuple[str, Label, dict[str, Any]]
+HEAD = (
+    "pair",
+    "hidden",
+    "said",
+    "came to",
+    "worst tension held out over its floor: before, after",
+    "time, s",
+)
+
+
+def page(entries: Sequence[Entry]) -> str:
+    """Return the table and the totals of each part as Markdown."""
+    lines = [
+        "# Labelled pairs of another simulator",
+        "",
+        "`make refine-cases` repeats this page. Rules are set on `train` only.",
+        "",
+        _row(HEAD),
+        _row(["---"] * len(HEAD)),
+        *(_row(_cells(*entry)) for entry in entries),
+        "",
+    ]
+    for part in dict.fromkeys(part for part, _, _ in entries):
+        lines += _totals(part, [entry for entry in entries if entry[0] == part])
+    return "\n".join(lines) + "\n"
+
+
+def _row(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _cells(part: str, label: Label, row: dict[str, Any]) -> list[str]:
+    verdict = row["verdict"]
+    floor = over_floor(verdict)
+    said = [_set_words(claim) for claim in named_sets(verdict)]
+    said += [
+        f"unknown, {u['class']}: {_where(u['coordinate'])}" for u in verdict.get("unknown", ())
+    ]
+    came_to = outcome(label, verdict)
+    return [
+        f"{part} {label.name}",
+        _hidden(label),
+        "; ".join(said) or ("nothing" if verdict else row["error"].replace("\n", " ")[:120]),
+        came_to if is_right(label, came_to) else f"**{came_to}**",
+        "-" if floor is None else f"{floor[0]:.2f}, {floor[1]:.2f}",
+        f"{row['time_s']:.0f}",
+    ]
+
+
+def _hidden(label: Label) -> str:
+    if label.healthy or label.outside:
+        return label.kind
+    words = [f"{name} at {place}" for name, place in (min(true) for true in label.effects)]
+    return "; ".join(words) + ("" if label.visible else " (hardly visible)")
+
+
+def _set_words(claim: frozenset[Key]) -> str:
+    return " or ".join(f"{name} at {place}" for name, place in sorted(claim))
+
+
+def _where(coordinate: dict[str, Any]) -> str:
+    return ", ".join(
+        f"{name} {value:.4g}" if isinstance(value, float) else f"{name} {value}"
+        for name, value in coordinate.items()
+    )
+
+
+def _totals(part: str, entries: Sequence[Entry]) -> list[str]:
+    scored = [(label, outcome(label, row["verdict"]), row) for _, label, row in entries]
+    visible = [(label, said) for label, said, _ in scored if label.visible]
+    named = [(label, said) for label, said in visible if label.kind in ("single", "pair")]
+
+    def right(kinds: tuple[str, ...]) -> str:
+        return str(share_of([is_right(la, said) for la, said in visible if la.kind in kinds]))
+
+    after = [
+        floor[1]
+        for label, said, row in scored
+        if said in ("exact", "set") and (floor := over_floor(row["verdict"])) is not None
+    ]
+    healthy = [said for label, said, _ in scored if label.healthy]
+    claimed = [said not in ("nothing", "failed") for said in healthy]
+    times = [row["time_s"] for _, _, row in scored]
+    return [
+        f"## {part}",
+        "",
+        f"- exact or rightly named set, visible singles: {right(('single',))}",
+        f"- the same, visible pairs: {right(('pair',))}",
+        f"- the same, together: {right(('single', 'pair'))}",
+        f"- something wrong stated as fact: {share_of([said == 'wrong' for _, said in named])}",
+        f"- healthy lines accused: {share_of(claimed)}",
+        f"- outside the library, no effect named: {right(('outside',))}",
+        f"- right cases, worst tension over floor, median / 90 %: {quantile_text(after)}",
+        f"- failed: {sum(said == 'failed' for _, said, _ in scored)}",
+        f"- time of a pair on one worker, median / 90 %, s: {quantile_text(times)}",
+        "",
+    ]

@@ -1,0 +1,98 @@
+"""MDF records (versions 2 to 4) as columns with units in their headers."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from aff_runtime.base.errors import PlantError
+from aff_runtime.base.printable import printable
+from sim_plant.base.arrays import Array
+from sim_plant.refine.records.columns import Table, header_of, numbers, package_for
+from sim_plant.refine.records.limits import check_size, shown
+from sim_plant.refine.records.mdf_formulas import nothing_evaluated, refuse_formulas
+
+
+def mdf_table(path: Path, payload: bytes) -> Table:
+    """Return the channels of an MDF file on the stamps of its fastest group, from 0 s on.
+
+    A conversion that is a formula is code of whoever wrote the file, evaluated by a library: it
+    is refused before a sample is read, wherever it sits. Logged bus frames are not decoded, as
+    that would read samples, and a database out of the file, while it is opened. Channels of
+    slower groups are put between their neighbours in time, which is said.
+
+    Raises
+    ------
+    PlantError
+        When it is not an MDF file, is too large, holds a formula or no channel, a channel holds
+        no numbers, or a slower group covers another stretch of time.
+    """
+    package = package_for(path, "asammdf", "asammdf")
+    try:
+        with (
+            nothing_evaluated(path),
+            package.MDF(
+                io.BytesIO(payload), process_bus_logging=False, use_display_names=False
+            ) as mdf,
+        ):
+            refuse_formulas(path, mdf)
+            _check_sizes(path, mdf)
+            signals = list(mdf.iter_channels(skip_master=True, copy_master=False))
+    except (PlantError, MemoryError):
+        raise
+    except Exception as error:  # its own and those of broken blocks: struct, zlib, index, value
+        said = printable(f"{type(error).__name__}: {error}", 200)
+        raise PlantError(f"{shown(path)}: not a readable MDF file ({said})") from error
+    return _on_one_clock(path, [s for s in signals if s.timestamps.size])
+
+
+def _check_sizes(path: Path, mdf: Any) -> None:
+    """Refuse by its headers a file whose samples, or whose rows of bytes, are too many."""
+    columns = values = 0
+    for group in mdf.groups:
+        cycles, row_bytes = (
+            int(group.channel_group.cycles_nr),
+            int(group.channel_group.samples_byte_nr),
+        )
+        columns += len(group.channels)
+        values += cycles * max(len(group.channels), -(-row_bytes // 8))
+    check_size(path, columns, values)
+
+
+def _on_one_clock(path: Path, signals: list[Any]) -> Table:
+    """Return all channels on the stamps of the fastest group."""
+    if not signals:
+        raise PlantError(f"{shown(path)}: holds no channel with values")
+    master = max((s.timestamps for s in signals), key=lambda stamps: stamps.size)
+    time_s: Array = np.asarray(master - master[0], dtype=np.float64)
+    found, said = {"time_s": time_s}, []
+    for signal in signals:
+        values, name = numbers(path, signal.name, signal.samples), printable(signal.name, 60)
+        if values.size != signal.timestamps.size:
+            raise PlantError(
+                f"{shown(path)}: channel {name} has {values.size} values for "
+                f"{signal.timestamps.size} stamps; export it anew"
+            )
+        if signal.invalidation_bits is not None:
+            values = np.where(np.asarray(signal.invalidation_bits, dtype=bool), np.nan, values)
+        if not np.array_equal(signal.timestamps, master):
+            values = _on_stamps(path, signal, values, master)
+            said.append(f"{name} has stamps of its own: put on those of the fastest group")
+        found[header_of(path, found, signal.name, signal.unit)] = values
+    return found, said
+
+
+def _on_stamps(path: Path, signal: Any, values: Array, master: Array) -> Array:
+    stamps = signal.timestamps
+    longest = float(np.max(np.diff(stamps), initial=0.0))
+    if stamps[0] - master[0] > longest or master[-1] - stamps[-1] > longest:
+        raise PlantError(
+            f"{shown(path)}: channel {printable(signal.name, 60)} runs from {stamps[0]:.6g} s to "
+            f"{stamps[-1]:.6g} s, others from {master[0]:.6g} s to {master[-1]:.6g} s; "
+            "cut the record to what all have"
+        )
+    found: Array = np.interp(master, stamps, values)
+    return found

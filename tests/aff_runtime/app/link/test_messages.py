@@ -1,0 +1,69 @@
+"""Every message of the link comes back as it was said, or is refused."""
+
+from __future__ import annotations
+
+import pytest
+
+from aff_runtime.app.link import messages
+from aff_runtime.app.link.messages import MessageError, decode, encode
+
+SAID = [
+    messages.Start(
+        record={"site": {"line": {"name": "L"}}, "loops": {"u": [1.0, None]}}, shadow=True
+    ),
+    messages.Arm(id=1),
+    messages.Bypass(),
+    messages.Shadow(id=2, on=False),
+    messages.MeasureResponse(id=3, actuators=("unwind", "swrap")),
+    messages.Parameters(id=4, record={}),
+    messages.Forget(id=5),
+    messages.ConfigDiffers(),
+    messages.Stop(),
+    messages.RingMade(rights=(messages.Right(granted=False, text="FIFO: no"),)),
+    messages.Blocked(text="LINE_RUN=0"),
+    messages.WireTroubles(troubles=("a", "b")),
+    messages.LogLine(text="\u00e9"),
+    messages.Probed(error="aborted"),
+    messages.Probed(
+        results=(
+            messages.ProbeResult(
+                actuator="u", sign=-1, remarks=("short",), delay_s=0.05, text="{}"
+            ),
+        )
+    ),
+    messages.ShapeNews(actuator="u", text="kept"),
+    messages.ShapeLearned(actuator="u", file="{}"),
+    messages.Reply(id=6, ok=True, state="ARMED"),
+    messages.Reply(id=7, ok=True, duration_s=47.5),
+]
+
+
+@pytest.mark.parametrize("said", SAID, ids=lambda said: type(said).__name__)
+def test_a_message_comes_back_as_it_was_said(said: messages.Message) -> None:
+    assert decode(encode(said)) == said
+
+
+def test_every_kind_of_message_is_tried_here() -> None:
+    kinds = {*messages.Command.__args__, *messages.Report.__args__}
+    assert {type(said) for said in SAID} == kinds
+
+
+@pytest.mark.parametrize(
+    "packet",
+    [
+        b"",
+        b"{",
+        b"[]",
+        b"null",
+        b"{}",
+        b'{"word": "Launch"}',
+        b'{"word": "Arm"}',
+        b'{"word": "Arm", "id": "x"}',
+        b'{"word": ["Arm"]}',
+        b'{"word": "RingMade", "rights": [{"granted": true}]}',
+        b"\xff",
+    ],
+)
+def test_what_is_no_message_is_refused_with_what_was_read(packet: bytes) -> None:
+    with pytest.raises(MessageError, match="not a message of this link"):
+        decode(packet)

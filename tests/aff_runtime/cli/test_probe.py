@@ -1,0 +1,51 @@
+"""What a probe measured reaches the operator as a table."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from aff_runtime.app.link.messages import Probed, ProbeResult
+from aff_runtime.app.link.request_client import ServiceClient
+from aff_runtime.app.link.request_socket import RequestSocket
+from aff_runtime.app.supervisor.probe_session import ProbeSession
+from aff_runtime.cli.probe import table
+from tests.aff_runtime.core.plants import measured
+
+
+def test_a_result_passes_the_socket_and_is_shown_as_measured(tmp_path: Path) -> None:
+    response = measured(lambda _f: 250.0 + 0j, [0.5, 1.0])
+    result = ProbeResult(
+        actuator="unwind", sign=1, remarks=("short",), delay_s=0.05, text=response.to_json()
+    )
+    answers: list[dict[str, Any]] = []
+    processes = SimpleNamespace(
+        record={"response_files": {"unwind": str(tmp_path / "unwind.json")}},
+        probed=SimpleNamespace(add=lambda *_: None),
+        note=lambda *_: None,
+    )
+    edits = SimpleNamespace(look_again=lambda: None, is_busy=False)
+    session = ProbeSession(processes, edits, SimpleNamespace(answer=answers.append))  # type: ignore[arg-type]
+    session.finish(Probed(results=(result,)))
+    assert session.has_answered()
+
+    (tmp_path / "run").mkdir(mode=0o700)
+    service = RequestSocket(tmp_path / "run" / "control.sock")
+    client = ServiceClient(tmp_path / "run" / "control.sock")
+    caller = service.accept()
+    assert caller is not None
+    caller.send(answers[0])
+    (told,) = client.ask("probe")["results"]
+    client.close()
+    service.close()
+
+    rows = list(table(told, "N/(m/s)"))
+    assert rows[0] == "unwind: sign +1, delay 50 ms"
+    assert [row.split()[:3] for row in rows[2:4]] == [
+        ["0.500", "250", "0.0"],
+        ["1.000", "250", "0.0"],
+    ]
+    assert rows[4:] == ["  remark: short", f"  kept in {tmp_path / 'unwind.json'}"]
+    assert json.loads((tmp_path / "unwind.json").read_text()) == told["response"]

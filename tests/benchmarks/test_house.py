@@ -1,0 +1,74 @@
+"""The figures of the house: counted by hand on small trees, and beside grimp on the real one."""
+
+import grimp
+import pytest
+
+from benchmarks.house.__main__ import main
+from benchmarks.house.imports import arrows_between, circles, floors
+from benchmarks.house.rooms import read_modules, rooms, whole
+from tests.house.documents import ROOT
+
+TREE = {
+    "aff_runtime/__init__.py": "",
+    "aff_runtime/base.py": "from typing import Any\n\nx: dict[str, Any] = {}\n",
+    "aff_runtime/law/__init__.py": '"""Law."""\n',
+    "aff_runtime/law/plain.py": "from aff_runtime.base import x\nfrom . import shape\n",
+    "aff_runtime/law/shape.py": "import aff_runtime.base\n\n\ndef f():\n    return 1\n",
+    "aff_runtime/app.py": "def g():\n    from aff_runtime.law.plain import x\n    return x\n",
+}
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """Write the small package; return its folder."""
+    for name, text in TREE.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def test_rooms_floors_and_arrows_are_those_drawn_by_hand(tree):
+    found = {room.name: room for room in rooms(read_modules(tree, ["aff_runtime"]))}
+    outer, law = found["aff_runtime"], found["aff_runtime.law"]
+    assert (outer.rooms, outer.floors, outer.arrows, outer.circles) == (3, 3, 2, 0)
+    assert (law.rooms, law.floors, law.arrows) == (2, 2, 1)
+
+
+def test_functions_and_untyped_mappings_are_counted(tree):
+    outer = whole(read_modules(tree, ["aff_runtime"]))
+    assert (outer.modules, outer.untyped, outer.long_functions) == (6, 1, 0)
+    assert outer.longest == ("app:g", 3)
+
+
+def test_rooms_of_a_circle_share_a_floor():
+    names = ["a", "b", "c", "d"]
+    arrows = frozenset({("a", "b"), ("b", "c"), ("c", "b"), ("c", "d")})
+    assert circles(names, arrows) == [frozenset({"b", "c"})]
+    assert floors(names, arrows) == 3
+
+
+def test_many_imports_between_two_rooms_are_one_arrow():
+    imports = {"p.a.x": {"p.b.x", "p.b.y"}, "p.a.y": {"p.b.x"}, "p.b.x": set(), "p.b.y": set()}
+    assert arrows_between(["p.a", "p.b"], imports) == {("p.a", "p.b")}
+
+
+@pytest.mark.parametrize("package", ["aff_runtime", "sim_plant"])
+def test_imports_are_those_that_grimp_finds(package):
+    graph = grimp.build_graph(package, cache_dir=None)
+    ours = read_modules(ROOT, [package])
+    assert set(ours) == graph.modules
+    for name, module in ours.items():
+        assert module.imports == graph.find_modules_directly_imported_by(name), name
+
+
+def test_any_revision_can_be_printed(capsys):
+    assert main(["--root", str(ROOT), "--rev", "HEAD"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("HEAD\n\n| room |")
+    assert "\n| aff_runtime.core |" in shown
+
+
+def test_an_unknown_revision_is_refused_by_name():
+    with pytest.raises(SystemExit, match="--rev nowhere"):
+        main(["--root", str(ROOT), "--rev", "nowhere"])

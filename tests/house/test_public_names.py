@@ -1,0 +1,59 @@
+"""Packages name what they show, and nobody reaches past it."""
+
+import ast
+import importlib
+import subprocess
+import sys
+
+import pytest
+
+from tests.house.public_names import KNOWN, TREES, declared, packages, used
+
+AGAIN = "run: python -m tests.house.public_names, then ruff format"
+HEAVY = ("numba", "scipy", "matplotlib", "jinja2", "pandas", "pyarrow", "asammdf")
+
+
+@pytest.mark.parametrize("package", packages())
+def test_a_package_names_what_others_use_of_it(package):
+    assert declared(package) is not None, AGAIN
+    assert sorted(declared(package)) == sorted(used(package)), AGAIN
+
+
+@pytest.mark.parametrize("package", packages())
+def test_every_public_name_is_there(package):
+    module = importlib.import_module(package)
+    for name in declared(package) or ():
+        if f"{package}.{name}" in KNOWN:
+            importlib.import_module(f"{package}.{name}")
+        assert hasattr(module, name), name
+
+
+@pytest.mark.parametrize("package", packages())
+def test_a_package_says_what_it_is(package):
+    assert len(ast.get_docstring(TREES[package]) or "") >= 10
+
+
+def _reached_past(name, tree):
+    """Yield private names that a module takes from another one."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module != "__future__":
+            for alias in node.names:
+                if alias.name.startswith("_") and alias.name != "__version__":
+                    yield f"{name}: {alias.name} of {node.module}"
+
+
+def test_no_module_takes_a_private_name_of_another():
+    assert [one for name, tree in TREES.items() for one in _reached_past(name, tree)] == []
+
+
+@pytest.mark.parametrize("command", ["aff_runtime.cli.main", "sim_plant.cli.main"])
+def test_a_command_starts_without_heavy_packages(command):
+    code = (
+        f"import {command}, sys\n"
+        f"try:\n    {command}.main(['--help'])\nexcept SystemExit:\n    pass\n"
+        f"print([n for n in {HEAVY!r} if n in sys.modules], file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert done.stderr.strip() == "[]"

@@ -1,0 +1,220 @@
+"""No process that we start takes modules from the folder it is started in, or talks to systemd."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from aff_runtime.app.supervisor.control_child import ControlChild
+from aff_runtime.app.supervisor.recorder_child import RecorderChild
+from aff_runtime.app.supervisor.validation import Validation, load_record
+from aff_runtime.base.python_child import module_command
+from sim_plant.base.worker_context import spawn_context
+from tests.processes import until
+
+ROOT = Path(__file__).parents[2]
+SITE = ROOT / "config" / "euclid.yaml"
+COMMAND = Path(sys.executable).with_name("aff-runtime")
+FILES = [
+    path
+    for package in ("aff_runtime", "sim_plant", "benchmarks")
+    for path in sorted((ROOT / package).rglob("*.py"))
+]
+# The two files that every start of a Python process goes through.
+BY_MODULE = ROOT / "aff_runtime" / "base" / "python_child.py"
+BY_POOL = ROOT / "sim_plant" / "base" / "worker_context.py"
+STARTERS = re.compile(r"(exec|spawn|posix_spawn|popen|system$|create_subprocess)")
+FORKED = "get_context('fork')"  # starts no Python anew
+PYTHON = re.compile(r"(.*/)?python[0-9.]*")
+# What a child of ours imports, by packages of ours or by Python itself; "pickle" for a worker.
+HOSTILE = (
+    *("annotated_types", "yaml", "numpy", "pydantic", "pymodbus", "json", "pickle", "argparse"),
+    *("multiprocessing", "runpy", "tempfile", "aff_runtime", "sim_plant"),
+)
+
+
+def forbidden(source: str) -> Iterator[str]:
+    """Yield what a source does to start a Python process in a way of its own."""
+    for node in ast.walk(ast.parse(source)):
+        match node:
+            case ast.Attribute(value=ast.Name(id="sys"), attr="executable"):
+                yield "sys.executable"
+            case ast.ImportFrom(module="sys", names=names) if any(
+                alias.name == "executable" for alias in names
+            ):
+                yield "sys.executable"
+            case ast.Attribute(value=ast.Name(id="os" | "asyncio" as of), attr=name) if (
+                STARTERS.match(name)
+            ):
+                yield f"{of}.{name}"
+            case ast.Attribute(value=ast.Name(id="multiprocessing"), attr=name) if name in (
+                "Process",
+                "Pool",
+                "Manager",
+                "set_start_method",
+            ):
+                yield f"multiprocessing.{name}"
+            case ast.ImportFrom(module=str(module), names=names) if module.startswith(
+                "multiprocessing"
+            ) and any(alias.name not in ("get_context", "connection") for alias in names):
+                yield module
+            case ast.Call(func=ast.Name(id="get_context") | ast.Attribute(attr="get_context")) if (
+                not ast.unparse(node).endswith(FORKED)
+            ):
+                yield "get_context"
+            case ast.Call(func=ast.Name(id="ProcessPoolExecutor")) if not _is_safe_pool(node):
+                yield "ProcessPoolExecutor"
+            case ast.List(elts=[ast.Constant(value=str(word)), *_]) if PYTHON.fullmatch(word):
+                yield word
+
+
+def _is_safe_pool(call: ast.Call) -> bool:
+    given = [*call.args, *(keyword.value for keyword in call.keywords)]
+    texts = [ast.unparse(value) for value in given]
+    return any(text == "spawn_context()" or text.endswith(FORKED) for text in texts)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "subprocess.Popen([sys.executable, '-m', 'x'])",
+        "from sys import executable",
+        "os.execv('x', [])",
+        "os.system('x')",
+        "os.posix_spawn('x', [], {})",
+        "multiprocessing.get_context('spawn')",
+        "get_context('forkserver')",
+        "from multiprocessing import Process",
+        "ProcessPoolExecutor(2)",
+        "ProcessPoolExecutor(2, mp_context=context)",
+        "subprocess.run(['/usr/bin/python3', '-m', 'x'])",
+        "asyncio.create_subprocess_exec('x')",
+    ],
+)
+def test_the_walk_sees_every_way_to_start_a_process(source: str) -> None:
+    assert list(forbidden(source))
+
+
+def test_the_walk_passes_what_goes_through_the_two_files() -> None:
+    fine = "run([*module_command('x')]); ProcessPoolExecutor(2, spawn_context(), f)"
+    assert not list(forbidden(fine))
+    assert len(FILES) > 400
+
+
+def test_every_python_process_is_started_by_the_two_files() -> None:
+    others = [path for path in FILES if path not in (BY_MODULE, BY_POOL)]
+    found = {str(path): list(forbidden(path.read_text(encoding="utf-8"))) for path in others}
+    assert not {path: ways for path, ways in found.items() if ways}
+
+
+def test_the_command_leaves_the_working_folder_out() -> None:
+    assert module_command("x") == [sys.executable, "-P", "-m", "x"]
+
+
+@pytest.fixture
+def trap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A working folder with a module of every name that our processes import; each leaves a file.
+
+    A file in `ran` means that code of the folder was run.
+    """
+    folder = tmp_path / "from_a_supplier"
+    (folder / "ran").mkdir(parents=True)
+    for name in HOSTILE:
+        text = f"open({str(folder / 'ran' / name)!r}, 'w').close()\nraise SystemExit(66)\n"
+        (folder / f"{name}.py").write_text(text)
+    monkeypatch.chdir(folder)
+    monkeypatch.delenv("PYTHONSAFEPATH", raising=False)
+    return folder
+
+
+def ran(trap: Path) -> list[str]:
+    return sorted(path.name for path in (trap / "ran").iterdir())
+
+
+def test_the_trap_works_where_the_folder_is_on_the_path(trap: Path) -> None:
+    subprocess.run([sys.executable, "-m", "aff_runtime.cli.main", "--version"], check=False)
+    assert ran(trap)
+
+
+def test_the_check_runs_nothing_of_the_folder(trap: Path) -> None:
+    assert load_record(SITE).record is not None
+    assert ran(trap) == []
+
+
+@contextlib.contextmanager
+def both(record: dict[str, Any], runs: Path) -> Iterator[tuple[ControlChild, RecorderChild]]:
+    """Have a control process and its recorder at work."""
+    control = ControlChild(record, shadow=True)
+    try:
+        until("the control process has made a ring", lambda: bool(control.replies()))
+        reader = control.open_ring()
+        assert reader is not None
+        recorder = RecorderChild(reader, runs, {"name": "line", "site_text": ""})
+        yield control, recorder
+    finally:
+        control.stop(patience_s=5.0)
+        control.close()
+    recorder.wait(5.0)
+    reader.close()
+
+
+def test_control_process_and_recorder_run_nothing_of_the_folder(trap: Path) -> None:
+    record = load_record(SITE).record
+    assert record is not None
+    with both(record, trap / "runs"):
+        until("the recorder has made a run", lambda: bool([*trap.glob("runs/*/run.yaml")]))
+    assert ran(trap) == []
+
+
+@pytest.mark.skipif(not COMMAND.exists(), reason="the command is not installed beside python")
+def test_the_command_itself_runs_nothing_of_the_folder(trap: Path) -> None:
+    done = subprocess.run(
+        [COMMAND, "check", str(SITE)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert ran(trap) == []
+
+
+def _double(number: int) -> int:
+    return 2 * number
+
+
+def test_the_workers_of_a_pool_run_nothing_of_the_folder(trap: Path) -> None:
+    with ProcessPoolExecutor(2, spawn_context()) as pool:
+        assert list(pool.map(_double, range(4))) == [0, 2, 4, 6]
+    assert ran(trap) == []
+    assert "PYTHONSAFEPATH" not in os.environ
+
+
+def environment(pid: int) -> dict[str, str]:
+    """Return what a process was started with."""
+    rows = Path(f"/proc/{pid}/environ").read_bytes().decode().split("\0")
+    return dict(row.split("=", 1) for row in rows if row)
+
+
+def test_of_all_children_the_control_process_alone_can_speak_to_systemd(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = {"NOTIFY_SOCKET": "/run/none", "WATCHDOG_PID": "1", "WATCHDOG_USEC": "500000"}
+    for name, text in told.items():
+        monkeypatch.setenv(name, text)
+    check = Validation(SITE)
+    seen = environment(check.pid)
+    assert not told.keys() & seen.keys()
+    assert seen["PATH"] == os.environ["PATH"]
+    verdict = check.verdict(wait_s=60.0)
+    assert verdict is not None
+    assert verdict.record is not None
+    with both(verdict.record, tmp_path) as (control, recorder):
+        assert environment(control.pid)["NOTIFY_SOCKET"] == "/run/none"
+        assert not told.keys() & environment(recorder.pid).keys()

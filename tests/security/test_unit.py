@@ -1,0 +1,219 @@
+"""What the unit lets the service do, read from the files that are installed."""
+
+from __future__ import annotations
+
+import ipaddress
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from aff_runtime.app.check.limits import MEMORY_BYTES, PATIENCE_S
+
+ROOT = Path(__file__).parents[2]
+DEPLOY = ROOT / "deploy"
+UNIT = DEPLOY / "aff-runtime.service"
+needs_analyze = pytest.mark.skipif(
+    shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed"
+)
+
+
+def settings(name: str) -> dict[str, list[str]]:
+    """Return the words after each key of [Service], of all its lines together, as systemd does."""
+    found: dict[str, list[str]] = {}
+    section = (DEPLOY / name).read_text().partition("[Service]")[2].partition("\n[")[0]
+    for line in section.splitlines():
+        if line and not line.startswith("#"):
+            key, _, words = line.partition("=")
+            found.setdefault(key, []).append(words)
+    return found
+
+
+SERVICE = settings("aff-runtime.service")
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("User", "aff-runtime"),
+        ("CapabilityBoundingSet", "CAP_SYS_NICE CAP_IPC_LOCK"),
+        ("NoNewPrivileges", "yes"),
+        ("SocketBindDeny", "any"),
+        ("IPAddressDeny", "any"),
+        ("RestrictAddressFamilies", "AF_INET AF_INET6 AF_UNIX"),
+        ("ProtectSystem", "strict"),
+        ("ProtectHome", "yes"),
+        ("PrivateTmp", "yes"),
+        ("PrivateMounts", "yes"),
+        ("NoExecPaths", "/"),
+        ("MemoryDenyWriteExecute", "yes"),
+        ("LimitCORE", "0"),
+        ("OOMPolicy", "continue"),
+        ("DevicePolicy", "closed"),
+        ("UMask", "0027"),
+    ],
+)
+def test_what_the_service_does_without_is_taken_from_it(key: str, words: str) -> None:
+    assert SERVICE[key] == [words]
+
+
+def test_programs_run_from_the_system_and_the_environment_alone() -> None:
+    paths = [path.lstrip("-") for path in SERVICE["ExecPaths"][0].split()]
+    (start,) = SERVICE["ExecStart"]
+    assert any(start.startswith(f"{path}/") for path in paths)
+    writable = ("/var", "/run", "/tmp", "/etc", "/home", "/dev")
+    assert not [path for path in paths if path == "/" or path.startswith(writable)]
+
+
+def test_the_memory_holds_a_service_and_one_check_and_no_more() -> None:
+    unit = {"M": 1 << 20, "G": 1 << 30}
+    (text,) = SERVICE["MemoryMax"]
+    found = int(text[:-1]) * unit[text[-1]]
+    assert MEMORY_BYTES + (500 << 20) <= found <= 2 * MEMORY_BYTES
+    assert int(SERVICE["TasksMax"][0]) <= 64
+
+
+def test_a_start_lasts_longer_than_the_check_may() -> None:
+    assert int(SERVICE["TimeoutStartSec"][0]) > PATIENCE_S + 10
+
+
+def networks(words: str) -> list[ipaddress.IPv4Network | ipaddress.IPv6Network]:
+    named = {
+        "localhost": ["127.0.0.0/8", "::1/128"],
+        "link-local": ["169.254.0.0/16", "fe80::/64"],
+    }
+    return [ipaddress.ip_network(one) for word in words.split() for one in named.get(word, [word])]
+
+
+@pytest.mark.parametrize(
+    ("address", "reached"),
+    [
+        ("127.0.0.1", True),
+        ("192.168.10.20", True),
+        ("10.1.2.3", True),
+        ("172.16.0.1", True),
+        ("172.32.0.1", False),
+        ("169.254.3.4", True),
+        ("fd12::5", True),
+        ("8.8.8.8", False),
+        ("2a00::1", False),
+    ],
+)
+def test_the_plants_network_is_reached_and_no_other(address: str, reached: bool) -> None:
+    allowed = networks(" ".join(SERVICE["IPAddressAllow"]))
+    assert any(ipaddress.ip_address(address) in network for network in allowed) is reached
+
+
+def test_the_technicians_file_narrows_it_to_the_plc_by_two_lines() -> None:
+    text = (DEPLOY / "aff-runtime.plc.conf").read_text()
+    assert "IPAddressAllow" not in settings("aff-runtime.plc.conf")  # as it comes nothing changes
+    lines = re.sub(r"(?m)^#IPAddressAllow", "IPAddressAllow", text).splitlines()
+    kept = [line.partition("=")[2] for line in lines if line.startswith("IPAddressAllow=")]
+    assert kept[0] == ""  # takes the private networks away
+    (only,) = kept[1:]
+    assert [network.num_addresses for network in networks(only)] == [1 << 24, 1, 1]
+
+
+def test_the_installer_brings_the_file_once_and_names_a_foreign_interpreter(
+    tmp_path: Path,
+) -> None:
+    def install() -> str:
+        command = ["sh", str(DEPLOY / "install.sh"), "--dry-run", "--python", sys.executable]
+        done = subprocess.run(
+            [*command, "--prefix", str(tmp_path)], capture_output=True, text=True, check=True
+        )
+        return done.stdout.partition("Next:")[0]
+
+    said = install()
+    assert "aff-runtime.service.d/plc.conf" in said
+    if Path(sys.base_prefix).is_relative_to("/usr"):
+        assert "rm -f" in said
+    else:
+        assert f"+ ExecPaths={sys.base_prefix} > {tmp_path}/etc/systemd" in said
+    folder = tmp_path / "etc/systemd/system/aff-runtime.service.d"
+    folder.mkdir(parents=True)
+    (folder / "plc.conf").touch()
+    assert "plc.conf" not in install()
+
+
+def test_can_adds_its_bus_and_devices_and_takes_nothing_away() -> None:
+    added = settings("aff-runtime.can.conf")
+    assert added["RestrictAddressFamilies"] == ["AF_CAN"]
+    assert set(added) == {"RestrictAddressFamilies", "DeviceAllow", "SupplementaryGroups"}
+    assert all(line.startswith("char-tty") for line in added["DeviceAllow"])
+
+
+def calls(group: str) -> set[str]:
+    """Return every system call of a group of systemd."""
+    done = subprocess.run(
+        ["systemd-analyze", "syscall-filter", group], capture_output=True, text=True, check=True
+    )
+    words = [line.split("#")[0].strip() for line in done.stdout.splitlines()[1:]]
+    found = {word for word in words if word and not word.startswith("@")}
+    for inner in (word for word in words if word.startswith("@")):
+        found |= calls(inner)
+    return found
+
+
+@needs_analyze
+def test_the_filter_leaves_real_time_and_limits_and_takes_privileges() -> None:
+    left: set[str] = set()
+    for words in SERVICE["SystemCallFilter"]:
+        takes = words.startswith("~")
+        for word in words.lstrip("~").split():
+            found = calls(word) if word.startswith("@") else {word}
+            left = left - found if takes else left | found
+    needed = {"sched_setscheduler", "sched_setaffinity", "sched_setattr", "mlockall", "setrlimit"}
+    needed |= {"prlimit64", "rt_sigprocmask", "clone", "execve", "fsync", "fchmod", "renameat2"}
+    needed |= {"unlinkat", "flock", "sendmsg", "mmap", "futex", "clock_nanosleep", "memfd_create"}
+    assert needed <= left
+    assert not left & {
+        "setuid",
+        "setgroups",
+        "chown",
+        "chroot",
+        "mount",
+        "bpf",
+        "ptrace",
+        "capset",
+    }
+    assert not left & {"init_module", "kexec_load", "reboot", "swapon", "open_by_handle_at"}
+
+
+MDWE = """
+import ctypes, sys
+said = ctypes.CDLL(None, use_errno=True).prctl(65, 1, 0, 0, 0)  # PR_SET_MDWE
+if said != 0:
+    sys.exit(77)
+import aff_runtime.app.control.process, aff_runtime.telemetry.recorder, numpy
+called = ctypes.CFUNCTYPE(ctypes.c_int)(lambda: 3)
+assert called() == 3
+assert float(numpy.linalg.solve(numpy.eye(3), numpy.ones(3)).sum()) == 3.0
+"""
+
+
+def test_the_service_works_where_no_memory_is_both_written_and_run() -> None:
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", MDWE], capture_output=True, text=True, check=False
+    )
+    if done.returncode == 77:
+        pytest.skip("this kernel has no PR_SET_MDWE, the stand-in for MemoryDenyWriteExecute")
+    assert done.returncode == 0, done.stderr
+
+
+@needs_analyze
+def test_with_the_drop_ins_systemd_accepts_the_unit_without_a_word(tmp_path: Path) -> None:
+    text = re.sub(r"/opt/\S*/bin/aff-runtime", sys.executable, UNIT.read_text())
+    unit = tmp_path / "aff-runtime.service"
+    unit.write_text(text)
+    folder = tmp_path / "aff-runtime.service.d"
+    folder.mkdir()
+    for name in ("can", "plc"):
+        shutil.copy(DEPLOY / f"aff-runtime.{name}.conf", folder / f"{name}.conf")
+    done = subprocess.run(
+        ["systemd-analyze", "verify", str(unit)], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

@@ -1,0 +1,59 @@
+"""What refine says of a short record of the shipped line with one effect hidden in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sim_plant.base.effects import Value
+from sim_plant.line.declaration import EffectEntry
+from sim_plant.line.open import make_line
+from sim_plant.refine.fit.objective import declared_objective
+from sim_plant.refine.model.hypotheses import library
+from sim_plant.refine.model.place import Place
+from sim_plant.refine.model.record_match import twin_of
+from sim_plant.refine.model.simulation_pool import SimulationPool
+from sim_plant.refine.records.recording import Record
+from sim_plant.refine.search.forward_selection import forward_selection
+from tests.sim_plant.line.lines import declared
+
+SAMPLES, STEP_S, TENSION_N = 1200, 0.01, 88.9644
+SPEED_M_S = np.interp(np.arange(SAMPLES), [0, 600, 720, 1200], [0.9, 0.9, 1.3, 1.3])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Traced:
+    """What was found: places in order, what each may as well be, its numbers; what was not."""
+
+    places: tuple[Place, ...]
+    ambiguous: tuple[tuple[Place, ...], ...]
+    numbers: tuple[dict[str, Value], ...]
+    unknown: tuple[str, ...]
+
+
+def traced(hidden: EffectEntry) -> Traced:
+    """Return what the whole library finds in 12 s at two speeds with noise.
+
+    Every declared number is exact, so nothing but effects can explain the record.
+    """
+    exact = {"sample_time_s": STEP_S, "tolerances": {"*": 0.0}}
+    line = declared("euclid").model_copy(update=exact)
+    run = make_line(line.model_copy(update={"effects": (hidden,)}), seed=3, speed_m_s=0.9)
+    run.settle(20.0)
+    out = run.simulate(SPEED_M_S, np.full(SAMPLES, TENSION_N))
+    columns = {"line_speed_ref_m_s": SPEED_M_S, "tension_ref_N": np.full(SAMPLES, TENSION_N)}
+    columns |= {s.channel: out[s.channel] for s in line.sensors}
+    record = Record(path=Path("short.csv"), sha256="", sample_time_s=STEP_S, columns=columns)
+    twin = twin_of(line, record)
+    measured = np.stack([columns[name] for name in twin.channels])
+    with SimulationPool([twin], workers=1) as pool:
+        objective = declared_objective(pool, [measured])
+        found = forward_selection(objective, library(line), lambda _: None)
+    return Traced(
+        places=tuple(accepted.hypothesis.key for accepted in found.accepted),
+        ambiguous=tuple(accepted.ambiguous for accepted in found.accepted),
+        numbers=tuple(dict(effect.parameters) for effect in found.fit.effects),
+        unknown=tuple(unknown.text for unknown in found.unknown),
+    )
