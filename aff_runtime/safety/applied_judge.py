@@ -115,6 +115,7 @@ class AppliedJudge:
     - between the two, or between zero and its last reading: it ramps to zero, for no longer than
       ``between_s``; or its own limit cuts ours, and it stays where it was when ours went beyond.
 
+    What stays while ours passes by does not go with ours: that counts as between the two.
     Anything else is a sign of somebody else; three of them, never half a second apart, are an
     accusation. It is over half a second after the last one. Only fresh data with an echo of ours
     are judged; between them the last verdict stands. The first reading after a start or a gap may
@@ -184,8 +185,9 @@ class AppliedJudge:
             if is_new or not output.known:
                 output.begins(shown, now_ns)
             if output.is_foreign(shown, within, params.between_s * 1e9, now_ns):
+                if not is_sign:
+                    self._found = (index, shown, output.low + 0.0, output.high + 0.0)  # no -0
                 is_sign = True
-                self._found = (index, shown, output.low, output.high)
         if is_sign:
             self._signs = min(self._signs + 1, _SURE)
             self._sign_ns = now_ns

@@ -30,6 +30,14 @@ def test_the_guide_says_where_the_echo_goes_on_every_wire() -> None:
     assert str(echo.signal).partition(".")[2] in text
 
 
+def test_the_guide_says_where_the_applied_corrections_go_on_every_wire() -> None:
+    text = GUIDE.read_text()
+    for name in ("euclid", "euclid_can", "euclid_canopen"):
+        for shown in load_site(CONFIG / f"{name}.yaml").gateway.applied.values():
+            place = str(shown.register_number if shown.signal is None else shown.signal)
+            assert place.rpartition(".")[2] in text, place
+
+
 @pytest.mark.parametrize("name", ["COMMISSIONING.md", "AFF_GATEWAY.st"])
 def test_the_plc_programmer_is_told_of_the_counters_of_a_set(name: str) -> None:
     text = (GUIDE.parent / name).read_text()

@@ -23,6 +23,7 @@ from aff_runtime.loop.cycle import Cycle, CycleSettings
 from aff_runtime.loop.messages import Arm, Bypass, Message, SupervisorLost
 from aff_runtime.loop.seams import Advice
 from aff_runtime.safety.guard import Guard
+from aff_runtime.safety.params import AppliedParams
 from sim_plant.servers.can_catalogue import can_node
 from sim_plant.servers.faults import parse_fault
 from sim_plant.servers.lockstep import LockstepPlant
@@ -142,12 +143,20 @@ class MatrixBench:
     Attributes
     ----------
     largest_share : largest |correction| at the plant so far, of its own limit.
+    compares : the site maps what the PLC applies.
     """
 
     def __init__(
-        self, wire: str, seed: int = 0, sample_s: float = SAMPLE_S, *, echo: bool = True
+        self,
+        wire: str,
+        seed: int = 0,
+        sample_s: float = SAMPLE_S,
+        *,
+        echo: bool = True,
+        applied: bool = True,
     ) -> None:
         self.wire = wire
+        self.compares = applied
         self.plc_map = default_map() if echo else without_echo(default_map())
         self.sample_s = sample_s
         self._period_ns = round(sample_s * 1e9)
@@ -169,6 +178,8 @@ class MatrixBench:
     def start(self) -> None:
         """Start the runtime, as after power-up."""
         guarded = guard_params(self.site)
+        if not self.compares:
+            guarded = replace(guarded, applied=AppliedParams())
         outputs = tuple(replace(a, soft_start_s=0.2) for a in guarded.actuators)
         self.guard = Guard(replace(guarded, actuators=outputs, splice_settle_s=0.1))
         self.around = Around(self.guard)
