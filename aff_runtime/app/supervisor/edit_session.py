@@ -24,6 +24,11 @@ ADOPT_PATIENCE_S = 2.0
 class EditSession:
     """Watches the site file and the learned responses it names.
 
+    Parameters
+    ----------
+    verdict : of the file that runs.
+    watch : looked at the site file before that check read it: what was saved meanwhile is an edit.
+
     Attributes
     ----------
     differs : why the file is not the running configuration; empty when it is.
@@ -31,12 +36,18 @@ class EditSession:
     """
 
     def __init__(
-        self, processes: Processes, pending: Pending, options: RunOptions, verdict: Verdict
+        self,
+        processes: Processes,
+        pending: Pending,
+        options: RunOptions,
+        verdict: Verdict,
+        watch: FileWatch | None = None,
     ) -> None:
         self._processes = processes
         self._pending = pending
         self._site, self._state = options.site, options.state_directory
-        self._watch = FileWatch(_watched(self._site, processes.record))
+        self._watch = watch or FileWatch([self._site])
+        self._watch.watch(_watched(self._site, processes.record))
         self._check: Validation | None = None
         self._waiting: Verdict | None = None
         self._handing_over = False
