@@ -218,3 +218,33 @@ def test_of_all_children_the_control_process_alone_can_speak_to_systemd(
     with both(verdict.record, tmp_path) as (control, recorder):
         assert environment(control.pid)["NOTIFY_SOCKET"] == "/run/none"
         assert not told.keys() & environment(recorder.pid).keys()
+
+
+@pytest.mark.parametrize("step", ["venv", "pip"])
+def test_the_installer_runs_nothing_of_the_folder(tmp_path: Path, step: str) -> None:
+    folder, prefix, mark = tmp_path / "here", tmp_path / "there", tmp_path / "mark"
+    folder.mkdir()
+    for name in ("venv.py", "pip.py"):
+        (folder / name).write_text(f"open({str(mark)!r}, 'w').close()\n")
+    stand_in = prefix / "opt/aff-runtime/venv/bin/python" if step == "pip" else tmp_path / "python"
+    stand_in.parent.mkdir(parents=True, exist_ok=True)
+    stand_in.write_text(
+        f"""#!/bin/sh
+case "$1 $2" in
+    "-m venv" | "-m pip") exec {sys.executable} -m "$2" --help ;;
+    *) exec {sys.executable} "$@" ;;
+esac
+"""
+    )
+    stand_in.chmod(0o755)
+    install = Path(__file__).parents[2] / "deploy" / "install.sh"
+    done = subprocess.run(
+        ["sh", str(install), "--prefix", str(prefix), "--python", str(stand_in)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert f"-m {step} " in done.stdout
+    assert "usage" in done.stdout.lower()  # it was the real one
+    assert not mark.exists()
