@@ -11,14 +11,17 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
+from aff_runtime.app.supervisor import recorder_child
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
 from aff_runtime.app.supervisor.validation import Validation, load_record
 from aff_runtime.base.python_child import module_command
+from aff_runtime.config.yaml_marks import MAX_BYTES
+from aff_runtime.telemetry.ring import RingReader
 from sim_plant.base.worker_context import spawn_context
 from tests.processes import until
 
@@ -248,3 +251,17 @@ esac
     assert f"-m {step} " in done.stdout
     assert "usage" in done.stdout.lower()  # it was the real one
     assert not mark.exists()
+
+
+def test_the_supervisor_does_not_wait_for_a_recorder_that_does_not_listen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    over = tmp_path / "over"
+    script = f"import time; time.sleep(10); open({str(over)!r}, 'w').close()"
+    deaf = [sys.executable, "-c", script]
+    monkeypatch.setattr(recorder_child, "module_command", lambda _: deaf)
+    with (tmp_path / "ring").open("wb") as ring:
+        text = "\u00e4" * (MAX_BYTES // 2)
+        child = RecorderChild(cast(RingReader, ring), tmp_path, {"site_text": text})
+    assert not over.exists()
+    child.wait(0.0)
