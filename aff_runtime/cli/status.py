@@ -15,8 +15,9 @@ from aff_runtime.cli.service import connect
 from aff_runtime.cli.terminal import say, say_json
 
 EXIT_ALARM = 5
-POWER_UP = BY_NAME["POWER_UP"].code
 SHOWN = ("_tension_N", "line_speed_m_s", "_radius_m")
+RESTING = (State.FAULT.name, State.BYPASS.name)
+NO_ALARM = (BY_NAME["POWER_UP"].code, BY_NAME["BYPASSED"].code)
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
@@ -43,9 +44,9 @@ def status(options: argparse.Namespace) -> int:
 
 
 def is_alarm(answer: StatusAnswer) -> bool:
-    """Return whether a real alarm stands: a service that has just started has none."""
+    """Return whether a real alarm stands: just started and bypassed are none."""
     code = answer.live.alarm.code if answer.live is not None else 0
-    return answer.state == State.FAULT.name and code != POWER_UP
+    return answer.state in RESTING and code not in NO_ALARM
 
 
 def lines(answer: StatusAnswer) -> Iterator[str]:

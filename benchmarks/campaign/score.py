@@ -6,9 +6,11 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+from scipy.stats import binomtest
+
 from benchmarks.campaign.effect_table import BY_NAME
 
-NORMAL95 = 1.959964
 NEEDED, NEEDED_STATIC = 100.0, 150.0
 """Chi-square above which an effect (with a line, without) pays its price and beats all chance."""
 OUTCOMES = ("exact", "wrong", "unknown", "not identifiable", "missed", "part", "failed")
@@ -18,11 +20,8 @@ def wilson(hits: int, runs: int) -> tuple[float, float]:
     """Return the 95 % interval of a share   [Wilson 1927]."""
     if runs == 0:
         return 0.0, 1.0
-    share, z2 = hits / runs, NORMAL95**2
-    middle = (share + z2 / (2 * runs)) / (1.0 + z2 / runs)
-    spread = NORMAL95 / (1.0 + z2 / runs)
-    spread *= math.sqrt(share * (1.0 - share) / runs + z2 / (4.0 * runs * runs))
-    return max(0.0, middle - spread), min(1.0, middle + spread)
+    found = binomtest(hits, runs).proportion_ci(0.95, method="wilson")
+    return float(found.low), float(found.high)
 
 
 class Place(NamedTuple):
@@ -135,7 +134,4 @@ def held_out(row: dict[str, Any], moving: Sequence[str]) -> list[float]:
 
 def quantile(values: Sequence[float], share: float) -> float:
     """Return a quantile, nan of nothing."""
-    if not values:
-        return math.nan
-    ordered = sorted(values)
-    return ordered[min(len(ordered) - 1, math.ceil(share * len(ordered)) - 1 if share else 0)]
+    return float(np.quantile(values, share, method="inverted_cdf")) if values else math.nan

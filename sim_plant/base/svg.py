@@ -10,6 +10,10 @@ from matplotlib.figure import Figure
 
 from aff_runtime.base.printable import printable
 
+# matplotlib takes a matplotlibrc of the working folder first, so of whoever sent what lies there:
+# it may have every word set by TeX, a program that reads files.
+mpl.rcdefaults()
+
 _LONGEST_WORD = 80
 _SALT = "reproduce"  # any fixed text: identities in the figure come from what is drawn
 

@@ -6,13 +6,14 @@ import argparse
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.cli.output import say
 
 if TYPE_CHECKING:
-    from sim_plant.refine.report.outcome import Outcome
+    from sim_plant.refine.report.outcome import Outcome, Plan
+    from sim_plant.refine.without_line.verdict import RecordVerdict
 
 Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhere else)
 
@@ -80,103 +81,114 @@ def run(arguments: argparse.Namespace) -> int:
     """Refine; 0 whatever the verdict, 2 when an input cannot be judged."""
     # small products only: threads of the linear algebra wait for each other more than they work
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from sim_plant.effects.catalogue import BY_NAME  # noqa: PLC0415 - heavy imports
+    from sim_plant.line.load import line_in, read_source  # noqa: PLC0415 - heavy imports
     from sim_plant.refine.example import write_example  # noqa: PLC0415
     from sim_plant.refine.pipeline import refine  # noqa: PLC0415
     from sim_plant.refine.report.folder import check_folder  # noqa: PLC0415
-    from sim_plant.refine.report.outcome import Plan  # noqa: PLC0415
     from sim_plant.refine.without_line.pipeline import refine_records  # noqa: PLC0415
-    from sim_plant.refine.without_line.record_filter import is_record_declaration  # noqa: PLC0415
+    from sim_plant.refine.without_line.record_filter import (  # noqa: PLC0415
+        is_record_declaration,
+        record_declaration_in,
+    )
 
-    for name in arguments.without:
-        if name not in BY_NAME:
-            raise PlantError(f"--without {name}: no such effect; there are {sorted(BY_NAME)}")
-    records, holdout = tuple(arguments.records), tuple(arguments.holdout)
-    if arguments.workers < 1:
-        raise PlantError(f"--workers {arguments.workers}: give at least 1")
-    if arguments.example and (records or holdout):
-        raise PlantError("--example makes its own records; leave RECORD and --holdout out")
-    if arguments.example and is_record_declaration(arguments.line):
+    plan = plan_of(arguments)
+    source = read_source(plan.line)
+    if arguments.example and is_record_declaration(source):
         raise PlantError(
-            f"{arguments.line}: declares records; --example needs a line, such as "
+            f"{plan.line}: declares records; --example needs a line, such as "
             "config/lines/euclid.yaml"
         )
-    if not records and not arguments.example:
-        raise PlantError("give at least one RECORD, or --example")
-    plan = Plan(
-        line=arguments.line,
-        records=records,
-        holdout=holdout,
-        out=arguments.out,
-        without=tuple(arguments.without),
-        workers=arguments.workers,
-    )
     check_folder(plan)
     if arguments.example:
         print("making two records with an effect that the line file does not declare")
         try:
-            first, second = write_example(arguments.line, arguments.out / "records")
+            first, second = write_example(source, plan.out / "records")
         except OSError as error:
-            raise PlantError(f"--out {arguments.out}: cannot be written ({error})") from error
+            raise PlantError(f"--out {plan.out}: cannot be written ({error})") from error
         plan = replace(plan, records=(first,), holdout=(second,))
-    if is_record_declaration(plan.line):
-        found = refine_records(plan, say)
-        say(record_summary(found, plan.out, held=bool(holdout)))
-        return 0
-    outcome = refine(plan, say)
-    say(summary(outcome))
+    if is_record_declaration(source):
+        found = refine_records(plan, record_declaration_in(source), say)
+        say(record_summary(found, plan.out, held=bool(plan.holdout)))
+    else:
+        say(summary(refine(plan, line_in(source), say)))
     return 0
 
 
-def record_summary(result: dict[str, Any], out: Path, *, held: bool) -> str:
+def plan_of(arguments: argparse.Namespace) -> Plan:
+    """Return what the command line asks for.
+
+    Raises
+    ------
+    PlantError
+        When it contradicts itself or names an effect that does not exist.
+    """
+    from sim_plant.effects.catalogue import BY_NAME  # noqa: PLC0415 - heavy imports
+    from sim_plant.refine.report.outcome import Plan  # noqa: PLC0415
+
+    for name in arguments.without:
+        if name not in BY_NAME:
+            raise PlantError(f"--without {name}: no such effect; there are {sorted(BY_NAME)}")
+    if arguments.workers < 1:
+        raise PlantError(f"--workers {arguments.workers}: give at least 1")
+    if arguments.example and (arguments.records or arguments.holdout):
+        raise PlantError("--example makes its own records; leave RECORD and --holdout out")
+    if not arguments.records and not arguments.example:
+        raise PlantError("give at least one RECORD, or --example")
+    return Plan(
+        line=arguments.line,
+        records=tuple(arguments.records),
+        holdout=tuple(arguments.holdout),
+        out=arguments.out,
+        without=tuple(arguments.without),
+        workers=arguments.workers,
+    )
+
+
+def record_summary(verdict: RecordVerdict, out: Path, *, held: bool) -> str:
     """Return the verdict on records without a line as text."""
     from sim_plant.refine.report.wording import coordinate_text  # noqa: PLC0415 - heavy imports
 
-    lines = [f"\nverdict: {result['verdict']}"]
-    for u in result["unknown"]:
-        lines.append(f"  {u['class']}: {coordinate_text(u['class'], u['coordinate'])}")
-    for u in result["clocks"]:
-        lines.append(f"  no effect: {u['coordinate']['frequency_Hz']:.4g} Hz {u['why']}")
-    for name, row in result["residual_rms"].items():
+    lines = [f"\nverdict: {verdict.word}"]
+    lines += [f"  {x.kind}: {coordinate_text(x.kind, x.where)}" for x in verdict.unknown]
+    lines += [f"  no effect: {x.coordinate:.4g} Hz {x.clock}" for x in verdict.clocks]
+    for name, error in verdict.residual_rms.items():
         lines.append(
-            f"{name}: rms {row['before']:.5g} with the declared filter alone, "
-            f"{row['after']:.5g} with the lines"
+            f"{name}: rms {error.before:.5g} with the declared filter alone, "
+            f"{error.after:.5g} with the lines"
         )
-    return "\n".join([*lines, _last(result, out, held=held)])
+    return "\n".join([*lines, _last(verdict.holdout, out, held=held)])
 
 
-def _last(result: dict[str, Any], out: Path, *, held: bool) -> str:
+def _last(judged: str, out: Path, *, held: bool) -> str:
     """Return what was judged on, and the page to open."""
     proof = "judged on the held-out" if held else "no proof, judged on the fitted"
-    return f"{proof} {result['holdout']}; open {out / 'report.html'}"
+    return f"{proof} {judged}; open {out / 'report.html'}"
 
 
 def summary(outcome: Outcome) -> str:
     """Return the verdict and the error table as text."""
     from sim_plant.refine.report.wording import coordinate_text, size_of  # noqa: PLC0415
 
-    result: dict[str, Any] = outcome.verdict
-    lines = [f"\nverdict: {result['verdict']}"]
-    for e in result["effects"]:
-        lines.append(f"  {e['effect']} at {e['location']}: {size_of(e)}")
+    verdict = outcome.verdict
+    lines = [f"\nverdict: {verdict.word}"]
+    for e in verdict.effects:
+        lines.append(f"  {e.place}: {size_of(e)}")
         lines.append(
-            f"    score {e['score']:.0f}, runner-up {e['runner_up']}, margin {e['margin']:.0f}"
+            f"    score {e.score:.0f}, runner-up {e.runner_up or ''}, margin {e.margin:.0f}"
         )
-    for a in result["ambiguous"]:
-        lines.append(f"  not identifiable: {a['effect']} or {', '.join(map(str, a['with']))}")
-        lines += [f"    to tell: {what}" for what in a["experiments"]]
-    for u in result["unknown"]:
-        lines.append(
-            f"  unknown, class {u['class']}: {coordinate_text(u['class'], u['coordinate'])}"
-        )
+    for a in verdict.ambiguous:
+        lines.append(f"  not identifiable: {a.place} or {', '.join(map(str, a.alternatives))}")
+        lines += [f"    to tell: {what}" for what in a.experiments]
+    for u in verdict.unknown:
+        lines.append(f"  unknown, class {u.kind}: {coordinate_text(u.kind, u.coordinate)}")
     lines.append(
         f"{'channel':28s} {'before':>10s} {'after':>10s} {'floor':>10s} {'after/floor':>11s}"
     )
-    for name, row in result["residual_rms"].items():
-        share = row["after"] / row["noise_floor"] if row["noise_floor"] else 0.0
+    for name, error in verdict.residual_rms.items():
+        share = error.after / error.noise_floor if error.noise_floor else 0.0
         lines.append(
-            f"{name:28s} {row['before']:10.4g} {row['after']:10.4g} "
-            f"{row['noise_floor']:10.4g} {share:11.3f}"
+            f"{name:28s} {error.before:10.4g} {error.after:10.4g} "
+            f"{error.noise_floor:10.4g} {share:11.3f}"
         )
-    lines.append(_last(result, outcome.plan.out, held=bool(outcome.plan.holdout)))
+    lines.append(_last(verdict.holdout, outcome.plan.out, held=bool(outcome.plan.holdout)))
     return "\n".join(lines)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -16,23 +18,66 @@ from sim_plant.line.declaration import Declaration, LoadCell
 from sim_plant.line.yaml_places import LONGEST_BYTES, Place, parse_yaml
 
 LENGTH_TOLERANCE_M = 2e-3
+MOST_TICKS = 1_000_000
+"""Drive periods in one period of a tension loop."""
 
 
-def load_declaration(path: str | Path) -> Declaration:
-    """Return the declaration in ``path``.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """A YAML file, read and parsed once.
+
+    Attributes
+    ----------
+    text, data : as read, and parsed.
+    places : line and column of every key.
+    """
+
+    path: Path
+    text: str
+    data: Any
+    places: Mapping[Place, tuple[int, int]]
+
+    @property
+    def shown(self) -> str:
+        """The path as an error may say it."""
+        return printable(str(self.path))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LineFile:
+    """A line file as its owner wrote it, and what it declares."""
+
+    path: Path
+    text: str
+    declaration: Declaration
+
+
+def read_source(path: str | Path) -> Source:
+    """Return the YAML file in ``path``, whatever it declares.
 
     Raises
     ------
     PlantError
-        When the file cannot be read, is not YAML, has wrong keys or numbers, or its geometry
-        contradicts itself; the message names file, key and remedy.
+        When it cannot be read or is not YAML.
     """
-    shown = printable(str(path))
     try:
         text = read_plain_text(Path(path), LONGEST_BYTES)
     except PlantError as error:
         raise PlantError(f"{error}. Give a line declaration.") from error
-    data, places = parse_yaml(text, shown)
+    data, places = parse_yaml(text, printable(str(path)))
+    return Source(path=Path(path), text=text, data=data, places=places)
+
+
+def line_in(source: Source) -> LineFile:
+    """Return the line that a file declares.
+
+    Raises
+    ------
+    PlantError
+        When it has wrong keys or numbers, or its geometry contradicts itself; the message names
+        file, key and remedy.
+    """
+    shown, data = source.shown, source.data
     if not isinstance(data, dict):
         raise PlantError(f"{shown}: holds no keys; expected schema: web-line-declaration/1")
     if "schema" not in data and "gateway" in data:
@@ -43,11 +88,21 @@ def load_declaration(path: str | Path) -> Declaration:
     try:
         declaration = Declaration.model_validate(data)
     except ValidationError as error:
-        raise PlantError(_readable(shown, error, places)) from error
+        raise PlantError(_readable(shown, error, source.places)) from error
     findings = consistency(declaration)
     if findings:
         raise PlantError("\n".join(f"{shown}: {printable(finding)}" for finding in findings))
-    return declaration
+    return LineFile(path=source.path, text=source.text, declaration=declaration)
+
+
+def load_line(path: str | Path) -> LineFile:
+    """Return the line file in ``path``; PlantError as `read_source` and `line_in`."""
+    return line_in(read_source(path))
+
+
+def load_declaration(path: str | Path) -> Declaration:
+    """Return the declaration in ``path``; PlantError as `read_source` and `line_in`."""
+    return load_line(path).declaration
 
 
 def _readable(shown: str, error: ValidationError, places: Mapping[Place, tuple[int, int]]) -> str:
@@ -110,7 +165,7 @@ def _geometry(line: Declaration) -> list[str]:
         if distance <= reach:
             findings.append(f"spans.{span.start}-{span.end}: the two bodies overlap")
             continue
-        length = math.sqrt(distance**2 - reach**2)
+        length = math.sqrt((distance - reach) * (distance + reach))  # a square can overflow
         if abs(length - span.length_m) > LENGTH_TOLERANCE_M:
             findings.append(
                 f"spans.{span.start}-{span.end}.length_m: read {span.length_m}, but the centres "
@@ -143,8 +198,11 @@ def _references(line: Declaration, names: list[str]) -> list[str]:
         if loop.acts_on not in driven:
             findings.append(f"control.tension_pi.{loop.loop}: no drive on {loop.acts_on}")
     ratio = line.control.tension_loop_sample_time_s / line.control.drive_sample_time_s
-    if abs(ratio - round(ratio)) > 1e-9:
-        findings.append("control: tension loop period must be a multiple of the drive period")
+    if not ratio < MOST_TICKS or abs(ratio - round(ratio)) > 1e-9:
+        findings.append(
+            "control: tension loop period must be a multiple of the drive period, "
+            f"below {MOST_TICKS} of it"
+        )
     return findings
 
 

@@ -11,9 +11,8 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.effects import eccentric_roller
 from sim_plant.line.declaration import Declaration, EffectEntry
-from sim_plant.line.load import load_declaration
+from sim_plant.line.load import Source, line_in
 from sim_plant.line.open import make_line
-from sim_plant.line.yaml_places import load_yaml
 
 HIDDEN = EffectEntry(
     effect=eccentric_roller.EFFECT.name,
@@ -33,23 +32,22 @@ def references(samples: int, step_s: float, slow: float, fast: float) -> tuple[A
     return speed, tension
 
 
-def write_example(line_path: Path, folder: Path, duration_s: float = 60.0) -> tuple[Path, Path]:
-    """Write ``example_a`` and ``example_b`` (CSV and sidecar); return the two records.
+def write_example(source: Source, folder: Path, duration_s: float = 60.0) -> tuple[Path, Path]:
+    """Write ``example_a`` and ``example_b`` (CSV and sidecar) of a line; return the two records.
 
     Raises
     ------
     PlantError
         When the declaration cannot be used; nothing is written then.
     """
-    line = load_declaration(line_path)
+    line = line_in(source).declaration
     if HIDDEN.location not in {roller.name for roller in line.rollers}:
         raise PlantError(
-            f"{line_path}: the example puts its effect on roller {HIDDEN.location}, which this "
+            f"{source.path}: the example puts its effect on roller {HIDDEN.location}, which this "
             "line does not have; give RECORDs of your own, or config/lines/euclid.yaml"
         )
     folder.mkdir(parents=True, exist_ok=True)
-    data = load_yaml(line_path)[0]
-    data["sample_time_s"] = 0.01
+    data = {**source.data, "sample_time_s": 0.01}
     data.pop("effects", None)
     paths = []
     for name, (slow, fast, seed) in PLANS.items():

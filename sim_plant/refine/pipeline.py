@@ -2,60 +2,132 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
-from typing import Any
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.line.load import load_declaration
-from sim_plant.refine.fit.objective import Problem
-from sim_plant.refine.fit.start_angles import in_phase
-from sim_plant.refine.judge.holdout import judge
+from sim_plant.base.arrays import Array
+from sim_plant.line.declaration import Declaration
+from sim_plant.line.load import LineFile
+from sim_plant.refine.fit.objective import declared_objective
+from sim_plant.refine.fit.start_angles import at_start_angles
+from sim_plant.refine.judge.holdout import Evaluation, evaluate
 from sim_plant.refine.model.hypotheses import library
-from sim_plant.refine.model.nuisances import declared_nuisances
-from sim_plant.refine.model.record_match import declaration_for, limits, twin_of
-from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.record_match import limits, twin_of
+from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case, Twin
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Record
-from sim_plant.refine.report.amend import plain, write_amended, write_block
+from sim_plant.refine.report.aff_block import write_block
+from sim_plant.refine.report.amend import write_amended
+from sim_plant.refine.report.announce import announce, holdout_limits
+from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.folder import check_apart, check_folder, publish
 from sim_plant.refine.report.outcome import Outcome, Plan
 from sim_plant.refine.report.page import write_report
-from sim_plant.refine.report.verdict import verdict
-from sim_plant.refine.search.forward_selection import trace
-from sim_plant.refine.search.selection import Trace
-
-Say = Callable[[str], None]
+from sim_plant.refine.search.candidate import Progress
+from sim_plant.refine.search.forward_selection import forward_selection
+from sim_plant.refine.search.selection import Selection
 
 
-def measured_of(twin: Twin, record: Record) -> Any:
-    """Return the modelled channels of a record (channels, samples)."""
-    return np.stack([record.columns[name] for name in twin.channels])
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Recorded:
+    """A record and the twin of the line that it was made on."""
+
+    record: Record
+    twin: Twin
+
+    @property
+    def measured(self) -> Array:
+        """The modelled channels of the record (channels, samples)."""
+        return np.stack([self.record.columns[name] for name in self.twin.channels])
+
+
+def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
+    """Run everything and write the folder; nothing is written before all inputs are accepted.
+
+    ``line`` is the file that the plan names.
+
+    Raises
+    ------
+    PlantError
+        On any input that cannot be judged.
+    """
+    check_folder(plan)
+    fitted, held = read_all(plan, line.declaration)
+    cannot = list(dict.fromkeys(text for f in fitted for text in limits(f.twin)))
+    cannot += holdout_limits([h.record for h in held])
+    records = tuple(recorded.record for recorded in (*fitted, *held))
+    announce(cannot, records, progress)
+    selection = find(fitted, plan.without, plan.workers, progress)
+    if selection.corrections:
+        progress(f"{len(selection.corrections)} declared numbers estimated anew with the effects")
+    judged = held[0] if held else fitted[0]
+    progress(f"judging on {judged.record.path.name}")
+    evaluation = judge(judged, selection, plan.workers, progress, held_out=bool(held))
+    outcome = Outcome(
+        plan=plan,
+        line=line,
+        declared=fitted[0].twin.declaration,
+        records=records,
+        limits=tuple(cannot),
+        selection=selection,
+        evaluation=evaluation,
+        verdict=verdict_of(selection, evaluation, str(judged.record.path)),
+    )
+    publish(plan, lambda into: write_all(replace(outcome, plan=into), plan.command))
+    return outcome
+
+
+def read_all(plan: Plan, line: Declaration) -> tuple[list[Recorded], list[Recorded]]:
+    """Return the records to fit and those held out, each with its twin.
+
+    Raises
+    ------
+    PlantError
+        When one cannot be read, is no record of this line, is given twice, or its line does not
+        run.
+    """
+    records = [read_record(path) for path in plan.records]
+    fitted = [Recorded(record=r, twin=twin_of(line, r)) for r in records]
+    records_held = [read_record(path) for path in plan.holdout]
+    held = [Recorded(record=r, twin=twin_of(line, r)) for r in records_held]
+    check_apart(records, records_held)
+    fitted, held = ([at_its_start_angles(r) for r in part] for part in (fitted, held))
+    if held:
+        first = held[0]
+        check_runs(SimulationPool([first.twin], workers=1), [first.record])
+    return fitted, held
+
+
+def at_its_start_angles(recorded: Recorded) -> Recorded:
+    """Return the twin with its declared effects as they stood at its record's start; say so."""
+    twin, angles = at_start_angles(recorded.twin, recorded.measured)
+    text = tuple(
+        f"what is declared at {place} begins {angle_rad:+.3g} rad further on than declared"
+        for place, angle_rad in angles.items()
+    )
+    record = replace(recorded.record, findings=(*recorded.record.findings, *text))
+    return Recorded(record=record, twin=twin)
 
 
 def find(
-    twins: Sequence[Twin],
-    records: Sequence[Record],
-    without: Collection[str],
-    workers: int,
-    say: Say,
-) -> Trace:
-    """Return the trace of these records."""
-    with Bench(twins, workers, say) as bench:
-        say("simulating the declared line, its noise and its tolerances")
-        measured = [measured_of(t, r) for t, r in zip(twins, records, strict=True)]
-        check_runs(bench, records)
-        problem = Problem(bench, measured)
-        found = trace(problem, library(twins[0].declaration, without), say)
-        say(f"{bench.simulations} simulations")
+    fitted: Sequence[Recorded], without: Collection[str], workers: int, progress: Progress
+) -> Selection:
+    """Return what the records show, effects in ``without`` left out of the library."""
+    twins = [f.twin for f in fitted]
+    with SimulationPool(twins, workers, progress) as pool:
+        progress("simulating the declared line, its noise and its tolerances")
+        check_runs(pool, [f.record for f in fitted])
+        objective = declared_objective(pool, [f.measured for f in fitted])
+        found = forward_selection(objective, library(twins[0].declaration, without), progress)
+        progress(f"{pool.simulations} simulations")
     return found
 
 
-def check_runs(bench: Bench, records: Sequence[Record]) -> None:
+def check_runs(pool: SimulationPool, records: Sequence[Record]) -> None:
     """Refuse a declared line that does not run under the references of its record.
 
     Raises
@@ -63,7 +135,7 @@ def check_runs(bench: Bench, records: Sequence[Record]) -> None:
     PlantError
         When a simulation of it, at the quick or at the declared drive tick, comes to no end.
     """
-    for runs in bench.run([Case(), Case(coarse=False)]):
+    for runs in pool.run([Case(), Case(coarse=False)]):
         for record, run in zip(records, runs, strict=True):
             if not np.isfinite(run).all():
                 raise PlantError(
@@ -73,92 +145,29 @@ def check_runs(bench: Bench, records: Sequence[Record]) -> None:
                 )
 
 
-def refine(plan: Plan, say: Say) -> Outcome:
-    """Run everything and write the folder; nothing is written before all inputs are accepted.
-
-    Raises
-    ------
-    PlantError
-        On any input that cannot be judged.
-    """
-    check_folder(plan)
-    line = load_declaration(plan.line)
-    records = [read_record(p) for p in plan.records]
-    twins = [twin_of(line, r) for r in records]
-    held = [read_record(p) for p in plan.holdout]
-    held_twins = [twin_of(line, r) for r in held]
-    check_apart(records, held)
-    twins, records = in_step_with(twins, records)
-    held_twins, held = in_step_with(held_twins, held)
-    if held:
-        check_runs(Bench(held_twins[:1], workers=1), held[:1])
-    said = list(dict.fromkeys(text for t in twins for text in limits(t)))
-    if not held:
-        said.append("no held-out record: the error after is that of the record fitted")
-    if len(held) > 1:
-        said.append(f"more than one held-out record: the errors are those of {held[0].path.name}")
-    for text in said:
-        say(f"cannot be claimed: {text}")
-    for record in (*records, *held):
-        for text in record.findings:
-            say(f"{record.path.name}: {text}")
-    found = find(twins, records, plan.without, plan.workers, say)
-    if found.corrections:
-        say(f"{len(found.corrections)} declared numbers estimated anew with the effects")
-    shown, twin = (held[0], held_twins[0]) if held else (records[0], twins[0])
-    say(f"judging on {shown.path.name}")
-    with Bench([twin], plan.workers, say) as bench:
-        shifts = tuple(sorted(found.corrections.items()))
-        judged = judge(
-            bench, measured_of(twin, shown), found.fit.effects, shifts, find_angles=bool(held)
-        )
-    result = verdict(found, judged, str(shown.path))
-    outcome = Outcome(
-        plan=plan,
-        records=(*records, *held),
-        limits=tuple(said),
-        trace=found,
-        judgement=judged,
-        verdict=result,
-        stated=twins[0].declaration.effects,
-    )
-    publish(plan, lambda into: write_all(replace(outcome, plan=into), plan.command))
-    return outcome
-
-
-def in_step_with(
-    twins: Sequence[Twin], records: Sequence[Record]
-) -> tuple[list[Twin], list[Record]]:
-    """Return twins whose declared effects begin where their record does, and records saying so."""
-    found, told = [], []
-    for twin, record in zip(twins, records, strict=True):
-        turned, angles = in_phase(twin, measured_of(twin, record))
-        text = tuple(
-            f"what is declared at {place} begins {angle_rad:+.3g} rad further on than declared"
-            for place, angle_rad in angles.items()
-        )
-        found.append(turned)
-        told.append(replace(record, findings=(*record.findings, *text)))
-    return found, told
+def judge(
+    judged: Recorded, selection: Selection, workers: int, progress: Progress, *, held_out: bool
+) -> Evaluation:
+    """Return the error of one record as declared and as amended."""
+    shifts = tuple(sorted(selection.corrections.items()))
+    with SimulationPool([judged.twin], workers, progress) as pool:
+        return evaluate(pool, judged.measured, selection.fit.effects, shifts, find_angles=held_out)
 
 
 def write_all(outcome: Outcome, command: str) -> None:
     """Write verdict, amended line, AFF block and report into the plan's folder."""
-    plan, line = outcome.plan, load_declaration(outcome.plan.line)
+    out, first = outcome.plan.out, outcome.records[0]
     amended = None
-    if outcome.trace.steps:
+    if outcome.selection.accepted:
         amended = write_amended(
-            plan.line,
-            plan.out,
-            outcome.trace,
+            outcome.line,
+            out,
+            outcome.selection,
             outcome.records,
             command,
             outcome.verdict,
-            outcome.stated,
+            outcome.declared.effects,
         )
-    block = write_block(plan.out, outcome.verdict["effects"], line, outcome.records[0])
-    text = json.dumps(plain(outcome.verdict), indent=1) + "\n"
-    (plan.out / "verdict.json").write_text(text, encoding="utf-8")
-    own = declaration_for(line, outcome.records[0])
-    tolerances = {n.name: n.tolerance for n in declared_nuisances(own)}
-    write_report(outcome, command, amended, block, tolerances)
+    block = write_block(out, outcome.verdict.effects, outcome.line.declaration, first)
+    (out / "verdict.json").write_text(outcome.verdict.to_json(), encoding="utf-8")
+    write_report(outcome, command, amended, block)

@@ -12,9 +12,10 @@ import yaml
 from aff_runtime.config.loader import load_site
 from aff_runtime.loop.messages import Arm
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.report.amend import write_block
+from sim_plant.refine.report.aff_block import write_block
 from tests.lockstep.known_response import ROOT
 from tests.lockstep.test_shape_law import SITE, TURN_S, ripple, shop
+from tests.sim_plant.refine.small import finding
 
 pytestmark = pytest.mark.timeout(300)
 LINE = ROOT / "config" / "lines" / "euclid.yaml"  # nominal: it does not know the roll
@@ -23,13 +24,8 @@ FLAT = {"shape": "flat", "size_m": 0.0118, "angle_rad": 0.7}  # the roll has 12 
 
 def pasted(folder: Path, **changes: Any) -> Path:
     """Write a site file whose unwind block is the one of a refinement; return its path."""
-    row = {
-        "effect": "out_of_round_roll",
-        "location": "unwind",
-        "cancel": True,
-        "parameters": {**FLAT, **changes},
-    }
-    written = write_block(folder, [row], load_declaration(LINE))
+    found = finding("out_of_round_roll", "unwind", {**FLAT, **changes})
+    written = write_block(folder, [found], load_declaration(LINE))
     assert written is not None
     (block,) = yaml.safe_load(written.read_text())["blocks"]
     text = SITE.read_text()

@@ -19,7 +19,7 @@ ZERO_S = TABLE["zero_ms"] * 1e-3
 PLAUSIBLE = 2000.0  # N: nothing above the site's own maximum may reach a law
 OLDEST_SCANS = 3
 _ROUNDING = 1.0 + 1e-6
-_NOT_OURS = BY_NAME["APPLIED_DIFFERS"].code
+NOT_OURS = BY_NAME["APPLIED_DIFFERS"].code
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,13 +60,13 @@ def judge(cell: Cell) -> str:
     bench.end(cell.spec)
     after = bench.run(max(0.4, ZERO_S + 0.1 - duration_s))
     whole = during + after
-    if _NOT_OURS in bench.around.codes:
-        return "the PLC is said to apply what is not ours"
     wrong = _used_as_live(bench.law) if _is_told_apart(cell) else ""
+    if not wrong and NOT_OURS in bench.around.codes:
+        wrong = "the PLC is said to apply what is not ours"
+    if not wrong and bench.largest_share > _ROUNDING:
+        wrong = f"{bench.largest_share:.4f} of the limit"
     if wrong:
         return wrong
-    if bench.largest_share > _ROUNDING:
-        return f"{bench.largest_share:.4f} of the limit"
     if cell.state in {"OFF", "BYPASS"}:
         return "a correction without an operator" if any(whole) else _recovers(bench)
     return _reacts(cell, bench, during, after)
@@ -113,7 +113,7 @@ def _tells(cell: Cell, bench: MatrixBench, duration_s: float) -> str:
     rests = State.BYPASS if cell.state == "BYPASS" else State.FAULT
     bench.begin(cell.spec)
     bench.run(ZERO_S)
-    if bench.around.codes.count(_NOT_OURS) != 1 or bench.alarm != _NOT_OURS:
+    if bench.around.codes.count(NOT_OURS) != 1 or bench.alarm != NOT_OURS:
         return f"not told within {ZERO_S * 1e3:.0f} ms: alarm {bench.alarm}"
     bench.arm()
     his = bench.run(duration_s - ZERO_S)

@@ -110,7 +110,7 @@ def cell(line: LiveLine, deed: Deed, state: str) -> Seen:
 
 def wire_deeds(wire: str) -> list[Deed]:
     """Return the table's faults of the wire itself."""
-    rows = [row for row in TABLE["faults"] if row[wire] not in ("-", "stay")]
+    rows = [row for row in TABLE["faults"] if row[wire] not in ("-", "stay", "tell")]
     return [
         Deed(name=row["name"], reaction=row[wire], do=_injected(row["spec"]))
         for row in rows

@@ -39,7 +39,7 @@ class LiveSoak:
     def __init__(self, line: LiveLine, wire: str, seed: int) -> None:
         self.line = line
         self.dice = random.Random(seed)
-        rows = [row for row in TABLE["faults"] if row[wire] != "-"]
+        rows = [row for row in TABLE["faults"] if row[wire] not in ("-", "tell")]
         self.faults = [(r["spec"], r[wire]) for r in rows if not r["spec"].startswith("!")]
         self.seen: list[Seen] = []
         self.rolls = 1

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any
 
+from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import Outcome, State, Status
 from aff_runtime.fieldbus.can import gateway as can_gateway
 from aff_runtime.fieldbus.can import reader as can_reader
@@ -16,6 +18,7 @@ from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness
 from aff_runtime.fieldbus.modbus import gateway
 from aff_runtime.loop import cycle
 from aff_runtime.safety import (
+    applied_judge,
     echo_judge,
     envelope,
     freshness,
@@ -117,6 +120,18 @@ def _self_arming(original: Any) -> Any:
 
 def _every_echo_ours(original: Any) -> Any:
     return lambda self, snapshot, now_ns: original(self, replace(snapshot, echo_age=0), now_ns)
+
+
+def _between_for_ever(original: Any) -> Any:
+    return lambda self, shown, within, _, now_ns: original(self, shown, within, inf, now_ns)
+
+
+def _quiet_in_bypass(original: Any) -> Any:
+    def alarm(self: Any) -> int:
+        bypassed = self.standing.state is State.BYPASS
+        return BY_NAME["BYPASSED"].code if bypassed else int(original(self))
+
+    return alarm
 
 
 def _causes_without(name: str) -> Change:
@@ -224,6 +239,15 @@ MUTANTS: tuple[Mutant, ...] = (
            change=_every_echo_ours, likely=("last",), tests=SAFETY),
     Mutant(name="words: the echo is not read", owner=gateway.WordCodec, attribute="aff_echo",
            change=always(None), likely=("last",), wire="modbus",
+           tests="tests/aff_runtime/fieldbus/modbus/test_gateway.py"),
+    Mutant(name="applied: what the PLC applies does not count", owner=applied_judge.AppliedJudge,
+           attribute="judge", change=always(False), likely=("third",), tests=SAFETY),
+    Mutant(name="applied: what is between ours and zero may stay", owner=applied_judge._Output,
+           attribute="is_foreign", change=_between_for_ever, likely=("third",), tests=SAFETY),
+    Mutant(name="applied: in BYPASS it is no alarm", owner=guard.Guard, attribute="_alarm",
+           change=_quiet_in_bypass, likely=("third",), tests=SAFETY, states=("BYPASS",)),
+    Mutant(name="words: what is applied is not read", owner=gateway.WordCodec,
+           attribute="applied", change=always(()), likely=("third",), wire="modbus",
            tests="tests/aff_runtime/fieldbus/modbus/test_gateway.py"),
     Mutant(name="lease: the law's last word holds for ever", owner=lease.Lease, attribute="tick",
            change=always(False), likely=("!lazy",), tests=SAFETY),

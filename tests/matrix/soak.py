@@ -2,7 +2,8 @@
 
 Invariants in every sample: the correction at the plant stays within the limit; it is zero once
 the guard has been in FAULT or BYPASS for the time the matrix allows, and zero once a fault that
-takes it away has lasted that long. Afterwards: the line arms again, memory and descriptors have
+takes it away has lasted that long; but for one that is somebody else's, and nobody else is said
+to have one. Afterwards: the line arms again, memory and descriptors have
 not grown.
 """
 
@@ -17,7 +18,7 @@ from pathlib import Path
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import State
 from tests.matrix.bench import SAMPLE_S, MatrixBench
-from tests.matrix.cells import TABLE, ZERO_S
+from tests.matrix.cells import NOT_OURS, TABLE, ZERO_S
 
 SAFE_STATES = (State.FAULT, State.BYPASS)
 WARM_TURNS = 500
@@ -33,7 +34,7 @@ class Soak:
         rows = [(row["spec"], row[wire]) for row in TABLE["faults"] if row[wire] != "-"]
         self.specs = [row for row in rows if not row[0].startswith("!supervisor")]
         self.safe_for_s = self.struck_for_s = self.active_s = 0.0
-        self.takes_away = False
+        self.takes_away = self.is_his = False
         self.faults = 0
         self.deeds: list[str] = []
         self.latest_ms = 0.0
@@ -50,7 +51,7 @@ class Soak:
             self.active_s += sample_s * (state is State.ACTIVE)
             if self.takes_away:
                 self.struck_for_s += sample_s
-            if applied:
+            if applied and not self.is_his:
                 late_s = max(self.safe_for_s, self.struck_for_s)
                 assert late_s <= ZERO_S + sample_s, (
                     f"{applied} in {state.name} after {late_s:.3f} s (safe {self.safe_for_s:.3f}, "
@@ -73,13 +74,17 @@ class Soak:
         spec, reaction = dice.choice(self.specs)
         name, _, length = spec.partition(":")
         length_s = dice.choice((0.01, 0.05, 0.1, 0.3, float(length or 0.5)))
-        self.takes_away, self.struck_for_s = reaction != "ride" and name != "reset", 0.0
+        self.is_his = reaction == "tell"
+        self.takes_away = reaction not in ("ride", "tell") and name != "reset"
+        self.struck_for_s = 0.0
+        told = bench.around.codes.count(NOT_OURS)
         del self.deeds[:-6]
         self.deeds.append(f"{spec} for {length_s:.2f} s in {bench.guard.state.name}")
         bench.begin(spec if name.startswith("!") else f"{name}:{length_s:.2f}")
         self.watch(length_s)
+        assert self.is_his or bench.around.codes.count(NOT_OURS) <= told, self.deeds
         bench.end(spec)
-        self.takes_away, self.struck_for_s = False, 0.0
+        self.takes_away, self.is_his, self.struck_for_s = False, False, 0.0
         self.faults += 1
 
     def recovers(self) -> bool:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import os
 import socket
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -136,7 +138,7 @@ def test_a_word_of_a_file_is_no_formula_in_any_figure():
         kind="angle",
         roll=word,
         coordinate=np.arange(1.0, 50.0),
-        drop=np.arange(1.0, 50.0),
+        chi2_reduction=np.arange(1.0, 50.0),
         degrees=2,
     )
     columns = {"time_s": np.arange(9.0), f"{word}.amplitude_m_s": np.arange(9.0)}
@@ -180,3 +182,21 @@ def test_words_of_files_do_nothing_on_the_terminal(capsys, tmp_path):
     said = capsys.readouterr().err
     assert said.isascii()
     assert said.rstrip("\n").isprintable()
+
+
+def test_a_matplotlibrc_of_the_working_folder_does_not_say_how_figures_are_drawn(tmp_path):
+    """It could have every word set by TeX, which reads files; here it would find no TeX."""
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\ntext.latex.preamble: \\input{/x}\n")
+    program = (
+        "from sim_plant.base.svg import svg; from matplotlib.figure import Figure; "
+        "figure = Figure(); figure.text(0.1, 0.1, 'a'); print(svg(figure)[:4])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", program],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.stdout == "<svg\n", done.stderr

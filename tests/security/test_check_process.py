@@ -149,8 +149,7 @@ def test_an_edit_whose_check_hangs_is_told_and_the_next_one_is_taken(
     monkeypatch.setattr(
         edit_session, "Validation", lambda site, state: Validation(site, state, clock)
     )
-    options = RunOptions(site=path, paths=runtime_paths(tmp_path / "rt"))
-    edits = EditSession(cast(Processes, running), Pending(clock), options, first)
+    edits = EditSession(cast(Processes, running), Pending(clock), path, first)
 
     path.write_text(path.read_text().replace("settle_s: 6,", "settle_s: 7,"))
     until("the edit is seen", lambda: edits.step() is None and edits.is_busy)
@@ -182,9 +181,8 @@ def test_an_edit_saved_while_the_service_starts_is_taken_like_any_other(tmp_path
     assert first.record is not None
     path.write_text(path.read_text().replace("settle_s: 6,", "settle_s: 7,"))
     running = Running(first.record)
-    options = RunOptions(site=path, paths=runtime_paths(tmp_path / "rt"))
     pending = Pending(VirtualClock())
-    edits = EditSession(cast(Processes, running), pending, options, first, watch)
+    edits = EditSession(cast(Processes, running), pending, path, first, watch=watch)
 
     until("the edit is seen", lambda: edits.step() is None and edits.is_busy)
     until("the edit is taken", lambda: edits.step() is None and not edits.is_busy)

@@ -23,7 +23,7 @@ from sim_plant.cli.main import main
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.open import make_line
-from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
 from tests.orphans import begun, children
 from tests.processes import kill, until
@@ -39,7 +39,7 @@ def answers(bench):
 
 def test_twenty_jobs_and_a_killed_worker_give_twenty_answers_in_order(tmp_path):
     said = []
-    with Bench([Twin(tmp_path, "killed")], 2, said.append) as bench:
+    with SimulationPool([Twin(tmp_path, "killed")], 2, said.append) as bench:
         assert answers(bench) == list(range(20))
     assert said == [
         "simulation of record 1 with noise 7: its worker process was ended by signal 9 (Killed); "
@@ -48,14 +48,14 @@ def test_twenty_jobs_and_a_killed_worker_give_twenty_answers_in_order(tmp_path):
 
 
 def test_a_job_may_lose_two_workers(tmp_path):
-    with Bench([Twin(tmp_path, "killed", hits=2)], 2) as bench:
+    with SimulationPool([Twin(tmp_path, "killed", hits=2)], 2) as bench:
         assert answers(bench) == list(range(20))
     assert len(list(tmp_path.iterdir())) == 2
 
 
 def test_a_job_that_loses_a_third_worker_is_named(tmp_path):
     with (
-        Bench([Twin(tmp_path, "killed", hits=99)], 2) as bench,
+        SimulationPool([Twin(tmp_path, "killed", hits=99)], 2) as bench,
         pytest.raises(AffError, match=r"simulation of record 1 with noise 7: 3 worker processes"),
     ):
         bench.run(CASES)
@@ -64,7 +64,7 @@ def test_a_job_that_loses_a_third_worker_is_named(tmp_path):
 
 def test_a_worker_that_hangs_is_ended_in_time_and_its_job_done_again(tmp_path):
     said = []
-    with Bench([Twin(tmp_path, "hangs")], 2, said.append, limit_s=2.0) as bench:
+    with SimulationPool([Twin(tmp_path, "hangs")], 2, said.append, limit_s=2.0) as bench:
         assert answers(bench) == list(range(20))
     assert said == [
         "simulation of record 1 with noise 7: its worker process gave no answer within 2 s; it is "
@@ -78,11 +78,11 @@ KEEPER = """
 import sys
 from pathlib import Path
 import numpy as np
-from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
 from tests.security.killers import Twin
 if __name__ == "__main__":
-    with Bench([Twin(Path(sys.argv[1]), "killed while it answers")], 2) as bench:
+    with SimulationPool([Twin(Path(sys.argv[1]), "killed while it answers")], 2) as bench:
         print(*(run[0].size for run in bench.run([Case(seed=n) for n in range(20)])))
 """
 

@@ -9,7 +9,7 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 ParameterRecord = dict[str, Any]
 """Everything that the control process needs of a site file, as plain JSON values."""
@@ -190,6 +190,6 @@ def decode(packet: bytes) -> Message:
     try:
         said = json.loads(packet)
         message: Message = _ADAPTERS[said.pop("word")].validate_python(said)
-    except (ValidationError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise MessageError(f"not a message of this link: {packet[:80]!r}") from error
     return message

@@ -6,10 +6,11 @@ the other process is dead, however it died.
 
 from __future__ import annotations
 
+import os
 import socket
 import struct
 
-from aff_runtime.app.link.messages import Message, decode, encode
+from aff_runtime.app.link.messages import Message, MessageError, decode, encode
 
 MAX_PACKET_BYTES = 1 << 18
 _DESCRIPTOR = struct.Struct("i")
@@ -72,7 +73,13 @@ class Link:
             raise LinkClosedError from None
         if not packet:
             raise LinkClosedError
-        return decode(packet), _DESCRIPTOR.unpack(passed[0][2])[0] if passed else None
+        descriptor = _DESCRIPTOR.unpack(passed[0][2])[0] if passed else None
+        try:
+            return decode(packet), descriptor
+        except MessageError:
+            if descriptor is not None:
+                os.close(descriptor)
+            raise
 
     def send(self, message: Message, descriptor: int | None = None) -> bool:
         """Send one message; return False when the other side is gone or does not read.

@@ -87,7 +87,8 @@ def _rest(alarm: Alarm, blocked: str) -> str:
     """Return why the output rests, what keeps it from being armed, and the operator's step."""
     why = alarm.text if alarm.name in (POWER_UP, BYPASSED) else f"{alarm.name}, {alarm.text}"
     if blocked.split(" ", maxsplit=1)[0] == alarm.name:
-        return f"{why}; {alarm.action}"
+        # with the signal or the numbers, where it has them
+        return f"{blocked}, {alarm.text}; {alarm.action}"
     if blocked:
         return f"{why}; blocked by {explain(blocked)}"
     over = "" if alarm.name in (POWER_UP, BYPASSED) else ", over now"

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.link.messages import Message, Start, Stop
+from aff_runtime.app.link.messages import LogLine, Message, MessageError, Start, Stop
 from aff_runtime.app.link.packets import Link, LinkClosedError, link_pair
 from aff_runtime.app.wiring.parameter_record import for_control
 from aff_runtime.base.python_child import module_command
@@ -62,17 +62,26 @@ class ControlChild:
         return f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit {code}"
 
     def replies(self) -> list[Message]:
-        """Return what the process has said since the last call."""
+        """Return what the process has said since the last call.
+
+        What is no message is told as a line for the log: the service was updated in place and
+        this process is of the new installation; what it can be told still, zero first, goes on.
+        """
         messages: list[Message] = []
-        try:
-            while (received := self.link.receive_passed()) is not None:
-                message, passed = received
-                messages.append(message)
-                if passed is not None:
-                    self._rings.append(passed)
-        except LinkClosedError:
-            return messages
-        return messages
+        while True:
+            try:
+                received = self.link.receive_passed()
+            except MessageError as error:
+                messages.append(LogLine(text=f"{error}; restart the service"))
+                continue
+            except LinkClosedError:
+                return messages
+            if received is None:
+                return messages
+            message, passed = received
+            messages.append(message)
+            if passed is not None:
+                self._rings.append(passed)
 
     def open_ring(self) -> RingReader | None:
         """Return the oldest ring that it has made and nobody has looked at yet."""

@@ -33,11 +33,11 @@ class StateLog:
             return
         event = BY_CODE.get(alarm, BY_CODE[0])
         rests = state in RESTING and event.code != 0
+        level = logging.WARNING if rests and event.code not in QUIET else logging.INFO
         if state is not self._state:
             before = "" if self._state is None else f"{self._state.name} -> "
             tail = f": {event.name}, {event.text}; {event.action}" if rests else ""
-            loud = rests and event.code not in QUIET
-            LOG.log(logging.WARNING if loud else logging.INFO, "%s%s%s", before, state.name, tail)
+            LOG.log(level, "%s%s%s", before, state.name, tail)
         elif rests:
-            LOG.warning("%s: %s, %s; %s", state.name, event.name, event.text, event.action)
+            LOG.log(level, "%s: %s, %s; %s", state.name, event.name, event.text, event.action)
         self._state, self._alarm = state, alarm

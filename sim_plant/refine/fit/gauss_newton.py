@@ -1,23 +1,25 @@
-"""Fit the numbers of effects by Gauss-Newton with a trust region, tolerances re-estimated."""
+"""Fit the numbers of effects by Gauss-Newton with step shortening, tolerances re-estimated."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.twin import Added, Case
 
-STRONG = 30.0
-"""A nuisance whose shift moves the residual by more than this (norm) is simulated, not linear."""
-ASTRAY = 50.0
-"""A step that moves a declared number by this many standard deviations is not tried: that far no
-slope holds, and such a line is slow to simulate or none at all."""
+FIT = CRITERIA.fit
+SHARES = (1.0, 0.4, 0.15, 0.05)
+"""Shares of a Gauss-Newton step that are tried until the cost falls."""
+
+Values = tuple[tuple[float, ...], ...]
+"""Numbers of every effect, in order."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,7 +36,7 @@ class Fit:
     """
 
     hypotheses: tuple[Hypothesis, ...]
-    values: tuple[tuple[float, ...], ...]
+    values: Values
     shifts: dict[str, float]
     cost: float
     residual: Array
@@ -45,7 +47,12 @@ class Fit:
         """The simulation of this fit."""
         return case_of(self.hypotheses, self.values, self.shifts)
 
-    def put(self, at: int, h: Hypothesis, values: Sequence[float]) -> Fit:
+    @property
+    def effects(self) -> tuple[Added, ...]:
+        """The fitted effects."""
+        return self.case.effects
+
+    def with_effect_at(self, at: int, h: Hypothesis, values: Sequence[float]) -> Fit:
         """Return the fit with another effect in place ``at``, not fitted yet."""
         return replace(
             self,
@@ -53,16 +60,11 @@ class Fit:
             values=(*self.values[:at], tuple(values), *self.values[at + 1 :]),
         )
 
-    @property
-    def effects(self) -> tuple[Added, ...]:
-        """The fitted effects."""
-        return self.case.effects
-
 
 def case_of(
     hypotheses: Sequence[Hypothesis],
     values: Sequence[Sequence[float]],
-    shifts: dict[str, float],
+    shifts: Mapping[str, float],
     coarse: bool = True,
 ) -> Case:
     """Return the simulation of these effects and shifts."""
@@ -70,58 +72,53 @@ def case_of(
     return Case(effects=effects, shifts=tuple(sorted(shifts.items())), coarse=coarse)
 
 
-def empty_fit(problem: Problem, shifts: dict[str, float] | None = None) -> Fit:
+def nominal_fit(objective: Objective, shifts: dict[str, float] | None = None) -> Fit:
     """Return the declared line itself, its strong nuisances re-estimated from ``shifts``."""
-    return refine_fit(problem, (), (), shifts or {}, rounds=3)
+    return gauss_newton_fit(objective, (), (), shifts or {}, rounds=3)
 
 
 def jacobian(
-    problem: Problem,
+    objective: Objective,
     hypotheses: Sequence[Hypothesis],
-    values: Sequence[tuple[float, ...]],
+    values: Values,
     shifts: dict[str, float],
 ) -> Array:
     """Return the columns of all numbers; always from coarse runs: only their zero matters."""
-    cases, steps = [], []
+    cases, increments = [], []
     for at, (h, v) in enumerate(zip(hypotheses, values, strict=True)):
-        for k, step in enumerate(h.steps(v)):
-            moved = [tuple(x) for x in values]
-            moved[at] = tuple(x + step * (j == k) for j, x in enumerate(v))
+        for k, increment in enumerate(h.increments(v)):
+            moved = list(values)
+            moved[at] = tuple(x + increment * (j == k) for j, x in enumerate(v))
             cases.append(case_of(hypotheses, moved, shifts))
-            steps.append(step)
-    base, *runs = problem.bench.run([case_of(hypotheses, values, shifts), *cases])
-    columns = [problem.column(r, base, s) for r, s in zip(runs, steps, strict=True)]
-    rows = problem.projector.nuisances.shape[0]
+            increments.append(increment)
+    base, *runs = objective.pool.run([case_of(hypotheses, values, shifts), *cases])
+    columns = [objective.column(r, base, d) for r, d in zip(runs, increments, strict=True)]
+    rows = objective.projector.nuisances.shape[0]
     return np.stack(columns, axis=1) if columns else np.zeros((rows, 0))
 
 
-def _moved_shifts(problem: Problem, shifts: dict[str, float], change: Array) -> dict[str, float]:
-    found = dict(shifts)
-    norms = np.linalg.norm(problem.projector.nuisances[: problem.rows], axis=0)
-    for row, delta, norm in zip(problem.nuisances, change, norms, strict=False):
-        if abs(delta) * norm > STRONG:
-            found[row.name] = found.get(row.name, 0.0) + float(delta)
-    return found
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Point:
+    """Numbers of effects and shifts that were simulated, with what they leave."""
+
+    values: Values
+    shifts: dict[str, float]
+    residual: Array
+    cost: float
 
 
-def _astray(problem: Problem, shifts: dict[str, float], trial: dict[str, float]) -> bool:
-    rows = zip(problem.nuisances, problem.sd, strict=True)
-    return any(
-        abs(trial.get(n.name, 0.0) - shifts.get(n.name, 0.0)) > ASTRAY * sd for n, sd in rows
-    )
-
-
-def refine_fit(
-    problem: Problem,
+def gauss_newton_fit(
+    objective: Objective,
     hypotheses: Sequence[Hypothesis],
     start: Sequence[Sequence[float]],
     shifts: dict[str, float],
     rounds: int = 6,
     coarse: bool = True,
 ) -> Fit:
-    """Return the best fit near ``start``: linearise, step, halve the step when the cost rises.
+    """Return the best fit near ``start``: linearise, step, shorten a step that does not improve.
 
-    ``coarse`` takes the quick simulation, else the declared tick for all but the slopes.
+    ``coarse`` takes the quick simulation, else the declared tick for all but the slopes. With no
+    ``rounds`` the start is weighed as it is.
 
     Raises
     ------
@@ -129,72 +126,93 @@ def refine_fit(
         When the start itself cannot be simulated.
     """
     hypotheses = tuple(hypotheses)
-    values = [tuple(float(x) for x in v) for v in start]
-    shifts = dict(shifts)
-    run = problem.bench.one(case_of(hypotheses, values, shifts, coarse))
-    residual = problem.residual(run, shifts, coarse)
-    cost = problem.projector.cost(residual)
+    values = tuple(tuple(float(x) for x in v) for v in start)
+    here = _simulated(objective, hypotheses, values, dict(shifts), coarse)
     covariance = np.zeros((0, 0))
-    if not np.isfinite(cost):
-        rounds, residual = 0, np.zeros_like(residual)
+    if not np.isfinite(here.cost):
+        rounds, here = 0, replace(here, residual=np.zeros_like(here.residual))
     for _ in range(rounds):
-        columns = jacobian(problem, hypotheses, values, shifts)
+        columns = jacobian(objective, hypotheses, here.values, here.shifts)
         if not np.isfinite(columns).all():
             break
-        full = problem.projector.beside(columns)
-        step = full.estimate(residual)
-        split = problem.projector.nuisances.shape[1]
+        step = objective.projector.with_columns(columns).estimate(here.residual)
         if columns.size:
-            covariance = problem.projector.gain(residual, columns).covariance
-        found = _search(
-            problem, hypotheses, values, shifts, step[:split], step[split:], cost, coarse
-        )
-        if found is None:
+            covariance = objective.projector.linear_fit(here.residual, columns).covariance
+        better = _stepped(objective, hypotheses, here, step, coarse)
+        if better is None:
             break
-        values, shifts, run, residual, new_cost = found
-        gained, cost = cost - new_cost, new_cost
-        if gained < max(1.0, 1e-4 * cost):
+        gained, here = here.cost - better.cost, better
+        if gained < max(FIT.least_gain, FIT.least_gain_share * here.cost):
             break
     return Fit(
         hypotheses=hypotheses,
-        values=tuple(values),
-        shifts=shifts,
-        cost=cost,
-        residual=problem.projector.project(residual),
+        values=here.values,
+        shifts=here.shifts,
+        cost=here.cost,
+        residual=objective.projector.project(here.residual),
         covariance=covariance,
     )
 
 
-_Found = tuple[list[tuple[float, ...]], dict[str, float], list[Array], Array, float]
-
-
-def _search(
-    problem: Problem,
+def _simulated(
+    objective: Objective,
     hypotheses: Sequence[Hypothesis],
-    values: Sequence[tuple[float, ...]],
+    values: Values,
     shifts: dict[str, float],
-    nuisance_step: Array,
-    step: Array,
-    cost: float,
     coarse: bool,
-) -> _Found | None:
-    for share in (1.0, 0.4, 0.15, 0.05):
-        at, moved = 0, []
-        for h, v in zip(hypotheses, values, strict=True):
-            raw = np.array(v) + share * step[at : at + len(v)]
-            moved.append(tuple(float(x) for x in np.clip(raw, h.low, h.high)))
-            at += len(v)
-        trial = _moved_shifts(problem, shifts, share * nuisance_step)
-        if moved == list(values) and trial == shifts:
+) -> _Point:
+    run = objective.pool.one(case_of(hypotheses, values, shifts, coarse))
+    residual = objective.residual(run, shifts, coarse)
+    cost = objective.projector.cost(residual)
+    return _Point(values=values, shifts=shifts, residual=residual, cost=cost)
+
+
+def _stepped(
+    objective: Objective, hypotheses: Sequence[Hypothesis], here: _Point, step: Array, coarse: bool
+) -> _Point | None:
+    """Return the first point along ``step`` (nuisances, then numbers) that costs less, or None."""
+    split = objective.projector.nuisances.shape[1]
+    for share in SHARES:
+        values = _moved(hypotheses, here.values, share * step[split:])
+        shifts = _moved_shifts(objective, here.shifts, share * step[:split])
+        if values == here.values and shifts == here.shifts:
             return None
-        if _astray(problem, shifts, trial):
+        if _astray(objective, here.shifts, shifts):
             continue
         try:
-            run = problem.bench.one(case_of(hypotheses, moved, trial, coarse))
+            there = _simulated(objective, hypotheses, values, shifts, coarse)
         except PlantError:
             continue
-        residual = problem.residual(run, trial, coarse)
-        new_cost = problem.projector.cost(residual)
-        if new_cost < cost:
-            return moved, trial, run, residual, new_cost
+        if there.cost < here.cost:
+            return there
     return None
+
+
+def _moved(hypotheses: Sequence[Hypothesis], values: Values, change: Array) -> Values:
+    """Return numbers moved by ``change``, kept within their bounds."""
+    at, moved = 0, []
+    for h, v in zip(hypotheses, values, strict=True):
+        raw = np.array(v) + change[at : at + len(v)]
+        moved.append(tuple(float(x) for x in np.clip(raw, h.low, h.high)))
+        at += len(v)
+    return tuple(moved)
+
+
+def _moved_shifts(
+    objective: Objective, shifts: dict[str, float], change: Array
+) -> dict[str, float]:
+    """Return shifts with those moved that are strong enough to be simulated."""
+    found = dict(shifts)
+    norms = np.linalg.norm(objective.projector.nuisances[: objective.rows], axis=0)
+    for row, delta, norm in zip(objective.nuisances, change, norms, strict=False):
+        if abs(delta) * norm > FIT.simulated_norm:
+            found[row.name] = found.get(row.name, 0.0) + float(delta)
+    return found
+
+
+def _astray(objective: Objective, shifts: dict[str, float], trial: dict[str, float]) -> bool:
+    rows = zip(objective.nuisances, objective.prior_sd, strict=True)
+    return any(
+        abs(trial.get(n.name, 0.0) - shifts.get(n.name, 0.0)) > FIT.astray_sd * sd
+        for n, sd in rows
+    )

@@ -1,79 +1,79 @@
-"""Records, twins, noise and tolerances as one weighted least-squares problem."""
+"""Records, twins, noise and tolerances as one weighted least-squares objective.
+
+The objective is a value: what is simulated and weighed otherwise is another objective
+(`relinearised_at`, `with_free_shapes`, `conditioned_on`). Results of simulations are kept by the
+pool, never here.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from copy import copy
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.linearisation import Linearisation, linearised_at, with_free_bodies
 from sim_plant.refine.fit.projection import Projector
+from sim_plant.refine.fit.whitening import Whitening, declared_whitening
 from sim_plant.refine.model.nuisances import Nuisance, declared_nuisances
-from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
-from sim_plant.refine.noise.innovations import declared_noise
-
-NOISE_RUNS = 12
-NOMINAL = Case()
-LOOSE_ORDERS = 12
-LOOSE_M = 2e-5
 
 
-class Problem:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Objective:
     """Whitened residuals of all records against the twins, in one vector.
 
     The vector ends in one row per declared tolerance: what a shift of that number costs.
+
+    Attributes
+    ----------
+    pool : simulates the twins of the records.
+    measured : channels of every record (channels, samples).
+    nuisances : declared numbers with a tolerance.
+    linearisation : where responses were taken, and they.
+    whitening : how the channels are weighed.
+    projector : takes out what tolerances, free zeros and free shapes explain.
     """
 
-    def __init__(self, bench: Bench, measured: Sequence[Array]) -> None:
-        self.bench = bench
-        self.measured = list(measured)
-        self.nuisances: list[Nuisance] = declared_nuisances(bench.twins[0].declaration)
-        self.anchor = NOMINAL
-        self.loose: tuple[int, ...] = ()
-        self.changes: list[list[Array]] = []
-        self.coarse, self.fine = bench.run([NOMINAL, replace(NOMINAL, coarse=False)])
-        self.simulate_noise()
-        self.basis: list[Array | None] = [None] * len(self.measured)
-        self.rows = sum(
-            m.shape[0] * (m.shape[1] - n.first)
-            for m, n in zip(self.measured, self.noise, strict=True)
-        )
-        self.weigh()
-
-    def simulate_noise(self) -> None:
-        """Take the noise that the declaration makes of the line at the anchor."""
-        cases = [replace(self.anchor, coarse=False, seed=seed) for seed in range(NOISE_RUNS)]
-        runs = self.bench.run(cases, keep=False)
-        noisy = [np.stack([run[t] for run in runs]) for t in range(len(self.bench.twins))]
-        self.noisy = [noise - fine[None] for noise, fine in zip(noisy, self.fine, strict=True)]
-        rows = zip(self.bench.twins, self.noisy, strict=True)
-        self.quiet = [declared_noise(twin, noise) for twin, noise in rows]
-        self.noise = self.quiet
-
-    def weigh(self) -> None:
-        """Take the declared noise, its level and colour put right by the data at the anchor."""
-        rows = zip(self.quiet, self.measured, self.fine, strict=True)
-        self.noise = [n.tuned(m - y) for n, m, y in rows]
-        self.project()
-
-    def project(self) -> None:
-        """Take the responses to declared numbers, and to what is loose, at the anchor."""
-        self.projector = Projector(self._nuisance_columns())
+    pool: SimulationPool
+    measured: tuple[Array, ...]
+    nuisances: tuple[Nuisance, ...]
+    linearisation: Linearisation
+    whitening: Whitening
+    projector: Projector
 
     @property
-    def sd(self) -> Array:
-        """Prior standard deviation of every nuisance shift."""
-        return np.array([0.5 * n.tolerance for n in self.nuisances])
+    def rows(self) -> int:
+        """Number of judged samples of all channels and records."""
+        return judged_rows(self.measured, self.whitening)
 
-    def whiten(self, values: Sequence[Array]) -> Array:
-        """Return one vector of innovations of per-record channels (channels, samples)."""
-        rows = zip(self.noise, values, self.basis, strict=True)
-        return np.concatenate([_without(n.whiten(v), basis).ravel() for n, v, basis in rows])
+    @property
+    def prior_sd(self) -> Array:
+        """Prior standard deviation of every nuisance shift."""
+        return prior_sd(self.nuisances)
+
+    @property
+    def expected_cost(self) -> float:
+        """Cost that a true model would leave: rows, channels of coarse words counted less."""
+        total = 0.0
+        for noise, measured in zip(self.whitening.noise, self.measured, strict=True):
+            share = np.minimum(1.0, (noise.floor / noise.sd) ** 2)
+            coarse = np.array([taps.size == 1 for taps in noise.filters])
+            total += float(np.where(coarse, share, 1.0).sum()) * (measured.shape[1] - noise.first)
+        taken = [0 if q is None else q.shape[1] for q in self.whitening.basis]
+        total -= 2.0 * CRITERIA.fit.free_orders * len(self.linearisation.free_bodies)
+        terms = sum(m.shape[0] * k for m, k in zip(self.measured, taken, strict=True))
+        return total - float(terms)
+
+    @property
+    def cost_standard_deviation(self) -> float:
+        """Standard deviation of the cost of a true model, that of chi-square."""
+        return math.sqrt(2.0 * self.expected_cost)
 
     def residual(
         self, run: Sequence[Array], shifts: dict[str, float] | None = None, coarse: bool = True
@@ -82,146 +82,162 @@ class Problem:
 
         To a coarse run the difference fine - coarse at the anchor is added.
         """
+        here = self.linearisation
         gone = [
             m - (y + f - c) if coarse else m - y
-            for m, y, f, c in zip(self.measured, run, self.fine, self.coarse, strict=True)
+            for m, y, f, c in zip(self.measured, run, here.fine, here.coarse, strict=True)
         ]
         put = np.array([(shifts or {}).get(n.name, 0.0) for n in self.nuisances])
-        return np.concatenate([self.whiten(gone), -put / self.sd])
+        return np.concatenate([self.whitening.vector(gone), -put / self.prior_sd])
 
-    def column(self, run: Sequence[Array], base: Sequence[Array], step: float) -> Array:
-        """Return the whitened derivative between two coarse runs."""
-        change = [(y - b) / step for y, b in zip(run, base, strict=True)]
-        return self._whole(change)
-
-    def _whole(self, change: Sequence[Array]) -> Array:
-        """Return a per-record change as a column, whitened, nothing in the rows of tolerances."""
-        return np.concatenate([self.whiten(change), np.zeros(len(self.nuisances))])
-
-    def _nuisance_columns(self) -> Array:
-        columns = []
-        for at, change in enumerate(self.changes or self._take_changes()):
-            column = self._whole(change)
-            column[self.rows + at] = 1.0 / self.sd[at]
-            columns.append(column)
-        return np.stack([*columns, *self._zero_columns(), *self._loose_columns()], axis=1)
-
-    def _take_changes(self) -> list[list[Array]]:
-        """Simulate and keep what a unit of every declared number changes, per record.
-
-        Raises
-        ------
-        PlantError
-            When the line does not run at the end of a tolerance.
-        """
-        put = dict(self.anchor.shifts)
-        cases = [
-            replace(
-                self.anchor,
-                shifts=tuple(sorted({**put, n.name: put.get(n.name, 0.0) + n.tolerance}.items())),
-            )
-            for n in self.nuisances
-        ]
-        runs = self.bench.run(cases)
-        for n, run in zip(self.nuisances, runs, strict=True):
-            if not all(np.isfinite(y).all() for y in run):
-                raise PlantError(
-                    f"tolerances: {n.name} may be {n.tolerance:g} off, and there the line does "
-                    "not run; a tolerance is two standard deviations, mostly a share of the "
-                    f"number (0.02 is 2 %): give {n.name} a smaller one"
-                )
-        self.changes = [
-            [(y - b) / n.tolerance for y, b in zip(run, self.coarse, strict=True)]
-            for n, run in zip(self.nuisances, runs, strict=True)
-        ]
-        return self.changes
-
-    def _loose_columns(self) -> list[Array]:
-        """Return what one typical ripple of each order of each loose shape does, cos and sin."""
-        cases = [
-            replace(self.anchor, ripples=((body, n, LOOSE_M * c / n, LOOSE_M * s / n),))
-            for body in self.loose
-            for n in range(1, LOOSE_ORDERS + 1)
-            for c, s in ((1.0, 0.0), (0.0, 1.0))
-        ]
-        return [self.column(run, self.coarse, 1.0) for run in self.bench.run(cases)]
-
-    def _zero_columns(self) -> list[Array]:
-        """Return free offsets of angle channels: their zero is the first row, with its noise."""
-        columns = []
-        for t, twin in enumerate(self.bench.twins):
-            for c, name in enumerate(twin.channels):
-                if name.endswith("_angle_rad"):
-                    ones = [np.zeros_like(m) for m in self.measured]
-                    ones[t][c] = 1.0
-                    columns.append(np.concatenate([self.whiten(ones), np.zeros(self.sd.size)]))
-        return columns
-
-    def anchored(self, case: Case, *, weak: bool = False) -> Problem:
-        """Return the same problem with coarse runs put right at ``case``, not at the declaration.
-
-        A coarse tick is some percent off in what an effect does; from here on only changes are.
-        Responses to declared numbers are taken anew there, unless what is on the line is too
-        ``weak`` to change them.
-        """
-        near = copy(self)
-        if not weak:
-            near.changes = []
-        self.bench.forget()
-        near.anchor = replace(case, coarse=True)
-        near.coarse, near.fine = self.bench.run([near.anchor, replace(case, coarse=False)])
-        if any(not BY_NAME[added.effect].order_locked for added in case.effects):
-            near.simulate_noise()  # a delay, a filter, another web: the loops make other noise
-        near.weigh()
-        return near
-
-    def loosened(self, bodies: Sequence[int]) -> Problem:
-        """Return the same problem with the shapes of ``bodies`` free in every low order.
-
-        What is then found must explain more than a detail of a shape that is there already.
-        """
-        near = copy(self)
-        near.loose = tuple(sorted(set(bodies)))
-        near.project()
-        return near
-
-    def beside(self, basis: Sequence[Array]) -> Problem:
-        """Return the same problem with free terms taken out of every channel first.
-
-        ``basis`` has orthonormal columns (judged samples, terms) per record. What is left is what
-        an effect has to explain that these terms, free in size in every channel, cannot.
-        """
-        near = copy(self)
-        near.basis = list(basis)
-        near.project()
-        return near
-
-    @property
-    def expected_cost(self) -> float:
-        """Cost that a true model would leave: rows, channels of coarse words counted less."""
-        total = 0.0
-        for noise, measured in zip(self.noise, self.measured, strict=True):
-            share = np.minimum(1.0, (noise.floor / noise.sd) ** 2)
-            coarse = np.array([taps.size == 1 for taps in noise.filters])
-            total += float(np.where(coarse, share, 1.0).sum()) * (measured.shape[1] - noise.first)
-        taken = [0 if q is None else q.shape[1] for q in self.basis]
-        total -= 2.0 * LOOSE_ORDERS * len(self.loose)
-        terms = sum(m.shape[0] * k for m, k in zip(self.measured, taken, strict=True))
-        return total - float(terms)
+    def column(self, run: Sequence[Array], base: Sequence[Array], increment: float) -> Array:
+        """Return the whitened derivative between two coarse runs, zero in rows of tolerances."""
+        change = [(y - b) / increment for y, b in zip(run, base, strict=True)]
+        return _column(self.whitening, change, len(self.nuisances))
 
     def split(self, vector: Array) -> list[Array]:
         """Return the per-record innovations (channels, judged samples) of a residual vector."""
         parts, at = [], 0
-        for noise, measured in zip(self.noise, self.measured, strict=True):
+        for noise, measured in zip(self.whitening.noise, self.measured, strict=True):
             shape = (measured.shape[0], measured.shape[1] - noise.first)
             parts.append(vector[at : at + shape[0] * shape[1]].reshape(shape))
             at += shape[0] * shape[1]
         return parts
 
 
-def _without(white: Array, basis: Array | None) -> Array:
-    """Return channels (channels, samples) less their part along ``basis`` (samples, terms)."""
-    if basis is None:
-        return white
-    rest: Array = white - (white @ basis) @ basis.T
-    return rest
+def declared_objective(pool: SimulationPool, measured: Sequence[Array]) -> Objective:
+    """Return the objective of records (channels, samples) linearised at the declared line.
+
+    Raises
+    ------
+    PlantError
+        When a channel has no noise, or the line does not run at the end of a tolerance.
+    """
+    nuisances = tuple(declared_nuisances(pool.twins[0].declaration))
+    here = linearised_at(pool, nuisances, Case())
+    whitening = declared_whitening(pool, here.anchor, here.fine)
+    return _weighed(pool, tuple(measured), nuisances, here, whitening)
+
+
+def relinearised_at(
+    objective: Objective, case: Case, *, keep_nuisance_changes: bool = False
+) -> Objective:
+    """Return the objective with coarse runs put right at ``case``, not at the declaration.
+
+    A coarse tick is some percent off in what an effect does; from here on only changes are.
+    Responses to declared numbers are taken anew there unless those there are kept, and the noise
+    as well where a delay, a filter or another web is there: the loops make other noise of it.
+    Results of earlier simulations are dropped: a search does not come back to them.
+    """
+    pool, before = objective.pool, objective.linearisation
+    pool.forget()
+    here = linearised_at(
+        pool,
+        objective.nuisances,
+        case,
+        nuisance_changes=before.nuisance_changes if keep_nuisance_changes else None,
+        free_bodies=before.free_bodies,
+    )
+    whitening = objective.whitening
+    if any(not BY_NAME[added.effect].order_locked for added in case.effects):
+        fresh = declared_whitening(pool, here.anchor, here.fine)
+        whitening = replace(fresh, basis=whitening.basis)
+    return _weighed(pool, objective.measured, objective.nuisances, here, whitening)
+
+
+def with_free_shapes(objective: Objective, bodies: Sequence[int]) -> Objective:
+    """Return the objective with the shapes of ``bodies`` free in every low order.
+
+    What is then found must explain more than a detail of a shape that is there already.
+    """
+    here = with_free_bodies(objective.pool, objective.linearisation, bodies)
+    return _projected(replace(objective, linearisation=here))
+
+
+def conditioned_on(objective: Objective, basis: Sequence[Array]) -> Objective:
+    """Return the objective with free terms taken out of every channel first.
+
+    ``basis`` has orthonormal columns (judged samples, terms) per record. What is left is what an
+    effect has to explain that these terms, free in size in every channel, cannot.
+    """
+    whitening = replace(objective.whitening, basis=tuple(basis))
+    return _projected(replace(objective, whitening=whitening))
+
+
+def prior_sd(nuisances: Sequence[Nuisance]) -> Array:
+    """Return the standard deviation of every nuisance: a tolerance is two of them."""
+    return np.array([0.5 * n.tolerance for n in nuisances])
+
+
+def judged_rows(measured: Sequence[Array], whitening: Whitening) -> int:
+    """Return the number of judged samples of all channels and records."""
+    rows = zip(measured, whitening.noise, strict=True)
+    return sum(m.shape[0] * (m.shape[1] - n.first) for m, n in rows)
+
+
+def _weighed(
+    pool: SimulationPool,
+    measured: tuple[Array, ...],
+    nuisances: tuple[Nuisance, ...],
+    linearisation: Linearisation,
+    whitening: Whitening,
+) -> Objective:
+    """Return the objective with the declared noise put right by the data at the anchor."""
+    residuals = [m - y for m, y in zip(measured, linearisation.fine, strict=True)]
+    weighed = whitening.adjusted_to(residuals)
+    return Objective(
+        pool=pool,
+        measured=measured,
+        nuisances=nuisances,
+        linearisation=linearisation,
+        whitening=weighed,
+        projector=_projector(pool, measured, nuisances, linearisation, weighed),
+    )
+
+
+def _projected(objective: Objective) -> Objective:
+    """Return the objective with the projector that belongs to its parts."""
+    projector = _projector(
+        objective.pool,
+        objective.measured,
+        objective.nuisances,
+        objective.linearisation,
+        objective.whitening,
+    )
+    return replace(objective, projector=projector)
+
+
+def _projector(
+    pool: SimulationPool,
+    measured: Sequence[Array],
+    nuisances: Sequence[Nuisance],
+    linearisation: Linearisation,
+    whitening: Whitening,
+) -> Projector:
+    """Return what takes out nuisances with their priors, zeros of angles and free shapes."""
+    sd, rows = prior_sd(nuisances), judged_rows(measured, whitening)
+    columns = []
+    for at, change in enumerate(linearisation.nuisance_changes):
+        column = _column(whitening, change, len(nuisances))
+        column[rows + at] = 1.0 / sd[at]
+        columns.append(column)
+    zeros = [_column(whitening, change, len(nuisances)) for change in _zeros(pool, measured)]
+    shapes = [_column(whitening, c, len(nuisances)) for c in linearisation.shape_changes]
+    return Projector(np.stack([*columns, *zeros, *shapes], axis=1))
+
+
+def _column(whitening: Whitening, change: Sequence[Array], tolerances: int) -> Array:
+    """Return a per-record change as a column, whitened, nothing in the rows of tolerances."""
+    return np.concatenate([whitening.vector(change), np.zeros(tolerances)])
+
+
+def _zeros(pool: SimulationPool, measured: Sequence[Array]) -> list[list[Array]]:
+    """Return free offsets of angle channels: their zero is the first row, with its noise."""
+    found = []
+    for t, twin in enumerate(pool.twins):
+        for c, name in enumerate(twin.channels):
+            if name.endswith("_angle_rad"):
+                ones = [np.zeros_like(m) for m in measured]
+                ones[t][c] = 1.0
+                found.append(ones)
+    return found

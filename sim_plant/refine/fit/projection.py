@@ -11,28 +11,28 @@ from sim_plant.base.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Gain:
-    """What a candidate explains.
+class LinearFit:
+    """What further columns explain by one linear step.
 
     Attributes
     ----------
-    drop : fall of the cost, chi-square with q degrees of freedom when the effect is absent.
+    chi2_reduction : fall of the cost, chi-square with q degrees of freedom when they are nothing.
     values : best parameters (q,), in units of the sensitivity columns.
     covariance : of the values (q, q), tolerances of declared numbers included.
-    seen : share of the weakest column that nothing else can imitate, 0..1.
+    distinct_share : share of the weakest column that nuisances cannot imitate, 0..1.
     """
 
-    drop: float
+    chi2_reduction: float
     values: Array
     covariance: Array
-    seen: float
+    distinct_share: float
 
 
 class Projector:
     """Cost min over x of |r - A x|^2, and what further columns save on it.
 
     Priors are rows: ``A`` (rows, n) ends in one row per nuisance with a tolerance, see
-    ``Problem``. Rows of candidate columns are zero there.
+    ``Objective``. Rows of candidate columns are zero there.
     """
 
     def __init__(self, nuisances: Array) -> None:
@@ -59,7 +59,7 @@ class Projector:
             return float("inf")
         return float(residual @ self.project(residual))
 
-    def gain(self, residual: Array, columns: Array) -> Gain:
+    def linear_fit(self, residual: Array, columns: Array) -> LinearFit:
         """Return what ``columns`` (rows, q) of free size save on the cost."""
         cut = self.project(columns)
         size = np.sqrt(np.maximum(np.einsum("ij,ij->j", columns, columns), 1e-300))
@@ -67,13 +67,13 @@ class Projector:
         solve = np.linalg.pinv(scaled, rcond=1e-9, hermitian=True)
         against = (cut.T @ residual) / size
         values = solve @ against
-        return Gain(
-            drop=float(against @ values),
+        return LinearFit(
+            chi2_reduction=float(against @ values),
             values=values / size,
             covariance=solve / np.outer(size, size),
-            seen=float(np.min(np.diag(scaled))),
+            distinct_share=float(np.min(np.diag(scaled))),
         )
 
-    def beside(self, columns: Array) -> Projector:
+    def with_columns(self, columns: Array) -> Projector:
         """Return the projector with further free columns (rows, q)."""
         return Projector(np.column_stack([self.nuisances, columns]))

@@ -1,29 +1,29 @@
-"""Simulated rolls brought into step with the measured ones.
+"""Simulated rolls synchronised with the measured ones.
 
-A radius wrong by 0.05 % turns a roll a quarter radian out of step in 80 turns: enough to lose
+A radius wrong by 0.05 % puts a roll a quarter radian out of step in 80 turns: enough to lose
 every harmonic. What an effect does at a roll's angle can only be told in step with that angle.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.fit.gauss_newton import Fit, case_of, refine_fit
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
+from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.twin import Twin
 
 ROUNDS = 4
-CLOSE_RAD = 0.02
-"""Out of step by less than this over a record is in step."""
+"""Simulations, each from the radii that the one before asks for."""
 
 
-def in_step(
-    problem: Problem,
-    shifts: dict[str, float],
+def synchronising_shifts(
+    objective: Objective,
+    shifts: Mapping[str, float],
     hypotheses: Sequence[Hypothesis] = (),
     values: Sequence[Sequence[float]] = (),
 ) -> dict[str, float]:
@@ -33,26 +33,11 @@ def in_step(
     unwound. Rolls count of which an angle or a speed in rad/s is recorded.
     """
     found = dict(shifts)
-    known = {n.name for n in problem.nuisances}
-    told = [turns(t, m) for t, m in zip(problem.bench.twins, problem.measured, strict=True)]
+    twins = objective.pool.twins
+    measured = [recorded_angles(t, m) for t, m in zip(twins, objective.measured, strict=True)]
     for _ in range(ROUNDS):
-        runs = problem.bench.one(case_of(hypotheses, values, found))
-        ahead: dict[str, list[float]] = {}
-        for run, fine, coarse, twin, theirs, noise in zip(
-            runs,
-            problem.fine,
-            problem.coarse,
-            problem.bench.twins,
-            told,
-            problem.noise,
-            strict=True,
-        ):
-            ours = turns(twin, run + fine - coarse)
-            for name in known & set(ours):
-                ahead.setdefault(name, []).append(
-                    _ahead(ours[name][noise.first :], theirs[name][noise.first :])
-                )
-        moves = {name: float(np.mean(row)) for name, row in ahead.items() if np.any(row)}
+        runs = objective.pool.one(case_of(hypotheses, values, found))
+        moves = _slope_errors(objective, runs, measured)
         if not moves or not np.isfinite(list(moves.values())).all():
             break
         for name, move in moves.items():
@@ -60,20 +45,20 @@ def in_step(
     return found
 
 
-def stepped(problem: Problem, fit: Fit) -> Fit:
-    """Return the fit with its rolls in step; what it costs is told there."""
-    shifts = in_step(problem, fit.shifts, fit.hypotheses, fit.values)
+def synchronised(objective: Objective, fit: Fit) -> Fit:
+    """Return the fit with its rolls in step; its cost is that there."""
+    shifts = synchronising_shifts(objective, fit.shifts, fit.hypotheses, fit.values)
     if shifts == fit.shifts:
         return fit
-    return refine_fit(problem, fit.hypotheses, fit.values, shifts, rounds=0, coarse=False)
+    return gauss_newton_fit(objective, fit.hypotheses, fit.values, shifts, rounds=0, coarse=False)
 
 
-def felt_radius(roller: str) -> str:
+def effective_radius_of(roller: str) -> str:
     """Return the name under which a roller's effective radius is a nuisance."""
     return f"rollers.{roller}.effective_radius"
 
 
-def turns(twin: Twin, channels: Array) -> dict[str, Array]:
+def recorded_angles(twin: Twin, channels: Array) -> dict[str, Array]:
     """Return the angle (samples,), rad, of every roller that is recorded, by its effective radius.
 
     Speeds are added up where no angle is recorded.
@@ -81,15 +66,39 @@ def turns(twin: Twin, channels: Array) -> dict[str, Array]:
     found: dict[str, Array] = {}
     for name, values in zip(twin.channels, channels, strict=True):
         if name.endswith("_angle_rad"):
-            found[felt_radius(name.removesuffix("_angle_rad"))] = values
+            found[effective_radius_of(name.removesuffix("_angle_rad"))] = values
     for name, values in zip(twin.channels, channels, strict=True):
         if name.endswith("_speed_rad_s"):
-            roller = felt_radius(name.removesuffix("_speed_rad_s"))
+            roller = effective_radius_of(name.removesuffix("_speed_rad_s"))
             found.setdefault(roller, np.cumsum(values) * twin.declaration.sample_time_s)
     return found
 
 
-def _ahead(ours: Array, theirs: Array) -> float:
+def _slope_errors(
+    objective: Objective, runs: Sequence[Array], measured: Sequence[Mapping[str, Array]]
+) -> dict[str, float]:
+    """Return how much (relative) each roll turns too fast, mean of records; none in step."""
+    here = objective.linearisation
+    known = {n.name for n in objective.nuisances}
+    ahead: dict[str, list[float]] = {}
+    for run, fine, coarse, twin, theirs, noise in zip(
+        runs,
+        here.fine,
+        here.coarse,
+        objective.pool.twins,
+        measured,
+        objective.whitening.noise,
+        strict=True,
+    ):
+        ours = recorded_angles(twin, run + fine - coarse)
+        for name in known & set(ours):
+            ahead.setdefault(name, []).append(
+                _slope_error(ours[name][noise.first :], theirs[name][noise.first :])
+            )
+    return {name: float(np.mean(row)) for name, row in ahead.items() if np.any(row)}
+
+
+def _slope_error(ours: Array, theirs: Array) -> float:
     """Return by how much (relative) ours turns faster, 0 where it hardly matters."""
     slope = float(np.polyfit(theirs - theirs[0], ours - ours[0], 1)[0]) - 1.0
-    return slope if not abs(slope) * float(np.ptp(theirs)) < CLOSE_RAD else 0.0
+    return slope if not abs(slope) * float(np.ptp(theirs)) < CRITERIA.fit.in_step_rad else 0.0

@@ -12,15 +12,17 @@ from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.refine.model.hypotheses import turned
-from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case, Twin
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
 
 COARSE_ANGLES = 24
+"""Tries round a turn, the first grid."""
 ZOOMS = 3
+"""Grids of five tries about the best, each 0.3 times as wide."""
 
 
-def in_phase(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]]:
+def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]]:
     """Return the twin with its declared effects as they stood when the record began.
 
     A declaration's angles are those of the record it was made from; on every other one the rolls
@@ -33,13 +35,13 @@ def in_phase(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]]:
         return twin, {}
     others = tuple(e for e in entries if not phased(_added(e)))
     bare = _with_effects(twin, others)
-    bench = Bench([bare], workers=1)
+    pool = SimulationPool([bare], workers=1)
     case = Case(effects=stated)
-    runs = bench.run([replace(case, coarse=False), replace(case, coarse=False, seed=0)])
+    runs = pool.run([replace(case, coarse=False), replace(case, coarse=False, seed=0)])
     if not all(np.isfinite(run[0]).all() for run in runs):
         return twin, {}
     model = declared_noise(bare, (runs[1][0] - runs[0][0])[None])
-    found, angles = start_angles(bench, measured, case, model)
+    found, angles = start_angles(pool, measured, case, model)
     return _with_effects(twin, (*others, *(e.entry() for e in found))), angles
 
 
@@ -78,11 +80,13 @@ def _with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) ->
     )
 
 
-def costs_of(bench: Bench, measured: Array, model: NoiseModel, cases: Sequence[Case]) -> Array:
+def costs_of(
+    pool: SimulationPool, measured: Array, model: NoiseModel, cases: Sequence[Case]
+) -> Array:
     """Return the weighted squared error of every case."""
-    zero = np.array([name.endswith("_angle_rad") for name in bench.twins[0].channels])
+    zero = np.array([name.endswith("_angle_rad") for name in pool.twins[0].channels])
     found = []
-    for run in bench.run(cases, keep=False):
+    for run in pool.run(cases, keep=False):
         residual = measured - run[0]
         residual[zero] -= residual[zero, model.first :].mean(axis=1, keepdims=True)
         white = model.whiten(residual)
@@ -97,18 +101,18 @@ def _turns(case: Case, location: str, tries: Array) -> list[Case]:
 
 
 def start_angles(
-    bench: Bench, measured: Array, case: Case, model: NoiseModel
+    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
     """Return the effects at this record's start angles, found by search, and the angles."""
     angles: dict[str, float] = {}
     for location in dict.fromkeys(e.location for e in case.effects if phased(e)):
         width = 2.0 * math.pi / COARSE_ANGLES
         grid: Array = np.arange(COARSE_ANGLES, dtype=np.float64) * width
-        costs = costs_of(bench, measured, model, _turns(case, location, grid))
+        costs = costs_of(pool, measured, model, _turns(case, location, grid))
         best = float(grid[int(np.argmin(costs))])
         for _ in range(ZOOMS):
             grid = best + width * np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
-            best = _lowest(grid, costs_of(bench, measured, model, _turns(case, location, grid)))
+            best = _lowest(grid, costs_of(pool, measured, model, _turns(case, location, grid)))
             width *= 0.3
         angles[location] = math.remainder(best, 2.0 * math.pi)
         case = replace(case, effects=_with_turned(case.effects, location, best))

@@ -11,15 +11,20 @@ from scipy.optimize import minimize
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.start_angles import costs_of, start_angles, turned_effect
-from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
+
+SIMPLEX = ((0.0, 0.0), (0.05, 0.0), (0.08, 0.5))
+"""First corners round the fitted angle and unwound length: rad, cm."""
+SIMPLEX_ENDS = {"xatol": 2e-3, "fatol": 5.0, "maxfev": 60}
+"""The search ends when corners are this close (rad or cm, and chi-square), or after so many."""
 
 Shifts = tuple[tuple[str, float], ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Judgement:
+class Evaluation:
     """Residual of one record without and with the effects found.
 
     Attributes
@@ -59,21 +64,21 @@ def rms(channels: Sequence[str], residual: Array, first: int) -> Array:
     return found
 
 
-def judge(
-    bench: Bench,
+def evaluate(
+    pool: SimulationPool,
     measured: Array,
     effects: Sequence[Added],
     shifts: Shifts = (),
     *,
     find_angles: bool,
-) -> Judgement:
-    """Return before and after on the bench's only record.
+) -> Evaluation:
+    """Return before and after on the only record of the pool.
 
     ``shifts`` are the declared numbers of the line as re-estimated with the effects. A roll's
     start angle differs from record to record and is found anew (``find_angles``).
     """
-    twin = bench.twins[0]
-    runs = bench.run([Case(coarse=False), Case(coarse=False, seed=0)])
+    twin = pool.twins[0]
+    runs = pool.run([Case(coarse=False), Case(coarse=False, seed=0)])
     declared, noisy = runs[0][0], runs[1][0]
     model = declared_noise(twin, (noisy - declared)[None])
     first = model.first
@@ -81,11 +86,13 @@ def judge(
     unwound: dict[str, float] = {}
     final = tuple(effects)
     if find_angles:
-        final, angles = start_angles(bench, measured, Case(effects=final, shifts=shifts), model)
-        final, unwound = _formed(bench, measured, Case(effects=final, shifts=shifts), model)
+        final, angles = start_angles(pool, measured, Case(effects=final, shifts=shifts), model)
+        final, unwound = with_unwound_lengths(
+            pool, measured, Case(effects=final, shifts=shifts), model
+        )
     changed = Case(effects=final, shifts=shifts, coarse=False)
-    amended = bench.one(changed)[0] if final or shifts else declared
-    return Judgement(
+    amended = pool.one(changed)[0] if final or shifts else declared
+    return Evaluation(
         channels=twin.channels,
         before=rms(twin.channels, measured - declared, first),
         after=rms(twin.channels, measured - amended, first),
@@ -101,8 +108,8 @@ def judge(
     )
 
 
-def _formed(
-    bench: Bench, measured: Array, case: Case, model: NoiseModel
+def with_unwound_lengths(
+    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
     """Return the effects with this record's roll as it is: how far it was unwound since formed.
 
@@ -112,14 +119,14 @@ def _formed(
     for effect in case.effects:
         profiles = BY_NAME[effect.effect].profiles
         if profiles is not None and profiles.age in dict(effect.parameters):
-            best = _as_it_is(bench, measured, case, model, effect, profiles.age)
+            best = _with_best_age(pool, measured, case, model, effect, profiles.age)
             found[effect.location] = float(dict(best.parameters)[profiles.age])
             case = replace(case, effects=tuple(best if e is effect else e for e in case.effects))
     return case.effects, found
 
 
-def _as_it_is(
-    bench: Bench, measured: Array, case: Case, model: NoiseModel, effect: Added, age: str
+def _with_best_age(
+    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, effect: Added, age: str
 ) -> Added:
     """Return a profile with the angle and the ``age`` (rad, cm) that fit best."""
     others = tuple(e for e in case.effects if e is not effect)
@@ -133,9 +140,8 @@ def _as_it_is(
 
     def cost(x: Array) -> float:
         there = replace(case, effects=(*others, moved(x)))
-        return float(costs_of(bench, measured, model, [there])[0])
+        return float(costs_of(pool, measured, model, [there])[0])
 
     start = np.array([0.0, 100.0 * float(values[age])])
-    corners = start + np.array([[0.0, 0.0], [0.05, 0.0], [0.08, 0.5]])
-    options = {"initial_simplex": corners, "xatol": 2e-3, "fatol": 5.0, "maxfev": 60}
+    options = {**SIMPLEX_ENDS, "initial_simplex": start + np.array(SIMPLEX)}
     return moved(minimize(cost, start, method="Nelder-Mead", options=options).x)

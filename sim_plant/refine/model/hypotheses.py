@@ -12,6 +12,7 @@ from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.locations import candidate_locations, places_of
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.place import Place
 from sim_plant.refine.model.twin import Added
 
@@ -71,7 +72,8 @@ class Hypothesis:
         """Return whether a number sits at a bound that is not its absence: no estimate."""
         rows = zip(values, self.low, self.high, self.absent, strict=True)
         return any(
-            bound != absent and abs(value - bound) < 1e-6 * abs(bound - absent)
+            bound != absent
+            and abs(value - bound) < CRITERIA.model.at_bound_share * abs(bound - absent)
             for value, low, high, absent in rows
             for bound in (low, high)
             if math.isfinite(bound)
@@ -87,7 +89,7 @@ class Hypothesis:
             found.append(self.added(values))
         return found
 
-    def steps(self, values: Sequence[float]) -> list[float]:
+    def increments(self, values: Sequence[float]) -> list[float]:
         """Return a finite-difference step per number, large against the chaos of quantised loops.
 
         A quarter of the value or of the typical size where the response is linear; else a

@@ -7,27 +7,7 @@ from dataclasses import dataclass
 
 from sim_plant.line.corrections import declared_numbers
 from sim_plant.line.declaration import Declaration
-
-DEFAULT_TOLERANCE = {
-    "web.EA_N": 0.02,
-    "web.kelvin_voigt_eta_s": 0.2,
-    "web.density_kg_m3": 0.01,
-    "web.thickness_m": 0.005,
-    "web.wound_in_tension_N": 0.01,
-    "idlers.inertia_kg_m2": 0.02,
-    "friction": 0.05,
-    "inertia": 0.01,
-    "radius": 5e-5,
-    "effective_radius": 2e-4,  # felt by the web; drive and radius sensor do not follow
-    "draw": 1e-5,
-    "gain": 0.001,
-    "offset": 0.1,
-    "corner": 0.03,
-    "loop": 0.005,
-    "drive": 0.005,
-}
-"""Assumed where a declaration gives none: two standard deviations, relative (offset in N, draw a
-ratio itself)."""
+from sim_plant.refine.criteria.criteria import CRITERIA
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,4 +37,4 @@ def tolerance_of(line: Declaration, name: str, kind: str) -> float:
     for pattern, value in line.tolerances.items():
         if fnmatch.fnmatchcase(name, pattern):
             return value
-    return DEFAULT_TOLERANCE[kind]
+    return CRITERIA.model.default_tolerance[kind]

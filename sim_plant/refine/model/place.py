@@ -15,3 +15,17 @@ class Place:
     def __str__(self) -> str:
         """Return it as a version 1 verdict writes it."""
         return f"{self.effect} at {self.location}"
+
+    @classmethod
+    def parse(cls, text: str) -> Place:
+        """Return the place that a version 1 verdict names so.
+
+        Raises
+        ------
+        ValueError
+            When the text is no ``effect at location``.
+        """
+        effect, separator, location = text.partition(" at ")
+        if not (effect and separator and location):
+            raise ValueError(f"read {text!r}; expected an effect, ' at ' and a location")
+        return cls(effect, location)

@@ -10,16 +10,12 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration, DriveSpeed, LoadCell, RollAngle, RollRadius
 from sim_plant.line.load import load_declaration
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.twin import REFERENCES, Case, Twin, modelled_channels
 from sim_plant.refine.records.recording import Record
 from sim_plant.refine.records.sanity import place_of
 
-SPEED_MISMATCH = 0.2
-TENSION_RANGE = (0.3, 3.3)
-"""Narrower than a pound taken for a newton, either way."""
-HIGHEST_STRAIN = 0.2
-LEAST_RUNNING = 0.1
-"""Share of the rows in which the line has to run."""
+MATCH = CRITERIA.match
 
 
 def sidecar_of(path: Path) -> Path:
@@ -76,7 +72,7 @@ def twin_of(line: Declaration, record: Record) -> Twin:
             "record them, or take them out of the declaration"
         )
     sample = round(record.sample_time_s, 6)
-    if abs(sample - own.sample_time_s) > 1e-3 * own.sample_time_s:
+    if abs(sample - own.sample_time_s) > MATCH.sample_time_share * own.sample_time_s:
         side = sidecar_of(record.path)
         where = side if side.exists() else "the line file"
         raise PlantError(
@@ -112,38 +108,40 @@ def _plausible(line: Declaration, record: Record) -> None:
             )
     _runs(record, speed)
     strain = float(np.median(tension)) / line.web.EA_N
-    if not 0.0 < strain < HIGHEST_STRAIN:
+    if not 0.0 < strain < MATCH.highest_strain:
         raise PlantError(
             f"{record.path}: column tension_ref_N: {np.median(tension):.4g} N would strain the "
             f"declared web (EA {line.web.EA_N:g} N) by {100 * strain:.3g} %; a unit in the header "
             "is wrong, or the line file is another line's"
         )
-    _within(record, "tension_ref_N", 0.0, HIGHEST_STRAIN * line.web.EA_N)
+    _within(record, "tension_ref_N", 0.0, MATCH.highest_strain * line.web.EA_N)
     if "aff_correction_m_s" in record.columns:
         fastest = float(np.max(np.abs(speed)))
         _within(record, "aff_correction_m_s", -fastest, fastest)
     for sensor in line.sensors:
         values = record.columns[sensor.channel]
         if isinstance(sensor, DriveSpeed) and sensor.scale_radius_m is not None:
-            _compare(record.path, sensor.channel, values, speed, SPEED_MISMATCH)
+            _compare(record.path, sensor.channel, values, speed, MATCH.speed_mismatch)
         elif isinstance(sensor, DriveSpeed) and sensor.noise_sd_rad_s is not None:
             radius = line.rollers[line.body(sensor.roller)].radius_m
-            _compare(record.path, sensor.channel, values, speed / radius, 2.0 * SPEED_MISMATCH)
+            _compare(
+                record.path, sensor.channel, values, speed / radius, 2.0 * MATCH.speed_mismatch
+            )
         elif isinstance(sensor, RollAngle):
             radius = line.rollers[line.body(sensor.roller)].radius_m
             _compare_angle(record, sensor.channel, speed / radius)
         elif isinstance(sensor, LoadCell):
             ratio = float(np.median(values) / np.median(tension))
-            if not TENSION_RANGE[0] < ratio < TENSION_RANGE[1]:
+            if not MATCH.tension_ratio[0] < ratio < MATCH.tension_ratio[1]:
                 raise PlantError(
                     f"{record.path}: column {sensor.channel}: {ratio:.3g} times the tension "
                     "reference; its unit in the header, or the reference's, is wrong"
                 )
-            highest = HIGHEST_STRAIN * line.web.EA_N
+            highest = MATCH.highest_strain * line.web.EA_N
             _within(record, sensor.channel, -highest, highest)
         elif isinstance(sensor, RollRadius):
             declared = line.rollers[line.body(sensor.roller)].radius_m
-            if abs(values[0] / declared - 1.0) > 0.02:
+            if abs(values[0] / declared - 1.0) > MATCH.radius_share:
                 raise PlantError(
                     f"{record.path}: column {sensor.channel} starts at {values[0]:g} m, the line "
                     f"file declares {declared:g} m: not this record's line file, or another unit"
@@ -153,8 +151,8 @@ def _plausible(line: Declaration, record: Record) -> None:
 def _runs(record: Record, speed: Array) -> None:
     """Refuse a line that hardly runs, or runs backwards."""
     fastest = float(np.max(np.abs(speed)))
-    running = np.abs(speed) > 0.1 * fastest
-    if float(np.mean(running)) < LEAST_RUNNING:
+    running = np.abs(speed) > MATCH.running_speed_share * fastest
+    if float(np.mean(running)) < MATCH.least_running_share:
         raise PlantError(
             f"{record.path}: column line_speed_ref_m_s: the line stands, or creeps below a tenth "
             f"of its {fastest:.4g} m/s, in {100 * float(np.mean(~running)):.1f} % of the rows; "
@@ -180,7 +178,7 @@ def _within(record: Record, name: str, low: float, high: float) -> None:
 
 
 def _compare(path: Path, name: str, values, expected, share: float) -> None:  # type: ignore[no-untyped-def]
-    moving = np.abs(expected) > 0.1 * np.max(np.abs(expected))
+    moving = np.abs(expected) > MATCH.running_speed_share * np.max(np.abs(expected))
     ratio = float(np.median(values[moving] / expected[moving]))
     if abs(ratio - 1.0) > share:
         raise PlantError(
@@ -207,7 +205,7 @@ def _compare_angle(record: Record, name: str, expected: Array) -> None:
             f"{record.path}: column {name}: counts backwards while the web runs forwards; "
             "change its sign"
         )
-    if not abs(turned / wanted - 1.0) < 2.0 * SPEED_MISMATCH:
+    if not abs(turned / wanted - 1.0) < 2.0 * MATCH.speed_mismatch:
         raise PlantError(
             f"{record.path}: column {name}: turns {turned / wanted:.4g} times as fast as the "
             f"speed reference and the declared radius give; {_causes(record.path)}"
@@ -223,7 +221,9 @@ def limits(twin: Twin) -> list[str]:
     recorded = [s for s in twin.declaration.sensors if s.channel in twin.channels]
     if not any(isinstance(s, DriveSpeed) and s.scale_radius_m for s in recorded):
         found.append("no web speed is recorded: wavelengths rest on the speed reference")
-    if float(np.ptp(twin.speed_m_s)) < 0.02 * float(np.mean(np.abs(twin.speed_m_s))):
+    if float(np.ptp(twin.speed_m_s)) < MATCH.one_speed_share * float(
+        np.mean(np.abs(twin.speed_m_s))
+    ):
         found.append("one speed only: a line in time and a line in travel look the same")
     if len([c for c in twin.channels if c.endswith("_N")]) < 2:
         found.append("one tension only: where an effect sits rests on the drive speeds")

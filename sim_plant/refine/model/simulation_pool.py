@@ -44,7 +44,7 @@ def attempt(twin: Twin, case: Case) -> Array:
         return np.full((len(twin.channels), twin.speed_m_s.size), np.nan)
 
 
-class Bench:
+class SimulationPool:
     """Simulates cases on every twin, remembers results, uses ``workers`` processes.
 
     Use as a context manager; one worker runs in this process. ``say`` is told of a simulation
@@ -73,7 +73,7 @@ class Bench:
                 arguments=(self.twins,),
             )
 
-    def __enter__(self) -> Bench:
+    def __enter__(self) -> SimulationPool:
         return self
 
     def __exit__(self, *what: object) -> None:

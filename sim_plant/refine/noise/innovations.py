@@ -13,28 +13,20 @@ from scipy.signal import lfilter
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import RollAngle, RollRadius
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.twin import Twin
-from sim_plant.refine.noise.drift import steadied, wander
+from sim_plant.refine.noise.drift import drift_standard_deviations, drift_whitened
 
 AR_ORDER = 24
-BANDS = (0.0, 1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 3.0 / 4.0, 1.0)
-"""Edges of the bands in which data are compared with the declared noise, share of half rate."""
-CALM_SHARE = 0.75
-"""The quietest bins of a band say its level: lines of rollers take up fewer than the rest."""
+"""Taps of the filter that makes declared noise white."""
 COLOUR_ORDER = 12
-WHITE_SHARES = (0.0, 0.5, 0.8, 0.95)
-UPPER = 2
-"""Bands of the upper half, where effects of rollers do not reach."""
-QUIETEST = 0.6
-LOUDEST = 1.5
-"""Power over declared that a band may have as noise; the upper half band sets the level."""
-SETTLING_S = 20.0
-"""Judged from here on: the start state of a record is unknown (pull-roll zone: about 10 s)."""
+"""Taps of the filter that puts its colour right."""
+NOISE = CRITERIA.noise
 
 
 def first_judged(samples: int, sample_time_s: float) -> int:
     """Return the first sample to judge: 20 s, or a quarter of a short record."""
-    return min(round(SETTLING_S / sample_time_s), samples // 4)
+    return min(round(NOISE.settling_s / sample_time_s), int(NOISE.settling_share * samples))
 
 
 def whitening_filter(
@@ -102,9 +94,9 @@ class NoiseModel:
             start = max(0, self.first - taps.size)
             row = lfilter(taps, [1.0], values[c, start:])
             out[c] = row[self.first - start :] / self.sd[c]
-        return out if self.slow is None else steadied(out, self.slow)
+        return out if self.slow is None else drift_whitened(out, self.slow)
 
-    def tuned(self, residual: Array) -> NoiseModel:
+    def adjusted_to(self, residual: Array) -> NoiseModel:
         """Return the noise that ``residual`` (channels, samples) shows, close to this one.
 
         Late scans, another colour than declared, or the sawtooth of a coarse word that jitter
@@ -153,7 +145,7 @@ def noise_model(
         if coarse_steps[c] > 0.0:
             floor[-1] = float(coarse_steps[c] / np.sqrt(12.0))
             filters.append(np.array([1.0]))
-            sd.append(8.0 * floor[-1])
+            sd.append(NOISE.coarse_word_factor * floor[-1])
             choices.append(())
             continue
         taps, innovation = whitening_filter(noise)
@@ -161,7 +153,9 @@ def noise_model(
         sd.append(max(innovation, 1e-12))
         is_word = bool(words) and words[c]
         choices.append(
-            tuple(whitening_filter(noise, white_share=s) for s in WHITE_SHARES) if is_word else ()
+            tuple(whitening_filter(noise, white_share=s) for s in NOISE.white_shares)
+            if is_word
+            else ()
         )
     return NoiseModel(
         filters=tuple(filters),
@@ -195,7 +189,9 @@ def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
             f"sensors.{silent[0]}: the line file declares no noise that reaches this channel: no "
             "difference can be weighed; give its noise_sd or lsb"
         )
-    return replace(found, slow=wander(np.stack([found.whiten(run) for run in runs])))
+    return replace(
+        found, slow=drift_standard_deviations(np.stack([found.whiten(run) for run in runs]))
+    )
 
 
 def periodogram(values: Array) -> Array:
@@ -213,13 +209,13 @@ def band_power(whitened: Array) -> Array:
     distributed bins of mean 1 would give, 1 - q e^-q / (1 - e^-q) with q = ln 4.
     """
     power = periodogram(whitened)[1:]
-    edges = np.round(np.array(BANDS) * power.size).astype(int)
-    tail = 1.0 - CALM_SHARE
-    calm = 1.0 + tail * np.log(tail) / CALM_SHARE
+    edges = np.round(np.array(NOISE.bands) * power.size).astype(int)
+    tail = 1.0 - NOISE.calm_share
+    calm = 1.0 + tail * np.log(tail) / NOISE.calm_share
     found = []
     for low, high in itertools.pairwise(edges):
         part = np.sort(power[low:high])
-        found.append(float(part[: max(1, round(CALM_SHARE * part.size))].mean()) / calm)
+        found.append(float(part[: max(1, round(NOISE.calm_share * part.size))].mean()) / calm)
     return np.array(found)
 
 
@@ -229,13 +225,13 @@ def noise_power(whitened: Array) -> Array:
     What is louder below than noise may be stays in the residual, to be explained.
     """
     power = band_power(whitened)
-    level = max(1.0, float(np.mean(power[-UPPER:])))
-    return np.clip(power, QUIETEST, LOUDEST * level)
+    level = max(1.0, float(np.mean(power[-NOISE.upper_bands :])))
+    return np.clip(power, NOISE.quietest, NOISE.loudest * level)
 
 
 def colour_filter(power: Array) -> tuple[Array, float]:
     """Return prediction-error taps and innovation sd of noise with this power per band."""
-    edges = np.array(BANDS)
+    edges = np.array(NOISE.bands)
     grid = np.linspace(0.0, 1.0, 257)
     shape = np.interp(grid, 0.5 * (edges[1:] + edges[:-1]), power)
     lags = np.fft.irfft(shape)[: COLOUR_ORDER + 1]

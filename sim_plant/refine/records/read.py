@@ -12,6 +12,7 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import read_plain
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.in_child import table_from_child
 from sim_plant.refine.records.limits import FILE_BYTES, check_name, shown
 from sim_plant.refine.records.recording import Record
@@ -20,8 +21,6 @@ from sim_plant.refine.records.text_table import text_table
 from sim_plant.refine.records.units import TO_SI, canonical, split_header
 
 TIME_NAMES = ("time", "t", "timestamp")
-LARGEST = 1e30
-"""No sensor reads more in any SI unit; its square still is a number."""
 KINDS = {
     (".csv", ".csv.gz", ".txt", ".txt.gz"): "text",
     (".parquet",): "parquet",
@@ -121,7 +120,7 @@ def _si_columns(path: Path, raw: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _finite(path: Path, name: str, values: Array) -> None:
-    bad = np.flatnonzero(~(np.abs(values) < LARGEST))
+    bad = np.flatnonzero(~(np.abs(values) < CRITERIA.records.largest_reading))
     if bad.size:
         finite = bool(np.isfinite(values[bad]).all())
         said = "are too large for a reading" if finite else "are missing or not numbers"

@@ -6,17 +6,18 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 from scipy.ndimage import median_filter
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.limits import shown
 from sim_plant.refine.records.units import suffix_of
 
-LONGEST_GAP_SAMPLES = 1.7
-JITTER_SHARE = 0.02
-SPIKE_SIGMA = 12.0
-LEAST_ROWS = 100
+RECORDS = CRITERIA.records
+
+Flags = npt.NDArray[np.bool_]
 
 
 def even_grid(
@@ -29,30 +30,31 @@ def even_grid(
     PlantError
         When stamps go back, or rows are missing.
     """
-    if time_s.size < LEAST_ROWS:
+    if time_s.size < RECORDS.fewest_rows:
         raise PlantError(
-            f"{shown(path)}: has {time_s.size} rows, too few to judge; give at least {LEAST_ROWS}"
+            f"{shown(path)}: has {time_s.size} rows, too few to judge; "
+            f"give at least {RECORDS.fewest_rows}"
         )
     steps = np.diff(time_s)
     back = np.flatnonzero(steps < 0.0)
     if back.size:
         raise PlantError(f"{shown(path)}: {place_of(path, int(back[0]) + 1)}: time does not go on")
     step = float(np.median(steps))
-    odd = np.flatnonzero((steps > LONGEST_GAP_SAMPLES * step) | (steps == 0.0))
-    misplaced = [int(k) for k in odd if _one_stamp_off(steps, int(k), step)]
-    gap = [int(k) for k in odd if int(k) not in misplaced]
-    if gap:
-        at = gap[0]
+    odd = (steps > RECORDS.longest_gap_samples * step) | (steps == 0.0)
+    off = _one_stamp_off(steps, step)
+    gap, misplaced = np.flatnonzero(odd & ~off), int(np.count_nonzero(odd & off))
+    if gap.size:
+        at = int(gap[0])
         raise PlantError(
-            f"{shown(path)}: {len(gap)} gaps in time_s, the first after {place_of(path, at)} "
+            f"{shown(path)}: {gap.size} gaps in time_s, the first after {place_of(path, at)} "
             f"({steps[at]:.4g} s where {step:.4g} s is usual); give a record without gaps"
         )
-    said = [f"{len(misplaced)} stamps sit on their neighbour's"] if misplaced else []
+    said = [f"{misplaced} stamps sit on their neighbour's"] if misplaced else []
     mean = float((time_s[-1] - time_s[0]) / (time_s.size - 1))
     grid = time_s[0] + mean * np.arange(time_s.size)
     late = float(np.max(np.abs(time_s - grid)))
     found = {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
-    if late < JITTER_SHARE * mean:
+    if late < RECORDS.jitter_share * mean:
         return mean, found, said
     apart = np.maximum.accumulate(time_s + 1e-9 * step * np.arange(time_s.size))
     even = {name: np.interp(grid, apart, values) for name, values in found.items()}
@@ -86,10 +88,17 @@ def counted_on(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str
     return found, said
 
 
-def _one_stamp_off(steps: Array, at: int, step: float) -> bool:
-    """Return whether an odd step is one misplaced stamp: with a neighbour it makes two."""
-    pairs = [steps[at] + steps[k] for k in (at - 1, at + 1) if 0 <= k < steps.size]
-    return bool(min(abs(pair - 2.0 * step) for pair in pairs) < 0.2 * step)
+def _one_stamp_off(steps: Array, step: float) -> Flags:
+    """Return per step (samples - 1,) whether with one of its neighbours it makes two.
+
+    An odd step of that kind is one misplaced stamp. All steps at once: how many are odd is up to
+    whoever wrote the file.
+    """
+    makes_two = np.abs(steps[1:] + steps[:-1] - 2.0 * step) < 0.2 * step
+    found: Flags = np.zeros(steps.size, dtype=np.bool_)
+    found[:-1] |= makes_two
+    found[1:] |= makes_two
+    return found
 
 
 def oddities(columns: Mapping[str, Array]) -> list[str]:
@@ -101,11 +110,19 @@ def oddities(columns: Mapping[str, Array]) -> list[str]:
             continue
         levels, unit = np.unique(values), suffix_of(name).replace("_s", "/s")
         smallest = float(np.min(np.diff(levels))) if levels.size > 1 else 0.0
-        if levels.size < 0.2 * values.size and smallest > 0.0 and "_ref_" not in name:
+        if (
+            levels.size < RECORDS.coarse_levels_share * values.size
+            and smallest > 0.0
+            and "_ref_" not in name
+        ):
             found.append(f"{name} is read in steps of {smallest:.3g} {unit}".rstrip())
         for level, side in ((levels[-1], "top"), (levels[0], "bottom")):
             stuck = float(np.mean(values == level))
-            if stuck > 0.05 and levels.size > 20 and "_ref_" not in name:
+            if (
+                stuck > RECORDS.stuck_share
+                and levels.size > RECORDS.stuck_levels
+                and "_ref_" not in name
+            ):
                 found.append(f"{name} sits at its {side} {level:g} for {100 * stuck:.0f} %")
         spikes = count_spikes(values)
         if spikes:
@@ -117,4 +134,4 @@ def count_spikes(values: Array) -> int:
     """Return how many single samples stand far off their neighbours (Hampel)."""
     off = (values - median_filter(values, 7))[3:-3]  # at its ends a ramp looks like a spike
     spread = max(1.4826 * float(np.median(np.abs(off - np.median(off)))), 0.5 * float(np.std(off)))
-    return 0 if spread == 0.0 else int(np.sum(np.abs(off) > SPIKE_SIGMA * spread))
+    return 0 if spread == 0.0 else int(np.sum(np.abs(off) > RECORDS.spike_sigma * spread))

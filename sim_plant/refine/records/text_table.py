@@ -72,7 +72,7 @@ def _columns(path: Path, lines: Iterator[str]) -> dict[str, Array]:
     header = [h.strip() for h in next(csv.reader([first], delimiter=separator), [])]
     check_size(path, len(header), 0)
     values, number = array("d"), 1
-    for number, cells in enumerate(csv.reader(lines, delimiter=separator), start=2):
+    for number, cells in _rows(path, lines, separator):
         if len(cells) != len(header):
             raise PlantError(
                 f"{shown(path)}: line {number}: {len(cells)} values under {len(header)} columns"
@@ -88,6 +88,29 @@ def _columns(path: Path, lines: Iterator[str]) -> dict[str, Array]:
         raise PlantError(f"{shown(path)}: line 1: a column name appears twice")
     rows = np.array(values).reshape(-1, len(header))
     return {h: np.ascontiguousarray(rows[:, k]) for k, h in enumerate(header)}
+
+
+def _rows(path: Path, lines: Iterator[str], separator: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield number and cells of every line from the second on; a row is one line.
+
+    A quote that is left open would go on over all lines that follow, and every cell of them be
+    held as a text before any is counted.
+    """
+    number = 1
+
+    def one_at_a_time() -> Iterator[str]:
+        for at, line in enumerate(lines, start=2):
+            if at > number:
+                raise PlantError(f"{shown(path)}: line {number}: a quote is left open; close it")
+            yield line
+
+    rows = csv.reader(one_at_a_time(), delimiter=separator)
+    while True:
+        number += 1
+        cells = next(rows, None)
+        if cells is None:
+            return
+        yield number, cells
 
 
 def _no_number(path: Path, number: int, header: list[str], cells: list[str]) -> str:

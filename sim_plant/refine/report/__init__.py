@@ -1,3 +1,14 @@
 """Verdict, amended line, AFF block and page."""
 
-__all__ = ["amend", "folder", "outcome", "page", "verdict", "wording"]
+__all__ = [
+    "aff_block",
+    "amend",
+    "announce",
+    "findings",
+    "folder",
+    "outcome",
+    "page",
+    "plain",
+    "verdict",
+    "wording",
+]

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from sim_plant.base.svg import as_written, svg
-from sim_plant.refine.judge.holdout import Judgement
+from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
 BEFORE, AFTER, MEASURED = "#b3261e", "#1a7f37", "#9aa0a6"
@@ -17,12 +17,12 @@ POINTS = 3000
 HIGHEST_HZ = 15.0
 
 
-def overlay(judged: Judgement, sample_time_s: float, seconds: float = 8.0) -> str:
+def overlay(judged: Evaluation, sample_time_s: float, seconds: float = 8.0) -> str:
     """Return measured against declared and amended, and the error of both, where it is worst.
 
     The channels that gained most, and at least one tension where there is one.
     """
-    ranked = told_by(judged)
+    ranked = channels_by_gain(judged)
     show = ranked[:3]
     tensions = [k for k in ranked if judged.channels[k].endswith("_N")]
     if tensions and not set(tensions) & set(show):
@@ -59,7 +59,7 @@ def overlay(judged: Judgement, sample_time_s: float, seconds: float = 8.0) -> st
     return svg(figure)
 
 
-def worst_part(judged: Judgement, channel: int, samples: int) -> slice:
+def worst_part(judged: Evaluation, channel: int, samples: int) -> slice:
     """Return so many judged samples in which the declared line is furthest off the measured."""
     squared = (judged.measured[channel] - judged.declared[channel])[judged.first :] ** 2
     samples = min(samples, squared.size)
@@ -77,9 +77,9 @@ def spectrum(
     labels = {"time": "Hz", "travel": "1/m of web", "angle": "times per turn of "}
     for axis, first, last in zip(axes, before, after, strict=True):
         for drawn, colour, label in ((first, BEFORE, "before"), (last, AFTER, "after")):
-            thin = max(1, drawn.drop.size // POINTS)
-            size = drawn.drop.size // thin * thin
-            peak = drawn.drop[:size].reshape(-1, thin).max(axis=1)
+            thin = max(1, drawn.chi2_reduction.size // POINTS)
+            size = drawn.chi2_reduction.size // thin * thin
+            peak = drawn.chi2_reduction[:size].reshape(-1, thin).max(axis=1)
             axis.semilogy(
                 drawn.coordinate[:size:thin],
                 np.maximum(peak, 10.0),
@@ -97,19 +97,19 @@ def spectrum(
     return svg(figure)
 
 
-def told_by(judged: Judgement) -> list[int]:
+def channels_by_gain(judged: Evaluation) -> list[int]:
     """Return channels by what they gained, most first; sums (angles, radius) are left out."""
     ratio = judged.before / np.maximum(judged.floor, 1e-12)
     kept = [int(k) for k in np.argsort(-ratio) if not judged.channels[k].endswith(("rad", "_m"))]
     return kept or [0]
 
 
-def wavenumber_map(judged: Judgement, sample_time_s: float) -> str:
+def wavenumber_map(judged: Evaluation, sample_time_s: float) -> str:
     """Return the residual's short spectra over web travel, before and after, on one channel.
 
     A roller stands still in it at 1 / (2 pi R), at every speed; a roll drifts as it grows.
     """
-    at, travel_m = told_by(judged)[0], judged.travel_m
+    at, travel_m = channels_by_gain(judged)[0], judged.travel_m
     step_m = float(np.max(np.gradient(travel_m)))
     grid = np.arange(travel_m[0], travel_m[-1], max(step_m, 1e-9))
     size = max(16, min(512, grid.size // 4))

@@ -5,12 +5,13 @@ from __future__ import annotations
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from sim_plant.line.declaration import EffectEntry
-from sim_plant.refine.judge.holdout import Judgement
+from sim_plant.line.declaration import Declaration
+from sim_plant.line.load import LineFile
+from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.records.recording import Record
-from sim_plant.refine.search.selection import Trace
+from sim_plant.refine.report.verdict import Verdict
+from sim_plant.refine.search.selection import Selection
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,13 +50,18 @@ class Plan:
 class Outcome:
     """What came out, with everything the report shows.
 
-    ``stated`` are the declared effects as they stood when the first record fitted began.
+    Attributes
+    ----------
+    line : the line file.
+    declared : the line as it was when the first record fitted began: its effects as they stood.
+    limits : what cannot be claimed, as sentences.
     """
 
     plan: Plan
+    line: LineFile
+    declared: Declaration
     records: tuple[Record, ...]
     limits: tuple[str, ...]
-    trace: Trace
-    judgement: Judgement
-    verdict: dict[str, Any]
-    stated: tuple[EffectEntry, ...] = ()
+    selection: Selection
+    evaluation: Evaluation
+    verdict: Verdict

@@ -3,70 +3,70 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader
 
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.model.nuisances import declared_nuisances
 from sim_plant.refine.model.place import Place
 from sim_plant.refine.records.units import suffix_of
-from sim_plant.refine.report.figures import overlay, spectrum, told_by, wavenumber_map
+from sim_plant.refine.report.figures import channels_by_gain, overlay, spectrum, wavenumber_map
 from sim_plant.refine.report.wording import (
     coordinate_text,
-    name_of,
     number_rows,
     place_of,
     place_words,
     remedy,
     size_of,
 )
-from sim_plant.refine.search.unexplained import LINE_THRESHOLD
 
 if TYPE_CHECKING:
-    from sim_plant.refine.judge.holdout import Judgement
+    from sim_plant.refine.judge.holdout import Evaluation
     from sim_plant.refine.report.outcome import Outcome
+    from sim_plant.refine.report.verdict import Verdict
 
 
-ABOVE_NOISE = 1.1
-"""After over floor from which a channel is said to hold more than noise."""
 SHOWN_SHIFTS = 5
 
 
-def headline(result: dict[str, Any]) -> str:
+def headline(verdict: Verdict) -> str:
     """Return the verdict in a few sentences: what, where, how large."""
-    names = [name_of(e) + (f", {size_of(e)}" if size_of(e) else "") for e in result["effects"]]
-    if result["verdict"] == "nothing":
+    if verdict.word == "nothing":
         return "Nothing found: the declared line explains the record fitted to its noise."
+    names = [
+        place_words(e.place) + (f", {size_of(e)}" if size_of(e) else "") for e in verdict.effects
+    ]
     text = "Traced: " + "; ".join(names) + "." if names else ""
-    for item in result["unknown"]:
-        said = coordinate_text(item["class"], item["coordinate"])
+    for item in verdict.unknown:
+        said = coordinate_text(item.kind, item.coordinate)
         text += f" Unknown: {said}; no effect of the library explains it."
-    for item in result["ambiguous"]:
-        text += f" {place_words(item['effect'])} cannot be told from "
-        text += f"{', '.join(map(place_words, item['with']))}."
-        text += "".join(f" To tell: {what}." for what in item["experiments"])
+    for same in verdict.ambiguous:
+        text += f" {place_words(same.place)} cannot be told from "
+        text += f"{', '.join(map(place_words, same.alternatives))}."
+        text += "".join(f" To tell: {what}." for what in same.experiments)
     return text.strip()
 
 
-def confidence(result: dict[str, Any]) -> str:
+def confidence(verdict: Verdict) -> str:
     """Return how far each effect is ahead of what else might explain the record."""
-    told = []
-    for e in result["effects"]:
-        if e.get("runner_up"):
-            told.append(
-                f"{name_of(e)} scores {e['score']:.0f}, the next best explanation "
-                f"({place_words(e['runner_up'])}) {e['score'] - e['margin']:.0f}"
-            )
-        elif "score" in e:
-            told.append(
-                f"{name_of(e)} scores {e['score']:.0f}, no other explains the record as well"
-            )
-    return "; ".join(told) + ". A difference of 10 decides." if told else ""
+    said = []
+    for e in verdict.effects:
+        text = f"{place_words(e.place)} scores {e.score:.0f}, "
+        if e.runner_up:
+            text += f"the next best explanation ({place_words(e.runner_up)}) "
+            text += f"{e.score - e.margin:.0f}"
+        else:
+            text += "no other explains the record as well"
+        said.append(text)
+    return "; ".join(said) + ". A difference of 10 decides." if said else ""
 
 
-def gain(judged: Judgement, held: bool) -> str:
+def gain(judged: Evaluation, held: bool) -> str:
     """Return what the amended line explains: on the tension and the channel that gained most."""
-    ranked = told_by(judged)
+    ranked = channels_by_gain(judged)
     tensions = [k for k in ranked if judged.channels[k].endswith("_N")]
     where = "On the held-out record" if held else "On the record fitted (no proof)"
     said = []
@@ -80,7 +80,7 @@ def gain(judged: Judgement, held: bool) -> str:
     return f"{where} {'. There '.join(said)}. {_left(judged, ranked)}"
 
 
-def _left(judged: Judgement, ranked: Sequence[int]) -> str:
+def _left(judged: Evaluation, ranked: Sequence[int]) -> str:
     """Return which tensions and speeds hold more than noise as amended."""
     above = above_noise(judged, ranked)
     if not above:
@@ -89,20 +89,20 @@ def _left(judged: Judgement, ranked: Sequence[int]) -> str:
     return f"As amended, more than 10 % above noise: {told}."
 
 
-def above_noise(judged: Judgement, ranked: Sequence[int]) -> dict[str, float]:
+def above_noise(judged: Evaluation, ranked: Sequence[int]) -> dict[str, float]:
     """Return the tensions and speeds that hold more than noise as amended, after over floor."""
     return {
         judged.channels[k]: float(judged.after[k] / judged.floor[k])
         for k in ranked
-        if judged.after[k] >= ABOVE_NOISE * judged.floor[k]
+        if judged.after[k] >= CRITERIA.report.above_noise * judged.floor[k]
     }
 
 
-def next_step(result: dict[str, Any], block: bool, above: Collection[str] = ()) -> str:
+def next_step(verdict: Verdict, block: bool, above: Collection[str] = ()) -> str:
     """Return what the reader may do now; ``above``: channels that hold more than noise."""
-    if result["ambiguous"]:
+    if verdict.ambiguous:
         return "Make the record that tells the candidates apart before anything is changed."
-    what = [remedy(e["effect"], place_of(e["location"])) for e in result["effects"]]
+    what = [remedy(e.place.effect, place_of(e.place.location)) for e in verdict.effects]
     said = []
     if block:
         said.append(
@@ -111,11 +111,11 @@ def next_step(result: dict[str, Any], block: bool, above: Collection[str] = ()) 
         )
     elif what:
         said.append(f"This is no ripple to cancel: {'; '.join(what)}.")
-    if result["unknown"]:
+    if verdict.unknown:
         said.append(
             "Look for what turns or swings at that coordinate; the amended line does not "
             "contain it."
-            if result["unknown"][0]["class"] in ("time", "travel", "angle")
+            if verdict.unknown[0].kind in ("time", "travel", "angle")
             else "Record again with more speeds and a tension step, and more channels."
         )
     if said:
@@ -136,9 +136,19 @@ def best_each(rejected: Sequence[tuple[Place, float]]) -> list[tuple[Place, floa
     return list(best.items())
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShiftRow:
+    """A declared number estimated anew; ``used``: share of its tolerance."""
+
+    name: str
+    shift: str
+    tolerance: str
+    used: float
+
+
 def shift_rows(
     corrections: Mapping[str, float], tolerances: Mapping[str, float]
-) -> list[dict[str, Any]]:
+) -> list[ShiftRow]:
     """Return declared numbers estimated anew, those first that used most of their tolerance."""
     rows = []
     for name, value in corrections.items():
@@ -147,74 +157,80 @@ def shift_rows(
         if name.endswith((".offset", "_draw")):
             factor, unit = 1.0, "N" if name.endswith(".offset") else "(absolute)"
         rows.append(
-            {
-                "name": name,
-                "shift": f"{factor * value:+.3g} {unit}",
-                "tolerance": f"{factor * known:.3g} {unit}" if known else "",
-                "used": abs(value) / known if known else 0.0,
-            }
+            ShiftRow(
+                name=name,
+                shift=f"{factor * value:+.3g} {unit}",
+                tolerance=f"{factor * known:.3g} {unit}" if known else "",
+                used=abs(value) / known if known else 0.0,
+            )
         )
-    return sorted(rows, key=lambda row: (-row["used"], row["name"]))
+    return sorted(rows, key=lambda row: (-row.used, row.name))
 
 
-def write_report(
-    outcome: Outcome,
-    command: str,
-    amended: Path | None,
-    block: Path | None,
-    tolerances: Mapping[str, float],
-) -> Path:
-    """Write ``report.html``; return its path.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ErrorRow:
+    """Error of one channel, rms, and over its noise floor."""
 
-    ``tolerances`` are those of the declared numbers, two standard deviations, by path.
-    """
-    judged, trace = outcome.judgement, outcome.trace
-    step_s = trace.travels[0].sample_time_s
-    rows = [
-        {
-            "name": n,
-            "before": b,
-            "after": a,
-            "floor": f,
-            "ratio": a / f if f else 0.0,
-            "was": b / f if f else 0.0,
-        }
-        for n, b, a, f in zip(
-            judged.channels, judged.before, judged.after, judged.floor, strict=True
-        )
-    ]
+    name: str
+    before: float
+    after: float
+    floor: float
+
+    @property
+    def was(self) -> float:
+        """Before over floor."""
+        return self.before / self.floor if self.floor else 0.0
+
+    @property
+    def ratio(self) -> float:
+        """After over floor."""
+        return self.after / self.floor if self.floor else 0.0
+
+
+def error_rows(judged: Evaluation) -> list[ErrorRow]:
+    """Return the error of every channel."""
+    rows = zip(judged.channels, judged.before, judged.after, judged.floor, strict=True)
+    return [ErrorRow(name=n, before=b, after=a, floor=f) for n, b, a, f in rows]
+
+
+def write_report(outcome: Outcome, command: str, amended: Path | None, block: Path | None) -> Path:
+    """Write ``report.html``; return its path."""
+    judged, selection = outcome.evaluation, outcome.selection
+    verdict, step_s = outcome.verdict, selection.travels[0].sample_time_s
+    tolerances = {n.name: n.tolerance for n in declared_nuisances(outcome.declared)}
+    above = above_noise(judged, channels_by_gain(judged))
     template = Environment(
         loader=PackageLoader("sim_plant.refine.report", "."), autoescape=True
     ).get_template("page.html.j2")
     page = template.render(
-        headline=headline(outcome.verdict),
-        sure=confidence(outcome.verdict),
+        headline=headline(verdict),
+        sure=confidence(verdict),
         gain=gain(judged, bool(outcome.plan.holdout)),
-        next_step=next_step(
-            outcome.verdict, block is not None, above_noise(judged, told_by(judged))
-        ),
-        verdict=outcome.verdict,
-        rows=rows,
+        next_step=next_step(verdict, block is not None, above),
+        verdict=verdict,
+        rows=error_rows(judged),
         command=command,
         limits=outcome.limits,
         records=outcome.records,
         held=outcome.plan.holdout,
-        steps=trace.steps,
+        accepted=selection.accepted,
         angles=judged.angles_rad,
         unwound=judged.unwound_m,
-        shifts=shift_rows(trace.corrections, tolerances),
+        shifts=shift_rows(selection.corrections, tolerances),
         shown_shifts=SHOWN_SHIFTS,
-        keys={k for e in outcome.verdict["effects"] for k in e["parameters"]},
+        keys={key for e in verdict.effects for key in e.parameters},
         best_each=best_each,
         numbers=number_rows,
-        name_of=name_of,
+        place_words=place_words,
         place_of=place_of,
-        above=ABOVE_NOISE,
+        above=CRITERIA.report.above_noise,
         block=block.read_text(encoding="utf-8") if block else "",
         amended=amended.name if amended else "",
         overlay=overlay(judged, step_s),
         order_map=wavenumber_map(judged, step_s),
-        spectra=spectrum(trace.before[0], trace.after[0], LINE_THRESHOLD),
+        spectra=spectrum(
+            selection.before[0], selection.after[0], CRITERIA.search.unexplained.periodic
+        ),
     )
     path = outcome.plan.out / "report.html"
     path.write_text(page, encoding="utf-8")

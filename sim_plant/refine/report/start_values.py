@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,10 +15,19 @@ from sim_plant.geometry.tangent import Body, common_tangent
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.with_effects import apply_effects
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recording import Record
 
 POINTS = 1024
-SMALLEST_M = 1e-6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StartValue:
+    """What law shape may begin an order from: deviation of the moment arm and its angle."""
+
+    order: int
+    deviation_m: float
+    angle_rad: float
 
 
 def start_values(
@@ -27,8 +36,8 @@ def start_values(
     roller: str,
     orders: Sequence[int],
     record: Record | None,
-) -> list[dict[str, Any]]:
-    """Return ``start`` entries of an AFF block: order, deviation_m, angle_rad.
+) -> list[StartValue]:
+    """Return the start values of an AFF block.
 
     The moment arm of the leaving span over one turn, p = R + Re sum W_n e^{j n theta}, from the
     exact tangent; theta is what the roll's angle channel shows. Effects count angles from the
@@ -46,13 +55,13 @@ def start_values(
     rows = []
     for order in orders:
         w = complex(spectrum[order]) * cmath.exp(-1j * order * first_rad)
-        if abs(w) >= SMALLEST_M:
+        if abs(w) >= CRITERIA.report.smallest_start_m:
             rows.append(
-                {
-                    "order": int(order),
-                    "deviation_m": float(f"{abs(w):.5g}"),
-                    "angle_rad": float(f"{cmath.phase(w):.5f}"),
-                }
+                StartValue(
+                    order=int(order),
+                    deviation_m=float(f"{abs(w):.5g}"),
+                    angle_rad=float(f"{cmath.phase(w):.5f}"),
+                )
             )
     return rows
 

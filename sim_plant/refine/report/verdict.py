@@ -1,129 +1,198 @@
-"""The machine-readable verdict, version 1."""
+"""The verdict as one frozen value, and version 1 of it as JSON."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from typing import Any
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
 
-from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.judge.holdout import Judgement
-from sim_plant.refine.report.experiments import experiments
-from sim_plant.refine.search.selection import Trace
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.effects import Value
+from sim_plant.refine.model.place import Place
+from sim_plant.refine.report.plain import plain
 
-NINETY_FIVE = 1.959964
-MODEL_SHARE = 0.0066
-"""Standard deviation of a size because no model is exact, as a share of it: what the lines that
-other code simulated show (a flat spot 1.2 %, a delay 0.8 %, a modulus 0.5 %, an eccentricity 0.3 %
-off, one record each). Noise alone would promise a hundredth of that on a strong effect."""
+VERSION = 1
+Word = Literal["nothing", "traced", "not_identifiable", "unknown"]
 
 
-def standard_deviations(fit: Fit) -> list[float]:
-    """Return one per fitted number: noise and tolerances, and for sizes the model's own error."""
-    noise = [math.sqrt(max(0.0, float(v))) for v in fit.covariance.diagonal()]
-    found: list[float] = []
-    for h, values in zip(fit.hypotheses, fit.values, strict=True):
-        change = {n: v - a for n, v, a in zip(h.names, values, h.absent, strict=True)}
-        phasors = {name for pair in h.effect.quadratures for name in (pair.cos, pair.sin)}
-        phasor = math.hypot(*(v for name, v in change.items() if name in phasors))
-        for name, value in change.items():
-            strength = h.effect.accepts[name].role == "strength"
-            own = phasor if name in phasors else value
-            found.append(math.hypot(noise[len(found)], MODEL_SHARE * own * strength))
-    return found
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EffectFinding:
+    """One effect that was traced.
+
+    Attributes
+    ----------
+    place : what and where; an effect that version 1 does not know has its name there.
+    parameters : as a declaration takes them, and amplitude and angle of a pair of components.
+    interval95 : low and high of the fitted ones, 95 %.
+    score, margin : chi-square less the price of the numbers, and by how much the next is behind.
+    runner_up : the next best explanation, if there is one.
+    cancel : whether a drive can cancel it by feed-forward.
+    text : what the effect is, a sentence without a stop.
+    """
+
+    place: Place
+    parameters: Mapping[str, Value]
+    interval95: Mapping[str, tuple[float, float]]
+    score: float
+    runner_up: Place | None
+    margin: float
+    cancel: bool
+    text: str
 
 
-def effect_rows(trace: Trace) -> list[dict[str, Any]]:
-    """Return one row per effect: name, location, parameters, 95 % intervals, score, runner-up."""
-    rows: list[dict[str, Any]] = []
-    at = 0
-    sd = standard_deviations(trace.fit)
-    for step, h, values in zip(trace.steps, trace.fit.hypotheses, trace.fit.values, strict=True):
-        parameters: dict[str, Any] = dict(h.fixed) | dict(zip(h.names, values, strict=True))
-        intervals = {
-            name: [value - NINETY_FIVE * sd[at + k], value + NINETY_FIVE * sd[at + k]]
-            for k, (name, value) in enumerate(zip(h.names, values, strict=True))
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnknownFinding:
+    """Something that no effect of the library explains.
+
+    Attributes
+    ----------
+    kind : ``time``, ``travel``, ``angle``, ``state`` or ``broadband``.
+    coordinate : where it is, by name.
+    strength : chi-square that a free term would explain.
+    """
+
+    kind: str
+    coordinate: Mapping[str, float | str]
+    strength: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ambiguity:
+    """An effect that the record does not tell from others, and what on the machine would."""
+
+    place: Place
+    alternatives: tuple[Place, ...]
+    experiments: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChannelError:
+    """Error of one channel, rms in its unit: as declared, as amended, and of noise alone."""
+
+    before: float
+    after: float
+    noise_floor: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """What was found, and what it is worth on the record judged.
+
+    Attributes
+    ----------
+    word : ``nothing``, ``traced``, ``not_identifiable`` or ``unknown``.
+    residual_rms : error by channel on ``holdout``, the path of the record judged.
+    """
+
+    word: Word
+    effects: tuple[EffectFinding, ...]
+    unknown: tuple[UnknownFinding, ...]
+    ambiguous: tuple[Ambiguity, ...]
+    residual_rms: Mapping[str, ChannelError]
+    holdout: str
+
+    def to_json(self) -> str:
+        """Return version 1, one key a line."""
+        data = {
+            "version": VERSION,
+            "verdict": self.word,
+            "effects": [_effect_row(e) for e in self.effects],
+            "unknown": [
+                {"class": u.kind, "coordinate": u.coordinate, "strength": u.strength}
+                for u in self.unknown
+            ],
+            "ambiguous": [
+                {
+                    "effect": str(a.place),
+                    "with": [*map(str, a.alternatives)],
+                    "experiments": a.experiments,
+                }
+                for a in self.ambiguous
+            ],
+            "residual_rms": rms_rows(self.residual_rms),
+            "holdout": self.holdout,
         }
-        at += len(values)
-        for pair in h.effect.quadratures:
-            if pair.amplitude and pair.cos in parameters:
-                size = math.hypot(parameters[pair.cos], parameters[pair.sin])
-                spread = NINETY_FIVE * max(sd[at - len(values) : at])
-                parameters[pair.amplitude] = size
-                parameters[pair.angle] = math.atan2(parameters[pair.sin], parameters[pair.cos])
-                intervals[pair.amplitude] = [size - spread, size + spread]
-        rows.append(
-            {
-                "effect": h.effect.name_in_version_1 or h.effect.name,
-                "location": h.location,
-                "parameters": parameters,
-                "interval95": intervals,
-                "score": step.score,
-                "runner_up": step.runner_up or "",
-                "margin": step.margin,
-                "cancel": bool(h.effect.cancel_orders),
-                "text": h.effect.text,
-            }
-        )
-    return rows
+        return json.dumps(plain(data), indent=1) + "\n"
 
+    @classmethod
+    def from_json(cls, text: str) -> Verdict:
+        """Return the verdict that a file of version 1 holds.
 
-def verdict(trace: Trace, judgement: Judgement | None, holdout: str) -> dict[str, Any]:
-    """Return the whole verdict; ``amend.plain`` makes the values of version 1 of it."""
-    word = "nothing"
-    if trace.steps:
-        word = "traced"
-    if any(step.ambiguous for step in trace.steps):
-        word = "not_identifiable"
-    if trace.unknown:
-        word = "unknown"
-    table = {}
-    if judgement is not None:
-        table = {
-            name: {"before": float(b), "after": float(a), "noise_floor": float(f)}
-            for name, b, a, f in zip(
-                judgement.channels, judgement.before, judgement.after, judgement.floor, strict=True
+        Raises
+        ------
+        PlantError
+            When it is no verdict of version 1; the message says what is wrong.
+        """
+        try:
+            data = json.loads(text)
+            if data["version"] != VERSION:
+                raise PlantError(
+                    f"verdict: version: read {data['version']!r}; expected {VERSION}, "
+                    "as this program writes it"
+                )
+            if data["verdict"] not in get_args(Word):
+                raise PlantError(
+                    f"verdict: verdict: read {data['verdict']!r}; expected one of {get_args(Word)}"
+                )
+            return cls(
+                word=data["verdict"],
+                effects=tuple(_effect_of(row) for row in data["effects"]),
+                unknown=tuple(
+                    UnknownFinding(
+                        kind=u["class"], coordinate=u["coordinate"], strength=u["strength"]
+                    )
+                    for u in data["unknown"]
+                ),
+                ambiguous=tuple(
+                    Ambiguity(
+                        place=Place.parse(a["effect"]),
+                        alternatives=tuple(map(Place.parse, a["with"])),
+                        experiments=tuple(a["experiments"]),
+                    )
+                    for a in data["ambiguous"]
+                ),
+                residual_rms={
+                    name: ChannelError(**row) for name, row in data["residual_rms"].items()
+                },
+                holdout=data["holdout"],
             )
-        }
+        except KeyError as error:
+            raise PlantError(f"verdict: {error.args[0]} is missing") from error
+        except (TypeError, ValueError, AttributeError) as error:
+            raise PlantError(f"verdict: no verdict of version {VERSION} ({error})") from error
+
+
+def rms_rows(errors: Mapping[str, ChannelError]) -> dict[str, dict[str, float]]:
+    """Return errors by channel as version 1 has them."""
     return {
-        "version": 1,
-        "verdict": word,
-        "effects": effect_rows(trace),
-        "unknown": [
-            {"class": u.kind, "coordinate": u.coordinate, "strength": u.strength}
-            for u in trace.unknown
-        ],
-        "ambiguous": [
-            {
-                "effect": s.hypothesis.key,
-                "with": list(s.ambiguous),
-                "experiments": experiments(s.hypothesis.key, s.ambiguous),
-            }
-            for s in trace.steps
-            if s.ambiguous
-        ],
-        "residual_rms": table,
-        "holdout": holdout,
+        name: {"before": e.before, "after": e.after, "noise_floor": e.noise_floor}
+        for name, e in errors.items()
     }
 
 
-def declared_entries(fit: Fit) -> list[dict[str, Any]]:
-    """Return the effects as entries of a line declaration."""
-    return [
-        {"effect": e.effect, "location": e.location, "parameters": dict(e.parameters)}
-        for e in fit.effects
-    ]
+def _effect_row(e: EffectFinding) -> dict[str, Any]:
+    return {
+        "effect": e.place.effect,
+        "location": e.place.location,
+        "parameters": e.parameters,
+        "interval95": e.interval95,
+        "score": e.score,
+        "runner_up": str(e.runner_up) if e.runner_up else "",
+        "margin": e.margin,
+        "cancel": e.cancel,
+        "text": e.text,
+    }
 
 
-def aff_blocks(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return AFF blocks (roll, orders) for effects that a drive can cancel."""
-    blocks = []
-    for row in rows:
-        if not row["cancel"] or row["effect"] not in BY_NAME:
-            continue
-        orders = list(BY_NAME[row["effect"]].cancelled(row["parameters"]))
-        blocks.append(
-            {"roll": row["location"], "orders": orders, "settle_s": 6.0, "amp_limit_m_s": 0.02}
-        )
-    return blocks
+def _effect_of(row: Mapping[str, Any]) -> EffectFinding:
+    return EffectFinding(
+        place=Place(row["effect"], row["location"]),
+        parameters=row["parameters"],
+        interval95={name: (low, high) for name, (low, high) in row["interval95"].items()},
+        score=row["score"],
+        runner_up=Place.parse(row["runner_up"]) if row["runner_up"] else None,
+        margin=row["margin"],
+        cancel=row["cancel"],
+        text=row["text"],
+    )

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
 
+from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.place import Place
 from sim_plant.refine.records.units import suffix_of
+from sim_plant.refine.report.verdict import EffectFinding
 
 SMALL_M, SMALL_S = 0.1, 1.0
 
@@ -48,37 +50,43 @@ def place_words(place: Place) -> str:
     return f"{place.effect.replace('_', ' ')} at {place_of(place.location)}"
 
 
-def name_of(row: Mapping[str, Any]) -> str:
-    """Return where a row of a verdict says an effect is, as words."""
-    return place_words(Place(row["effect"], row["location"]))
-
-
 def remedy(effect: str, place: str) -> str:
     """Return what to do about an effect at ``place``, without a stop at its end."""
     return BY_NAME[effect].remedy.format(place=place)
 
 
-def number_rows(row: Mapping[str, Any]) -> list[dict[str, str]]:
-    """Return the parameters of an effect as words: name, value, unit, low, high (95 %)."""
-    found = []
-    for key, value in row["parameters"].items():
-        unit = unit_of(row["effect"], key)
-        shown = {
-            "key": key,
-            "name": label(key, unit),
-            "value": str(value),
-            "unit": "",
-            "low": "",
-            "high": "",
-        }
-        if not isinstance(value, str):
-            factor, shown["unit"] = scaled(value, unit)
-            shown["value"] = f"{factor * value:.4g}"
-            if key in row.get("interval95", {}):
-                low, high = row["interval95"][key]
-                shown |= {"low": f"{factor * low:.4g}", "high": f"{factor * high:.4g}"}
-        found.append(shown)
-    return found
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NumberRow:
+    """One parameter of a finding as words; ``low`` and ``high`` (95 %) are empty where assumed."""
+
+    key: str
+    name: str
+    value: str
+    unit: str = ""
+    low: str = ""
+    high: str = ""
+
+
+def number_rows(finding: EffectFinding) -> list[NumberRow]:
+    """Return the parameters of an effect as words."""
+    return [
+        _number_row(finding.place.effect, key, value, finding.interval95.get(key))
+        for key, value in finding.parameters.items()
+    ]
+
+
+def _number_row(
+    effect: str, key: str, value: Value, interval: tuple[float, float] | None
+) -> NumberRow:
+    unit = unit_of(effect, key)
+    name = label(key, unit)
+    if isinstance(value, str):
+        return NumberRow(key=key, name=name, value=value)
+    factor, shown = scaled(value, unit)
+    low, high = (f"{factor * end:.4g}" for end in interval) if interval else ("", "")
+    return NumberRow(
+        key=key, name=name, value=f"{factor * value:.4g}", unit=shown, low=low, high=high
+    )
 
 
 def tells_size(effect: str, parameter: str) -> bool:
@@ -98,50 +106,31 @@ def assumed(effect: str, parameter: str) -> bool:
     return row is not None and row.role == "option" and len(row.tries) == 1
 
 
-def size_of(row: Mapping[str, Any]) -> str:
+def size_of(finding: EffectFinding) -> str:
     """Return how much of an effect there is, with units and 95 % intervals."""
-    found = []
-    for number in number_rows(row):
-        if not tells_size(row["effect"], number["key"]):
+    found, effect = [], finding.place.effect
+    for number in number_rows(finding):
+        if not tells_size(effect, number.key):
             continue
-        name = "" if isinstance(row["parameters"][number["key"]], str) else f"{number['name']} "
-        text = f"{name}{number['value']} {number['unit']}".rstrip()
-        if assumed(row["effect"], number["key"]):
+        name = "" if isinstance(finding.parameters[number.key], str) else f"{number.name} "
+        text = f"{name}{number.value} {number.unit}".rstrip()
+        if assumed(effect, number.key):
             text += " (assumed; the others hold for it)"
-        if number["low"]:
-            text += f" (95 %: {number['low']} to {number['high']})"
+        if number.low:
+            text += f" (95 %: {number.low} to {number.high})"
         found.append(text)
     return ", ".join(found)
 
 
-def record_headline(result: Mapping[str, Any]) -> str:
-    """Return the verdict on records without a line declaration as sentences."""
-    if not result["unknown"]:
-        return "Nothing found: what the declared filter leaves of the outputs holds no line."
-    said = [coordinate_text(u["class"], u["coordinate"]) for u in result["unknown"]]
-    return f"Unknown, strongest first: {'; '.join(said)}."
-
-
-def record_next(result: Mapping[str, Any], *, travel: bool) -> str:
-    """Return what the reader may do now; ``travel``: a column is the web's absolute speed."""
-    if result["unknown"]:
-        return (
-            "Look for what turns or swings so; the rms below says what it is worth. A line "
-            "declaration (config/lines/euclid.yaml) would name the place."
-        )
-    more = "" if travel else "a column with the web's absolute speed (travel_speed), or "
-    return f"Nothing to do. To have rollers looked for, give {more}a line declaration."
-
-
-def coordinate_text(kind: str, where: Mapping[str, Any]) -> str:
+def coordinate_text(kind: str, where: Mapping[str, float | str]) -> str:
     """Return what is known of an unknown as words."""
     if kind == "time":
         return f"something that repeats in time, {where['frequency_Hz']:.4g} Hz at every speed"
     if kind == "travel":
-        wavenumber = where["wavenumber_1_m"]
+        wavenumber = float(where["wavenumber_1_m"])
         return (
             f"something that repeats every {1e3 / wavenumber:.4g} mm of web ({wavenumber:.5g} "
-            f"1/m); a roller of {1e3 * where['equivalent_radius_m']:.4g} mm radius turns so"
+            f"1/m); a roller of {1e3 * float(where['equivalent_radius_m']):.4g} mm radius turns so"
         )
     if kind == "angle":
         return f"something that repeats {where['order']:.4g} times per turn of {where['roll']}"

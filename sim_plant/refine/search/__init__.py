@@ -1,3 +1,3 @@
 """Forward selection: which effects explain the residual, one after another."""
 
-__all__ = ["forward_selection", "selection", "unexplained"]
+__all__ = ["candidate", "forward_selection", "selection"]

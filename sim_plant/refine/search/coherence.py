@@ -15,16 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.objective import Objective
 
-BANDS = (1.0 / 80.0, 1.0 / 40.0, 1.0 / 20.0, 1.0 / 10.0, 1.0 / 5.0, 2.0 / 5.0)
-"""Edges, share of half the sample rate: below, tolerances move channels together."""
-FEWEST_BINS = 16
+UNEXPLAINED = CRITERIA.search.unexplained
 WINDOW_SHARE = 2.0 / 3.0
 """Independent bins per bin under a Hann window."""
 
-Spectra = NDArray[np.complex128]
+CrossPower = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,41 +39,51 @@ class Coupling:
     score: float
 
 
-def oddest_pair(problem: Problem, fit: Fit) -> Coupling:
+NO_COUPLING = Coupling(channels=("", ""), from_Hz=0.0, to_Hz=0.0, score=0.0)
+
+
+def least_likely_coupling(objective: Objective, fit: Fit) -> Coupling:
     """Return the pair of channels and the band that are least like the declared noise."""
-    found = [Coupling(channels=("", ""), from_Hz=0.0, to_Hz=0.0, score=0.0)]
+    found = [NO_COUPLING]
     rows = zip(
-        problem.bench.twins, problem.noise, problem.noisy, problem.split(fit.residual), strict=True
+        objective.pool.twins,
+        objective.whitening.noise,
+        objective.whitening.realisations,
+        objective.split(fit.residual),
+        strict=True,
     )
-    for twin, noise, noisy, part in rows:
+    for twin, noise, realisations, part in rows:
         use = np.flatnonzero(noise.analogue)
         names = [twin.channels[c] for c in use]
-        runs = [noise.whiten(run)[use] for run in noisy]
-        found.append(_oddest(part[use], runs, names, twin.declaration.sample_time_s))
+        runs = [noise.whiten(run)[use] for run in realisations]
+        found.append(least_likely_pair(part[use], runs, names, twin.declaration.sample_time_s))
     return max(found, key=lambda c: c.score)
 
 
-def _oddest(
-    measured: Array, runs: Sequence[Array], names: Sequence[str], step_s: float
+def least_likely_pair(
+    left: Array, noise: Sequence[Array], channels: Sequence[str], sample_time_s: float
 ) -> Coupling:
-    """Return the oddest pair of one record.
+    """Return the least likely pair of one record.
+
+    ``left`` (channels, samples) is what a fit leaves, ``noise`` realisations of noise alone,
+    whitened alike.
 
     Equation: S = n |g - g0|^2 / (1 - |g0|^2), g the complex coherence of the n independent bins
     of a band, g0 that of the noise   [exponential for g = g0, n large].
     """
-    half_Hz, best = 0.5 / step_s, Coupling(channels=("", ""), from_Hz=0.0, to_Hz=0.0, score=0.0)
-    for low, high in itertools.pairwise(BANDS):
-        bins = round((high - low) * (measured.shape[1] // 2))
-        if bins < FEWEST_BINS:
+    half_Hz, best = 0.5 / sample_time_s, NO_COUPLING
+    for low, high in itertools.pairwise(UNEXPLAINED.coupling_bands):
+        bins = round((high - low) * (left.shape[1] // 2))
+        if bins < UNEXPLAINED.fewest_bins:
             continue
-        here = _coherence(_cross(measured, low, high))
-        usual = _coherence(np.mean([_cross(run, low, high) for run in runs], axis=0))
+        here = _coherence(_cross(left, low, high))
+        usual = _coherence(np.mean([_cross(run, low, high) for run in noise], axis=0))
         free = np.maximum(1.0 - np.abs(usual) ** 2, 1e-3)
         score = WINDOW_SHARE * bins * np.abs(here - usual) ** 2 / free
         one, other = divmod(int(np.argmax(np.triu(score, 1))), score.shape[1])
         if score[one, other] > best.score:
             best = Coupling(
-                channels=(names[one], names[other]),
+                channels=(channels[one], channels[other]),
                 from_Hz=low * half_Hz,
                 to_Hz=high * half_Hz,
                 score=float(score[one, other]),
@@ -82,17 +91,17 @@ def _oddest(
     return best
 
 
-def _cross(values: Array, low: float, high: float) -> Spectra:
+def _cross(values: Array, low: float, high: float) -> CrossPower:
     """Return the cross power (channels, channels) of a band of (channels, samples)."""
     window = np.hanning(values.shape[1])
     spectrum = np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * window, axis=1)
     edges = np.round(np.array([low, high]) * (values.shape[1] // 2)).astype(int) + 1
     part = spectrum[:, edges[0] : edges[1]]
-    found: Spectra = part @ part.conj().T
+    found: CrossPower = part @ part.conj().T
     return found
 
 
-def _coherence(cross: Spectra) -> Spectra:
+def _coherence(cross: CrossPower) -> CrossPower:
     size = np.sqrt(np.maximum(np.real(np.diag(cross)), 1e-300))
-    found: Spectra = cross / np.outer(size, size)
+    found: CrossPower = cross / np.outer(size, size)
     return found

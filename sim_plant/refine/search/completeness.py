@@ -2,70 +2,68 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.search.unexplained import LINE_THRESHOLD, strongest
-from sim_plant.refine.spectra.coordinates import Travel, line_support, spectra
+from sim_plant.refine.search.unexplained import strongest_peak
+from sim_plant.refine.spectra.coordinates import Travel, periodic_support, spectra
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
-COMPLETENESS = 0.8
-LEFT_OVER = 0.15
-FAIR_SHARE = 0.3
-SURE = 3.0
-"""Standard deviations of a chi-square cost by which what is left surely exceeds noise."""
+COMPLETENESS = CRITERIA.search.completeness
+NOISE_PEAK = CRITERIA.search.unexplained.periodic
+"""A free line below this may be noise."""
+
+Spectra = tuple[tuple[LineSpectrum, ...], ...]
+"""Free-line spectra, per record."""
 
 
-def unsure(problem: Problem) -> float:
-    """Return the cost to which noise alone is known."""
-    return SURE * math.sqrt(2.0 * problem.expected_cost)
+def sure_excess(objective: Objective) -> float:
+    """Return the cost by which what is left surely exceeds noise."""
+    return COMPLETENESS.sure_sd * objective.cost_standard_deviation
 
 
-def lines_left(problem: Problem, fit: Fit, travels: Sequence[Travel]) -> list[list[LineSpectrum]]:
+def remaining_spectra(objective: Objective, fit: Fit, travels: Sequence[Travel]) -> Spectra:
     """Return the free-line spectra of a fit's residual, per record.
 
     Coarse words are left out: their steps pass at a rate of their own, a line that nothing causes.
     """
-    return [
-        spectra(travel, part[noise.analogue])
-        for travel, part, noise in zip(
-            travels, problem.split(fit.residual), problem.noise, strict=True
-        )
-    ]
+    rows = zip(travels, objective.split(fit.residual), objective.whitening.noise, strict=True)
+    return tuple(tuple(spectra(travel, part[noise.analogue])) for travel, part, noise in rows)
 
 
-def complete(
-    problem: Problem,
-    base: Fit,
-    before: Sequence[Sequence[LineSpectrum]],
-    travels: Sequence[Travel],
-    fit: Fit,
+def explains_own_lines(
+    objective: Objective, base: Fit, before: Spectra, travels: Sequence[Travel], fit: Fit
 ) -> bool:
     """Return whether the effects that ``fit`` adds to ``base`` explain their own lines.
 
-    An effect that is no line must explain what the strongest free line would, and a fair share of
-    all that is left: the largest of up to three true ones does, an imitation of something else
-    seldom.
+    An effect that is not periodic must explain what the strongest free line would, and a fair
+    share of all that is left: the largest of up to three true ones does, an imitation of something
+    else seldom. ``before`` are the spectra of what ``base`` leaves.
     """
-    drop = base.cost - fit.cost
+    chi2_reduction = base.cost - fit.cost
     fresh = fit.hypotheses[len(base.hypotheses) :]
-    locked = [h for h in fresh if line_support(h, travels[0], before[0]) is not None]
-    if not locked:
-        sure = base.cost - problem.expected_cost - unsure(problem)
-        line = strongest(before)[2] - LINE_THRESHOLD
-        return drop > max(COMPLETENESS * line, FAIR_SHARE * sure)
-    left = lines_left(problem, fit, travels)
-    for h in locked:
-        line = max(_support(h, t, s) for t, s in zip(travels, before, strict=True))
-        rest = max(_support(h, t, s) for t, s in zip(travels, left, strict=True))
-        partly = drop < COMPLETENESS * (line - LINE_THRESHOLD) or rest > LEFT_OVER * line
-        if partly and rest > LINE_THRESHOLD:
+    periodic = [h for h in fresh if periodic_support(h, travels[0], before[0]) is not None]
+    if not periodic:
+        sure = base.cost - objective.expected_cost - sure_excess(objective)
+        peak = strongest_peak(before)[2] - NOISE_PEAK
+        share = max(COMPLETENESS.explained_share * peak, COMPLETENESS.fair_share * sure)
+        return chi2_reduction > share
+    left = remaining_spectra(objective, fit, travels)
+    for h in periodic:
+        peak = _strongest_support(h, travels, before)
+        rest = _strongest_support(h, travels, left)
+        partly = (
+            chi2_reduction < COMPLETENESS.explained_share * (peak - NOISE_PEAK)
+            or rest > COMPLETENESS.left_share * peak
+        )
+        if partly and rest > NOISE_PEAK:
             return False
     return True
 
 
-def _support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float:
-    return line_support(h, travel, found) or 0.0
+def _strongest_support(h: Hypothesis, travels: Sequence[Travel], found: Spectra) -> float:
+    rows = zip(travels, found, strict=True)
+    return max(periodic_support(h, travel, record) or 0.0 for travel, record in rows)

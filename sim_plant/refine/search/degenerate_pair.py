@@ -12,51 +12,61 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.place import Place
-from sim_plant.refine.search.screening import Scored, columns_of, price
+from sim_plant.refine.search.candidate import Candidate, bic_penalty
+from sim_plant.refine.search.screening import sensitivities
 from sim_plant.refine.spectra.coordinates import Travel, wavenumbers_1_m
 
-SAME_LINE = 0.003
-MOST_PLACES = 4
-NUMBERS = 2
+DEGENERACY = CRITERIA.search.degeneracy
 
 
-def two_instead(
-    problem: Problem, fit: Fit, travel: Travel, chosen: Hypothesis, ranked: Sequence[Scored]
+def better_pair(
+    objective: Objective,
+    fit: Fit,
+    travel: Travel,
+    chosen: Hypothesis,
+    candidates: Sequence[Candidate],
 ) -> tuple[Place, ...]:
-    """Return two places that explain more than ``chosen``, or nothing.
+    """Return two places that together explain more than ``chosen``, or nothing.
 
-    Both by one linear step, each number at its price; ``ranked`` are first looks at ``fit``.
+    Both by one linear step, each number at its price; ``candidates`` are first looks at ``fit``.
     """
-    alone = [s for s in ranked if s.hypothesis.key == chosen.key]
-    others = [s for s in ranked if _same_line(travel, chosen, s.hypothesis)][:MOST_PLACES]
+    alone = [c for c in candidates if c.hypothesis.key == chosen.key]
+    others = [c.hypothesis for c in candidates if same_wavenumbers(travel, chosen, c.hypothesis)]
+    others = others[: DEGENERACY.most_places]
     if not alone or len(others) < 2:
         return ()
-    columns = columns_of(problem, fit, [s.hypothesis for s in others])
-    residual = problem.residual(problem.bench.one(fit.case), fit.shifts)
+    columns = sensitivities(objective, fit, others)
+    residual = objective.residual(objective.pool.one(fit.case), fit.shifts)
     best, pair = max(
-        (_score(problem, residual, np.concatenate([columns[i], columns[k]], axis=1)), (i, k))
+        (pair_score(objective, residual, columns[i], columns[k]), (i, k))
         for i, k in itertools.combinations(range(len(others)), 2)
     )
-    return tuple(others[k].hypothesis.key for k in pair) if best > alone[0].score else ()
+    return tuple(others[k].key for k in pair) if best > alone[0].score else ()
 
 
-def _same_line(travel: Travel, chosen: Hypothesis, h: Hypothesis) -> bool:
+def same_wavenumbers(travel: Travel, chosen: Hypothesis, h: Hypothesis) -> bool:
     """Return whether ``h`` is the effect at another place with the same line of travel."""
     if h.effect.name != chosen.effect.name or h.location == chosen.location:
         return False
     if (
         not h.effect.order_locked
-        or len(h.names) != NUMBERS
+        or len(h.names) != DEGENERACY.paired_numbers
         or "all" in (h.location, chosen.location)
     ):
         return False
     ours, theirs = (np.array(wavenumbers_1_m(x, travel)) for x in (chosen, h))
-    return ours.shape == theirs.shape and bool(np.all(abs(theirs / ours - 1.0) < SAME_LINE))
+    return ours.shape == theirs.shape and bool(
+        np.all(abs(theirs / ours - 1.0) < DEGENERACY.same_coordinate_share)
+    )
 
 
-def _score(problem: Problem, residual: Array, columns: Array) -> float:
-    return problem.projector.gain(residual, columns).drop - price(problem, columns.shape[1])
+def pair_score(objective: Objective, residual: Array, one: Array, other: Array) -> float:
+    """Return the score of two places from their columns (rows, numbers), penalty taken off."""
+    columns = np.concatenate([one, other], axis=1)
+    found = objective.projector.linear_fit(residual, columns)
+    return found.chi2_reduction - bic_penalty(objective, columns.shape[1])

@@ -8,60 +8,80 @@ from dataclasses import replace
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.fit.gauss_newton import Fit, case_of, refine_fit
-from sim_plant.refine.fit.objective import Problem
-from sim_plant.refine.fit.roll_synchronisation import felt_radius, in_step
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.roll_synchronisation import effective_radius_of, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.model.parameter_effects import within_tolerance
-from sim_plant.refine.search.screening import Scored, price
+from sim_plant.refine.search.candidate import (
+    Candidate,
+    FittedCandidate,
+    Progress,
+    bic_penalty,
+    fitted_candidate,
+)
 
 
-def fit_one(problem: Problem, fit: Fit, scored: Scored) -> Fit | None:
-    """Return ``fit`` with one more effect, None where its numbers are no estimate."""
-    h = scored.hypothesis
+def fit_candidates(
+    objective: Objective, base: Fit, candidates: Sequence[Candidate], progress: Progress
+) -> list[FittedCandidate]:
+    """Return ``base`` with each candidate fitted beside it, unless it is no estimate."""
+    found = []
+    for candidate in candidates:
+        fit = fit_candidate(objective, base, candidate)
+        if fit is not None:
+            fitted = fitted_candidate(objective, base, fit)
+            progress(f"  {fitted.hypothesis.key}: score {fitted.score:.0f}")
+            found.append(fitted)
+    return found
+
+
+def fit_candidate(objective: Objective, base: Fit, candidate: Candidate) -> Fit | None:
+    """Return ``base`` with one more effect, None where its numbers are no estimate."""
+    h = candidate.hypothesis
     if h.effect.profiles is None:
-        return fitted(problem, fit, h, scored.start, fit.shifts)
-    # a profile brings its own mean radius
-    shifts = {name: value for name, value in fit.shifts.items() if name != felt_radius(h.location)}
-    best: Fit | None = None
-    for hyp, start in _profiles(problem, fit, h):
-        there = (*fit.hypotheses, hyp), (*fit.values, start)
-        new = fitted(problem, fit, hyp, start, in_step(problem, shifts, *there))
-        if new is not None and (best is None or _worth(problem, new) < _worth(problem, best)):
-            best = new
-    excess = fit.cost - problem.expected_cost
-    if best is None or fit.cost - best.cost < 0.9 * excess:
-        free = fitted(problem, fit, *scored.trimmed(), fit.shifts, rounds=2)
-        if free is not None and (best is None or _worth(problem, free) < _worth(problem, best)):
-            best = free
+        return with_effect(objective, base, h, candidate.start, base.shifts)
+    shifts = _without_radius(base.shifts, h.location)
+    fits = []
+    for profile, start in _profile_starts(objective, base, h):
+        there = (*base.hypotheses, profile), (*base.values, start)
+        synchronising = synchronising_shifts(objective, shifts, *there)
+        fits.append(with_effect(objective, base, profile, start, synchronising))
+    best = _best(objective, fits)
+    excess = base.cost - objective.expected_cost
+    least = CRITERIA.search.profile.orders_share * excess
+    if best is None or base.cost - best.cost < least:
+        free = with_effect(objective, base, *candidate.trimmed(), base.shifts, rounds=2)
+        best = _best(objective, [best, free])
     return best
 
 
-def fitted(
-    problem: Problem,
-    fit: Fit,
+def with_effect(
+    objective: Objective,
+    base: Fit,
     h: Hypothesis,
     start: Sequence[float],
     shifts: dict[str, float],
     rounds: int = 6,
 ) -> Fit | None:
-    """Return ``fit`` with ``h`` from ``start``, all else fitted again; None as ``fit_one``."""
-    new = refine_fit(
-        problem, (*fit.hypotheses, h), (*fit.values, tuple(start)), shifts, rounds=rounds
+    """Return ``base`` with ``h`` from ``start``, all fitted again; None as ``fit_candidate``."""
+    fit = gauss_newton_fit(
+        objective, (*base.hypotheses, h), (*base.values, tuple(start)), shifts, rounds=rounds
     )
-    h, found, line = new.hypotheses[-1], new.values[-1], problem.bench.twins[0].declaration
-    if not np.isfinite(new.cost) or h.at_bound(found):
+    found, line = fit.values[-1], objective.pool.twins[0].declaration
+    if not np.isfinite(fit.cost) or h.at_bound(found):
         return None
-    return None if within_tolerance(line, problem.nuisances, h, found) else new
+    return None if within_tolerance(line, objective.nuisances, h, found) else fit
 
 
-def reseated(problem: Problem, fit: Fit) -> Fit:
+def profile_reinitialised(objective: Objective, fit: Fit) -> Fit:
     """Return the fit with its profiles found anew beside all else, where that explains more.
 
     A second effect (a delay, a filter) changes how the line answers a shape: angles that were
     found without it are off by its phase, more than a step can mend.
     """
-    line = problem.bench.twins[0].declaration
+    line = objective.pool.twins[0].declaration
     for k, h in enumerate(fit.hypotheses):
         if h.effect.profiles is None:
             continue
@@ -69,36 +89,48 @@ def reseated(problem: Problem, fit: Fit) -> Fit:
             fit,
             hypotheses=(*fit.hypotheses[:k], *fit.hypotheses[k + 1 :]),
             values=(*fit.values[:k], *fit.values[k + 1 :]),
-            shifts={n: v for n, v in fit.shifts.items() if n != felt_radius(h.location)},
+            shifts=_without_radius(fit.shifts, h.location),
         )
-        for hyp, start in _profiles(problem, rest, hypothesis(h.effect, h.location, line=line)):
-            there = fit.put(k, hyp, start)
-            shifts = in_step(problem, rest.shifts, there.hypotheses, there.values)
-            new = refine_fit(problem, there.hypotheses, there.values, shifts)
+        orders = hypothesis(h.effect, h.location, line=line)
+        for profile, start in _profile_starts(objective, rest, orders):
+            there = fit.with_effect_at(k, profile, start)
+            shifts = synchronising_shifts(objective, rest.shifts, there.hypotheses, there.values)
+            new = gauss_newton_fit(objective, there.hypotheses, there.values, shifts)
             if np.isfinite(new.cost) and new.cost < fit.cost:
                 fit = new
     return fit
 
 
-def _worth(problem: Problem, fit: Fit) -> float:
-    return fit.cost + price(problem, len(fit.hypotheses[-1].names))
+def _best(objective: Objective, fits: Sequence[Fit | None]) -> Fit | None:
+    """Return the fit that costs least, the price of its last effect's numbers included."""
+
+    def penalised(fit: Fit) -> float:
+        return fit.cost + bic_penalty(objective, len(fit.hypotheses[-1].names))
+
+    return min((fit for fit in fits if fit is not None), key=penalised, default=None)
 
 
-def _profiles(
-    problem: Problem, fit: Fit, h: Hypothesis
+def _without_radius(shifts: dict[str, float], roll: str) -> dict[str, float]:
+    """Return shifts without the effective radius of a roll: a profile brings its own mean."""
+    return {name: value for name, value in shifts.items() if name != effective_radius_of(roll)}
+
+
+def _profile_starts(
+    objective: Objective, fit: Fit, h: Hypothesis
 ) -> list[tuple[Hypothesis, tuple[float, ...]]]:
+    """Return named profiles where ``h`` (free orders) is that explain most beside ``fit``."""
     profiles = h.effect.profiles
     if profiles is None:
         return []
-    shifts = in_step(problem, fit.shifts, fit.hypotheses, fit.values)
+    shifts = synchronising_shifts(objective, fit.shifts, fit.hypotheses, fit.values)
     case = case_of(fit.hypotheses, fit.values, shifts)
-    runs = problem.bench.run(
+    runs = objective.pool.run(
         [case, *(replace(case, effects=(*case.effects, a)) for a in h.probes())]
     )
-    columns = np.stack([problem.column(r, runs[0], 1.0) for r in runs[1:]], axis=1)
-    residual = problem.residual(runs[0], shifts)
-    cut = problem.projector.project(columns)
-    line = problem.bench.twins[0].declaration
+    columns = np.stack([objective.column(r, runs[0], 1.0) for r in runs[1:]], axis=1)
+    residual = objective.residual(runs[0], shifts)
+    cut = objective.projector.project(columns)
+    line = objective.pool.twins[0].declaration
     radius = line.rollers[line.body(h.location)].radius_m
     inner: Array = columns.T @ cut
     found = profiles.starts(radius, inner, cut.T @ residual, h.start)

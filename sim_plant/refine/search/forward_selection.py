@@ -1,225 +1,261 @@
-"""Trace a residual to effects, one after another, against generic terms."""
+"""Forward selection: a residual is traced to effects, one after another, against free terms.
+
+One round is screen -> fit -> score -> accept (`best_of`); every step is a function of values.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.fit.gauss_newton import Fit, empty_fit, refine_fit
-from sim_plant.refine.fit.objective import Problem
-from sim_plant.refine.fit.roll_synchronisation import in_step, stepped
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, nominal_fit
+from sim_plant.refine.fit.objective import Objective, conditioned_on
+from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.search.completeness import complete, lines_left, unsure
-from sim_plant.refine.search.effect_fit import fitted, reseated
-from sim_plant.refine.search.free_terms import LINE_KINDS, free_lines, taken_up
-from sim_plant.refine.search.outside_prior import pulled_starts, shifts_in_force
-from sim_plant.refine.search.profile_detail import polished
-from sim_plant.refine.search.screening import neighbours, price, screen, thinned, worth_trying
-from sim_plant.refine.search.selection import DISCREPANCY, Rival, Say, Step, Trace, claim, is_line
-from sim_plant.refine.search.unexplained import Unknown, unknowns
-from sim_plant.refine.spectra.coordinates import travel_of
+from sim_plant.refine.search.candidate import FittedCandidate, Progress
+from sim_plant.refine.search.completeness import explains_own_lines, remaining_spectra, sure_excess
+from sim_plant.refine.search.degenerate_pair import better_pair
+from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised
+from sim_plant.refine.search.free_terms import (
+    PERIODIC_KINDS,
+    explained_by_free_term,
+    free_term_basis,
+)
+from sim_plant.refine.search.outside_prior import fit_conflicts, total_shifts
+from sim_plant.refine.search.profile_detail import joint_refit
+from sim_plant.refine.search.screening import by_periodic_support, screen, shortlist
+from sim_plant.refine.search.selection import (
+    Extension,
+    Selection,
+    accept,
+    also_explained_by,
+    at_noise_floor,
+    preferred,
+    score,
+)
+from sim_plant.refine.search.unexplained import Unknown, unexplained_parts
+from sim_plant.refine.spectra.coordinates import is_periodic, travel_of
 
-MOST_EFFECTS = 4
-MOST_BOXES = 2
+ACCEPTANCE = CRITERIA.search.acceptance
 
 
-def trace(problem: Problem, library: Sequence[Hypothesis], say: Say) -> Trace:
+def forward_selection(
+    objective: Objective, library: Sequence[Hypothesis], progress: Progress
+) -> Selection:
     """Return effects that explain the records, and what remains unexplained.
 
     Where a line remains that no effect explains, it becomes a free term, and the whole search is
     made again beside it: an effect is claimed only for what that term cannot explain, and none
     at the coordinate of the term itself.
     """
-    found = _pursue(problem, library, say)
-    before = found.before
-    boxes: list[Unknown] = []
-    for _ in range(MOST_BOXES):
-        fresh = [u for u in found.unknown if u.kind in LINE_KINDS and u not in boxes]
+    first = selection = select(objective, library, progress)
+    free_terms: tuple[Unknown, ...] = ()
+    for _ in range(ACCEPTANCE.most_free_terms):
+        fresh = [u for u in selection.unknown if u.kind in PERIODIC_KINDS and u not in free_terms]
         if not fresh:
             break
-        boxes += fresh
-        say(f"no effect explains {', '.join(u.text for u in fresh)}: searching beside a free term")
-        beside = problem.beside([free_lines(boxes, travel) for travel in found.travels])
-        travel = found.travels[0]
-        rest = [h for h in library if not taken_up(h, boxes, travel)]
-        found = _pursue(beside, rest, say, sum(box.strength for box in boxes))
-        more = [u for u in found.unknown if not any(u.like(box) for box in boxes)]
-        found.unknown = [*boxes, *more]
-        found.before = before  # with the line that is now a free term, for the report
-    return found
+        free_terms = (*free_terms, *fresh)
+        named = ", ".join(u.text for u in fresh)
+        progress(f"no effect explains {named}: searching beside a free term")
+        travels = selection.travels
+        beside = conditioned_on(objective, [free_term_basis(free_terms, t) for t in travels])
+        rest = [h for h in library if not explained_by_free_term(h, free_terms, travels[0])]
+        taken_up = sum(term.strength for term in free_terms)
+        found = select(beside, rest, progress, chi2_of_free_terms=taken_up)
+        more = [u for u in found.unknown if not any(u.same_roll_as(t) for t in free_terms)]
+        # before: with the lines that are now free terms, for the report
+        selection = replace(found, unknown=(*free_terms, *more), before=first.before)
+    return selection
 
 
-def _pursue(
-    problem: Problem, library: Sequence[Hypothesis], say: Say, aside: float = 0.0
-) -> Trace:
-    """Return the effects found one after another, and what is left then.
-
-    ``aside`` is what free terms have taken up already.
-    """
-    problem, nominal = polished(problem, empty_fit(problem, in_step(problem, {})))
-    nominal = stepped(problem, nominal)
-    travels = [
-        travel_of(twin, measured, nominal.case, noise.first)
-        for twin, measured, noise in zip(
-            problem.bench.twins, problem.measured, problem.noise, strict=True
+def select(
+    objective: Objective,
+    library: Sequence[Hypothesis],
+    progress: Progress,
+    chi2_of_free_terms: float = 0.0,
+) -> Selection:
+    """Return the effects found one after another, and what is left then."""
+    start = nominal_fit(objective, synchronising_shifts(objective, {}))
+    objective, nominal = joint_refit(objective, start)
+    selection = _nothing_yet(objective, synchronised(objective, nominal), chi2_of_free_terms)
+    for _ in range(ACCEPTANCE.most_effects):
+        extensions = next_extensions(objective, selection, library, progress)
+        if not extensions:
+            break
+        progress("all numbers together, at the declared drive tick")
+        objective, fit = joint_refit(objective, extensions[-1].fit)
+        selection = replace(
+            selection,
+            fit=fit,
+            accepted=(*selection.accepted, *(e.accepted for e in extensions)),
+            after=remaining_spectra(objective, fit, selection.travels),
         )
-    ]
-    before = lines_left(problem, nominal, travels)
-    found = Trace(
-        nominal=nominal, fit=nominal, travels=travels, before=before, after=before, aside=aside
+        if at_noise_floor(selection, objective.expected_cost, sure_excess(objective)):
+            break
+    return _with_remainder(objective, selection, progress)
+
+
+def _nothing_yet(objective: Objective, nominal: Fit, chi2_of_free_terms: float) -> Selection:
+    """Return the selection without an effect."""
+    rows = zip(objective.pool.twins, objective.measured, objective.whitening.noise, strict=True)
+    travels = tuple(travel_of(twin, y, nominal.case, noise.first) for twin, y, noise in rows)
+    spectra = remaining_spectra(objective, nominal, travels)
+    return Selection(
+        nominal=nominal,
+        fit=nominal,
+        travels=travels,
+        before=spectra,
+        after=spectra,
+        chi2_of_free_terms=chi2_of_free_terms,
     )
-    for _ in range(MOST_EFFECTS):
-        accepted = _search(problem, found, library, say)
-        if accepted is None:
-            break
-        steps, fit = accepted
-        found.steps.extend(steps)
-        say("all numbers together, at the declared drive tick")
-        problem, found.fit = polished(problem, fit)
-        found.after = lines_left(problem, found.fit, travels)
-        if _at_floor(problem, found):
-            break
-    found.unknown = unknowns(problem, found.nominal, found.fit, found.after)
-    if any(u.kind not in LINE_KINDS for u in found.unknown):
-        _keep_lines_only(problem, found, say)
-    elif found.steps:
-        found.corrections = shifts_in_force(problem, found.fit)
-    return found
 
 
-def _keep_lines_only(problem: Problem, found: Trace, say: Say) -> None:
-    """Take back effects that are no lines when structure is left that is no line either.
+def _with_remainder(objective: Objective, selection: Selection, progress: Progress) -> Selection:
+    """Return the selection with what is left classified, and declared numbers put right.
 
+    Effects that are not periodic are taken back when structure is left that is no line either.
     Without a coordinate of its own such an effect is known only by how well it fits: one that
     leaves more than noise has at best imitated the cause.
     """
-    fit = found.fit
-    kept = [k for k, h in enumerate(fit.hypotheses) if is_line(h, found)]
+    selection = _classified(objective, selection)
+    if all(u.kind in PERIODIC_KINDS for u in selection.unknown):
+        if not selection.accepted:
+            return selection
+        return replace(selection, corrections=total_shifts(objective, selection.fit))
+    fit = selection.fit
+    kept = [k for k, h in enumerate(fit.hypotheses) if is_periodic(h)]
     if len(kept) == len(fit.hypotheses):
-        return
-    say("structure is left that is no line: effects that are none are taken back")
-    found.steps = [found.steps[k] for k in kept]
-    rest = [(fit.hypotheses[k], fit.values[k]) for k in kept]
-    found.fit = refine_fit(
-        problem, [h for h, _ in rest], [v for _, v in rest], fit.shifts, rounds=4, coarse=False
+        return selection
+    progress("structure is left that is no line: effects that are none are taken back")
+    rest = gauss_newton_fit(
+        objective,
+        [fit.hypotheses[k] for k in kept],
+        [fit.values[k] for k in kept],
+        fit.shifts,
+        rounds=4,
+        coarse=False,
     )
-    found.after = lines_left(problem, found.fit, found.travels)
-    found.unknown = unknowns(problem, found.nominal, found.fit, found.after)
+    periodic = replace(
+        selection,
+        fit=rest,
+        accepted=tuple(selection.accepted[k] for k in kept),
+        after=remaining_spectra(objective, rest, selection.travels),
+    )
+    return _classified(objective, periodic)
 
 
-def _search(
-    problem: Problem, found: Trace, library: Sequence[Hypothesis], say: Say
-) -> tuple[list[Step], Fit] | None:
-    """Look among lines first when there is one, then among effects that are none.
+def _classified(objective: Objective, selection: Selection) -> Selection:
+    unknown = unexplained_parts(objective, selection.nominal, selection.fit, selection.after)
+    return replace(selection, unknown=tuple(unknown))
 
-    An effect that leaves much of its own line may be half of a pair: a second effect that is no
-    line (a delay, a filter) can have changed how the line answers the first.
+
+def next_extensions(
+    objective: Objective, selection: Selection, library: Sequence[Hypothesis], progress: Progress
+) -> tuple[Extension, ...]:
+    """Return the next effect, or two that belong together, or none; the last has the fit of all.
+
+    Periodic effects are looked at first where there is a line, then those that are not. An
+    effect that leaves much of its own line may be half of a pair: a second effect that is not
+    periodic (a delay, a filter) can have changed how the line answers the first.
     """
-    lines, others = worth_trying(library, found.travels, found.after)
-    resonant = [h for h in lines if h.effect.resonant]
-    plain = [h for h in lines if not h.effect.resonant]
-    say(f"cost {found.fit.cost:.0f}, noise alone {problem.expected_cost:.0f}")
-    half: tuple[Step, Fit] | None = None
-    floor = min(problem.expected_cost, found.fit.cost - 225.0)
-    names = frozenset(h.effect.name for h in library)
-    pulled = _beyond_tolerance(problem, found, names, say)
-    full: tuple[Step, Fit] | None = None
+    periodic, others = by_periodic_support(library, selection.travels, selection.after)
+    resonant = [h for h in periodic if h.effect.resonant]
+    plain = [h for h in periodic if not h.effect.resonant]
+    cost = selection.fit.cost
+    progress(f"cost {cost:.0f}, noise alone {objective.expected_cost:.0f}")
+    left = cost - min(objective.expected_cost, cost - ACCEPTANCE.least_excess)
+    names = {h.effect.name for h in library}
+    conflicts = fit_conflicts(objective, selection.fit, names, progress)
+    complete: list[Extension] = []
+    partial: list[Extension] = []
     for group in (plain, resonant, others):
-        accepted = _best_of(problem, found, group, say, pulled if group is others else ())
-        if accepted is None:
+        rivals = conflicts if group is others else ()
+        extension = best_of(objective, selection, group, progress, rivals)
+        if extension is None:
             continue
-        if complete(problem, found.fit, found.after, found.travels, accepted[1]):
-            if full is None or accepted[1].cost < full[1].cost:
-                full = accepted
-            if found.fit.cost - accepted[1].cost > 0.3 * (found.fit.cost - floor):
+        if _explains_own_lines(objective, selection, extension.fit):
+            complete.append(extension)
+            if cost - extension.fit.cost > ACCEPTANCE.decisive_share * left:
                 break
-            continue
-        say("  leaves too much: not accepted alone")
-        if not is_line(accepted[0].hypothesis, found):
-            continue
-        if half is None or accepted[1].cost < half[1].cost:
-            half = accepted
-    if full is not None and (half is None or full[1].cost < half[1].cost):
-        return [full[0]], full[1]
-    if half is None:
-        return None
-    second = _beside(problem, found, half, others, lines, say)
-    return None if second is None else ([half[0], second[0]], second[1])
+        else:
+            progress("  leaves too much: not accepted alone")
+            if is_periodic(extension.hypothesis):
+                partial.append(extension)
+    first, alone = preferred(complete, partial)
+    if first is None or alone:
+        return () if first is None else (first,)
+    second = _second_of_pair(objective, selection, first, others, periodic, progress)
+    return () if second is None else (first, second)
 
 
-def _beside(
-    problem: Problem,
-    found: Trace,
-    half: tuple[Step, Fit],
+def _second_of_pair(
+    objective: Objective,
+    selection: Selection,
+    half: Extension,
     others: Sequence[Hypothesis],
-    lines: Sequence[Hypothesis],
-    say: Say,
-) -> tuple[Step, Fit] | None:
+    periodic: Sequence[Hypothesis],
+    progress: Progress,
+) -> Extension | None:
     """Return the effect that, beside ``half``, leaves nothing of its line.
 
-    One that is no line, or the same at another place: hum on two cells is one line in time.
+    One that is not periodic, or the same at another place: hum on two cells is one line in time.
     """
-    name = half[0].hypothesis.effect.name
-    say(f"trying a second effect beside {name}")
-    base = replace(found, fit=half[1], after=lines_left(problem, half[1], found.travels))
-    for group in (others, [h for h in lines if h.effect.name == name]):
-        second = _best_of(problem, base, group, say)
+    name = half.hypothesis.effect.name
+    progress(f"trying a second effect beside {name}")
+    after = remaining_spectra(objective, half.fit, selection.travels)
+    beside = replace(selection, fit=half.fit, after=after)
+    for group in (others, [h for h in periodic if h.effect.name == name]):
+        second = best_of(objective, beside, group, progress)
         if second is None:
             continue
-        step, fit = second[0], reseated(problem, second[1])
-        if complete(problem, found.fit, found.after, found.travels, fit):
-            return step, fit
+        fit = profile_reinitialised(objective, second.fit)
+        if _explains_own_lines(objective, selection, fit):
+            return replace(second, fit=fit)
     return None
 
 
-def _beyond_tolerance(
-    problem: Problem, found: Trace, names: frozenset[str], say: Say
-) -> list[Rival]:
-    """Return fits (score, fit, effect) that say the same as a declared number beyond tolerance."""
-    fits: list[Rival] = []
-    for h, start, shifts in pulled_starts(problem, found.fit, frozenset(BY_NAME) - names):
-        if h.key in {k.key for k in found.fit.hypotheses}:
-            continue
-        fit = fitted(problem, found.fit, h, start, shifts)
-        if fit is None:
-            continue
-        score = found.fit.cost - fit.cost - price(problem, len(h.names))
-        say(f"  {h.key}, beyond tolerance: score {score:.0f}")
-        fits.append((score, fit, h))
-    return fits
+def best_of(
+    objective: Objective,
+    selection: Selection,
+    group: Sequence[Hypothesis],
+    progress: Progress,
+    rivals: Sequence[FittedCandidate] = (),
+) -> Extension | None:
+    """Return the effect of a group that is accepted beside those found, or None.
 
-
-def _best_of(
-    problem: Problem,
-    found: Trace,
-    candidates: Sequence[Hypothesis],
-    say: Say,
-    pulled: Sequence[Rival] = (),
-) -> tuple[Step, Fit] | None:
-    """Screen a group of hypotheses and fit the best; ``pulled`` are fits to compete with them."""
-    taken = {h.key for h in found.fit.hypotheses}
-    group = [h for h in candidates if h.key not in taken]
-    if not group:
-        return claim(problem, found, [], say, pulled)
-    line = problem.bench.twins[0].declaration
-    idlers = [r.name if r.kind == "idler" else "" for r in line.rollers]
-    residual = problem.residual(problem.bench.one(found.fit.case), found.fit.shifts)
-    say(f"  {len(group)} hypotheses")
-    ranked = screen(problem, found.fit, thinned(group, idlers), residual, found.fit)
-    more = neighbours(group, ranked, idlers)
-    if more:
-        ranked += screen(problem, found.fit, more, residual, found.fit)
-        ranked.sort(key=lambda s: -s.score)
-    found.first_look.extend(ranked if not found.steps else [])
-    return claim(problem, found, ranked, say, pulled)
-
-
-def _at_floor(problem: Problem, found: Trace) -> bool:
-    """Return whether what is left is surely less than a further effect would have to explain.
-
-    That is a share of what strong effects explained, for no model is exact; beside weak ones it
-    is less than what noise is known to.
+    ``rivals`` are fits made already that compete with the group.
     """
-    excess = found.fit.cost - problem.expected_cost
-    return excess + unsure(problem) < DISCREPANCY * (found.nominal.cost - found.fit.cost)
+    base = selection.fit
+    candidates = screen(objective, base, group, progress)
+    fitted = fit_candidates(objective, base, shortlist(candidates), progress)
+    scored = score(
+        selection, [*rivals, *fitted], lambda fit: chi2_without_last(objective, fit), progress
+    )
+    extension = accept(selection, scored, candidates, progress)
+    if extension is None or extension.accepted.score >= ACCEPTANCE.beyond_doubt:
+        return extension
+    pair = better_pair(objective, base, selection.travels[0], extension.hypothesis, candidates)
+    if pair:
+        progress(f"  as well told by {' and '.join(map(str, pair))} together")
+    return also_explained_by(extension, pair)
+
+
+def chi2_without_last(objective: Objective, fit: Fit) -> float:
+    """Return how much the cost rises without the last effect, all else fitted anew from here.
+
+    Both at the declared drive tick. A fit that was made again finds a better place for the
+    declared numbers too, and a coarse tick moves the speed at which a quantised loop rests:
+    those shares are not the effect's.
+    """
+    there = gauss_newton_fit(
+        objective, fit.hypotheses, fit.values, fit.shifts, rounds=4, coarse=False
+    )
+    without = gauss_newton_fit(
+        objective, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=4, coarse=False
+    )
+    return without.cost - there.cost
+
+
+def _explains_own_lines(objective: Objective, selection: Selection, fit: Fit) -> bool:
+    return explains_own_lines(objective, selection.fit, selection.after, selection.travels, fit)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.unexplained import Unknown
 from sim_plant.refine.spectra.coordinates import (
@@ -18,15 +19,12 @@ from sim_plant.refine.spectra.coordinates import (
 )
 from sim_plant.refine.spectra.line_spectrum import speed_weights
 
-HARMONICS = {"angle": 16, "travel": 6, "time": 2}
-SAME = 0.006
-"""Coordinates closer than this (relative) are one line in a record of a minute."""
-SLOW = 8
-"""Half waves over the record by which a free line may change."""
-LINE_KINDS = frozenset(HARMONICS)
+FREE_TERMS = CRITERIA.search.free_terms
+PERIODIC_KINDS = frozenset(FREE_TERMS.harmonics)
+"""Coordinates of spectral lines."""
 
 
-def free_lines(found: Sequence[Unknown], travel: Travel) -> Array:
+def free_term_basis(found: Sequence[Unknown], travel: Travel) -> Array:
     """Return orthonormal columns (judged samples, terms) of free lines and their harmonics.
 
     Every line may grow with speed, and change slowly with time: that takes up a coordinate that
@@ -35,13 +33,13 @@ def free_lines(found: Sequence[Unknown], travel: Travel) -> Array:
     """
     nyquist = 0.5 / travel.sample_time_s
     run = np.linspace(0.0, np.pi, travel.time_s.size)
-    slow = np.cos(np.outer(np.arange(1, SLOW + 1), run))
+    slow = np.cos(np.outer(np.arange(1, FREE_TERMS.half_waves + 1), run))
     weights = np.vstack([speed_weights(travel.speed_m_s), slow])
     columns: list[Array] = []
     for item in found:
         cycles, first = _cycles(item, travel)
         rate = float(np.max(np.abs(np.gradient(cycles, travel.sample_time_s))))
-        for n in range(1, HARMONICS[item.kind] + 1):
+        for n in range(1, FREE_TERMS.harmonics[item.kind] + 1):
             if n * first * rate > nyquist:
                 break
             turn = TWO_PI * n * first * cycles
@@ -51,7 +49,7 @@ def free_lines(found: Sequence[Unknown], travel: Travel) -> Array:
     return kept
 
 
-def taken_up(h: Hypothesis, found: Sequence[Unknown], travel: Travel) -> bool:
+def explained_by_free_term(h: Hypothesis, found: Sequence[Unknown], travel: Travel) -> bool:
     """Return whether a hypothesis shows where one of the free lines is, or at its harmonics.
 
     A free term takes up all there, up to its own imperfection: no effect is claimed for that.
@@ -71,7 +69,9 @@ def _meets(h: Hypothesis, item: Unknown, travel: Travel) -> bool:
         shows = [] if h.location == "all" else wavenumbers_1_m(h, travel)
     ratios = [at / first for at in shows]
     return any(
-        1 <= round(r) <= HARMONICS[item.kind] and abs(r / round(r) - 1.0) < SAME for r in ratios
+        1 <= round(r) <= FREE_TERMS.harmonics[item.kind]
+        and abs(r / round(r) - 1.0) < CRITERIA.spectra.same_coordinate_share
+        for r in ratios
     )
 
 
@@ -85,4 +85,6 @@ def _cycles(item: Unknown, travel: Travel) -> tuple[Array, float]:
     names = [r.name for r in travel.declaration.rollers]
     turns: Array = travel.angles_rad[names.index(str(where["roll"]))] / TWO_PI
     order = float(where["order"])
-    return turns, 1.0 if abs(order - round(order)) < 0.02 * max(1.0, order) else order
+    return turns, 1.0 if abs(order - round(order)) < FREE_TERMS.whole_order_share * max(
+        1.0, order
+    ) else order

@@ -6,54 +6,99 @@ fit has to start where the nuisance already is.
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from dataclasses import dataclass
+
 import numpy as np
 
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.parameter_effects import as_effect
+from sim_plant.refine.search.candidate import FittedCandidate, Progress, fitted_candidate
+from sim_plant.refine.search.effect_fit import with_effect
 
-PULLED = 4.0
-MOST = 3
-
-Start = tuple[Hypothesis, tuple[float, ...], dict[str, float]]
+DEGENERACY = CRITERIA.search.degeneracy
 
 
-def shifts_in_force(problem: Problem, fit: Fit) -> dict[str, float]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PriorConflict:
+    """Declared numbers that are, together, too far off to be tolerance.
+
+    Attributes
+    ----------
+    number : the one furthest off.
+    standard_deviations : how far, in its prior standard deviations.
+    chi2 : sum of squares of all.
+    """
+
+    number: str
+    standard_deviations: float
+    chi2: float
+
+
+def total_shifts(objective: Objective, fit: Fit) -> dict[str, float]:
     """Return every nuisance shift of a fit, simulated and linear parts together."""
-    run = problem.bench.one(fit.case)
-    estimate = problem.projector.estimate(problem.residual(run, fit.shifts, fit.case.coarse))
+    run = objective.pool.one(fit.case)
+    residual = objective.residual(run, fit.shifts, fit.case.coarse)
+    estimate = objective.projector.estimate(residual)[: len(objective.nuisances)]
     return {
         n.name: fit.shifts.get(n.name, 0.0) + float(e)
-        for n, e in zip(problem.nuisances, estimate[: problem.sd.size], strict=True)
+        for n, e in zip(objective.nuisances, estimate, strict=True)
     }
 
 
-def pulled_starts(problem: Problem, fit: Fit, without: frozenset[str]) -> list[Start]:
-    """Return effects that say the same as a declared number beyond tolerance, most pulled first.
+def fit_conflicts(
+    objective: Objective, base: Fit, effects: Collection[str], progress: Progress
+) -> list[FittedCandidate]:
+    """Return fits that say the same as a declared number beyond tolerance.
 
-    ``without`` names effects that are not in the library.
+    ``effects`` are the names in the library; no others are tried.
     """
-    line = problem.bench.twins[0].declaration
-    total = shifts_in_force(problem, fit)
-    z = {n.name: total[n.name] / sd for n, sd in zip(problem.nuisances, problem.sd, strict=True)}
-    found: list[Start] = []
+    found: list[FittedCandidate] = []
+    for h, start, shifts in starts_outside_prior(objective, base, effects):
+        if h.key in {k.key for k in base.hypotheses}:
+            continue
+        fit = with_effect(objective, base, h, start, shifts)
+        if fit is None:
+            continue
+        candidate = fitted_candidate(objective, base, fit)
+        progress(f"  {h.key}, beyond tolerance: score {candidate.score:.0f}")
+        found.append(candidate)
+    return found
+
+
+def starts_outside_prior(
+    objective: Objective, fit: Fit, effects: Collection[str]
+) -> list[tuple[Hypothesis, tuple[float, ...], dict[str, float]]]:
+    """Return effects that say the same as a declared number beyond tolerance, furthest off first.
+
+    Each with the numbers it starts from and the shifts that are left without that number.
+    """
+    line = objective.pool.twins[0].declaration
+    total = total_shifts(objective, fit)
+    rows = zip(objective.nuisances, objective.prior_sd, strict=True)
+    z = {n.name: total[n.name] / sd for n, sd in rows}
+    found: list[tuple[Hypothesis, tuple[float, ...], dict[str, float]]] = []
     for name in sorted(z, key=lambda k: -abs(z[k])):
-        if abs(z[name]) < PULLED or len(found) == MOST:
+        if abs(z[name]) < DEGENERACY.outside_prior_sd or len(found) == DEGENERACY.most_outside:
             break
         pair = as_effect(line, name, total[name])
-        if pair is None or pair[0].effect.name in without:
+        if pair is None or pair[0].effect.name not in effects:
             continue
         rest = {k: v for k, v in fit.shifts.items() if k != name}
         found.append((*pair, rest))
     return found
 
 
-def improbable(problem: Problem, fit: Fit) -> tuple[str, float, float] | None:
-    """Return (number, its z, sum of z squared) when shifts are too many sd to be tolerance."""
-    total = shifts_in_force(problem, fit)
-    z = np.array([total[n.name] for n in problem.nuisances]) / problem.sd
-    if float(z @ z) < z.size + 6.0 * np.sqrt(2.0 * z.size):
+def joint_conflict(objective: Objective, fit: Fit) -> PriorConflict | None:
+    """Return the conflict of declared numbers that are too far off to be tolerance, else None."""
+    total = total_shifts(objective, fit)
+    z = np.array([total[n.name] for n in objective.nuisances]) / objective.prior_sd
+    if not z.size or float(z @ z) < z.size + DEGENERACY.joint_sd * np.sqrt(2.0 * z.size):
         return None
     at = int(np.argmax(np.abs(z)))
-    return problem.nuisances[at].name, float(z[at]), float(z @ z)
+    return PriorConflict(
+        number=objective.nuisances[at].name, standard_deviations=float(z[at]), chi2=float(z @ z)
+    )

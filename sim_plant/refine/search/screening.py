@@ -2,205 +2,214 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.objective import Problem
-from sim_plant.refine.fit.projection import Gain
+from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.place import Place
-from sim_plant.refine.spectra.coordinates import Travel, line_support
+from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
+from sim_plant.refine.spectra.coordinates import Travel, periodic_support
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
-LINE_WORTH_A_TRY = 80.0
-"""Free-line drop over its degrees of freedom below which no order-locked effect is simulated."""
-FEW_IDLERS = 8
-MANY = 2
-"""An effect of more pairs of numbers than this is a profile: it has the orders that pay."""
+SCREENING = CRITERIA.search.screening
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Scored:
-    """One hypothesis with its linear gain.
-
-    Attributes
-    ----------
-    score : drop less q ln(N/4), the price of q numbers.
-    start : numbers to begin the fit with.
-    """
-
-    hypothesis: Hypothesis
-    gain: Gain
-    score: float
-    start: tuple[float, ...]
-
-    def trimmed(self) -> tuple[Hypothesis, tuple[float, ...]]:
-        """Return the hypothesis without the orders that did not pay their price, and its start."""
-        h = self.hypothesis
-        kept = [k for k, (s, a) in enumerate(zip(self.start, h.absent, strict=True)) if s != a]
-        if not kept or len(kept) == len(h.names):
-            return h, self.start
-
-        def pick(row: tuple[float, ...]) -> tuple[float, ...]:
-            return tuple(row[k] for k in kept)
-
-        fewer = replace(
-            h,
-            names=tuple(h.names[k] for k in kept),
-            strengths=len(kept),
-            start=pick(h.start),
-            absent=pick(h.absent),
-            low=pick(h.low),
-            high=pick(h.high),
-            linear=tuple(h.linear[k] for k in kept),
-        )
-        return fewer, pick(self.start)
-
-
-def price(problem: Problem, numbers: int) -> float:
-    """Return the cost drop that this many free numbers must pay [BIC]."""
-    return numbers * math.log(problem.rows / 4.0)
-
-
-def worth_trying(
+def by_periodic_support(
     hypotheses: Sequence[Hypothesis],
     travels: Sequence[Travel],
     spectra: Sequence[Sequence[LineSpectrum]],
 ) -> tuple[list[Hypothesis], list[Hypothesis]]:
-    """Return hypotheses whose line is in some record, and those that are no lines."""
-    lines, others = [], []
+    """Return periodic hypotheses whose line is in some record, and those that are not periodic."""
+    periodic, others = [], []
     strongest = max(s.peak[1] for record in spectra for s in record)
     degrees = min(s.degrees for record in spectra for s in record)
     for h in hypotheses:
-        # a profile spreads what it does over many orders: each of them is small
-        alone = LINE_WORTH_A_TRY * (0.5 if len(h.effect.quadratures) > MANY else 1.0)
-        least = max(alone + degrees, 0.01 * strongest)
-        support = [line_support(h, t, s) for t, s in zip(travels, spectra, strict=True)]
-        seen = [value for value in support if value is not None]
-        if not seen:
+        profile = len(h.effect.quadratures) > SCREENING.profile_pairs
+        alone = SCREENING.periodic_support * (SCREENING.profile_support_share if profile else 1.0)
+        least = max(alone + degrees, SCREENING.strongest_share * strongest)
+        if h.effect.resonant:
+            least = SCREENING.resonance_share * strongest
+        support = [periodic_support(h, t, s) for t, s in zip(travels, spectra, strict=True)]
+        known = [value for value in support if value is not None]
+        if not known:
             others.append(h)
-        elif max(seen) >= (0.3 * strongest if h.effect.resonant else least):
-            lines.append(h)
-    return lines, others
+        elif max(known) >= least:
+            periodic.append(h)
+    return periodic, others
 
 
 def screen(
-    problem: Problem, fit: Fit, hypotheses: Sequence[Hypothesis], residual: Array, base: Fit
-) -> list[Scored]:
-    """Return all hypotheses, best score first; sensitivities are taken at ``base``."""
-    columns = columns_of(problem, base, hypotheses)
-    scored = [
-        score_one(problem, h, residual, column)
+    objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesis], progress: Progress
+) -> list[Candidate]:
+    """Return candidates among ``hypotheses``, best score first, sensitivities taken at ``fit``.
+
+    Of many idlers every third is tried first, then the neighbours of the best. What the fit has
+    already is left out.
+    """
+    taken = {h.key for h in fit.hypotheses}
+    group = [h for h in hypotheses if h.key not in taken]
+    if not group:
+        return []
+    line = objective.pool.twins[0].declaration
+    idlers = [roller.name for roller in line.rollers if roller.kind == "idler"]
+    residual = objective.residual(objective.pool.one(fit.case), fit.shifts)
+    progress(f"  {len(group)} hypotheses")
+    candidates = _screened(objective, fit, every_third_idler(group, idlers), residual)
+    more = neighbours(group, candidates, idlers)
+    if more:
+        candidates += _screened(objective, fit, more, residual)
+    return sorted(candidates, key=lambda c: -c.score)
+
+
+def _screened(
+    objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesis], residual: Array
+) -> list[Candidate]:
+    columns = sensitivities(objective, fit, hypotheses)
+    found = [
+        linear_candidate(objective, h, residual, column)
         for h, column in zip(hypotheses, columns, strict=True)
     ]
-    return sorted(scored, key=lambda s: -s.score)
+    return sorted(found, key=lambda c: -c.score)
 
 
-def columns_of(problem: Problem, base: Fit, hypotheses: Sequence[Hypothesis]) -> list[Array]:
-    """Return, per hypothesis, what its probes change at ``base`` (rows, numbers), whitened."""
-    case = base.case
+def sensitivities(objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesis]) -> list[Array]:
+    """Return, per hypothesis, what its probes change at ``fit`` (rows, numbers), whitened."""
+    case = fit.case
     probes = [added for h in hypotheses for added in h.probes()]
     cases = [replace(case, effects=(*case.effects, added)) for added in probes]
-    start, *runs = problem.bench.run([case, *cases])
+    start, *runs = objective.pool.run([case, *cases])
     rest = iter(runs)
     return [
-        np.stack([problem.column(next(rest), start, 1.0) for _ in h.probes()], axis=1)
+        np.stack([objective.column(next(rest), start, 1.0) for _ in h.probes()], axis=1)
         for h in hypotheses
     ]
 
 
-def thinned(hypotheses: Sequence[Hypothesis], rollers: Sequence[str]) -> list[Hypothesis]:
+def every_third_idler(hypotheses: Sequence[Hypothesis], idlers: Sequence[str]) -> list[Hypothesis]:
     """Return the hypotheses with every third idler only: response changes slowly along the web.
 
     Not so on a short line, and not for what sits in a load cell: each reading is its own.
     """
-    idlers = [name for name in rollers if name]
-    if len(idlers) <= FEW_IDLERS:
+    if len(idlers) <= SCREENING.few_idlers:
         return list(hypotheses)
     left_out = {name for k, name in enumerate(idlers) if k % 3 != 1}
     return [h for h in hypotheses if h.effect.place == "cell" or h.location not in left_out]
 
 
 def neighbours(
-    hypotheses: Sequence[Hypothesis], ranked: Sequence[Scored], rollers: Sequence[str]
+    hypotheses: Sequence[Hypothesis], candidates: Sequence[Candidate], idlers: Sequence[str]
 ) -> list[Hypothesis]:
-    """Return hypotheses not ranked yet within two idlers of the best of their effect."""
-    idlers = [name for name in rollers if name]
+    """Return hypotheses not tried yet near the two best places of their effect.
+
+    ``candidates`` are those tried, best first.
+    """
     near: set[Place] = set()
-    for name in {s.hypothesis.effect.name for s in ranked}:
-        best = [s for s in ranked if s.hypothesis.effect.name == name]
-        for s in best[:2]:
+    reach = SCREENING.neighbour_reach
+    for name in {c.hypothesis.effect.name for c in candidates}:
+        best = [c for c in candidates if c.hypothesis.effect.name == name]
+        for c in best[:2]:
             if (
-                s.score > 0.0
-                and s.score > 0.3 * ranked[0].score
-                and s.hypothesis.location in idlers
+                c.score > 0.0
+                and c.score > SCREENING.neighbour_share * candidates[0].score
+                and c.hypothesis.location in idlers
             ):
-                at = idlers.index(s.hypothesis.location)
-                near |= {Place(name, other) for other in idlers[max(0, at - 2) : at + 3]}
-    done = {s.hypothesis.key for s in ranked}
+                at = idlers.index(c.hypothesis.location)
+                near |= {
+                    Place(name, other) for other in idlers[max(0, at - reach) : at + reach + 1]
+                }
+    done = {c.hypothesis.key for c in candidates}
     return [h for h in hypotheses if h.key in near and h.key not in done]
 
 
-def paying_orders(problem: Problem, h: Hypothesis, residual: Array, columns: Array) -> list[int]:
+def shortlist(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return the best few of distinct effect and place; curved ones get a second chance."""
+    best = candidates[0].score if candidates else 0.0
+    floor = SCREENING.shortlist_floor * CRITERIA.search.acceptance.periodic_score
+    kept: list[Candidate] = []
+    for c in candidates:
+        curved = not all(c.hypothesis.linear)
+        share = SCREENING.shortlist_share_curved if curved else SCREENING.shortlist_share
+        if c.score < max(floor, share * best):
+            continue
+        same = [k for k in kept if k.hypothesis.key == c.hypothesis.key]
+        effect = [k for k in kept if k.hypothesis.effect.name == c.hypothesis.effect.name]
+        if same or len(effect) >= SCREENING.shortlist_places:
+            continue
+        kept.append(c)
+    return kept[: SCREENING.shortlist_length]
+
+
+def linear_candidate(
+    objective: Objective, h: Hypothesis, residual: Array, columns: Array
+) -> Candidate:
+    """Return a hypothesis with what one linear step explains.
+
+    ``columns`` (rows, strengths) are whole probes, so 1 is the typical size.
+    """
+    if not np.isfinite(columns).all():
+        return Candidate(hypothesis=h, chi2_reduction=-np.inf, penalty=0.0, start=h.start)
+    use = list(range(columns.shape[1]))
+    if len(h.effect.quadratures) > SCREENING.profile_pairs:
+        use = paying_orders(objective, h, residual, columns)
+    found = objective.projector.linear_fit(residual, columns[:, use])
+    # a strength that cannot go backwards is left out where it would
+    while use:
+        wrong = [k for k, at in enumerate(use) if not h.linear[at] and found.values[k] <= 0.0]
+        if not wrong:
+            break
+        use = [at for k, at in enumerate(use) if k not in wrong]
+        if use:
+            found = objective.projector.linear_fit(residual, columns[:, use])
+    return Candidate(
+        hypothesis=h,
+        chi2_reduction=found.chi2_reduction if use else 0.0,
+        penalty=bic_penalty(objective, max(1, len(use))),
+        start=_start(h, use, found.values),
+    )
+
+
+def _start(h: Hypothesis, use: Sequence[int], sizes: Array) -> tuple[float, ...]:
+    """Return numbers to begin a fit with: strengths in ``use`` at their linear sizes."""
+    start = list(h.absent)
+    start[h.strengths :] = h.start[h.strengths :]
+    smallest, largest = SCREENING.first_size
+    for k, at in enumerate(use):
+        size = float(sizes[k])
+        if not h.linear[at]:
+            size = min(max(size, smallest), largest)
+        value = h.absent[at] + size * (h.start[at] - h.absent[at])
+        start[at] = min(max(value, h.low[at]), h.high[at])
+    return tuple(start)
+
+
+def paying_orders(
+    objective: Objective, h: Hypothesis, residual: Array, columns: Array
+) -> list[int]:
     """Return the columns of a profile whose orders pay for themselves, one order at the least.
 
     The order that is missed least is left out until each would be missed by more than its price:
     twelve numbers for a roll with one bump would lose to any effect of two.
     """
-    cut = problem.projector.project(columns)
+    cut = objective.projector.project(columns)
     inner, against = columns.T @ cut, cut.T @ residual
     at = {name: k for k, name in enumerate(h.names)}
     pairs = [(at[p.cos], at[p.sin]) for p in h.effect.quadratures if p.cos in at and p.sin in at]
 
-    def drop(some: list[tuple[int, int]]) -> float:
+    def explained(some: list[tuple[int, int]]) -> float:
         use = [k for pair in some for k in pair]
         part = np.ix_(use, use)
         return float(against[use] @ np.linalg.lstsq(inner[part], against[use], rcond=1e-9)[0])
 
     while len(pairs) > 1:
-        left = [drop([p for p in pairs if p is not out]) for out in pairs]
+        left = [explained([p for p in pairs if p is not out]) for out in pairs]
         best = int(np.argmax(left))
-        if drop(pairs) - left[best] > price(problem, 2):
+        if explained(pairs) - left[best] > bic_penalty(objective, 2):
             break
         del pairs[best]
     return [k for pair in pairs for k in pair]
-
-
-def score_one(problem: Problem, h: Hypothesis, residual: Array, columns: Array) -> Scored:
-    """Return the gain of one hypothesis; columns are whole probes, so 1 is the typical size."""
-    if not np.isfinite(columns).all():
-        nothing = Gain(drop=0.0, values=np.zeros(1), covariance=np.zeros((1, 1)), seen=0.0)
-        return Scored(hypothesis=h, gain=nothing, score=-np.inf, start=h.start)
-    use = list(range(columns.shape[1]))
-    if len(h.effect.quadratures) > MANY:
-        use = paying_orders(problem, h, residual, columns)
-    gain = problem.projector.gain(residual, columns[:, use])
-    # a strength that cannot go backwards is left out where it would
-    while use:
-        wrong = [k for k, at in enumerate(use) if not h.linear[at] and gain.values[k] <= 0.0]
-        if not wrong:
-            break
-        use = [at for k, at in enumerate(use) if k not in wrong]
-        if use:
-            gain = problem.projector.gain(residual, columns[:, use])
-    if not use:
-        gain = replace(gain, drop=0.0)
-    start = list(h.absent)
-    start[h.strengths :] = h.start[h.strengths :]
-    for k, at in enumerate(use):
-        size = float(gain.values[k])
-        if not h.linear[at]:
-            size = min(max(size, 0.1), 3.0)
-        value = h.absent[at] + size * (h.start[at] - h.absent[at])
-        start[at] = min(max(value, h.low[at]), h.high[at])
-    return Scored(
-        hypothesis=h,
-        gain=gain,
-        score=gain.drop - price(problem, max(1, len(use))),
-        start=tuple(start),
-    )

@@ -1,190 +1,216 @@
-"""Which of several fitted effects is claimed, and what it was chosen against."""
+"""What the search has found so far, as a value, and which candidate it accepts next."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sim_plant.refine.fit.gauss_newton import Fit, refine_fit
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.place import Place
-from sim_plant.refine.search.degenerate_pair import two_instead
-from sim_plant.refine.search.effect_fit import fit_one
-from sim_plant.refine.search.screening import Scored, price
+from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
+from sim_plant.refine.search.completeness import Spectra
 from sim_plant.refine.search.unexplained import Unknown
-from sim_plant.refine.spectra.coordinates import Travel, line_support
-from sim_plant.refine.spectra.line_spectrum import LineSpectrum
+from sim_plant.refine.spectra.coordinates import Travel, is_periodic
 
-SCORE_THRESHOLD = 120.0
-"""Effects that are no lines: healthy records of other code, and line01, reach 85 to 115."""
-LINE_SCORE = 50.0
-"""An effect with a coordinate of its own needs less: what a model lacks seldom has the same."""
-BEYOND_DOUBT = 3000.0
-"""A score above this needs no second look at the declared drive tick."""
-WEAK = 150.0
-"""An effect without a line is not claimed below this when another explains nearly as much."""
-MARGIN = 10.0
-"""Effects whose scores are closer than this cannot be told apart."""
-MOST_LOOKS = 5
-RUNNERS = 4
-DISCREPANCY = 0.006
-"""A further effect must explain more than this share of what was explained: no model is exact."""
-IMPERFECT = 0.001
-"""The same of what free terms took up: they leave about this much, at coordinates of their own."""
-
-Say = Callable[[str], None]
-Rival = tuple[float, Fit, Hypothesis]
-"""Score, fit, and the effect that the fit adds."""
+ACCEPTANCE = CRITERIA.search.acceptance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Step:
-    """One accepted effect, and what it was chosen against."""
+class AcceptedEffect:
+    """One accepted effect, and what it was chosen against.
+
+    Attributes
+    ----------
+    runner_up : the next best candidate, if there is one.
+    margin : by how much its score is behind.
+    rejected : the best others and their scores.
+    ambiguous : places that explain as much.
+    """
 
     hypothesis: Hypothesis
     score: float
     runner_up: Place | None
     margin: float
-    rejected: tuple[tuple[Place, float], ...]  # and its score
+    rejected: tuple[tuple[Place, float], ...]
     ambiguous: tuple[Place, ...] = ()
 
 
-@dataclass(slots=True, kw_only=True, eq=False)
-class Trace:
-    """Everything the search found.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Extension:
+    """One more effect, and the fit that has it."""
 
-    ``corrections`` are the declared numbers as re-estimated with the effects, by path: none where
-    structure is left that is no line, for they may then have imitated it. ``aside`` is the cost
-    that free terms took up before the search.
+    accepted: AcceptedEffect
+    fit: Fit
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """The effect that is added."""
+        return self.accepted.hypothesis
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Selection:
+    """Everything that was found.
+
+    Attributes
+    ----------
+    nominal, fit : without effects, and with those accepted.
+    travels : coordinates of every record.
+    before, after : free-line spectra of what either fit leaves.
+    accepted : effects of ``fit``, in order.
+    unknown : what no effect explains.
+    corrections : declared numbers as re-estimated with the effects, by path: none where structure
+        is left that is no line, for they may then have imitated it.
+    chi2_of_free_terms : what free terms took up before the search.
     """
 
     nominal: Fit
     fit: Fit
-    travels: list[Travel]
-    before: list[list[LineSpectrum]]
-    after: list[list[LineSpectrum]]
-    steps: list[Step] = field(default_factory=list)
-    unknown: list[Unknown] = field(default_factory=list)
-    corrections: dict[str, float] = field(default_factory=dict)
-    aside: float = 0.0
-    first_look: list[Scored] = field(default_factory=list)
+    travels: tuple[Travel, ...]
+    before: Spectra
+    after: Spectra
+    accepted: tuple[AcceptedEffect, ...] = ()
+    unknown: tuple[Unknown, ...] = ()
+    corrections: Mapping[str, float] = field(default_factory=dict)
+    chi2_of_free_terms: float = 0.0
 
 
-def is_line(h: Hypothesis, found: Trace) -> bool:
-    """Return whether a hypothesis shows at a coordinate of its own."""
-    return line_support(h, found.travels[0], found.before[0]) is not None
-
-
-def claim(
-    problem: Problem, found: Trace, ranked: list[Scored], say: Say, pulled: Sequence[Rival] = ()
-) -> tuple[Step, Fit] | None:
-    """Return the effect that explains most, fitted, or None when none may be claimed."""
-    fits = list(pulled)
-    for s in _shortlist(ranked):
-        fit = fit_one(problem, found.fit, s)
-        if fit is None:
-            continue
-        h = fit.hypotheses[-1]
-        score = found.fit.cost - fit.cost - price(problem, len(h.names))
-        say(f"  {h.key}: score {score:.0f}")
-        fits.append((score, fit, h))
-    fits = sorted((row for row in fits if np.isfinite(row[0])), key=lambda row: -row[0])
-    fits = [row for k, row in enumerate(fits) if row[2].key not in {f[2].key for f in fits[:k]}]
-    fits = _looked_at_again(problem, found, fits, say)
-    if not fits:
-        return None
-    score, fit, h = fits[0]
-    if score < _least(found, h):
-        return None
-    others = [(s, k) for s, _, k in fits[1:] if k.key != h.key]
-    others += [
-        (s.score, s.hypothesis)
-        for s in ranked
-        if s.hypothesis.key not in {k.key for _, _, k in fits}
-    ]
-    others.sort(key=lambda row: -row[0])
-    runner, second = (others[0][1], others[0][0]) if others else (None, 0.0)
-    if runner and score < WEAK and score - second < MARGIN and not is_line(h, found):
-        say(f"  {h.key}: weak, and not to be told from {runner.key}")
-        return None
-    say(f"  best: {h.key}, score {score:.0f}")
-    two: tuple[Place, ...] = ()
-    if score < BEYOND_DOUBT:  # above this, two places only mend what the model has wrong
-        two = two_instead(problem, found.fit, found.travels[0], h, ranked)
-    if two:
-        say(f"  as well told by {' and '.join(map(str, two))} together")
-    alike = [k.key for s, k in others if score - s < MARGIN]
-    step = Step(
-        hypothesis=h,
-        score=score,
-        runner_up=runner.key if runner else None,
-        margin=score - max(second, 0.0),
-        rejected=tuple((k.key, s) for s, k in others[:12]),
-        ambiguous=tuple(dict.fromkeys([*alike, *two])),
+def least_score(selection: Selection, h: Hypothesis) -> float:
+    """Return the score that ``h`` needs beside what was found."""
+    explained = selection.nominal.cost - selection.fit.cost
+    least = ACCEPTANCE.periodic_score if is_periodic(h) else ACCEPTANCE.score
+    return max(
+        least,
+        ACCEPTANCE.explained_share * explained,
+        ACCEPTANCE.free_term_share * selection.chi2_of_free_terms,
     )
-    return step, fit
 
 
-def _least(found: Trace, h: Hypothesis) -> float:
-    explained = found.nominal.cost - found.fit.cost
-    least = LINE_SCORE if is_line(h, found) else SCORE_THRESHOLD
-    return max(least, DISCREPANCY * explained, IMPERFECT * found.aside)
+def rank(fitted: Sequence[FittedCandidate]) -> list[FittedCandidate]:
+    """Return the best fit of every effect and place, best score first."""
+    found = [c for c in fitted if np.isfinite(c.score)]
+    found.sort(key=lambda c: -c.score)
+    best: dict[Place, FittedCandidate] = {}
+    for c in found:
+        best.setdefault(c.hypothesis.key, c)
+    return list(best.values())
 
 
-def _shortlist(ranked: Sequence[Scored]) -> list[Scored]:
-    """Return the best few of distinct effect and place; curved ones get a second chance."""
-    best = ranked[0].score if ranked else 0.0
-    kept: list[Scored] = []
-    for s in ranked:
-        curved = not all(s.hypothesis.linear)
-        share = 0.25 if curved else 0.85
-        if s.score < max(0.5 * LINE_SCORE, share * best):
-            continue
-        same = [k for k in kept if k.hypothesis.key == s.hypothesis.key]
-        effect = [k for k in kept if k.hypothesis.effect.name == s.hypothesis.effect.name]
-        if same or len(effect) >= 3:
-            continue
-        kept.append(s)
-    return kept[: RUNNERS + 2]
+def score(
+    selection: Selection,
+    fitted: Sequence[FittedCandidate],
+    chi2_without: Callable[[Fit], float],
+    progress: Progress,
+) -> list[FittedCandidate]:
+    """Return fits with small scores put right by what is lost without the effect, best first.
 
-
-def _looked_at_again(
-    problem: Problem, found: Trace, fits: Sequence[Rival], say: Say
-) -> list[Rival]:
-    """Return the fits with small scores put right by what is lost without the effect, best first.
-
-    One that is not missed makes room for the next; those that come near the best are looked at
-    as well, so that a margin is between like and like.
+    ``chi2_without`` says by how much the cost rises without the last effect of a fit. One that is
+    not missed makes room for the next; those that come near the best are looked at as well, so
+    that a margin is between like and like.
     """
-    again: list[Rival] = []
+    ranked = rank(fitted)
+    looked_at: list[FittedCandidate] = []
     best = 0.0
-    for raw, fit, h in fits:
-        least = _least(found, h)
-        if raw < max(least, best - MARGIN) or len(again) == MOST_LOOKS:
+    for c in ranked:
+        h = c.hypothesis
+        least = least_score(selection, h)
+        if (
+            c.score < max(least, best - ACCEPTANCE.margin)
+            or len(looked_at) == ACCEPTANCE.most_looks
+        ):
             break
-        score = raw
-        if raw < BEYOND_DOUBT:
-            score = min(raw, _missed(problem, fit) - price(problem, len(h.names)))
-            if score < least:
-                say(f"  {h.key}: not missed when all else is fitted again")
-        again.append((score, fit, h))
-        best = max(best, score)
-    rest = [(min(raw, best) if again else raw, fit, h) for raw, fit, h in fits[len(again) :]]
-    return sorted([*again, *rest], key=lambda row: -row[0])
+        seen = c
+        if c.score < ACCEPTANCE.beyond_doubt:
+            seen = c.at_most(chi2_without(c.fit) - c.penalty)
+            if seen.score < least:
+                progress(f"  {h.key}: not missed when all else is fitted again")
+        looked_at.append(seen)
+        best = max(best, seen.score)
+    rest = [c.at_most(best) if looked_at else c for c in ranked[len(looked_at) :]]
+    return sorted([*looked_at, *rest], key=lambda c: -c.score)
 
 
-def _missed(problem: Problem, fit: Fit) -> float:
-    """Return how much the cost rises without the last effect, all else fitted anew from here.
+def accept(
+    selection: Selection,
+    scored: Sequence[FittedCandidate],
+    candidates: Sequence[Candidate],
+    progress: Progress,
+) -> Extension | None:
+    """Return the effect that explains most, or None when none may be claimed.
 
-    Both at the declared drive tick. A fit that was made again finds a better place for the
-    declared numbers too, and a coarse tick moves the speed at which a quantised loop rests:
-    those shares are not the effect's.
+    ``candidates`` are first looks; those that were not fitted count by their linear score.
     """
-    there = refine_fit(problem, fit.hypotheses, fit.values, fit.shifts, rounds=4, coarse=False)
-    gone = refine_fit(
-        problem, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=4, coarse=False
+    if not scored:
+        return None
+    best = scored[0]
+    h = best.hypothesis
+    if best.score < least_score(selection, h):
+        return None
+    others = _others(scored, candidates)
+    runner_up, second = others[0] if others else (None, 0.0)
+    if (
+        runner_up
+        and best.score < ACCEPTANCE.weak
+        and best.score - second < ACCEPTANCE.margin
+        and not is_periodic(h)
+    ):
+        progress(f"  {h.key}: weak, and not to be told from {runner_up}")
+        return None
+    progress(f"  best: {h.key}, score {best.score:.0f}")
+    alike = [place for place, value in others if best.score - value < ACCEPTANCE.margin]
+    accepted = AcceptedEffect(
+        hypothesis=h,
+        score=best.score,
+        runner_up=runner_up,
+        margin=best.score - max(second, 0.0),
+        rejected=tuple(others[: ACCEPTANCE.reported_rejected]),
+        ambiguous=tuple(dict.fromkeys(alike)),
     )
-    return gone.cost - there.cost
+    return Extension(accepted=accepted, fit=best.fit)
+
+
+def also_explained_by(extension: Extension, places: Sequence[Place]) -> Extension:
+    """Return the extension with further places named that explain as much."""
+    named = tuple(dict.fromkeys([*extension.accepted.ambiguous, *places]))
+    return replace(extension, accepted=replace(extension.accepted, ambiguous=named))
+
+
+def preferred(
+    complete: Sequence[Extension], partial: Sequence[Extension]
+) -> tuple[Extension | None, bool]:
+    """Return the extension to go on with, and whether it stands alone.
+
+    ``complete`` explain their own lines, ``partial`` leave much of them. One that explains less
+    does not take the place of half of a pair.
+    """
+    whole = min(complete, key=lambda e: e.fit.cost, default=None)
+    half = min(partial, key=lambda e: e.fit.cost, default=None)
+    if whole is not None and (half is None or whole.fit.cost < half.fit.cost):
+        return whole, True
+    return half, False
+
+
+def at_noise_floor(selection: Selection, expected_cost: float, sure_excess: float) -> bool:
+    """Return whether what is left is surely less than a further effect would have to explain.
+
+    That is a share of what strong effects explained, for no model is exact; beside weak ones it
+    is less than what noise is known to (``sure_excess``).
+    """
+    excess = selection.fit.cost - expected_cost
+    explained = selection.nominal.cost - selection.fit.cost
+    return excess + sure_excess < ACCEPTANCE.explained_share * explained
+
+
+def _others(
+    scored: Sequence[FittedCandidate], candidates: Sequence[Candidate]
+) -> list[tuple[Place, float]]:
+    """Return all but the best with their scores, best first."""
+    best = scored[0].hypothesis.key
+    others = [(c.hypothesis.key, c.score) for c in scored[1:] if c.hypothesis.key != best]
+    fitted = {c.hypothesis.key for c in scored}
+    others += [(c.hypothesis.key, c.score) for c in candidates if c.hypothesis.key not in fitted]
+    return sorted(others, key=lambda row: -row[1])

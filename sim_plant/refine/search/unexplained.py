@@ -2,40 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.objective import Problem
-from sim_plant.refine.search.coherence import oddest_pair
-from sim_plant.refine.search.outside_prior import improbable
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.noise.innovations import NoiseModel
+from sim_plant.refine.search.coherence import Coupling, least_likely_coupling
+from sim_plant.refine.search.outside_prior import PriorConflict, joint_conflict
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
-LINE_THRESHOLD = 260.0
-"""Free-line drop (72 degrees of freedom, best of all bins) of healthy records stays below this."""
-LOUD = 1.12
-"""Power over noise above which a channel holds something broadband.
-
-Records without an effect, of other code with coloured noise and late scans: up to 1.05.
-"""
-COUPLED = 20.0
-"""Score of ``coupling.oddest_pair`` above which something pushes the line that is no noise.
-
-Of 36 records without an effect, of other code, the oddest pair has 10.2.
-"""
+UNEXPLAINED = CRITERIA.search.unexplained
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Unknown:
-    """A residual that no effect of the library explains."""
+    """A residual that no effect of the library explains.
+
+    Attributes
+    ----------
+    kind : ``time``, ``travel`` or ``angle`` of a spectral line; ``state`` or ``broadband``.
+    coordinate : where it is, by name.
+    strength : what a free term would explain, chi-square.
+    """
 
     kind: str
-    coordinate: dict[str, float | str]
+    coordinate: Mapping[str, float | str]
     strength: float
 
-    def like(self, other: Unknown) -> bool:
+    def same_roll_as(self, other: Unknown) -> bool:
         """Return whether both are orders of the same roll."""
         roll = self.coordinate.get("roll")
         return self.kind == other.kind == "angle" and roll == other.coordinate.get("roll")
@@ -50,75 +49,77 @@ class Unknown:
         return f"{self.kind} ({where})"
 
 
-def strongest(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, float, float]:
-    """Return the strongest free line of all records: spectrum, coordinate, drop."""
+def strongest_peak(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, float, float]:
+    """Return the strongest free line of all records: spectrum, coordinate, chi-square."""
     best = max((s for record in found for s in record), key=lambda s: s.peak[1])
     return best, *best.peak
 
 
-def unknowns(
-    problem: Problem, nominal: Fit, fit: Fit, after: Sequence[Sequence[LineSpectrum]]
+def unexplained_parts(
+    objective: Objective, nominal: Fit, fit: Fit, after: Sequence[Sequence[LineSpectrum]]
 ) -> list[Unknown]:
-    """Return the class and coordinate of what is left, nothing when it is noise."""
-    spectrum, coordinate, drop = strongest(after)
-    excess = fit.cost - problem.expected_cost
-    if fit.hypotheses and excess < 0.02 * (nominal.cost - problem.expected_cost):
+    """Return the class and coordinate of what ``fit`` leaves, nothing when it is noise.
+
+    ``after`` are the free-line spectra of what it leaves.
+    """
+    expected = objective.expected_cost
+    excess = fit.cost - expected
+    if fit.hypotheses and excess < UNEXPLAINED.remainder_share * (nominal.cost - expected):
         return []
-    if drop > LINE_THRESHOLD and drop > 0.12 * excess:
-        where = _coordinate(spectrum, coordinate)
-        return [Unknown(kind=spectrum.kind, strength=drop, coordinate=where)]
-    pull = _pulled(problem, fit)
-    if pull is not None:
-        return [pull]
-    if loudest(problem, fit) > LOUD:
+    periodic = periodic_left(after, excess)
+    if periodic is not None:
+        return [periodic]
+    conflict = joint_conflict(objective, fit)
+    if conflict is not None:
+        return [outside_tolerance(conflict)]
+    if loudest(objective.whitening.noise, objective.split(fit.residual)) > UNEXPLAINED.loud:
         return [Unknown(kind="broadband", strength=excess, coordinate={})]
-    return _coupled(problem, fit)
+    if any(terms is not None for terms in objective.whitening.basis):
+        return []  # what free terms leave of a line is coupled as the line is
+    coupling = least_likely_coupling(objective, fit)
+    return [pushed(coupling)] if coupling.score > UNEXPLAINED.coupled else []
 
 
-def loudest(problem: Problem, fit: Fit) -> float:
+def periodic_left(after: Sequence[Sequence[LineSpectrum]], excess: float) -> Unknown | None:
+    """Return the strongest free line where it is one, and a good part of the ``excess``."""
+    spectrum, at, strength = strongest_peak(after)
+    if strength > UNEXPLAINED.periodic and strength > UNEXPLAINED.periodic_share * excess:
+        return Unknown(kind=spectrum.kind, strength=strength, coordinate=_where(spectrum, at))
+    return None
+
+
+def outside_tolerance(conflict: PriorConflict) -> Unknown:
+    """Return declared numbers beyond tolerance as something that depends on the line's state."""
+    where: dict[str, float | str] = {
+        "declared": conflict.number,
+        "standard_deviations": conflict.standard_deviations,
+    }
+    return Unknown(kind="state", strength=conflict.chi2, coordinate=where)
+
+
+def pushed(coupling: Coupling) -> Unknown:
+    """Return two channels that move together as no noise does, as something irregular."""
+    where: dict[str, float | str] = {
+        "channels": " and ".join(coupling.channels),
+        "from_Hz": coupling.from_Hz,
+        "to_Hz": coupling.to_Hz,
+    }
+    return Unknown(kind="broadband", strength=coupling.score, coordinate=where)
+
+
+def loudest(noise: Sequence[NoiseModel], left: Sequence[Array]) -> float:
     """Return what is left over noise, as power, in the channel where it is most.
 
-    Coarse words do not count: the noise of a word depends on how it happens to be passed.
+    ``left`` are innovations (channels, judged samples) per record. Coarse words do not count: the
+    noise of a word depends on how it happens to be passed.
     """
-    found = [
-        float(np.mean(row**2))
-        for noise, part in zip(problem.noise, problem.split(fit.residual), strict=True)
-        for row in part[noise.analogue]
-    ]
-    return max(found)
+    rows = zip(noise, left, strict=True)
+    return max(float(np.mean(row**2)) for model, part in rows for row in part[model.analogue])
 
 
-def _coordinate(spectrum: LineSpectrum, at: float) -> dict[str, float | str]:
+def _where(spectrum: LineSpectrum, at: float) -> dict[str, float | str]:
     if spectrum.kind == "time":
         return {"frequency_Hz": at}
     if spectrum.kind == "travel":
         return {"wavenumber_1_m": at, "equivalent_radius_m": 1.0 / (2.0 * np.pi * at)}
     return {"roll": spectrum.roll, "order": at}
-
-
-def _coupled(problem: Problem, fit: Fit) -> list[Unknown]:
-    """Return a broadband unknown where channels are coupled otherwise than by their noise.
-
-    Not beside free terms: what they leave of a line is coupled as the line is.
-    """
-    if any(terms is not None for terms in problem.basis):
-        return []
-    pair = oddest_pair(problem, fit)
-    if pair.score <= COUPLED:
-        return []
-    where: dict[str, float | str] = {
-        "channels": " and ".join(pair.channels),
-        "from_Hz": pair.from_Hz,
-        "to_Hz": pair.to_Hz,
-    }
-    return [Unknown(kind="broadband", strength=pair.score, coordinate=where)]
-
-
-def _pulled(problem: Problem, fit: Fit) -> Unknown | None:
-    """Return a state-dependent unknown when declared numbers are pulled beyond tolerance."""
-    found = improbable(problem, fit)
-    if found is None:
-        return None
-    name, z, strength = found
-    where: dict[str, float | str] = {"declared": name, "standard_deviations": z}
-    return Unknown(kind="state", strength=strength, coordinate=where)

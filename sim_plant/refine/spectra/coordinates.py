@@ -11,12 +11,13 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.line.declaration import Declaration
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.twin import Case, Twin
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum, line_spectrum, speed_weights
 
 TWO_PI = 2.0 * math.pi
-HIGHEST_ORDER = 16.0
+SPECTRA = CRITERIA.spectra
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -61,28 +62,33 @@ def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
     """Return free-line spectra in time, travel and the angle of both material rolls."""
     weights = speed_weights(travel.speed_m_s)
     nyquist = 0.5 / travel.sample_time_s
-    slow = 3.0 / (travel.time_s[-1] - travel.time_s[0])
+    slow = SPECTRA.fewest_cycles / (travel.time_s[-1] - travel.time_s[0])
     fastest = float(np.max(np.abs(travel.speed_m_s)))
     length = float(travel.travel_m[-1] - travel.travel_m[0])
     found = [
         line_spectrum(
-            whitened, travel.time_s, weights, kind="time", highest=0.98 * nyquist, lowest=slow
+            whitened,
+            travel.time_s,
+            weights,
+            kind="time",
+            highest=SPECTRA.nyquist_share * nyquist,
+            lowest=slow,
         )
     ]
-    if length > 1.0:
+    if length > SPECTRA.least_travel_m:
         found.append(
             line_spectrum(
                 whitened,
                 travel.travel_m,
                 weights,
                 kind="travel",
-                highest=0.98 * nyquist / fastest,
-                lowest=3.0 / length,
+                highest=SPECTRA.nyquist_share * nyquist / fastest,
+                lowest=SPECTRA.fewest_cycles / length,
             )
         )
     for body in (0, len(travel.declaration.rollers) - 1):
         turns = travel.angles_rad[body] / TWO_PI
-        if turns[-1] - turns[0] > 6.0:
+        if turns[-1] - turns[0] > SPECTRA.fewest_turns:
             found.append(
                 line_spectrum(
                     whitened,
@@ -90,19 +96,21 @@ def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
                     weights,
                     kind="angle",
                     roll=travel.declaration.rollers[body].name,
-                    highest=HIGHEST_ORDER,
-                    lowest=3.0 / (turns[-1] - turns[0]),
+                    highest=SPECTRA.highest_order,
+                    lowest=SPECTRA.fewest_cycles / (turns[-1] - turns[0]),
                 )
             )
     return found
 
 
-def near(spectrum: LineSpectrum, coordinate: float, width: float = 0.006) -> float:
+def near(
+    spectrum: LineSpectrum, coordinate: float, width: float = SPECTRA.same_coordinate_share
+) -> float:
     """Return the highest drop within ``width`` (relative) of a coordinate, and one bin."""
     bin_width = float(spectrum.coordinate[1] - spectrum.coordinate[0])
     reach = max(2.0 * bin_width, width * coordinate)
     inside = np.abs(spectrum.coordinate - coordinate) <= reach
-    return float(spectrum.drop[inside].max()) if inside.any() else 0.0
+    return float(spectrum.chi2_reduction[inside].max()) if inside.any() else 0.0
 
 
 def alias_Hz(frequency_Hz: float, sample_time_s: float) -> float:
@@ -141,14 +149,14 @@ def _radius_m(h: Hypothesis, travel: Travel) -> float:
     return travel.declaration.rollers[travel.declaration.body(h.location)].radius_m
 
 
-def line_support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float | None:
+def periodic_support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float | None:
     """Return how strong the free lines are where this hypothesis would show; None: not a line."""
     by_kind = {(s.kind, s.roll): s for s in found}
     if not is_periodic(h):
         return None
     frequency_Hz = shown_Hz(h, travel)
     if frequency_Hz is not None:
-        return near(by_kind["time", ""], frequency_Hz, 0.003)
+        return near(by_kind["time", ""], frequency_Hz, SPECTRA.same_frequency_share)
     if h.location == "all":
         return max(s.peak[1] for s in found if s.kind == "travel") if found else 0.0
     spectrum = by_kind.get(("angle", h.location))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 
 OVERSAMPLING = 8
 
@@ -27,14 +28,14 @@ class LineSpectrum:
     kind: str
     roll: str
     coordinate: Array
-    drop: Array
+    chi2_reduction: Array
     degrees: int
 
     @property
     def peak(self) -> tuple[float, float]:
         """Coordinate and drop of the strongest line."""
-        at = int(np.argmax(self.drop))
-        return float(self.coordinate[at]), float(self.drop[at])
+        at = int(np.argmax(self.chi2_reduction))
+        return float(self.coordinate[at]), float(self.chi2_reduction[at])
 
 
 def speed_weights(speed_m_s: Array, count: int = 3) -> Array:
@@ -44,7 +45,10 @@ def speed_weights(speed_m_s: Array, count: int = 3) -> Array:
     """
     spread = float(np.std(speed_m_s))
     size = speed_m_s.size
-    if spread < 1e-3 * float(np.mean(np.abs(speed_m_s))) or count == 1:
+    if (
+        spread < CRITERIA.spectra.least_speed_spread * float(np.mean(np.abs(speed_m_s)))
+        or count == 1
+    ):
         return np.ones((1, size))
     unit = (speed_m_s - speed_m_s.mean()) / spread
     basis, _ = np.linalg.qr(np.vander(unit, count, increasing=True))
@@ -73,18 +77,18 @@ def line_spectrum(
     # pad to twice the extent: bins at half the resolution
     step = 2.0 * extent / cells
     at = np.clip((start / step + 0.5).astype(np.int64), 0, cells - 1)
-    drop = np.zeros(cells // 2 + 1)
+    chi2_reduction = np.zeros(cells // 2 + 1)
     samples = whitened.shape[1]
     for row in whitened:
         for weight in weights:
             spectrum = np.fft.rfft(np.bincount(at, row * weight, cells))
-            drop += 2.0 / samples * np.abs(spectrum) ** 2
-    coordinate = np.arange(drop.size) / (2.0 * extent)
+            chi2_reduction += 2.0 / samples * np.abs(spectrum) ** 2
+    coordinate = np.arange(chi2_reduction.size) / (2.0 * extent)
     keep = (coordinate >= lowest) & (coordinate <= highest)
     return LineSpectrum(
         kind=kind,
         roll=roll,
         coordinate=coordinate[keep],
-        drop=drop[keep],
+        chi2_reduction=chi2_reduction[keep],
         degrees=2 * whitened.shape[0] * weights.shape[0],
     )

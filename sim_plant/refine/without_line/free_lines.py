@@ -10,19 +10,15 @@ import numpy as np
 from scipy.stats import chi2
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum, line_spectrum, speed_weights
 from sim_plant.refine.without_line.record_filter import Explained, whiten
 
-FALSE_ALARM = 1e-4
-SAFETY = 1.5
-"""Thresholds exceed the theory by this: residuals are not quite white."""
-CLOCK_SAFETY = 1.2
-MOST_LINES = 12
-CLOCK_WIDTH = 0.002
+WITHOUT_LINE = CRITERIA.without_line
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Line:
+class SpectralLine:
     """One line found.
 
     Attributes
@@ -39,6 +35,13 @@ class Line:
     per_record: tuple[float, ...]
     strength: float
     clock: str = ""
+
+    @property
+    def where(self) -> dict[str, float | str]:
+        """The coordinate by name, as a verdict has it."""
+        if self.kind == "time":
+            return {"frequency_Hz": self.coordinate}
+        return {"wavenumber_1_m": self.coordinate, "equivalent_radius_m": self.equivalent_radius_m}
 
     @property
     def equivalent_radius_m(self) -> float:
@@ -58,16 +61,24 @@ def _spectra(item: Explained, white: Array) -> list[LineSpectrum]:
             time_s,
             weights,
             kind="time",
-            highest=0.49 * rate,
-            lowest=5.0 / float(time_s[-1]),
+            highest=WITHOUT_LINE.highest_frequency_share * rate,
+            lowest=WITHOUT_LINE.fewest_cycles / float(time_s[-1]),
         )
     ]
     if item.travel_m is not None and item.speed_m_s is not None:
         extent = float(np.ptp(item.travel_m))
-        highest = min(0.25 * rate / float(np.mean(item.speed_m_s)), 12.0)
+        highest = min(
+            WITHOUT_LINE.highest_travel_share * rate / float(np.mean(item.speed_m_s)),
+            WITHOUT_LINE.highest_wavenumber_1_m,
+        )
         found.append(
             line_spectrum(
-                white, item.travel_m, weights, kind="travel", highest=highest, lowest=5.0 / extent
+                white,
+                item.travel_m,
+                weights,
+                kind="travel",
+                highest=highest,
+                lowest=WITHOUT_LINE.fewest_cycles / extent,
             )
         )
     return found
@@ -75,18 +86,18 @@ def _spectra(item: Explained, white: Array) -> list[LineSpectrum]:
 
 def threshold(spectrum: LineSpectrum) -> float:
     """Return the drop that noise exceeds in one record of ten thousand, with a margin."""
-    per_bin = FALSE_ALARM / max(1, spectrum.coordinate.size)
-    return SAFETY * float(chi2.isf(per_bin, spectrum.degrees))
+    per_bin = WITHOUT_LINE.false_alarm / max(1, spectrum.coordinate.size)
+    return WITHOUT_LINE.safety * float(chi2.isf(per_bin, spectrum.degrees))
 
 
-def find_lines(items: Sequence[Explained]) -> list[Line]:
+def find_spectral_lines(items: Sequence[Explained]) -> list[SpectralLine]:
     """Return significant lines over all records, strongest first, each taken out before the next.
 
     A line counts in the coordinate in which it is sharper: that with the larger drop.
     """
     whites = [item.whitened for item in items]
-    found: list[Line] = []
-    for _ in range(MOST_LINES):
+    found: list[SpectralLine] = []
+    for _ in range(WITHOUT_LINE.most_spectral_lines):
         spectra = [_spectra(item, white) for item, white in zip(items, whites, strict=True)]
         best = _best(spectra)
         if best is None:
@@ -97,7 +108,7 @@ def find_lines(items: Sequence[Explained]) -> list[Line]:
         )
         joint = float(np.median(singles))
         found.append(
-            Line(
+            SpectralLine(
                 kind=kind,
                 coordinate=joint,
                 per_record=singles,
@@ -112,24 +123,27 @@ def find_lines(items: Sequence[Explained]) -> list[Line]:
     return found
 
 
-def clocks(items: Sequence[Explained]) -> list[Line]:
+def clocks(items: Sequence[Explained]) -> list[SpectralLine]:
     """Return lines of the raw outputs that are clocks of the experiment, not of the machine."""
     found = []
     for item in items:
         for row in item.outputs:
             white = whiten(row)[None, :]
             spectrum = _spectra(item, white)[0]
-            at, drop = spectrum.peak
-            if drop > threshold(spectrum) * CLOCK_SAFETY / SAFETY:
+            at, chi2_reduction = spectrum.peak
+            if (
+                chi2_reduction
+                > threshold(spectrum) * WITHOUT_LINE.clock_safety / WITHOUT_LINE.safety
+            ):
                 at = sharpest(item, white, "time", at)
                 reason = _clock([item], "time", at)
                 if reason:
                     found.append(
-                        Line(
+                        SpectralLine(
                             kind="time",
                             coordinate=at,
                             per_record=(at,),
-                            strength=drop,
+                            strength=chi2_reduction,
                             clock=reason,
                         )
                     )
@@ -139,10 +153,10 @@ def clocks(items: Sequence[Explained]) -> list[Line]:
 def _best(spectra: Sequence[Sequence[LineSpectrum]]) -> tuple[str, float, float] | None:
     best: tuple[str, float, float] | None = None
     for k, first in enumerate(spectra[0]):
-        total = first.drop.copy()
+        total = first.chi2_reduction.copy()
         limit = threshold(first)
         for record in spectra[1:]:
-            total += np.interp(first.coordinate, record[k].coordinate, record[k].drop)
+            total += np.interp(first.coordinate, record[k].coordinate, record[k].chi2_reduction)
             limit += first.degrees
         at = int(np.argmax(total))
         if total[at] > limit and (best is None or total[at] > best[2]):
@@ -192,11 +206,14 @@ def _clock(items: Sequence[Explained], kind: str, coordinate: float) -> str:
     rate = 1.0 / items[0].record.sample_time_s
     divisor = rate / coordinate
     width = max(
-        CLOCK_WIDTH,
+        WITHOUT_LINE.clock_share,
         1.0 / (items[0].residual.shape[1] * items[0].record.sample_time_s) / coordinate,
     )
     reasons = []
-    if abs(divisor - round(divisor)) < width * divisor and round(divisor) <= 20:
+    if (
+        abs(divisor - round(divisor)) < width * divisor
+        and round(divisor) <= WITHOUT_LINE.highest_divisor
+    ):
         reasons.append(f"is 1/{round(divisor)} of the sample rate")
     for item in items:
         white = np.stack([whiten(row) for row in item.inputs])
@@ -206,15 +223,15 @@ def _clock(items: Sequence[Explained], kind: str, coordinate: float) -> str:
             time_s,
             np.ones((1, time_s.size)),
             kind="time",
-            highest=0.49 * rate,
-            lowest=5.0 / float(time_s[-1]),
+            highest=WITHOUT_LINE.highest_frequency_share * rate,
+            lowest=WITHOUT_LINE.fewest_cycles / float(time_s[-1]),
         )
         near = np.abs(spectrum.coordinate - coordinate) < 2.0 * width * coordinate
-        if near.any() and float(spectrum.drop[near].max()) > threshold(spectrum):
+        if near.any() and float(spectrum.chi2_reduction[near].max()) > threshold(spectrum):
             reasons.append("is in the excitation as well")
             break
-    for mains in (50.0, 60.0):
+    for mains in WITHOUT_LINE.mains_Hz:
         folded = math.fmod(mains, rate)
-        if abs(min(folded, rate - folded) - coordinate) < CLOCK_WIDTH * coordinate:
+        if abs(min(folded, rate - folded) - coordinate) < WITHOUT_LINE.clock_share * coordinate:
             reasons.append(f"may be {mains:g} Hz mains, aliased")
     return ", ".join(reasons)

@@ -2,29 +2,36 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jinja2 import Environment, PackageLoader
+from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.noise.innovations import whitening_filter
-from sim_plant.refine.report.amend import plain
+from sim_plant.refine.report.announce import announce, holdout_limits
 from sim_plant.refine.report.folder import check_apart, check_folder, publish
-from sim_plant.refine.report.wording import record_headline, record_next
-from sim_plant.refine.without_line.free_lines import Line, basis, clocks, find_lines, sharpest
+from sim_plant.refine.report.verdict import ChannelError
+from sim_plant.refine.search.candidate import Progress
+from sim_plant.refine.without_line.free_lines import (
+    SpectralLine,
+    basis,
+    clocks,
+    find_spectral_lines,
+    sharpest,
+)
 from sim_plant.refine.without_line.record_filter import (
     Explained,
     RecordDeclaration,
     explain,
     fit_filter,
-    load_record_declaration,
     read_for,
 )
+from sim_plant.refine.without_line.verdict import RecordVerdict, headline, next_step
 
 if TYPE_CHECKING:
     from sim_plant.refine.report.outcome import Plan
@@ -35,18 +42,20 @@ NO_TRAVEL = (
 )
 
 
-def limits_of(declaration: RecordDeclaration, held: bool) -> list[str]:
-    """Return what cannot be claimed, as sentences."""
-    said = ["no line declaration: no place can be named, a line is named by its coordinate"]
+def limits_of(declaration: RecordDeclaration) -> list[str]:
+    """Return what cannot be claimed without a line, as sentences."""
+    found = ["no line declaration: no place can be named, a line is named by its coordinate"]
     if declaration.travel_speed is None:
-        said.append(NO_TRAVEL)
-    if not held:
-        said.append("no held-out record: the error after is that of the record fitted")
-    return said
+        found.append(NO_TRAVEL)
+    return found
 
 
-def refine_records(plan: Plan, say: Callable[[str], None]) -> dict[str, Any]:
+def refine_records(
+    plan: Plan, declaration: RecordDeclaration, progress: Progress
+) -> RecordVerdict:
     """Run filter and lines, write verdict and report, return the verdict.
+
+    ``declaration`` is in the file that the plan names as its line.
 
     Raises
     ------
@@ -54,62 +63,34 @@ def refine_records(plan: Plan, say: Callable[[str], None]) -> dict[str, Any]:
         On any input that cannot be judged; nothing is written then.
     """
     check_folder(plan)
-    declaration = load_record_declaration(plan.line)
     records = [read_for(declaration, p) for p in plan.records]
     held = [read_for(declaration, p) for p in plan.holdout]
     check_apart(records, held)
-    said = limits_of(declaration, bool(held))
-    if len(held) > 1:
-        said.append(f"more than one held-out record: the errors are those of {held[0].path.name}")
-    for text in said:
-        say(f"cannot be claimed: {text}")
-    for record in (*records, *held):
-        for text in record.findings:
-            say(f"{record.path.name}: {text}")
+    cannot = [*limits_of(declaration), *holdout_limits(held)]
+    announce(cannot, (*records, *held), progress)
     weights = fit_filter(declaration, records)
     items = [explain(declaration, r, weights) for r in records]
-    say("searching lines in time and travel")
-    lines = find_lines(items)
-    machine = [x for x in lines if not x.clock]
-    for line in lines:
-        say(f"  {line.kind} {line.coordinate:.5g}{': ' + line.clock if line.clock else ''}")
-    others = [x for x in lines if x.clock] + clocks(items)
+    progress("searching lines in time and travel")
+    found = find_spectral_lines(items)
+    machine = [x for x in found if not x.clock]
+    for x in found:
+        progress(f"  {x.kind} {x.coordinate:.5g}{': ' + x.clock if x.clock else ''}")
     judged = explain(declaration, held[0], weights) if held else items[0]
-    rms = judge_lines(declaration, items, machine, judged, own=not held)
-    result = {
-        "version": 1,
-        "verdict": "unknown" if machine else "nothing",
-        "effects": [],
-        "unknown": [_row(x) for x in machine],
-        "clocks": [{**_row(x), "why": x.clock} for x in others],
-        "not_claimed": said,
-        "residual_rms": rms,
-        "holdout": str((plan.holdout or plan.records)[0]),
-    }
+    verdict = RecordVerdict(
+        unknown=tuple(machine),
+        clocks=(*(x for x in found if x.clock), *clocks(items)),
+        not_claimed=tuple(cannot),
+        residual_rms=errors_with_lines(declaration, items, machine, judged, own=not held),
+        holdout=str((plan.holdout or plan.records)[0]),
+    )
     hashes = [(r.path.name, r.sha256) for r in (*records, *held)]
-    publish(plan, lambda into: _write(into, declaration, result, hashes, plan.command))
-    return result
+    publish(plan, lambda into: _write(into, declaration, verdict, hashes, plan.command))
+    return verdict
 
 
-def _row(line: Line) -> dict[str, Any]:
-    if line.kind == "time":
-        where = {"frequency_Hz": line.coordinate}
-    else:
-        where = {
-            "wavenumber_1_m": line.coordinate,
-            "equivalent_radius_m": line.equivalent_radius_m,
-        }
-    return {
-        "class": line.kind,
-        "coordinate": where,
-        "per_record": list(line.per_record),
-        "strength": line.strength,
-    }
-
-
-def _fit(item: Explained, rows: Array, line: Line) -> Array:
+def _fit(item: Explained, rows: Array, spectral: SpectralLine) -> Array:
     """Return weighted least squares of a line: residual and basis through the same whitening."""
-    b = basis(item, line.kind, line.coordinate)
+    b = basis(item, spectral.kind, spectral.coordinate)
     columns = []
     for row in rows:
         taps, _ = whitening_filter(row[None, :])
@@ -118,14 +99,14 @@ def _fit(item: Explained, rows: Array, line: Line) -> Array:
     return np.stack(columns, axis=1)
 
 
-def judge_lines(
+def errors_with_lines(
     declaration: RecordDeclaration,
     items: Sequence[Explained],
-    lines: Sequence[Line],
+    spectral_lines: Sequence[SpectralLine],
     judged: Explained,
     *,
     own: bool,
-) -> dict[str, dict[str, float]]:
+) -> dict[str, ChannelError]:
     """Return rms of outputs: declared filter alone, and with lines.
 
     Sizes come from the fitted records. A record's own start phase and travel scale (two numbers a
@@ -133,31 +114,31 @@ def judge_lines(
     """
     gone = judged.residual.copy()
     white = judged.whitened
-    for line in lines:
-        here = line
+    for spectral in spectral_lines:
+        here = spectral
         if not own:
-            at = sharpest(judged, white, line.kind, line.coordinate)
-            here = replace(line, coordinate=at)
+            at = sharpest(judged, white, spectral.kind, spectral.coordinate)
+            here = replace(spectral, coordinate=at)
         fitted = _fit(judged, gone, here)
         if not own:
-            fitted = _known_size(items, line, fitted)
+            fitted = _known_size(items, spectral, fitted)
         gone = gone - (basis(judged, here.kind, here.coordinate) @ fitted).T
     noise = [float(np.std(row)) for row in gone]
     return {
-        name: {
-            "before": float(np.sqrt(np.mean(judged.residual[k] ** 2))),
-            "after": float(np.sqrt(np.mean(gone[k] ** 2))),
-            "noise_floor": noise[k],
-        }
+        name: ChannelError(
+            before=float(np.sqrt(np.mean(judged.residual[k] ** 2))),
+            after=float(np.sqrt(np.mean(gone[k] ** 2))),
+            noise_floor=noise[k],
+        )
         for k, name in enumerate(declaration.outputs)
     }
 
 
-def _known_size(items: Sequence[Explained], line: Line, fitted: Array) -> Array:
+def _known_size(items: Sequence[Explained], spectral: SpectralLine, fitted: Array) -> Array:
     """Return this record's phase with the size that the fitted records agree on."""
     sizes = []
-    for item, own in zip(items, line.per_record, strict=True):
-        alone = _fit(item, item.residual, replace(line, coordinate=own))
+    for item, own in zip(items, spectral.per_record, strict=True):
+        alone = _fit(item, item.residual, replace(spectral, coordinate=own))
         sizes.append(np.abs(_complex(alone)[0]))
     here = _complex(fitted)[0]
     size = np.mean(sizes, axis=0)
@@ -167,29 +148,28 @@ def _known_size(items: Sequence[Explained], line: Line, fitted: Array) -> Array:
     return found
 
 
-def _complex(fitted: Array) -> Any:
+def _complex(fitted: Array) -> NDArray[np.complex128]:
     return np.stack([fitted[k] + 1j * fitted[k + 1] for k in range(0, fitted.shape[0], 2)])
 
 
 def _write(
     plan: Plan,
     declaration: RecordDeclaration,
-    result: dict[str, Any],
+    verdict: RecordVerdict,
     records: Sequence[tuple[str, str]],
     command: str,
 ) -> None:
-    text = json.dumps(plain(result), indent=1) + "\n"
-    (plan.out / "verdict.json").write_text(text, encoding="utf-8")
+    (plan.out / "verdict.json").write_text(verdict.to_json(), encoding="utf-8")
     template = Environment(
         loader=PackageLoader("sim_plant.refine.without_line", "."), autoescape=True
     ).get_template("page.html.j2")
     page = template.render(
         note=declaration.note,
-        verdict=result,
+        verdict=verdict,
         records=records,
         command=command,
-        headline=record_headline(result),
+        headline=headline(verdict),
         held=bool(plan.holdout),
-        next_step=record_next(result, travel=declaration.travel_speed is not None),
+        next_step=next_step(verdict, travel=declaration.travel_speed is not None),
     )
     (plan.out / "report.html").write_text(page, encoding="utf-8")

@@ -16,18 +16,17 @@ from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import read_plain
 from sim_plant.line.declaration import Name
-from sim_plant.line.yaml_places import load_yaml
+from sim_plant.line.load import Source
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.noise.innovations import whitening_filter
 from sim_plant.refine.records.limits import FILE_BYTES
-from sim_plant.refine.records.read import LARGEST, read_record
+from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Record
 from sim_plant.refine.records.sanity import oddities
 from sim_plant.refine.records.text_table import number_table
 
 SCHEMA = "record-declaration/1"
-LEAST_ROWS = 100
-"""Rows that are left to judge when the filter has taken its taps off both ends."""
-RUNS_ONWARD = 0.9
+WITHOUT_LINE = CRITERIA.without_line
 
 
 class RecordDeclaration(BaseModel):
@@ -85,20 +84,16 @@ def whiten(row: Array) -> Array:
     return found
 
 
-def is_record_declaration(path: Path) -> bool:
+def is_record_declaration(source: Source) -> bool:
     """Return whether a file declares records instead of a line."""
-    try:
-        data, _ = load_yaml(path)
-    except PlantError:
-        return False
-    return isinstance(data, dict) and data.get("schema") == SCHEMA
+    return isinstance(source.data, dict) and source.data.get("schema") == SCHEMA
 
 
-def load_record_declaration(path: Path) -> RecordDeclaration:
+def record_declaration_in(source: Source) -> RecordDeclaration:
     """Return the declaration; PlantError with key and reason when it is wrong."""
-    data, _ = load_yaml(path)
+    path = source.path
     try:
-        return RecordDeclaration.model_validate(data)
+        return RecordDeclaration.model_validate(source.data)
     except ValidationError as error:
         lines = [
             f"{path}: {printable('.'.join(map(str, e['loc'])), 200)}: "
@@ -126,7 +121,7 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
         raise PlantError(
             f"{path}: column {absent[0]} is missing; there are {sorted(record.columns)}"
         )
-    least = 2 * declaration.taps + LEAST_ROWS
+    least = 2 * declaration.taps + WITHOUT_LINE.rows_beyond_taps
     if record.samples < least:
         raise PlantError(
             f"{path}: {record.samples} rows are too few for a filter of {declaration.taps} taps "
@@ -134,13 +129,16 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
         )
     if declaration.travel_speed:
         onward = float(np.mean(record.columns[declaration.travel_speed] > 0.0))
-        if onward < RUNS_ONWARD:
+        if onward < WITHOUT_LINE.onward_share:
             raise PlantError(
                 f"{path}: column {declaration.travel_speed} is above 0 in {100 * onward:.0f} % of "
                 "the rows; travel_speed is the speed of a web that runs, counted forwards: "
                 "correct it, or leave travel_speed empty"
             )
-    if abs(record.sample_time_s - declaration.sample_time_s) > 0.02 * declaration.sample_time_s:
+    if (
+        abs(record.sample_time_s - declaration.sample_time_s)
+        > WITHOUT_LINE.sample_time_share * declaration.sample_time_s
+    ):
         raise PlantError(
             f"{path}: sampled every {record.sample_time_s:.5g} s, declared "
             f"{declaration.sample_time_s} s; correct sample_time_s"
@@ -152,7 +150,7 @@ def _headerless(declaration: RecordDeclaration, path: Path) -> Record:
     names = declaration.columns or ()
     payload = read_plain(path, FILE_BYTES)
     table = number_table(path, payload, len(names))
-    bad = np.argwhere(~(np.abs(table) < LARGEST))
+    bad = np.argwhere(~(np.abs(table) < CRITERIA.records.largest_reading))
     if bad.size:
         raise PlantError(f"{path}: column {names[bad[0][1]]}: no reading in line {bad[0][0] + 1}")
     columns = {n: table[:, k].copy() for k, n in enumerate(names)}

@@ -86,6 +86,9 @@ def test_the_alarm_code_is_for_alarms_only() -> None:
     assert not is_alarm(read_answer(fault(BY_NAME["POWER_UP"].code)))
     assert is_alarm(read_answer(fault(BY_NAME["PLC_STALE"].code)))
     assert not is_alarm(read_answer({**answer(0), "state": "OFF"}))
+    for name, alarms in (("BYPASSED", False), ("APPLIED_DIFFERS", True)):
+        resting = {**answer(0), "state": "BYPASS", "alarm": {"code": BY_NAME[name].code}}
+        assert is_alarm(read_answer(resting)) is alarms
 
 
 def test_lost_rows_and_a_differing_file_are_told() -> None:

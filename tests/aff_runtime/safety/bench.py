@@ -76,6 +76,7 @@ class Bench:
         self.outcome = Outcome.OK
         self.heartbeat = 0
         self.echo_age = 1
+        self.applied: tuple[float, ...] = ()
         self.moved_ns = self.now_ns
         self.overrun = False
         self.supervisor_alive = True
@@ -110,6 +111,7 @@ class Bench:
             if good
             else (nan, nan, nan),
             echo_age=self.echo_age if good else NO_ECHO,
+            applied=self.applied if good else (),
         )
 
     def run(self, ticks: int = 1) -> None:

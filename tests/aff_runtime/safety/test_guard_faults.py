@@ -8,6 +8,7 @@ import pytest
 
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import Outcome, State, StateBits
+from aff_runtime.safety.params import AppliedParams
 from tests.aff_runtime.safety.bench import FADE_S, PARAMS, PERIOD_NS, PERIOD_S, STEP, Bench
 
 FADE_TICKS = round(FADE_S / PERIOD_S)
@@ -149,3 +150,85 @@ def test_the_first_cause_stays_on_the_alarm_word() -> None:
     bench.run(50)
     assert bench.alarm == BY_NAME["TENSION_IMPLAUSIBLE"].code
     assert bench.guard.first_blocking().startswith("blocked by PLC_STALE")
+
+
+SHOWN = replace(
+    PARAMS, applied=AppliedParams(tolerances=(2e-5, None), units=("m/s", "m/s"), ticks=50)
+)
+
+
+def following(b: Bench, ticks: int) -> None:
+    """Run with a PLC that applies what went out in the tick before."""
+    for _ in range(ticks):
+        b.applied = (b.out[0], nan)
+        b.run()
+
+
+def test_what_the_plc_applies_and_we_did_not_send_fades_latches_and_is_named() -> None:
+    bench = Bench(SHOWN)
+    following(bench, 2)
+    assert bench.guard.arm() == ""
+    following(bench, 60)
+    assert bench.state is State.ACTIVE
+    assert bench.out[0] == STEP.value
+    bench.applied = (0.02, nan)
+    bench.run(3)
+    assert bench.state is State.FAULT
+    assert bench.alarm == BY_NAME["APPLIED_DIFFERS"].code
+    assert bench.guard.first_blocking() == (
+        "blocked by APPLIED_DIFFERS (unwind: 0.02 m/s applied, 0.01 sent)"
+    )
+    bench.run(FADE_TICKS)
+    assert bench.out == (0.0, 0.0)
+    bench.guard.arm()
+    bench.run(10)
+    assert bench.state is State.FAULT  # nobody arms while it lasts
+    bench.applied = (0.0, nan)
+    bench.run_s(2.0)
+    assert bench.state is State.FAULT
+    assert bench.guard.first_blocking() == ""
+    bench.guard.arm()
+    following(bench, 100)
+    assert bench.state is State.ACTIVE
+    assert bench.codes().count("APPLIED_DIFFERS") == 1
+
+
+@pytest.mark.parametrize("rest", [State.BYPASS, State.FAULT])
+def test_it_is_the_alarm_of_a_guard_at_rest_while_it_lasts(rest: State) -> None:
+    bench = Bench(SHOWN)
+    following(bench, 20)
+    if rest is State.BYPASS:
+        bench.guard.bypass()
+    else:
+        bench.overrun = True
+    following(bench, 2)
+    bench.overrun = False
+    following(bench, 20)
+    assert bench.state is rest
+    before = bench.alarm
+    assert before != BY_NAME["APPLIED_DIFFERS"].code
+    bench.guard.drain_events()
+    bench.applied = (0.02, nan)
+    bench.run(3)
+    assert (bench.state, bench.alarm) == (rest, BY_NAME["APPLIED_DIFFERS"].code)
+    assert bench.codes() == ["APPLIED_DIFFERS"]
+    assert bench.out == (0.0, 0.0)
+    bench.guard.arm()
+    bench.run(10)
+    assert bench.state is rest
+    bench.applied = (0.0, nan)
+    bench.run_s(1.0)
+    assert (bench.state, bench.alarm) == (rest, before)
+
+
+def test_new_settings_between_two_ticks_accuse_nobody() -> None:
+    bench = Bench(SHOWN)
+    following(bench, 2)
+    bench.guard.arm()
+    following(bench, 60)
+    for limit in (0.004, 0.05, 0.001):
+        actuators = (replace(PARAMS.actuators[0], limit=limit), PARAMS.actuators[1])
+        assert bench.guard.adopt(replace(SHOWN, actuators=actuators))
+        following(bench, 100)
+    assert bench.state is State.ACTIVE
+    assert "APPLIED_DIFFERS" not in bench.codes()

@@ -10,13 +10,13 @@ import numpy as np
 from sim_plant.base.effects import Value
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.line.open import make_line
-from sim_plant.refine.fit.objective import Problem
+from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.place import Place
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.records.recording import Record
-from sim_plant.refine.search.forward_selection import trace
+from sim_plant.refine.search.forward_selection import forward_selection
 from tests.sim_plant.line.lines import declared
 
 SAMPLES, STEP_S, TENSION_N = 1200, 0.01, 88.9644
@@ -48,11 +48,12 @@ def traced(hidden: EffectEntry) -> Traced:
     record = Record(path=Path("short.csv"), sha256="", sample_time_s=STEP_S, columns=columns)
     twin = twin_of(line, record)
     measured = np.stack([columns[name] for name in twin.channels])
-    with Bench([twin], workers=1) as bench:
-        found = trace(Problem(bench, [measured]), library(line), lambda _: None)
+    with SimulationPool([twin], workers=1) as pool:
+        objective = declared_objective(pool, [measured])
+        found = forward_selection(objective, library(line), lambda _: None)
     return Traced(
-        places=tuple(step.hypothesis.key for step in found.steps),
-        ambiguous=tuple(step.ambiguous for step in found.steps),
+        places=tuple(accepted.hypothesis.key for accepted in found.accepted),
+        ambiguous=tuple(accepted.ambiguous for accepted in found.accepted),
         numbers=tuple(dict(effect.parameters) for effect in found.fit.effects),
         unknown=tuple(unknown.text for unknown in found.unknown),
     )

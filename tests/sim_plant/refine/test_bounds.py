@@ -11,22 +11,21 @@ from hypothesis import strategies as st
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.fit.projection import Projector
 from sim_plant.refine.model.hypotheses import hypothesis, library
-from sim_plant.refine.search.screening import score_one
+from sim_plant.refine.search.screening import linear_candidate
+from tests.sim_plant.refine.small import formula_twin, objective_of, white
 
 LINE = load_declaration(Path(__file__).parents[3] / "config/lines/euclid.yaml")
 LIBRARY = library(LINE)
 FINITE = st.floats(-1e9, 1e9)
 
 
-class Rows:
-    """A problem of plain rows: what screening needs of it."""
-
-    rows = 40
-
-    def __init__(self):
-        self.projector = Projector(np.zeros((self.rows, 1)))
+SAMPLES = 160
+OBJECTIVE = objective_of(
+    formula_twin(lambda _: np.zeros((1, SAMPLES)), ["unwind_tension_N"], SAMPLES),
+    white((1, SAMPLES)),
+)
+VECTOR = OBJECTIVE.rows + len(OBJECTIVE.nuisances)
 
 
 @pytest.mark.parametrize("effect", CATALOGUE, ids=lambda e: e.name)
@@ -105,17 +104,19 @@ def test_whatever_a_step_asks_for_the_line_is_simulated_within_bounds(h, raw):
 @given(st.sampled_from(LIBRARY), st.integers(0, 1000), st.sampled_from([-1e4, -1.0, 1.0, 1e4]))
 def test_screening_starts_no_fit_beyond_a_bound(h, seed, size):
     draw = np.random.default_rng(seed)
-    columns = draw.standard_normal((Rows.rows, h.strengths))
+    columns = draw.standard_normal((VECTOR, h.strengths))
+    columns[OBJECTIVE.rows :] = 0.0
     residual = size * columns @ draw.standard_normal(h.strengths)
-    start = score_one(Rows(), h, residual, columns).start
+    start = linear_candidate(OBJECTIVE, h, residual, columns).start
     assert all(lo <= v <= hi for v, lo, hi in zip(start, h.low, h.high, strict=True))
 
 
 def test_a_drag_that_would_have_to_push_is_worth_nothing():
     h = hypothesis(BY_NAME["bearing_drag"], "R18", (), ("constant_N_m",), LINE)
-    column = np.ones((Rows.rows, 1))
-    assert score_one(Rows(), h, -5.0 * column[:, 0], column).gain.drop == 0.0
-    assert score_one(Rows(), h, 5.0 * column[:, 0], column).gain.drop > 0.0
+    column = np.zeros((VECTOR, 1))
+    column[: OBJECTIVE.rows] = 1.0
+    assert linear_candidate(OBJECTIVE, h, -5.0 * column[:, 0], column).chi2_reduction == 0.0
+    assert linear_candidate(OBJECTIVE, h, 5.0 * column[:, 0], column).chi2_reduction > 0.0
 
 
 def test_an_estimate_at_a_bound_is_none_but_absence_may_lie_there():

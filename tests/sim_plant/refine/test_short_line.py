@@ -9,19 +9,20 @@ import yaml
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
-from sim_plant.line.load import load_declaration
+from sim_plant.line.load import load_declaration, load_line
 from sim_plant.line.open import make_line
-from sim_plant.refine.fit.gauss_newton import empty_fit, refine_fit
-from sim_plant.refine.fit.objective import Problem
-from sim_plant.refine.judge.holdout import judge
+from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
+from sim_plant.refine.fit.objective import declared_objective
+from sim_plant.refine.judge.holdout import evaluate
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.records.recording import Record
-from sim_plant.refine.report.amend import write_amended, write_block
-from sim_plant.refine.report.verdict import verdict
-from sim_plant.refine.search.profile_detail import polished
-from sim_plant.refine.search.selection import Step, Trace
+from sim_plant.refine.report.aff_block import write_block
+from sim_plant.refine.report.amend import write_amended
+from sim_plant.refine.report.findings import verdict_of
+from sim_plant.refine.search.profile_detail import joint_refit
+from sim_plant.refine.search.selection import AcceptedEffect, Selection
 
 LINE_FILE = Path(__file__).parents[3] / "config/lines/euclid.yaml"
 SAMPLES = 1200
@@ -65,31 +66,35 @@ def fitted(line, record):
     own = line.model_copy(update={"tolerances": few})
     twin = twin_of(own, record)
     measured = np.stack([record.columns[c] for c in twin.channels])
-    with Bench([twin], 1) as bench:
-        problem = Problem(bench, [measured])
-        nominal = empty_fit(problem)
-        rough = refine_fit(
-            problem, [hypothesis(BY_NAME["eccentric_roller"], "R6")], [(1e-5, 1e-5)], {}, rounds=3
+    with SimulationPool([twin], 1) as pool:
+        objective = declared_objective(pool, [measured])
+        nominal = nominal_fit(objective)
+        rough = gauss_newton_fit(
+            objective,
+            [hypothesis(BY_NAME["eccentric_roller"], "R6")],
+            [(1e-5, 1e-5)],
+            {},
+            rounds=3,
         )
-        near, right = polished(problem, rough)
-        wrong = refine_fit(
-            problem,
+        near, right = joint_refit(objective, rough)
+        wrong = gauss_newton_fit(
+            objective,
             [hypothesis(BY_NAME["unbalanced_roller"], "R12")],
             [(1e-5, 1e-5)],
             {},
             rounds=2,
         )
-        judged = judge(bench, measured, right.effects, find_angles=False)
+        judged = evaluate(pool, measured, right.effects, find_angles=False)
     return near, nominal, right, wrong, judged
 
 
 def test_the_effect_is_measured_and_the_rest_is_noise(fitted):
-    problem, nominal, right, _, _ = fitted
+    objective, nominal, right, _, _ = fitted
     cos_m, sin_m = right.values[0]
     assert np.hypot(cos_m, sin_m) == pytest.approx(3e-4, rel=0.05)
     assert np.arctan2(sin_m, cos_m) == pytest.approx(0.7, abs=0.1)
-    assert nominal.cost > 2.0 * problem.expected_cost
-    assert right.cost == pytest.approx(problem.expected_cost, rel=0.08)
+    assert nominal.cost > 2.0 * objective.expected_cost
+    assert right.cost == pytest.approx(objective.expected_cost, rel=0.08)
 
 
 def test_another_effect_elsewhere_explains_less(fitted):
@@ -115,9 +120,9 @@ def test_declared_numbers_estimated_anew_are_in_the_error_after(line, record):
     measured = np.stack([record.columns[c] for c in twin.channels])
     shift = 0.05  # of the pull-roll draw zone: what a radius 5e-4 off does
     wrong = (("rollers.pull_roll.radius_m", 0.01 * shift),)
-    with Bench([twin], 1) as bench:
-        plain = judge(bench, measured, (), find_angles=False)
-        shifted = judge(bench, measured, (), wrong, find_angles=False)
+    with SimulationPool([twin], 1) as pool:
+        plain = evaluate(pool, measured, (), find_angles=False)
+        shifted = evaluate(pool, measured, (), wrong, find_angles=False)
     at = plain.channels.index("pullroll_tension_N")
     # a pull roll larger by 5e-4 draws the web by as much: EA times it in tension
     risen = np.mean(shifted.amended[at, shifted.first :] - plain.amended[at, plain.first :])
@@ -127,32 +132,34 @@ def test_declared_numbers_estimated_anew_are_in_the_error_after(line, record):
 
 def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record, tmp_path):
     _, nominal, right, _, judged = fitted
-    step = Step(
+    accepted = AcceptedEffect(
         hypothesis=right.hypotheses[0],
         score=nominal.cost - right.cost,
         runner_up=None,
         margin=100.0,
         rejected=(),
     )
-    found = Trace(
+    found = Selection(
         nominal=nominal,
         fit=right,
-        travels=[],
-        before=[],
-        after=[],
-        steps=[step],
+        travels=(),
+        before=(),
+        after=(),
+        accepted=(accepted,),
         corrections={"web.EA_N": 0.01},
     )
-    result = verdict(found, judged, "short.csv")
-    path = write_amended(LINE_FILE, tmp_path, found, [record], "sim-plant refine", result)
+    result = verdict_of(found, judged, "short.csv")
+    path = write_amended(
+        load_line(LINE_FILE), tmp_path, found, [record], "sim-plant refine", result
+    )
     amended = load_declaration(path)
     assert [(e.effect, e.location) for e in amended.effects] == [("eccentric_roller", "R6")]
     assert amended.provenance["records"] == [{"path": "short.csv", "sha256": "abc"}]
     assert amended.corrections == {"web.EA_N": 0.01}
     make_line(amended)
-    block = yaml.safe_load(write_block(tmp_path, result["effects"]).read_text())
+    block = yaml.safe_load(write_block(tmp_path, result.effects).read_text())
     assert block["blocks"][0] | {"roll": "r6", "orders": [1]} == block["blocks"][0]
-    row = json.loads(json.dumps(result))["effects"][0]
+    row = json.loads(result.to_json())["effects"][0]
     assert row["parameters"]["eccentricity_m"] == pytest.approx(3e-4, rel=0.05)
     low, high = row["interval95"]["eccentricity_m"]
     assert low < 3e-4 < high

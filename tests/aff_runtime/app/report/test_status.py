@@ -78,8 +78,14 @@ def told(
         ),
         (
             told(State.FAULT, "TENSION_IMPLAUSIBLE", "TENSION_IMPLAUSIBLE (unwind_tension_N)"),
-            "FAULT: TENSION_IMPLAUSIBLE, tension is NaN, stuck or out of range; "
-            "check the load cell, then arm again",
+            "FAULT: TENSION_IMPLAUSIBLE (unwind_tension_N), tension is NaN, stuck or out of "
+            "range; check the load cell, then arm again",
+        ),
+        (
+            told(State.BYPASS, "APPLIED_DIFFERS", "APPLIED_DIFFERS (unwind: 0.02 m/s, 0 sent)"),
+            "BYPASS: APPLIED_DIFFERS (unwind: 0.02 m/s, 0 sent), the PLC adds a correction to the "
+            "drive that we did not send; find the station that writes to the PLC beside us, or "
+            "the fault in the applied word, then arm again",
         ),
         (
             told(State.FAULT, "PLC_STALE", "LINE_RUN=0"),

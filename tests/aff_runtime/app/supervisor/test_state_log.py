@@ -34,6 +34,17 @@ def test_nothing_is_said_twice_and_another_alarm_is_said(caplog: pytest.LogCaptu
     assert "OVERRUN" in caplog.messages[1]
 
 
+def test_an_alarm_that_comes_and_goes_while_bypassed_is_one_warning(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    log = StateLog()
+    with caplog.at_level(logging.INFO):
+        for alarm in ("BYPASSED", "APPLIED_DIFFERS", "APPLIED_DIFFERS", "BYPASSED"):
+            log.step(record(State.BYPASS, alarm))
+    assert [r.levelno for r in caplog.records] == [logging.INFO, logging.WARNING, logging.INFO]
+    assert caplog.messages[1].startswith("BYPASS: APPLIED_DIFFERS, the PLC adds a correction")
+
+
 def test_a_start_and_a_bypass_are_no_warnings(caplog: pytest.LogCaptureFixture) -> None:
     log = StateLog()
     with caplog.at_level(logging.INFO):

@@ -1,50 +1,68 @@
-from types import SimpleNamespace
-
 import numpy as np
+import pytest
 
-from sim_plant.refine.fit.gauss_newton import ASTRAY, refine_fit
-from sim_plant.refine.fit.projection import Projector
-from sim_plant.refine.model.nuisances import Nuisance
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
+from sim_plant.refine.model.hypotheses import hypothesis
+from tests.sim_plant.refine.small import formula_twin, objective_of, white
 
-SD = 0.01
-SLOPE = np.full(50, 400.0)
+NUMBER, SD, SAMPLES = "web.EA_N", 0.01, 2000
+SLOPE = 400.0 * np.sin(0.05 * np.arange(SAMPLES))
 
 
-class StraightLine:
-    """A record that a declared number explains in proportion; keeps what was simulated."""
+def straight_line(true_shift):
+    """Return the objective of a record that a declared number explains in proportion.
 
-    def __init__(self, true_shift):
-        self.nuisances = [Nuisance(name="web.modulus_Pa", tolerance=2.0 * SD)]
-        self.sd = np.array([SD])
-        self.rows = SLOPE.size
-        self.projector = Projector(np.append(SLOPE, 1.0 / SD)[:, None])
-        self.true_shift, self.tried = true_shift, []
-        self.bench = SimpleNamespace(one=self.simulate, run=lambda cases: [None for _ in cases])
+    Also returned: what shifts were simulated on the way.
+    """
+    twin = formula_twin(lambda case: [SLOPE * shift_of(case)], ["unwind_tension_N"], SAMPLES)
+    measured = SLOPE * true_shift + white(SAMPLES)
+    objective = objective_of(twin, measured[None])
+    twin.simulated.clear()
+    return objective, twin
 
-    def simulate(self, case):
-        self.tried.append(dict(case.shifts).get("web.modulus_Pa", 0.0))
-        return [SLOPE * self.tried[-1]]
 
-    def residual(self, run, shifts, _coarse):
-        return np.append(SLOPE * self.true_shift - run[0], -shifts.get("web.modulus_Pa", 0.0) / SD)
+def shift_of(case):
+    return dict(case.shifts).get(NUMBER, 0.0)
+
+
+def ends(twin):
+    """Return the shifts that were tried, each once."""
+    return list(dict.fromkeys(shift_of(case) for case in twin.simulated))
 
 
 def test_a_step_within_reason_is_taken_whole():
-    problem = StraightLine(20 * SD)
-    fit = refine_fit(problem, (), (), {})
-    estimate = 20 * SD * (SLOPE @ SLOPE) / (SLOPE @ SLOPE + 1.0 / SD**2)
-    np.testing.assert_allclose(fit.shifts["web.modulus_Pa"], estimate, rtol=1e-9)
-    np.testing.assert_allclose(problem.tried[1], estimate, rtol=1e-9)
+    objective, twin = straight_line(20 * SD)
+    fit = gauss_newton_fit(objective, (), (), {})
+    zero = objective.residual([np.zeros((1, SAMPLES))])
+    estimate = np.linalg.lstsq(objective.projector.nuisances, zero, rcond=None)[0][0]
+    assert estimate == pytest.approx(20 * SD, rel=0.01)
+    assert fit.shifts[NUMBER] == pytest.approx(estimate, rel=1e-8)
+    assert ends(twin)[0] == pytest.approx(estimate, rel=1e-8)  # 0 is known already
 
 
 def test_no_line_is_simulated_that_a_step_would_put_far_beyond_its_tolerance():
-    problem = StraightLine(300 * SD)
-    refine_fit(problem, (), (), {}, rounds=1)
-    assert len(problem.tried) == 2
-    assert 0.0 < problem.tried[1] <= ASTRAY * SD
+    objective, twin = straight_line(300 * SD)
+    gauss_newton_fit(objective, (), (), {}, rounds=1)
+    (tried,) = ends(twin)
+    assert 0.0 < tried <= CRITERIA.fit.astray_sd * SD
 
 
 def test_a_step_that_leads_astray_at_every_length_leaves_the_fit_where_it_was():
-    problem = StraightLine(5500 * SD)
-    assert refine_fit(problem, (), (), {}).shifts == {}
-    assert problem.tried == [0.0]
+    objective, twin = straight_line(5500 * SD)
+    assert gauss_newton_fit(objective, (), (), {}).shifts == {}
+    assert ends(twin) == []
+
+
+def test_a_start_that_cannot_be_simulated_costs_infinitely_much_and_is_not_left():
+    twin = formula_twin(
+        lambda case: [np.full(SAMPLES, np.nan if case.effects else 0.0)],
+        ["unwind_tension_N"],
+        SAMPLES,
+    )
+    objective = objective_of(twin, white((1, SAMPLES)))
+    h = hypothesis(BY_NAME["unbalanced_roller"], "R6")
+    fit = gauss_newton_fit(objective, (h,), (h.start,), {})
+    assert fit.cost == float("inf")
+    assert fit.values == (h.start,)

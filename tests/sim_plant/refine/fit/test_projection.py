@@ -15,20 +15,20 @@ def setting():
 
 def test_gain_is_what_least_squares_saves(setting):
     nuisances, effect, residual = setting
-    gain = Projector(nuisances).gain(residual, effect)
+    found = Projector(nuisances).linear_fit(residual, effect)
     both = np.column_stack([nuisances, effect])
     alone = np.linalg.lstsq(nuisances, residual, rcond=None)
     joint = np.linalg.lstsq(both, residual, rcond=None)
-    assert gain.drop == pytest.approx(alone[1][0] - joint[1][0], rel=1e-6)
-    np.testing.assert_allclose(gain.values, joint[0][3:], rtol=1e-6)
+    assert found.chi2_reduction == pytest.approx(alone[1][0] - joint[1][0], rel=1e-6)
+    np.testing.assert_allclose(found.values, joint[0][3:], rtol=1e-6)
     inverse = np.linalg.inv(both.T @ both)[3:, 3:]
-    np.testing.assert_allclose(gain.covariance, inverse, rtol=1e-6)
+    np.testing.assert_allclose(found.covariance, inverse, rtol=1e-6)
 
 
 def test_what_tolerances_imitate_is_not_seen(setting):
     nuisances, _, residual = setting
-    gain = Projector(nuisances).gain(residual, nuisances[:, :1] * 2.0)
-    assert gain.seen < 1e-6
+    found = Projector(nuisances).linear_fit(residual, nuisances[:, :1] * 2.0)
+    assert found.distinct_share < 1e-6
 
 
 def test_a_tight_tolerance_lets_the_effect_be_claimed(setting):
@@ -37,13 +37,15 @@ def test_a_tight_tolerance_lets_the_effect_be_claimed(setting):
     for sd, share in ((1e-3, 0.99), (1e3, 0.01)):
         prior = np.vstack([shape, [[1.0 / sd]]])
         truth = np.append(5.0 * shape[:, 0], 0.0)
-        drop = Projector(prior).gain(truth, np.vstack([shape, [[0.0]]])).drop
-        assert (drop > share * (truth @ truth)) == (sd < 1.0)
+        chi2_reduction = (
+            Projector(prior).linear_fit(truth, np.vstack([shape, [[0.0]]])).chi2_reduction
+        )
+        assert (chi2_reduction > share * (truth @ truth)) == (sd < 1.0)
 
 
 def test_further_free_columns_are_projected_as_well(setting):
     nuisances, effect, residual = setting
-    wide = Projector(nuisances).beside(effect)
+    wide = Projector(nuisances).with_columns(effect)
     np.testing.assert_allclose(wide.project(residual) @ effect, 0.0, atol=1e-6)
 
 

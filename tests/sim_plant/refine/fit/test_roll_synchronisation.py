@@ -1,17 +1,16 @@
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from sim_plant.refine.fit.roll_synchronisation import in_step, turns
+from sim_plant.refine.fit.roll_synchronisation import recorded_angles, synchronising_shifts
+from tests.sim_plant.refine.small import STEP_S, formula_twin, line_with, objective_of, white
 
-SAMPLES, STEP_S, FIRST = 4000, 0.01, 1000
+SAMPLES, FIRST = 4000, 1000
 CHANNELS = ("unwind_angle_rad", "unwind_speed_rad_s", "rewind_speed_rad_s", "line_speed_m_s")
 UNWIND, REWIND = "rollers.unwind.effective_radius", "rollers.rewind.effective_radius"
 SPEED_RAD_S = np.linspace(6.0, 9.0, SAMPLES)
 SHRINK = np.linspace(1.0, 0.8, SAMPLES)
 """Share of the first radius that is left: a shift in metres counts for more and more."""
-TWIN = SimpleNamespace(channels=CHANNELS, declaration=SimpleNamespace(sample_time_s=STEP_S))
+TOLERANCES = {UNWIND: 2e-3, REWIND: 2e-3, "*": 0.0}
 
 
 def line(unwind_shift, rewind_shift):
@@ -22,23 +21,17 @@ def line(unwind_shift, rewind_shift):
     return np.stack([angle, unwind, rewind, np.ones(SAMPLES)])
 
 
-def problem(measured):
-    def one(case):
-        shifts = dict(case.shifts)
-        return [line(shifts.get(UNWIND, 0.0), shifts.get(REWIND, 0.0))]
+def of_case(case):
+    shifts = dict(case.shifts)
+    return line(shifts.get(UNWIND, 0.0), shifts.get(REWIND, 0.0))
 
-    return SimpleNamespace(
-        nuisances=[SimpleNamespace(name=UNWIND), SimpleNamespace(name=REWIND)],
-        bench=SimpleNamespace(one=one, twins=[TWIN]),
-        measured=[measured],
-        fine=[np.zeros((4, SAMPLES))],
-        coarse=[np.zeros((4, SAMPLES))],
-        noise=[SimpleNamespace(first=FIRST)],
-    )
+
+def twin(formula=of_case):
+    return formula_twin(formula, CHANNELS, SAMPLES, noise_sd=1e-3, line=line_with(TOLERANCES))
 
 
 def test_rolls_are_brought_into_step_by_angle_and_by_speed():
-    found = in_step(problem(line(-0.004, 0.002)), {})
+    found = synchronising_shifts(objective_of(twin(), line(-0.004, 0.002)), {})
     ours, theirs = line(found[UNWIND], found[REWIND]), line(-0.004, 0.002)
     late = (ours - theirs)[0, FIRST:]
     assert np.ptp(late) < 0.02
@@ -48,16 +41,18 @@ def test_rolls_are_brought_into_step_by_angle_and_by_speed():
 
 def test_rolls_that_are_in_step_stay_as_they_are():
     shifts = {"web.EA_N": 0.01}
-    assert in_step(problem(line(2e-5, 0.0)), shifts) == shifts
+    assert synchronising_shifts(objective_of(twin(), line(2e-5, 0.0)), shifts) == shifts
 
 
 def test_a_line_that_does_not_run_leaves_the_shifts_alone():
-    broken = problem(line(0.0, 0.0))
-    broken.bench.one = lambda _: [np.full((4, SAMPLES), np.nan)]
-    assert in_step(broken, {UNWIND: 0.001}) == {UNWIND: 0.001}
+    def breaks(case):
+        return of_case(case) + (np.nan if dict(case.shifts).get(UNWIND) == 0.001 else 0.0)
+
+    objective = objective_of(twin(breaks), line(0.0, 0.0) + 1e-3 * white((4, SAMPLES)))
+    assert synchronising_shifts(objective, {UNWIND: 0.001}) == {UNWIND: 0.001}
 
 
 def test_an_angle_word_goes_before_an_added_up_speed():
-    found = turns(TWIN, line(0.0, 0.0) + np.array([[5.0], [0.0], [0.0], [0.0]]))
+    found = recorded_angles(twin(), line(0.0, 0.0) + np.array([[5.0], [0.0], [0.0], [0.0]]))
     assert set(found) == {UNWIND, REWIND}
     assert found[UNWIND][0] > 5.0

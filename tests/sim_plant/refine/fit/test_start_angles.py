@@ -6,7 +6,7 @@ import pytest
 
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.fit.start_angles import in_phase, phased
+from sim_plant.refine.fit.start_angles import at_start_angles, phased
 from sim_plant.refine.model.twin import Added, Case, Twin, modelled_channels
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
@@ -36,7 +36,7 @@ def roller(angle_rad):
 @pytest.mark.parametrize("start_rad", [0.3, 2.5, -1.2])
 def test_a_declared_roller_begins_where_the_record_shows_it(start_rad):
     measured = twin(roller(start_rad)).simulate(Case(coarse=False, seed=3))
-    found, angles = in_phase(twin(roller(1.0)), measured)
+    found, angles = at_start_angles(twin(roller(1.0)), measured)
     (entry,) = found.declaration.effects
     off = math.remainder(entry.parameters["angle_rad"] - start_rad, 2.0 * math.pi)
     assert abs(off) < 0.06
@@ -48,7 +48,7 @@ def test_a_declared_roller_begins_where_the_record_shows_it(start_rad):
 def test_what_has_no_angle_stays_as_declared():
     stiff = EffectEntry(effect="web_modulus", location="web", parameters={"factor": 1.2})
     there = twin(stiff)
-    assert in_phase(there, np.zeros((len(CHANNELS), SAMPLES))) == (there, {})
+    assert at_start_angles(there, np.zeros((len(CHANNELS), SAMPLES))) == (there, {})
 
 
 def test_a_profile_declared_without_an_angle_is_turned_too():
@@ -56,7 +56,7 @@ def test_a_profile_declared_without_an_angle_is_turned_too():
         effect="out_of_round_roll", location="unwind", parameters={"shape": "flat", "size_m": 0.01}
     )
     measured = twin(flat.model_copy(update={"parameters": {**flat.parameters, "angle_rad": 2.0}}))
-    found, _ = in_phase(twin(flat), measured.simulate(Case(coarse=False, seed=5)))
+    found, _ = at_start_angles(twin(flat), measured.simulate(Case(coarse=False, seed=5)))
     (entry,) = found.declaration.effects
     assert math.remainder(entry.parameters["angle_rad"] - 2.0, 2.0 * math.pi) == pytest.approx(
         0.0, abs=0.01

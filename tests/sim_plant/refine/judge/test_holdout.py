@@ -1,15 +1,15 @@
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from sim_plant.refine.judge.holdout import _formed
+from sim_plant.refine.judge.holdout import with_unwound_lengths
 from sim_plant.refine.model.twin import Added, Case
+from sim_plant.refine.noise.innovations import noise_model
+from tests.sim_plant.refine.small import formula_twin, pool_of, white
 
 SAMPLES = 4000
 TURN_RAD = np.linspace(0.0, 400.0, SAMPLES)
 NOISE = 0.01 * np.random.default_rng(4).standard_normal((1, SAMPLES))
-MODEL = SimpleNamespace(first=0, whiten=lambda values: values / 0.01)
+MODEL = noise_model(0.01 * white((12, 1, SAMPLES), 7), 0, np.zeros(1))
 
 
 def tension(angle_rad, unwound_m):
@@ -17,16 +17,12 @@ def tension(angle_rad, unwound_m):
     return np.cos(TURN_RAD * (1.0 + 0.02 * unwound_m) + angle_rad)[None, :]
 
 
-def bench():
-    def run(cases, keep=True):
-        found = []
-        for case in cases:
-            p = dict(case.effects[-1].parameters)
-            found.append([tension(p["angle_rad"], p.get("unwound_m", 0.0))])
-        return found
+def pool():
+    def formula(case):
+        p = dict(case.effects[-1].parameters)
+        return tension(p["angle_rad"], p.get("unwound_m", 0.0))
 
-    twin = SimpleNamespace(channels=("unwind_tension_N",))
-    return SimpleNamespace(twins=[twin], run=run)
+    return pool_of(formula_twin(formula, ["unwind_tension_N"], SAMPLES))
 
 
 def profile(**more):
@@ -37,7 +33,7 @@ def profile(**more):
 def test_the_roll_of_the_held_out_record_is_taken_as_it_is():
     measured = tension(0.42, 0.013) + NOISE
     case = Case(effects=(profile(unwound_m=0.006),))
-    (found,), unwound = _formed(bench(), measured, case, MODEL)
+    (found,), unwound = with_unwound_lengths(pool(), measured, case, MODEL)
     p = dict(found.parameters)
     assert p["angle_rad"] == pytest.approx(0.42, abs=0.005)
     assert p["unwound_m"] == pytest.approx(0.013, abs=5e-4)
@@ -47,4 +43,4 @@ def test_the_roll_of_the_held_out_record_is_taken_as_it_is():
 
 def test_a_profile_without_that_number_stays_as_fitted():
     case = Case(effects=(profile(),))
-    assert _formed(bench(), tension(0.42, 0.013), case, MODEL) == (case.effects, {})
+    assert with_unwound_lengths(pool(), tension(0.42, 0.013), case, MODEL) == (case.effects, {})

@@ -33,9 +33,9 @@ def test_values_are_kept_within_bounds():
     assert dict(h.added([-3.0]).parameters)["factor"] == h.low[0]
 
 
-def test_steps_stay_inside_the_bounds():
+def test_increments_stay_inside_the_bounds():
     h = hypothesis(BY_NAME["web_modulus"], "web")
-    assert h.steps([h.high[0]])[0] < 0.0
+    assert h.increments([h.high[0]])[0] < 0.0
 
 
 def test_turning_a_body_turns_its_phasor():

@@ -1,6 +1,5 @@
 import signal
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,20 +7,22 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.refine.noise.innovations import declared_noise
 from sim_plant.refine.pipeline import check_runs
+from sim_plant.refine.records.recording import Record
 from tests.orphans import outlived
+from tests.sim_plant.refine.small import formula_twin, pool_of
 
 KEEPER = """
 import os, time
 import numpy as np
-from sim_plant.refine.model.simulation_pool import Bench
+from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
 class Twin:
     channels, speed_m_s = (), np.zeros(1)
     def simulate(self, case):
         return os.getpid()
 if __name__ == "__main__":
-    with Bench([Twin()], workers=2) as bench:
-        print(*sorted({run[0] for run in bench.run([Case(seed=n) for n in range(8)])}), flush=True)
+    with SimulationPool([Twin()], workers=2) as pool:
+        print(*sorted({run[0] for run in pool.run([Case(seed=n) for n in range(8)])}), flush=True)
         time.sleep(600)
 """
 
@@ -33,17 +34,21 @@ def test_workers_end_with_a_parent_that_was_killed(tmp_path, how):
 
 
 def test_a_declared_line_that_does_not_run_is_refused_with_its_record():
-    good, bad = np.zeros((2, 5)), np.full((2, 5), np.nan)
-    records = [SimpleNamespace(path=Path("a.csv")), SimpleNamespace(path=Path("b.csv"))]
-    bench = SimpleNamespace(run=lambda cases: [[good, good], [good, bad]])
+    def coarse_only(case):
+        return np.full((1, 5), 0.0 if case.coarse else np.nan)
+
+    good = formula_twin(lambda _: np.zeros((1, 5)), ["unwind_tension_N"], 5)
+    bad = formula_twin(coarse_only, ["unwind_tension_N"], 5)
+    records = [
+        Record(path=Path(name), sha256=name, sample_time_s=0.01, columns={})
+        for name in ("a.csv", "b.csv")
+    ]
     with pytest.raises(PlantError, match=r"b\.csv: the declared line does not run"):
-        check_runs(bench, records)
-    check_runs(SimpleNamespace(run=lambda cases: [[good, good]] * 2), records)
+        check_runs(pool_of(good, bad), records)
+    check_runs(pool_of(good, good), records)
 
 
 def test_a_channel_without_any_noise_is_refused_by_name():
-    sensors = [SimpleNamespace(channel="x_N", lsb_m=None, lsb_rad=None)]
-    line = SimpleNamespace(sensors=sensors, sample_time_s=0.01)
-    twin = SimpleNamespace(declaration=line, channels=("x_N",))
-    with pytest.raises(PlantError, match=r"sensors\.x_N: the line file declares no noise"):
+    twin = formula_twin(lambda _: np.zeros((1, 400)), ["r3_tension_N"], 400)
+    with pytest.raises(PlantError, match=r"sensors\.r3_tension_N: the line file declares no"):
         declared_noise(twin, np.zeros((3, 1, 400)))

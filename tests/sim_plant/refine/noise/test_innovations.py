@@ -41,7 +41,7 @@ def test_noise_louder_than_declared_is_noticed_and_a_low_line_is_not_noise():
     data = rng.standard_normal((3, 9000))
     data[1] *= 2.0
     data[2] += 5.0 * np.sin(0.05 * np.arange(9000))
-    power = np.mean(white_model(3).tuned(data).whiten(data) ** 2, axis=1)
+    power = np.mean(white_model(3).adjusted_to(data).whiten(data) ** 2, axis=1)
     assert power[:2] == pytest.approx([1.0, 1.0], abs=0.06)
     assert power[2] > 10.0  # 13.5 were the line left whole
 
@@ -50,15 +50,15 @@ def test_colour_within_half_of_the_declared_power_is_noise():
     rng = np.random.default_rng(5)
     slow = lfilter([0.18], [1.0, -0.7], rng.standard_normal(9000))
     data = (0.95 * rng.standard_normal(9000) + slow)[None]
-    tuned = white_model(1).tuned(data)
-    np.testing.assert_allclose(band_power(tuned.whiten(data)[0]), 1.0, atol=0.15)
+    adjusted_to = white_model(1).adjusted_to(data)
+    np.testing.assert_allclose(band_power(adjusted_to.whiten(data)[0]), 1.0, atol=0.15)
 
 
 def test_much_more_power_in_one_band_stays_to_be_explained():
     rng = np.random.default_rng(6)
     gusts = lfilter([0.1], [1.0, -0.95], rng.standard_normal(9000))
     data = (rng.standard_normal(9000) + 2.0 * gusts)[None]
-    power = band_power(white_model(1).tuned(data).whiten(data)[0])
+    power = band_power(white_model(1).adjusted_to(data).whiten(data)[0])
     assert power[0] > 1.5
     assert power[-1] == pytest.approx(1.0, abs=0.1)
 
@@ -71,7 +71,7 @@ def test_a_word_that_late_scans_break_up_is_taken_as_white():
     runs = np.stack([sawtooth, np.roll(sawtooth, 37)])[:, None]
     model = noise_model(runs, 1000, np.zeros(1), [True])
     assert model.sd[0] < 0.5 * model.floor[0]  # a plain sawtooth is foretold
-    white = model.tuned(broken[None]).whiten(broken[None])[0]
+    white = model.adjusted_to(broken[None]).whiten(broken[None])[0]
     assert white.std() == pytest.approx(1.0, abs=0.1)
     assert not model.analogue[0] or model.analogue.all()
 

@@ -5,20 +5,16 @@ import yaml
 
 from aff_runtime.config.loader import load_site
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.report.amend import site_name, write_block
+from sim_plant.refine.report.aff_block import site_name, write_block
+from tests.sim_plant.refine.small import finding
 
 CONFIG = Path(__file__).parents[4] / "config"
 LINE = load_declaration(CONFIG / "lines" / "euclid.yaml")
 
 
 def block_of(folder, roller):
-    row = {
-        "effect": "eccentric_roller",
-        "location": roller,
-        "cancel": True,
-        "parameters": {"eccentricity_m": 2.5e-4, "angle_rad": 1.0},
-    }
-    return write_block(folder, [row], LINE).read_text()
+    found = finding("eccentric_roller", roller, {"eccentricity_m": 2.5e-4, "angle_rad": 1.0})
+    return write_block(folder, [found], LINE).read_text()
 
 
 def test_an_idlers_block_says_how_the_idler_comes_into_the_site_file(tmp_path):

@@ -1,4 +1,5 @@
-from types import SimpleNamespace
+import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -6,11 +7,11 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.place import Place
-from sim_plant.refine.report.amend import plain
 from sim_plant.refine.report.experiments import experiment, experiments
+from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.page import headline
-from sim_plant.refine.report.verdict import verdict
-from sim_plant.refine.search.selection import Step
+from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from tests.sim_plant.refine.small import fit_of
 
 
 @pytest.mark.parametrize(
@@ -40,7 +41,7 @@ def test_there_is_one_for_every_pair_of_effects_and_each_is_said_once():
 
 def test_the_verdict_names_the_equals_and_the_experiment():
     h = hypothesis(BY_NAME["unbalanced_roller"], "swrap")
-    step = Step(
+    accepted = AcceptedEffect(
         hypothesis=h,
         score=500.0,
         runner_up=Place("torque_ripple", "swrap"),
@@ -48,15 +49,17 @@ def test_the_verdict_names_the_equals_and_the_experiment():
         rejected=(),
         ambiguous=(Place("torque_ripple", "swrap"),),
     )
-    fit = SimpleNamespace(hypotheses=(h,), values=((1e-3, 2e-3),), covariance=np.eye(2) * 1e-8)
-    found = SimpleNamespace(steps=[step], fit=fit, unknown=[])
-    result = verdict(found, None, "b.csv")
-    assert result["verdict"] == "not_identifiable"
-    (row,) = result["ambiguous"]
-    assert row["with"] == [Place("torque_ripple", "swrap")]
-    assert "drive off" in row["experiments"][0]
-    assert row["experiments"][0] in headline(result)
-    written = plain(result)  # places are text in a file of version 1
+    fit = replace(fit_of(h, values=((1e-3, 2e-3),)), covariance=np.eye(2) * 1e-8)
+    found = Selection(
+        nominal=fit_of(), fit=fit, travels=(), before=(), after=(), accepted=(accepted,)
+    )
+    verdict = verdict_of(found, None, "b.csv")
+    assert verdict.word == "not_identifiable"
+    (same,) = verdict.ambiguous
+    assert same.alternatives == (Place("torque_ripple", "swrap"),)
+    assert "drive off" in same.experiments[0]
+    assert same.experiments[0] in headline(verdict)
+    written = json.loads(verdict.to_json())  # places are text in a file of version 1
     assert written["ambiguous"][0]["effect"] == "unbalanced_roller at swrap"
     assert written["ambiguous"][0]["with"] == ["torque_ripple at swrap"]
     assert written["effects"][0]["runner_up"] == "torque_ripple at swrap"

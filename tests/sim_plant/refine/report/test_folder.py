@@ -154,7 +154,7 @@ def test_control_c_ends_with_a_word_and_code_130(monkeypatch, tmp_path, capsys):
     def stop(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("sim_plant.refine.example.load_declaration", stop)
+    monkeypatch.setattr("sim_plant.refine.example.line_in", stop)
     assert main(["refine", LINE, "--example", "--out", str(tmp_path / "out")]) == 130
     assert capsys.readouterr().err == "sim-plant: stopped\n"
     assert not (tmp_path / "out").exists()

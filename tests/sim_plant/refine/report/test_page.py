@@ -1,15 +1,16 @@
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.judge.holdout import Judgement
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.place import Place
-from sim_plant.refine.report.figures import told_by, wavenumber_map, worst_part
+from sim_plant.refine.report.confidence import standard_deviations
+from sim_plant.refine.report.figures import channels_by_gain, wavenumber_map, worst_part
 from sim_plant.refine.report.page import (
     best_each,
     confidence,
@@ -18,7 +19,8 @@ from sim_plant.refine.report.page import (
     next_step,
     shift_rows,
 )
-from sim_plant.refine.report.verdict import MODEL_SHARE, standard_deviations
+from sim_plant.refine.report.verdict import Ambiguity, UnknownFinding
+from tests.sim_plant.refine.small import finding, fit_of, verdict_with
 
 CHANNELS = ("unwind_tension_N", "unwind_angle_rad", "unwind_radius_m", "line_speed_m_s")
 STEP_S = 0.01
@@ -31,7 +33,7 @@ def judged(wavenumber_1_m=4.0):
     measured = np.zeros((4, 4000))
     measured[0] = np.cos(2.0 * np.pi * wavenumber_1_m * travel)
     declared, amended = np.zeros((4, 4000)), measured.copy()
-    return Judgement(
+    return Evaluation(
         channels=CHANNELS,
         before=np.array([3.0, 900.0, 90.0, 2.0]),
         after=np.array([0.26, 1.0, 1.0, 1.0]),
@@ -47,24 +49,30 @@ def judged(wavenumber_1_m=4.0):
     )
 
 
-def result(**more):
-    return {"verdict": "traced", "effects": [], "unknown": [], "ambiguous": [], **more}
+EFFECT = finding(
+    "out_of_round_roll",
+    "unwind",
+    {"shape": "flat", "size_m": 0.0119, "angle_rad": 1.0},
+    interval95={"size_m": (0.0117, 0.0121)},
+)
+SAME = Ambiguity(
+    place=EFFECT.place, alternatives=(Place("roll_bounce", "unwind"),), experiments=()
+)
 
 
-EFFECT = {
-    "effect": "out_of_round_roll",
-    "location": "unwind",
-    "parameters": {"shape": "flat", "size_m": 0.0119, "angle_rad": 1.0},
-    "interval95": {"size_m": [0.0117, 0.0121]},
-}
+def unknown(kind, where=None):
+    return UnknownFinding(kind=kind, coordinate=where or {}, strength=1e4)
 
 
 def test_sums_are_not_what_the_figures_show():
-    assert [CHANNELS[k] for k in told_by(judged())] == ["unwind_tension_N", "line_speed_m_s"]
+    assert [CHANNELS[k] for k in channels_by_gain(judged())] == [
+        "unwind_tension_N",
+        "line_speed_m_s",
+    ]
 
 
 def test_the_first_lines_say_what_how_much_what_it_brings_and_what_to_do():
-    assert headline(result(effects=[EFFECT])) == (
+    assert headline(verdict_with(EFFECT)) == (
         "Traced: out of round roll at unwind, flat, size 11.9 mm (95 %: 11.7 to 12.1)."
     )
     said = gain(judged(), held=True)
@@ -75,14 +83,14 @@ def test_the_first_lines_say_what_how_much_what_it_brings_and_what_to_do():
 @pytest.mark.parametrize(
     ("found", "block", "word"),
     [
-        (result(effects=[EFFECT]), True, "Paste the AFF block"),
-        (result(effects=[EFFECT]), False, "no ripple to cancel: look how unwind was stored"),
-        (result(unknown=[{"class": "travel"}]), False, "turns or swings"),
-        (result(unknown=[{"class": "state"}]), False, "more speeds"),
-        (result(effects=[EFFECT], ambiguous=[{}]), True, "tells the candidates apart"),
-        (result(), False, "declaration stands"),
-        (result(effects=[EFFECT], unknown=[{"class": "time"}]), True, "comes back when the"),
-        (result(effects=[EFFECT], unknown=[{"class": "time"}]), True, "turns or swings"),
+        (verdict_with(EFFECT), True, "Paste the AFF block"),
+        (verdict_with(EFFECT), False, "no ripple to cancel: look how unwind was stored"),
+        (verdict_with(unknown=[unknown("travel")]), False, "turns or swings"),
+        (verdict_with(unknown=[unknown("state")]), False, "more speeds"),
+        (verdict_with(EFFECT, ambiguous=[SAME]), True, "tells the candidates apart"),
+        (verdict_with(), False, "declaration stands"),
+        (verdict_with(EFFECT, unknown=[unknown("time")]), True, "comes back when the"),
+        (verdict_with(EFFECT, unknown=[unknown("time")]), True, "turns or swings"),
     ],
 )
 def test_the_next_step_fits_the_verdict(found, block, word):
@@ -90,24 +98,24 @@ def test_the_next_step_fits_the_verdict(found, block, word):
 
 
 def test_a_declaration_does_not_stand_that_is_wrong_on_the_record_judged():
-    said = next_step(result(), False, ["unwind_tension_N"])
+    said = next_step(verdict_with(), False, ["unwind_tension_N"])
     assert "Do not take the declaration for right: unwind_tension_N above noise" in said
 
 
 def test_how_sure_names_the_next_best_and_by_how_much_it_is_behind():
-    row = {
-        "effect": "load_cell_filter",
-        "location": "all",
-        "score": 16173.2,
-        "runner_up": Place("load_cell_filter", "R19"),
-        "margin": 10200.4,
-        "parameters": {},
-    }
-    assert confidence(result(effects=[row])) == (
+    slow = finding(
+        "load_cell_filter",
+        "all",
+        {},
+        score=16173.2,
+        runner_up=Place("load_cell_filter", "R19"),
+        margin=10200.4,
+    )
+    assert confidence(verdict_with(slow)) == (
         "load cell filter at all load cells scores 16173, the next best explanation "
         "(load cell filter at R19) 5973. A difference of 10 decides."
     )
-    assert confidence(result()) == ""
+    assert confidence(verdict_with()) == ""
 
 
 def test_what_stays_above_noise_is_named_but_no_sums():
@@ -136,14 +144,13 @@ def test_what_stays_above_noise_is_named_but_no_sums():
     ],
 )
 def test_an_unknown_is_said_with_units(kind, where, said):
-    found = {"class": kind, "coordinate": where}
-    assert said in headline(result(verdict="unknown", unknown=[found]))
+    assert said in headline(verdict_with(unknown=[unknown(kind, where)], word="unknown"))
 
 
 def test_numbers_that_used_most_of_their_tolerance_come_first():
     shifts = {"web.EA_N": 0.01, "sensors.c.offset": -0.05, "control.pull_roll_draw": 2e-6}
     rows = shift_rows(shifts, {"web.EA_N": 0.1, "sensors.c.offset": 0.1})
-    assert [(r["name"], r["shift"], r["tolerance"]) for r in rows] == [
+    assert [(r.name, r.shift, r.tolerance) for r in rows] == [
         ("sensors.c.offset", "-0.05 N", "0.1 N"),
         ("web.EA_N", "+1 %", "10 %"),
         ("control.pull_roll_draw", "+2e-06 (absolute)", ""),
@@ -188,13 +195,16 @@ def test_a_size_is_as_uncertain_as_the_model_and_an_angle_only_as_the_noise():
         BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),), ("size_m", "angle_rad")
     )
     off_axis = hypothesis(BY_NAME["eccentric_roller"], "R6")
-    fit = SimpleNamespace(
-        hypotheses=(flat, off_axis),
-        values=((0.012, 1.0), (3e-4, 4e-4)),
+    fit = replace(
+        fit_of(flat, off_axis, values=((0.012, 1.0), (3e-4, 4e-4))),
         covariance=np.diag([1e-10, 1e-6, 1e-14, 1e-14]),
     )
     size, angle, cos, sin = standard_deviations(fit)
-    assert size == pytest.approx(math.hypot(1e-5, MODEL_SHARE * 0.012))
+    assert size == pytest.approx(math.hypot(1e-5, CRITERIA.report.model_share * 0.012))
     assert angle == pytest.approx(1e-3)
     # either component is as uncertain as the phasor: the error may stand across it
-    assert cos == pytest.approx(math.hypot(1e-7, MODEL_SHARE * 5e-4)) == pytest.approx(sin)
+    assert (
+        cos
+        == pytest.approx(math.hypot(1e-7, CRITERIA.report.model_share * 5e-4))
+        == pytest.approx(sin)
+    )

@@ -11,6 +11,7 @@ from sim_plant.refine.report.wording import (
     tells_size,
     unit_of,
 )
+from tests.sim_plant.refine.small import finding
 
 
 @pytest.mark.parametrize(
@@ -40,36 +41,33 @@ def test_no_label_keeps_its_unit_and_none_is_empty():
 
 
 def test_interval_and_value_share_a_unit_also_where_they_lie_on_both_sides_of_it():
-    row = {
-        "effect": "splice",
-        "location": "web",
-        "parameters": {"at_length_m": 0.09},
-        "interval95": {"at_length_m": [0.05, 0.13]},
-    }
-    assert size_of(row) == "at length 90 mm (95 %: 50 to 130)"
+    found = finding(
+        "splice", "web", {"at_length_m": 0.09}, interval95={"at_length_m": (0.05, 0.13)}
+    )
+    assert size_of(found) == "at length 90 mm (95 %: 50 to 130)"
 
 
 def test_a_number_that_the_library_set_is_not_told_as_found():
-    row = {
-        "effect": "roll_bounce",
-        "location": "unwind",
-        "parameters": {"mass_kg": 20.0, "order": 4.0, "frequency_Hz": 3.4},
-        "interval95": {"frequency_Hz": [3.39, 3.41]},
-    }
-    assert size_of(row) == (
+    found = finding(
+        "roll_bounce",
+        "unwind",
+        {"mass_kg": 20.0, "order": 4.0, "frequency_Hz": 3.4},
+        interval95={"frequency_Hz": (3.39, 3.41)},
+    )
+    assert size_of(found) == (
         "mass 20 kg (assumed; the others hold for it), order 4, "
         "frequency 3.4 Hz (95 %: 3.39 to 3.41)"
     )
 
 
 def test_components_and_angles_are_no_size():
-    row = {
-        "effect": "eccentric_roller",
-        "location": "R6",
-        "parameters": {"cos_m": 3e-4, "sin_m": 4e-4, "eccentricity_m": 5e-4, "angle_rad": 0.9273},
-    }
-    assert size_of(row) == "eccentricity 0.5 mm"
-    assert [n["unit"] for n in number_rows(row)] == ["mm", "mm", "mm", "deg"]
-    assert number_rows(row)[3]["value"] == "53.13"
-    told = [n["key"] for n in number_rows(row) if tells_size(row["effect"], n["key"])]
+    found = finding(
+        "eccentric_roller",
+        "R6",
+        {"cos_m": 3e-4, "sin_m": 4e-4, "eccentricity_m": 5e-4, "angle_rad": 0.9273},
+    )
+    assert size_of(found) == "eccentricity 0.5 mm"
+    assert [n.unit for n in number_rows(found)] == ["mm", "mm", "mm", "deg"]
+    assert number_rows(found)[3].value == "53.13"
+    told = [n.key for n in number_rows(found) if tells_size(found.place.effect, n.key)]
     assert told == ["eccentricity_m"]

@@ -1,12 +1,13 @@
 """Channels that move together otherwise than their noise does."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from sim_plant.refine.search.coherence import oddest_pair
-from sim_plant.refine.search.unexplained import COUPLED
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.search.coherence import least_likely_coupling, least_likely_pair
+from tests.sim_plant.refine.small import fit_of, formula_twin, objective_of, white
+
+COUPLED = CRITERIA.search.unexplained.coupled
 
 SAMPLES, STEP_S = 6000, 0.01
 NAMES = ("unwind_tension_N", "unwind_speed_rad_s", "rewind_tension_N")
@@ -29,17 +30,10 @@ def band_limited(seed, low_Hz, high_Hz):
     return values / values.std()
 
 
-def odd(left, analogue=(True, True, True)):
-    """Return the oddest pair of what a fit leaves."""
-    twin = SimpleNamespace(channels=NAMES, declaration=SimpleNamespace(sample_time_s=STEP_S))
-    noise = SimpleNamespace(analogue=np.array(analogue), whiten=lambda values: values)
-    problem = SimpleNamespace(
-        bench=SimpleNamespace(twins=[twin]),
-        noise=[noise],
-        noisy=[np.stack([noise_of_a_loop(100 + k) for k in range(12)])],
-        split=lambda _: [left],
-    )
-    return oddest_pair(problem, SimpleNamespace(residual=left))
+def odd(left):
+    """Return the least likely pair of what a fit leaves."""
+    noise = [noise_of_a_loop(100 + k) for k in range(12)]
+    return least_likely_pair(left, noise, NAMES, STEP_S)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -70,9 +64,16 @@ def test_noise_of_one_channel_alone_is_not_odd_however_loud():
     assert odd(left).score < 0.7 * COUPLED
 
 
-def test_a_coarse_word_does_not_count():
-    left = noise_of_a_loop(1) + np.outer((0.5, -0.5, 0.0), band_limited(2, 3.0, 4.5))
-    assert odd(left, analogue=(True, False, True)).score < 0.7 * COUPLED
+@pytest.mark.parametrize(("second", "counts"), [(NAMES[1], True), ("unwind_angle_rad", False)])
+def test_a_coarse_word_does_not_count(second, counts):
+    """The push reaches two channels; as a word the second says nothing."""
+    channels = (NAMES[0], second, NAMES[2])
+    twin = formula_twin(lambda _: np.zeros((3, SAMPLES)), channels, SAMPLES)
+    objective = objective_of(twin, white((3, SAMPLES)))
+    push = np.outer((0.5, -0.5, 0.0), band_limited(2, 3.0, 4.5))
+    left = objective.whitening.vector([white((3, SAMPLES), 2) + push])
+    found = least_likely_coupling(objective, fit_of(residual=left))
+    assert (found.score > COUPLED) is counts
 
 
 def test_a_record_too_short_for_its_bands_claims_nothing():

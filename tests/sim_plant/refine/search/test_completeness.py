@@ -1,32 +1,31 @@
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.search.completeness import complete
-from sim_plant.refine.spectra.line_spectrum import LineSpectrum
+from sim_plant.refine.search.completeness import explains_own_lines
+from tests.sim_plant.refine.small import (
+    fit_of,
+    formula_twin,
+    objective_of,
+    one_peak,
+    travel_at,
+    white,
+)
 
 DELAY = hypothesis(BY_NAME["loop_delay"], "unwind")
-NOISE = 66_000.0
-PROBLEM = SimpleNamespace(expected_cost=NOISE)
-
-
-def quiet(drop=0.0):
-    return [
-        [
-            LineSpectrum(
-                kind="time", roll="", coordinate=np.array([1.0]), drop=np.array([drop]), degrees=72
-            )
-        ]
-    ]
+CHANNELS = [f"{name}_tension_N" for name in ("unwind", "pullroll", "r3", "rewind")]
+SAMPLES = 22_000
+OBJECTIVE = objective_of(
+    formula_twin(lambda _: np.zeros((4, SAMPLES)), CHANNELS, SAMPLES), white((4, SAMPLES))
+)
+NOISE = OBJECTIVE.expected_cost
+"""About 80 000: four channels of 20 000 judged rows."""
 
 
 def claimed(before, after, line=0.0):
-    base = SimpleNamespace(cost=before, hypotheses=())
-    fit = SimpleNamespace(cost=after, hypotheses=(DELAY,))
-    return complete(PROBLEM, base, quiet(line), [None], fit)
+    base, fit = fit_of(cost=before), fit_of(DELAY, cost=after)
+    return explains_own_lines(OBJECTIVE, base, one_peak(line), [travel_at(np.ones(9))], fit)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.2])

@@ -1,54 +1,85 @@
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.effects.out_of_round_roll import profile
+from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.search import effect_fit as one_effect
+from sim_plant.refine.search.candidate import Candidate
+from sim_plant.refine.search.effect_fit import fit_candidate, profile_reinitialised
+from tests.sim_plant.refine.small import LINE, fit_of, formula_twin, objective_of, white
 
+ROLL = BY_NAME["out_of_round_roll"]
 NAMES = ("size_m", "angle_rad", "smoothing_rad")
-FLAT = hypothesis(BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),), NAMES)
+FLAT = hypothesis(ROLL, "unwind", (("shape", "flat"), ("finest_order", 64.0)), NAMES)
 DELAY = hypothesis(BY_NAME["loop_delay"], "unwind")
-TRUE_RAD, VALLEY_RAD = 3.0, 0.1
-PROBLEM = SimpleNamespace(bench=SimpleNamespace(twins=[SimpleNamespace(declaration=None)]))
+SAMPLES, ORDERS = 2000, 12
+RADIUS_M = LINE.rollers[0].radius_m
+SPEED_RAD_S = np.linspace(4.0, 8.0, SAMPLES)
+"""At one speed alone a delay is an angle."""
+TURN_RAD = 0.01 * np.cumsum(SPEED_RAD_S)
+TRUE_RAD, DELAY_S = 3.0, 0.05
+DEFAULTS = {name: row.default for name, row in ROLL.accepts.items()}
 
 
-def fit_at(angle_rad, delay_s=0.05):
-    cost = 1e5 + 1e6 * min(1.0, abs(angle_rad - TRUE_RAD))
-    return Fit(
-        hypotheses=(FLAT, DELAY),
-        values=((0.012, angle_rad, 0.0), (delay_s,)),
-        shifts={},
-        cost=cost,
-        residual=np.zeros(0),
-        covariance=np.zeros((0, 0)),
+def tension(case):
+    """Return what a roll's orders do to a tension, turned back by the delay of its loop."""
+    found, delay_s = np.zeros(SAMPLES), 0.0
+    for effect in case.effects:
+        delay_s += float(dict(effect.parameters).get("delay_s", 0.0))
+    for effect in case.effects:
+        if effect.effect != "out_of_round_roll":
+            continue
+        shape = profile(RADIUS_M, DEFAULTS | dict(effect.parameters)).deviation_m
+        for n, size_m in enumerate(shape[:ORDERS], start=1):
+            turn = n * (TURN_RAD - SPEED_RAD_S * delay_s)
+            found += 5e4 * np.real(size_m * np.exp(1j * turn))
+    return found[None, :]
+
+
+def fit_at(objective, angle_rad):
+    """Return flat spot and delay with nothing wrong but the angle."""
+    values = ((0.012, angle_rad, 0.0), (DELAY_S,))
+    return gauss_newton_fit(objective, (FLAT, DELAY), values, {}, rounds=0)
+
+
+@pytest.fixture(scope="module")
+def objective():
+    true = FLAT.added((0.012, TRUE_RAD, 0.0)), DELAY.added((DELAY_S,))
+    twin = formula_twin(tension, ["unwind_tension_N"], SAMPLES)
+    made = tension(replace(fit_of().case, effects=true))
+    return objective_of(twin, made + white((1, SAMPLES)))
+
+
+def test_a_profile_is_found_anew_once_the_delay_is_known(objective):
+    off = fit_at(objective, 2.0)
+    near = gauss_newton_fit(objective, off.hypotheses, off.values, {})
+    assert near.cost > 100.0 * objective.expected_cost  # from there no step leads to it
+    found = profile_reinitialised(objective, near)
+    assert found.values[0][1] == pytest.approx(TRUE_RAD, abs=0.01)
+    assert found.values[1][0] == pytest.approx(DELAY_S, abs=0.002)
+    assert [h.effect.name for h in found.hypotheses] == ["out_of_round_roll", "loop_delay"]
+    assert found.cost < 1.1 * objective.expected_cost
+
+
+def test_a_profile_that_fits_better_as_it_is_stays(objective):
+    there = fit_at(objective, TRUE_RAD)
+    best = gauss_newton_fit(objective, there.hypotheses, there.values, {})
+    unbeaten = replace(best, cost=best.cost - 1.0)
+    assert profile_reinitialised(objective, unbeaten) is unbeaten
+
+
+def test_a_roll_out_of_round_is_located_by_its_orders_and_fitted_as_a_profile(objective):
+    orders = hypothesis(ROLL, "unwind")
+    first_look = Candidate(
+        hypothesis=orders, chi2_reduction=1e6, penalty=100.0, start=orders.start
     )
-
-
-@pytest.fixture
-def narrow_valley(monkeypatch):
-    """A fit that gets to the true angle from close by only, and a first guess at 2.95 rad."""
-
-    def fitted(_problem, hypotheses, values, _shifts):
-        angle_rad = values[0][1]
-        assert hypotheses == (FLAT, DELAY)
-        return fit_at(TRUE_RAD if abs(angle_rad - TRUE_RAD) < VALLEY_RAD else angle_rad)
-
-    monkeypatch.setattr(one_effect, "hypothesis", lambda *_, **__: FLAT)
-    monkeypatch.setattr(one_effect, "in_step", lambda _, shifts, *__: shifts)
-    monkeypatch.setattr(one_effect, "refine_fit", fitted)
-    monkeypatch.setattr(one_effect, "_profiles", lambda *_: [(FLAT, (0.011, 2.95, 0.02))])
-
-
-def test_a_profile_is_found_anew_once_the_delay_is_known(narrow_valley):
-    found = one_effect.reseated(PROBLEM, fit_at(2.6))
-    assert found.values[0][1] == TRUE_RAD
-    assert found.hypotheses == (FLAT, DELAY)
-
-
-def test_a_profile_that_fits_better_as_it_is_stays(narrow_valley, monkeypatch):
-    monkeypatch.setattr(one_effect, "_profiles", lambda *_: [(FLAT, (0.011, 0.4, 0.02))])
-    there = fit_at(TRUE_RAD)
-    assert one_effect.reseated(PROBLEM, there) is there
+    nothing = gauss_newton_fit(objective, (), (), {})
+    fit = fit_candidate(objective, nothing, first_look)
+    values = dict(zip(fit.hypotheses[0].names, fit.values[0], strict=True))
+    assert dict(fit.hypotheses[0].fixed)["shape"] == "flat"
+    assert values["size_m"] == pytest.approx(0.012, rel=0.1)
+    seen = TRUE_RAD + SPEED_RAD_S.mean() * DELAY_S  # the delay is not known yet
+    assert values["angle_rad"] == pytest.approx(seen, abs=0.1)

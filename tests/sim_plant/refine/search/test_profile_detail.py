@@ -1,84 +1,48 @@
-from pathlib import Path
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.load import load_declaration
-from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.projection import Projector
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.search import profile_detail as details
+from sim_plant.refine.model.twin import Case
+from sim_plant.refine.search.profile_detail import (
+    formation_starts,
+    improves_cross_validation,
+    likeliest_age,
+    with_formation_radius,
+)
+from tests.sim_plant.refine.small import fit_of, formula_twin, line_with, objective_of, white
 
-LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
 ROWS = 400
 TIME = np.linspace(0.0, 1.0, ROWS)
 SIZE, GROWTH = np.sin(40.0 * TIME), TIME * np.sin(40.0 * TIME)
-
-
-@pytest.fixture
-def problem():
-    return SimpleNamespace(
-        rows=ROWS,
-        projector=Projector(np.zeros((ROWS, 1))),
-        split=lambda vector: [np.reshape(vector, (1, ROWS))],
-    )
-
-
-def fit_of(residual):
-    h = hypothesis(
-        BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),), ("size_m", "gravity")
-    )
-    return Fit(
-        hypotheses=(h,),
-        values=((0.01, 1.0),),
-        shifts={},
-        cost=0.0,
-        residual=residual,
-        covariance=np.zeros((0, 0)),
-    )
+HALVES = (np.arange(ROWS) < ROWS // 2, np.arange(ROWS) >= ROWS // 2)
 
 
 def noise():
     return np.random.default_rng(3).standard_normal(ROWS)
 
 
-def test_a_detail_that_either_half_foretells_is_kept(problem, monkeypatch):
-    monkeypatch.setattr(details, "jacobian", lambda *_: np.stack([SIZE, GROWTH], axis=1))
-    residual = noise() + 2.0 * SIZE - 4.0 * GROWTH
-    assert details.bears_out(problem, fit_of(residual), 0, ["gravity"])
+def improves(detail, residual):
+    """Return whether a detail predicts across halves beside the size of a profile."""
+    return improves_cross_validation(np.stack([SIZE, detail], axis=1), residual, [0], HALVES)
 
 
-def test_a_detail_that_fits_one_half_only_is_not(problem, monkeypatch):
+def test_a_detail_that_either_half_foretells_is_kept():
+    assert improves(GROWTH, noise() + 2.0 * SIZE - 4.0 * GROWTH)
+
+
+def test_a_detail_that_fits_one_half_only_is_not():
     fluke = np.where(TIME < 0.5, 1.0, -1.0) * np.sin(70.0 * TIME)
-    monkeypatch.setattr(details, "jacobian", lambda *_: np.stack([SIZE, fluke], axis=1))
     residual = noise() + 2.0 * np.abs(TIME < 0.5) * fluke - 1.0 * (TIME >= 0.5) * fluke * 0.5
     residual = np.where(TIME < 0.5, residual, noise() - 2.0 * fluke)
-    assert not details.bears_out(problem, fit_of(residual), 0, ["gravity"])
+    assert not improves(fluke, residual)
 
 
-def formed(monkeypatch, *, explained, costs, plain=1000.0, roll="unwind"):
-    """Return the fit that is kept: its ``unwound_m``, None where it has none."""
-    wider = hypothesis(BY_NAME["out_of_round_roll"], roll, traced=("unwound_m",), line=LINE)
-    named = SimpleNamespace(effect=wider.effect, names=("size_m",))
-    old = SimpleNamespace(hypotheses=(named,), cost=plain, start=None)
-    monkeypatch.setattr(details, "_explained", lambda *_: explained)
-    monkeypatch.setattr(details, "in_step", lambda *_: {})
-    monkeypatch.setattr(details, "unsure", lambda _: 100.0)
-    monkeypatch.setattr(
-        details,
-        "_wider",
-        lambda _p, _f, _a, names, start: SimpleNamespace(
-            hypotheses=(wider,), values=((start[names[0]],),)
-        ),
+def profile(roll="unwind"):
+    line = line_with()
+    return hypothesis(
+        BY_NAME["out_of_round_roll"], roll, (("shape", "flat"),), ("size_m", "angle_rad"), line
     )
-    monkeypatch.setattr(
-        details,
-        "refine_fit",
-        lambda _p, _h, at, *_, **__: SimpleNamespace(cost=costs[at[0][0]], start=at[0][0]),
-    )
-    return details._formed(SimpleNamespace(rows=40_000), old, 0).start
 
 
 @pytest.mark.parametrize(
@@ -88,19 +52,68 @@ def formed(monkeypatch, *, explained, costs, plain=1000.0, roll="unwind"):
         ((800.0, 900.0), 0.006),
         ((1099.0, 1098.0), 0.012),
         ((1200.0, 1101.0), None),
+        ((), None),
     ],
 )
-def test_a_strong_profile_is_as_old_as_fits_best_unless_that_is_clearly_worse(
-    monkeypatch, costs, kept
-):
-    table = dict(zip((0.006, 0.012), costs, strict=True))
-    assert formed(monkeypatch, explained=2e5, costs=table) == kept
+def test_a_strong_profile_is_as_old_as_fits_best_unless_that_is_clearly_worse(costs, kept):
+    aged = [
+        fit_of(cost=cost, shifts={"age": m})
+        for cost, m in zip(costs, (0.006, 0.012), strict=False)
+    ]
+    found = likeliest_age(fit_of(cost=1000.0), aged, sure_excess=100.0)
+    assert found.shifts.get("age") == kept
 
 
-def test_a_roll_that_winds_up_was_smaller_when_its_profile_was_formed(monkeypatch):
-    costs = {-0.006: 900.0, -0.012: 800.0}
-    assert formed(monkeypatch, explained=2e5, costs=costs, roll="rewind") == -0.012
+SAMPLES = 1600
+TURN_RAD = np.linspace(0.0, 120.0, SAMPLES)
 
 
-def test_a_weak_profile_is_not_asked_where_it_was_formed(monkeypatch):
-    assert formed(monkeypatch, explained=5e4, costs={}) is None
+def tension(case):
+    """Return one order of a roll whose turn is the longer, the smaller the flat was made."""
+    found = np.zeros(SAMPLES)
+    for effect in case.effects:
+        p = dict(effect.parameters)
+        turn = TURN_RAD * (1.0 + 0.5 * p.get("unwound_m", 0.0)) + p.get("angle_rad", 0.0)
+        found += 4e4 * p["size_m"] * np.cos(turn)
+    return found[None, :]
+
+
+def aged(size_m, unwound_m=0.012):
+    """Return the objective of a record of such a roll, and a fit that knows no age."""
+    h = profile()
+    true = {"size_m": size_m, "angle_rad": 0.5, "unwound_m": unwound_m}
+    wide = hypothesis(h.effect, "unwind", h.fixed, tuple(true), line_with())
+    made = tension(Case(effects=(wide.added([true[n] for n in wide.names]),)))
+    twin = formula_twin(tension, ["unwind_tension_N"], SAMPLES)
+    objective = objective_of(twin, made + white((1, SAMPLES)))
+    values = ((size_m, 0.8),)
+    run = objective.pool.one(Case(effects=(h.added(values[0]),)))
+    cost = objective.projector.cost(objective.residual(run))
+    return objective, fit_of(h, values=values, cost=cost), twin
+
+
+def test_the_age_of_a_strong_profile_is_found_with_its_angle():
+    objective, fit, _ = aged(size_m=0.012)
+    found = with_formation_radius(objective, fit, 0)
+    values = dict(zip(found.hypotheses[0].names, found.values[0], strict=True))
+    assert values["unwound_m"] == pytest.approx(0.012, abs=2e-4)
+    assert values["angle_rad"] == pytest.approx(0.5, abs=0.01)
+    assert found.cost == pytest.approx(objective.expected_cost, rel=0.15)
+
+
+def test_a_weak_profile_is_not_asked_where_it_was_formed():
+    objective, fit, twin = aged(size_m=2e-4)
+    twin.simulated.clear()
+    assert with_formation_radius(objective, fit, 0) is fit
+    assert [case.effects for case in twin.simulated] == []  # the line without it was known
+
+
+@pytest.mark.parametrize(("roll", "sign"), [("unwind", 1.0), ("rewind", -1.0)])
+def test_a_roll_that_winds_up_was_smaller_when_its_profile_was_formed(roll, sign):
+    objective, _, _ = aged(size_m=2e-4)
+    fit = fit_of(profile(roll), values=((0.01, 0.0),))
+    starts = [
+        dict(zip(there.hypotheses[0].names, there.values[0], strict=True))["unwound_m"]
+        for there in formation_starts(objective, fit, 0, profile(roll).effect.profiles)
+    ]
+    assert [sign * m for m in starts] == [0.006, 0.012]

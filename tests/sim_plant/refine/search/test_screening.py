@@ -1,58 +1,88 @@
 """The first look: which orders of a profile count."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.fit.projection import Projector
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.search.screening import price, score_one, thinned
+from sim_plant.refine.model.place import Place
+from sim_plant.refine.search.candidate import Candidate, bic_penalty
+from sim_plant.refine.search.screening import every_third_idler, linear_candidate, shortlist
+from tests.sim_plant.refine.small import formula_twin, objective_of, white
 
-ROWS = 4000
+SAMPLES = 5334  # 4000 of them are judged
 PROFILE = hypothesis(BY_NAME["out_of_round_roll"], "unwind")
+OBJECTIVE = objective_of(
+    formula_twin(lambda _: np.zeros((1, SAMPLES)), ["unwind_tension_N"], SAMPLES),
+    white((1, SAMPLES)),
+)
+VECTOR = OBJECTIVE.rows + len(OBJECTIVE.nuisances)
 
 
 def record(sizes, seed=1):
-    """Return a problem, its residual and orthonormal columns with these sizes in the noise."""
+    """Return a residual and orthonormal columns with these sizes in the noise."""
     rng = np.random.default_rng(seed)
-    columns, _ = np.linalg.qr(rng.standard_normal((ROWS, len(PROFILE.names))))
-    residual = columns @ np.asarray(sizes) + rng.standard_normal(ROWS)
-    problem = SimpleNamespace(projector=Projector(np.zeros((ROWS, 1))), rows=ROWS)
-    return problem, residual, columns
+    columns = np.zeros((VECTOR, len(PROFILE.names)))
+    judged = rng.standard_normal((OBJECTIVE.rows, len(PROFILE.names)))
+    columns[: OBJECTIVE.rows] = np.linalg.qr(judged)[0]
+    residual = columns @ np.asarray(sizes)
+    residual[: OBJECTIVE.rows] += rng.standard_normal(OBJECTIVE.rows)
+    return residual, columns
 
 
 def test_only_orders_that_pay_are_priced_and_fitted():
     sizes = np.zeros(12)
     sizes[2:4] = 12.0, -9.0
-    problem, residual, columns = record(sizes)
-    scored = score_one(problem, PROFILE, residual, columns)
-    fewer, start = scored.trimmed()
+    residual, columns = record(sizes)
+    candidate = linear_candidate(OBJECTIVE, PROFILE, residual, columns)
+    fewer, start = candidate.trimmed()
     assert fewer.names == ("cos2_m", "sin2_m")
     own = columns[:, 2:4].T @ residual
-    assert scored.score == pytest.approx(float(own @ own) - price(problem, 2))
+    assert candidate.score == pytest.approx(float(own @ own) - bic_penalty(OBJECTIVE, 2))
+    assert candidate.penalty == pytest.approx(2.0 * np.log(1000.0), rel=1e-3)
     assert start == pytest.approx([own[0] * PROFILE.start[2], own[1] * PROFILE.start[3]])
     assert fewer.low == PROFILE.low[2:4]
 
 
 def test_every_order_that_is_there_is_kept():
-    problem, residual, columns = record(np.full(12, 15.0))
-    h, start = score_one(problem, PROFILE, residual, columns).trimmed()
+    h, start = linear_candidate(OBJECTIVE, PROFILE, *record(np.full(12, 15.0))).trimmed()
     assert h.names == PROFILE.names
     assert len(start) == 12
 
 
 def test_one_order_is_kept_even_of_noise():
-    problem, residual, columns = record(np.zeros(12), seed=2)
-    fewer, _ = score_one(problem, PROFILE, residual, columns).trimmed()
+    fewer, _ = linear_candidate(OBJECTIVE, PROFILE, *record(np.zeros(12), seed=2)).trimmed()
     assert len(fewer.names) == 2
+
+
+def test_what_cannot_be_simulated_comes_last():
+    residual, columns = record(np.zeros(12))
+    broken = linear_candidate(OBJECTIVE, PROFILE, residual, np.full_like(columns, np.nan))
+    assert broken.score == -np.inf
 
 
 def test_no_load_cell_and_no_idler_of_a_short_line_is_left_out():
     names = [f"R{k}" for k in range(12)]
     hums = [hypothesis(BY_NAME["mains_hum"], name) for name in names]
     drags = [hypothesis(BY_NAME["bearing_drag"], name) for name in names]
-    assert thinned(hums, names) == hums
-    assert thinned(drags[:5], [*names[:5], ""]) == drags[:5]
-    assert [h.location for h in thinned(drags, names)] == ["R1", "R4", "R7", "R10"]
+    assert every_third_idler(hums, names) == hums
+    assert every_third_idler(drags[:5], names[:5]) == drags[:5]
+    assert [h.location for h in every_third_idler(drags, names)] == ["R1", "R4", "R7", "R10"]
+
+
+def test_an_effect_is_fitted_at_three_places_at_most_and_a_curved_one_gets_a_second_chance():
+    def candidate(effect, place, worth):
+        h = hypothesis(BY_NAME[effect], place)
+        return Candidate(hypothesis=h, chi2_reduction=worth, penalty=0.0, start=h.start)
+
+    found = [candidate("eccentric_roller", f"R{k}", 1000.0 - k) for k in range(5)]
+    found += [
+        candidate("bearing_drag", "R6", 300.0),  # drags one way only
+        candidate("unbalanced_roller", "R6", 299.0),
+        candidate("bearing_drag", "R7", 200.0),
+    ]
+    kept = [c.hypothesis.key for c in shortlist(found)]
+    assert kept == [
+        *(Place("eccentric_roller", f"R{k}") for k in range(3)),
+        Place("bearing_drag", "R6"),
+    ]

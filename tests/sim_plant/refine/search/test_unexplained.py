@@ -1,68 +1,98 @@
 """When what is left is called broadband, and which channels count."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from sim_plant.refine.search import completeness
-from sim_plant.refine.search import unexplained as unknown
-from sim_plant.refine.search.coherence import Coupling
-from sim_plant.refine.search.unexplained import COUPLED, LOUD, loudest
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.objective import conditioned_on
+from sim_plant.refine.search.coherence import least_likely_coupling
+from sim_plant.refine.search.completeness import remaining_spectra
+from sim_plant.refine.search.unexplained import loudest, unexplained_parts
+from tests.sim_plant.refine.small import (
+    STEP_S,
+    fit_of,
+    formula_twin,
+    objective_of,
+    one_peak,
+    travel_at,
+    white,
+)
 
-ANALOGUE = np.array([True, False, True])
+UNEXPLAINED = CRITERIA.search.unexplained
+SAMPLES, JUDGED = 6000, 4500
+ANALOGUE = ("unwind_tension_N", "rewind_speed_rad_s", "rewind_tension_N")
+WITH_WORD = ("unwind_tension_N", "unwind_angle_rad", "rewind_tension_N")
 
 
-def left(*sizes, seed=1):
-    """Return a problem and a fit that leaves noise of these sizes in three channels."""
-    rng = np.random.default_rng(seed)
-    part = np.asarray(sizes)[:, None] * rng.standard_normal((3, 4000))
-    noise = SimpleNamespace(analogue=ANALOGUE)
-    problem = SimpleNamespace(
-        noise=[noise], expected_cost=12_000.0, split=lambda _: [part], basis=[None]
-    )
-    cost = float(np.sum(part**2))
-    return problem, SimpleNamespace(residual=part, cost=cost, hypotheses=())
+def objective_with(channels):
+    twin = formula_twin(lambda _: np.zeros((3, SAMPLES)), channels, SAMPLES)
+    return objective_of(twin, white((3, SAMPLES)))
+
+
+OBJECTIVE, COARSE = objective_with(ANALOGUE), objective_with(WITH_WORD)
+
+
+def band_limited(low_Hz, high_Hz):
+    """Return noise of rms 1 within a band (judged samples,)."""
+    spectrum = np.fft.rfft(white(JUDGED, 5))
+    at = np.fft.rfftfreq(JUDGED, STEP_S)
+    spectrum[(at < low_Hz) | (at > high_Hz)] = 0.0
+    values = np.fft.irfft(spectrum, JUDGED)
+    return values / values.std()
+
+
+def left(sizes=(1.0, 1.0, 1.0), push=0.0):
+    """Return a fit that leaves noise of these sizes, and a push on the last two channels."""
+    part = np.asarray(sizes)[:, None] * white((3, JUDGED), seed=4)
+    part[1:] += push * band_limited(3.0, 4.5)
+    residual = np.append(part.ravel(), np.zeros(len(OBJECTIVE.nuisances)))
+    return fit_of(residual=residual, cost=float(residual @ residual))
+
+
+def parts(objective, fit):
+    return unexplained_parts(objective, fit, fit, one_peak())
+
+
+def power(objective, fit):
+    return loudest(objective.whitening.noise, objective.split(fit.residual))
 
 
 def test_the_loudest_channel_counts_and_a_coarse_word_does_not():
-    problem, fit = left(1.0, 3.0, 1.2)
-    assert loudest(problem, fit) == pytest.approx(1.44, rel=0.1)
-    problem, fit = left(1.0, 3.0, 1.0)
-    assert loudest(problem, fit) < LOUD
+    assert power(COARSE, left((1.0, 3.0, 1.2))) == pytest.approx(1.44, rel=0.1)
+    assert power(COARSE, left((1.0, 3.0, 1.0))) < UNEXPLAINED.loud
+    assert power(OBJECTIVE, left((1.0, 3.0, 1.0))) == pytest.approx(9.0, rel=0.1)
 
 
 @pytest.mark.parametrize(("size", "kinds"), [(1.0, []), (1.15, ["broadband"])])
-def test_broadband_is_claimed_for_a_channel_that_is_clearly_loud(monkeypatch, size, kinds):
-    problem, fit = left(1.0, 1.0, size)
-    monkeypatch.setattr(unknown, "strongest", lambda _: (None, 1.0, 0.0))
-    monkeypatch.setattr(unknown, "improbable", lambda *_: None)
-    monkeypatch.setattr(unknown, "oddest_pair", lambda *_: SimpleNamespace(score=0.0))
-    assert [u.kind for u in unknown.unknowns(problem, fit, fit, [])] == kinds
-
-
-@pytest.mark.parametrize(("share", "kinds"), [(0.9, []), (1.1, ["broadband"])])
-def test_channels_that_move_together_as_no_noise_does_are_broadband(monkeypatch, share, kinds):
-    problem, fit = left(1.0, 1.0, 1.0)
-    pair = Coupling(
-        channels=("rewind_tension_N", "rewind_speed_rad_s"),
-        from_Hz=1.25,
-        to_Hz=2.5,
-        score=share * COUPLED,
-    )
-    monkeypatch.setattr(unknown, "strongest", lambda _: (None, 1.0, 0.0))
-    monkeypatch.setattr(unknown, "improbable", lambda *_: None)
-    monkeypatch.setattr(unknown, "oddest_pair", lambda *_: pair)
-    found = unknown.unknowns(problem, fit, fit, [])
+def test_broadband_is_claimed_for_a_channel_that_is_clearly_loud(size, kinds):
+    found = parts(OBJECTIVE, left((1.0, 1.0, size)))
     assert [u.kind for u in found] == kinds
-    assert all("rewind_tension_N and rewind_speed_rad_s" in u.text for u in found)
-    problem.basis = [np.zeros((4000, 2))]  # beside a free line, what it leaves is coupled
-    assert unknown.unknowns(problem, fit, fit, []) == []
+    assert all(not u.coordinate for u in found)
 
 
-def test_free_lines_are_sought_in_channels_with_noise_of_their_own(monkeypatch):
-    problem, fit = left(1.0, 9.0, 1.0)
-    seen = []
-    monkeypatch.setattr(completeness, "spectra", lambda _, part: seen.append(part.shape) or [])
-    completeness.lines_left(problem, fit, [None])
-    assert seen == [(2, 4000)]
+@pytest.mark.parametrize(("push", "kinds"), [(0.1, []), (0.3, ["broadband"])])
+def test_channels_that_move_together_as_no_noise_does_are_broadband(push, kinds):
+    fit = left(push=push)
+    assert power(OBJECTIVE, fit) < UNEXPLAINED.loud
+    odd = least_likely_coupling(OBJECTIVE, fit).score > UNEXPLAINED.coupled
+    found = parts(OBJECTIVE, fit)
+    assert odd is bool(kinds)
+    assert [u.kind for u in found] == kinds
+    assert all("rewind_speed_rad_s and rewind_tension_N" in u.text for u in found)
+    slow = np.cos(np.pi * (np.arange(JUDGED) + 0.5) / JUDGED)[:, None]
+    beside = conditioned_on(OBJECTIVE, [slow / np.linalg.norm(slow)])
+    assert parts(beside, fit) == []  # beside a free line, what it leaves is coupled
+
+
+@pytest.mark.parametrize(("strength", "kinds"), [(250.0, []), (300.0, ["time"])])
+def test_a_line_is_claimed_above_what_healthy_records_show(strength, kinds):
+    fit = left()
+    found = unexplained_parts(OBJECTIVE, fit, fit, one_peak(strength))
+    assert [u.kind for u in found] == kinds
+    assert all(u.coordinate == {"frequency_Hz": 1.0} for u in found)
+
+
+@pytest.mark.parametrize(("objective", "channels"), [(OBJECTIVE, 3), (COARSE, 2)])
+def test_free_lines_are_sought_in_channels_with_noise_of_their_own(objective, channels):
+    spectra = remaining_spectra(objective, left(), [travel_at(np.ones(JUDGED))])
+    assert {s.degrees for s in spectra[0]} == {2 * channels}  # cos and sin each, one speed

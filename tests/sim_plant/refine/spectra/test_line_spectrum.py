@@ -23,24 +23,24 @@ def test_a_line_in_travel_is_sharp_in_travel_and_smeared_in_time():
     wave = 2.0 * np.pi * 4.18 * TRAVEL
     signal = noise() + 0.3 * np.outer([1.0, -0.5, 0.2], np.cos(wave))
     travel, time = found(signal, TRAVEL, "travel"), found(signal, TIME_S, "time")
-    at, drop = travel.peak
+    at, chi2_reduction = travel.peak
     assert at == pytest.approx(4.18, rel=0.002)
     expected = 0.3**2 * 0.5 * 1.29 * TIME_S.size
-    assert drop == pytest.approx(expected, rel=0.25)
-    assert time.peak[1] < 0.5 * drop
+    assert chi2_reduction == pytest.approx(expected, rel=0.25)
+    assert time.peak[1] < 0.5 * chi2_reduction
 
 
 def test_a_line_in_time_is_found_in_hertz():
     signal = noise() + 0.3 * np.cos(2.0 * np.pi * 3.4 * TIME_S)
-    at, drop = found(signal, TIME_S, "time").peak
+    at, chi2_reduction = found(signal, TIME_S, "time").peak
     assert at == pytest.approx(3.4, abs=0.02)
-    assert found(signal, TRAVEL, "travel").peak[1] < 0.5 * drop
+    assert found(signal, TRAVEL, "travel").peak[1] < 0.5 * chi2_reduction
 
 
 def test_noise_has_the_degrees_it_says():
     spectrum = found(noise(), TIME_S, "time")
     assert spectrum.degrees == 12
-    assert float(spectrum.drop.mean()) == pytest.approx(12.0, rel=0.1)
+    assert float(spectrum.chi2_reduction.mean()) == pytest.approx(12.0, rel=0.1)
 
 
 def test_one_speed_leaves_one_weight():

@@ -7,9 +7,10 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import main
+from sim_plant.line.load import read_source
 from sim_plant.refine.report.outcome import Plan
 from sim_plant.refine.without_line.pipeline import refine_records
-from sim_plant.refine.without_line.record_filter import load_record_declaration, read_for
+from sim_plant.refine.without_line.record_filter import read_for, record_declaration_in
 
 ROOT = Path(__file__).parents[4]
 SHARED = ROOT.parent / "shared/data"
@@ -44,6 +45,14 @@ def write_belt(path, seed, speed, wavenumber=1.6, amplitude=0.4, size=12000):
     return path
 
 
+def declared_in(path):
+    return record_declaration_in(read_source(path))
+
+
+def refined(plan):
+    return refine_records(plan, declared_in(plan.line), lambda _: None)
+
+
 @pytest.fixture
 def plan(tmp_path):
     (tmp_path / "belt.yaml").write_text(DECLARATION)
@@ -57,14 +66,16 @@ def plan(tmp_path):
 
 
 def test_a_travel_line_is_found_with_its_radius_and_judged_held_out(plan):
-    result = refine_records(plan, lambda _: None)
-    assert [u["class"] for u in result["unknown"]] == ["travel"]
-    where = result["unknown"][0]["coordinate"]
+    result = refined(plan)
+    assert [x.kind for x in result.unknown] == ["travel"]
+    where = result.unknown[0].where
     assert where["equivalent_radius_m"] == pytest.approx(1.0 / (2.0 * np.pi * 1.6), rel=0.003)
-    row = result["residual_rms"]["moment_N_m"]
-    assert row["before"] == pytest.approx(np.sqrt(1.0 + 0.08), rel=0.02)
-    assert row["after"] == pytest.approx(1.0, rel=0.02)
-    assert json.loads((plan.out / "verdict.json").read_text())["verdict"] == "unknown"
+    row = result.residual_rms["moment_N_m"]
+    assert row.before == pytest.approx(np.sqrt(1.0 + 0.08), rel=0.02)
+    assert row.after == pytest.approx(1.0, rel=0.02)
+    written = json.loads((plan.out / "verdict.json").read_text())
+    assert written["verdict"] == "unknown"
+    assert written["effects"] == []
     page = (plan.out / "report.html").read_text()
     assert "equivalent_radius_m" in page
     assert "Unknown, strongest first: something that repeats every 62" in page  # 1 / 1.6 m
@@ -75,7 +86,7 @@ def test_a_travel_line_is_found_with_its_radius_and_judged_held_out(plan):
 def test_no_line_no_claim(plan, tmp_path):
     quiet = [write_belt(tmp_path / f"q{k}.csv", 10 + k, 1.3, amplitude=0.0) for k in (0, 1)]
     still = Plan(line=plan.line, records=tuple(quiet), holdout=(), out=tmp_path / "quiet")
-    assert refine_records(still, lambda _: None)["verdict"] == "nothing"
+    assert refined(still).word == "nothing"
     page = (still.out / "report.html").read_text()
     assert "Nothing found: what the declared filter leaves" in page
     assert "no proof" in page
@@ -91,10 +102,10 @@ def test_the_example_needs_a_line(plan, tmp_path, capsys):
 def test_of_two_held_out_records_the_first_is_judged_and_that_is_said(plan, tmp_path):
     held = tuple(write_belt(tmp_path / f"h{k}.csv", 20 + k, 1.3, amplitude=0.0) for k in (0, 1))
     two = Plan(line=plan.line, records=plan.records, holdout=held, out=tmp_path / "two")
-    result = refine_records(two, lambda _: None)
-    assert result["holdout"] == str(held[0])
+    result = refined(two)
+    assert result.holdout == str(held[0])
     said = "more than one held-out record: the errors are those of h0.csv"
-    assert said in result["not_claimed"]
+    assert said in result.not_claimed
 
 
 def test_a_missing_column_is_refused_and_nothing_written(plan, tmp_path, capsys):
@@ -110,7 +121,7 @@ def test_another_sample_time_is_refused(plan, tmp_path):
     other = tmp_path / "slow.yaml"
     other.write_text(DECLARATION.replace("0.01", "0.02"))
     with pytest.raises(PlantError, match="correct sample_time_s"):
-        read_for(load_record_declaration(other), plan.records[0])
+        read_for(declared_in(other), plan.records[0])
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="measured records are not here (shared/data)")
@@ -121,11 +132,11 @@ def test_the_winding_record_names_its_clock_and_no_roller(tmp_path):
         out=tmp_path,
         records=(SHARED / "winding/winding.dat.gz",),
     )
-    result = refine_records(plan, lambda _: None)
-    assert result["verdict"] == "nothing"
-    assert result["effects"] == [] == result["unknown"]
-    assert [round(c["coordinate"]["frequency_Hz"], 3) for c in result["clocks"]] == [1.0]
-    assert any("no roller" in text for text in result["not_claimed"])
+    result = refined(plan)
+    assert result.word == "nothing"
+    assert result.unknown == ()
+    assert [round(c.coordinate, 3) for c in result.clocks] == [1.0]
+    assert any("no roller" in text for text in result.not_claimed)
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="measured records are not here (shared/data)")
@@ -137,20 +148,20 @@ def test_the_belt_has_the_same_travel_lines_fast_and_slow(tmp_path):
         records=(folder / "RandomSlowSpeed1.txt.gz", folder / "RandomFastSpeed1.txt.gz"),
         holdout=(folder / "RandomSlowSpeed2.txt.gz",),
     )
-    result = refine_records(plan, lambda _: None)
-    assert {u["class"] for u in result["unknown"]} == {"travel"}
-    for line in result["unknown"]:
-        slow, fast = line["per_record"]
+    result = refined(plan)
+    assert {x.kind for x in result.unknown} == {"travel"}
+    for line in result.unknown:
+        slow, fast = line.per_record
         assert slow == pytest.approx(fast, rel=3e-4)
-    row = result["residual_rms"]["Pitch_Moment_N_m"]
-    assert row["after"] < row["before"]
+    row = result.residual_rms["Pitch_Moment_N_m"]
+    assert row.after < row.before
 
 
 @pytest.mark.parametrize("at", ["records", "holdout"])
 def test_a_record_too_short_for_its_filter_is_refused(plan, tmp_path, at):
     short = write_belt(tmp_path / "short.csv", 5, 1.2, size=119)
     with pytest.raises(PlantError, match=r"short\.csv: 119 rows .* of 10 taps .* at least 120"):
-        refine_records(replace(plan, **{at: (short,)}), lambda _: None)
+        refined(replace(plan, **{at: (short,)}))
     assert not plan.out.exists()
 
 
@@ -166,10 +177,10 @@ def test_a_web_that_stands_or_runs_backwards_has_no_travel(plan, tmp_path, speed
         comments="",
     )
     with pytest.raises(PlantError, match="column belt_m_s is above 0 in 0 % of the rows"):
-        refine_records(replace(plan, records=(tmp_path / "still.csv",)), lambda _: None)
+        refined(replace(plan, records=(tmp_path / "still.csv",)))
 
 
 def test_a_repeated_key_of_the_declaration_is_refused(plan):
     plan.line.write_text(DECLARATION + "taps: 4\n")
     with pytest.raises(PlantError, match="taps: is given twice"):
-        refine_records(plan, lambda _: None)
+        refined(plan)

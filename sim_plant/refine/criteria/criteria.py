@@ -1,0 +1,32 @@
+"""All criteria of refine as one frozen value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from sim_plant.refine.criteria.estimation import FitCriteria, NoiseCriteria, SpectraCriteria
+from sim_plant.refine.criteria.records import MatchCriteria, ModelCriteria, RecordCriteria
+from sim_plant.refine.criteria.reporting import ReportCriteria, WithoutLineCriteria
+from sim_plant.refine.criteria.search import SearchCriteria
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Criteria:
+    """Every number that decides something, by room.
+
+    Iteration counts and grids of a solver are not here: they stand beside the solver.
+    """
+
+    records: RecordCriteria = field(default_factory=RecordCriteria)
+    match: MatchCriteria = field(default_factory=MatchCriteria)
+    model: ModelCriteria = field(default_factory=ModelCriteria)
+    noise: NoiseCriteria = field(default_factory=NoiseCriteria)
+    spectra: SpectraCriteria = field(default_factory=SpectraCriteria)
+    fit: FitCriteria = field(default_factory=FitCriteria)
+    search: SearchCriteria = field(default_factory=SearchCriteria)
+    report: ReportCriteria = field(default_factory=ReportCriteria)
+    without_line: WithoutLineCriteria = field(default_factory=WithoutLineCriteria)
+
+
+CRITERIA = Criteria()
+"""The criteria in force."""

@@ -1,0 +1,131 @@
+"""Criteria for weighing and fitting: noise, spectra of free lines, the objective and its fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sim_plant.refine.criteria.criterion import NOT_RECORDED, criterion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoiseCriteria:
+    """What of a residual may be noise."""
+
+    settling_s: float = criterion(
+        20.0,
+        "s",
+        "a record is judged from here on, a short one after its first quarter",
+        "the start state of a record is unknown; a pull-roll zone settles in about 10 s",
+    )
+    settling_share: float = criterion(
+        0.25, "1", "no more of a short record is left out of judgement", NOT_RECORDED
+    )
+    bands: tuple[float, ...] = criterion(
+        (0.0, 1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 3.0 / 4.0, 1.0),
+        "of half the sample rate",
+        "edges of the bands in which data are compared with the declared noise",
+        NOT_RECORDED,
+    )
+    calm_share: float = criterion(
+        0.75,
+        "of the bins of a band",
+        "the quietest bins that say the level of a band",
+        "lines of rollers take up fewer than the rest",
+    )
+    upper_bands: int = criterion(
+        2,
+        "bands",
+        "the uppermost, whose level bounds that of all others",
+        "effects of rollers do not reach there",
+    )
+    quietest: float = criterion(
+        0.6, "of the declared power", "a band is taken for no quieter", NOT_RECORDED
+    )
+    loudest: float = criterion(
+        1.5, "of the power of the upper bands", "a band is taken for no louder", NOT_RECORDED
+    )
+    white_shares: tuple[float, ...] = criterion(
+        (0.0, 0.5, 0.8, 0.95),
+        "of the power",
+        "how far the sawtooth of a word may be white, to choose from by the data",
+        "late scans break the sawtooth up",
+    )
+    coarse_word_factor: float = criterion(
+        8.0,
+        "of the rms of its step",
+        "innovation sd of a word whose error is a slow sawtooth: one row counts per step passed",
+        NOT_RECORDED,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpectraCriteria:
+    """Where free lines are looked for, and what counts as the same line."""
+
+    fewest_cycles: float = criterion(
+        3.0, "cycles per record", "a slower line is none", NOT_RECORDED
+    )
+    nyquist_share: float = criterion(
+        0.98, "of half the sample rate", "a faster line is none", NOT_RECORDED
+    )
+    least_travel_m: float = criterion(
+        1.0, "m", "lines in web travel need more of it", NOT_RECORDED
+    )
+    fewest_turns: float = criterion(
+        6.0, "turns", "lines at a roll's angle need more of them", NOT_RECORDED
+    )
+    highest_order: float = criterion(
+        16.0, "per turn", "no finer lines are looked for at a roll's angle", NOT_RECORDED
+    )
+    same_coordinate_share: float = criterion(
+        0.006,
+        "1",
+        "coordinates closer than this are one line",
+        "what a record of a minute resolves",
+    )
+    same_frequency_share: float = criterion(
+        0.003, "1", "the same for a line in time whose frequency is known", NOT_RECORDED
+    )
+    least_speed_spread: float = criterion(
+        1e-3,
+        "of the mean speed",
+        "a speed that changes less lets no line grow with speed",
+        NOT_RECORDED,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitCriteria:
+    """Which numbers a fit moves, how far, and when it ends."""
+
+    noise_runs: int = criterion(
+        12, "runs", "noise realisations from which filters are made", NOT_RECORDED
+    )
+    free_orders: int = criterion(
+        12,
+        "orders of the roll",
+        "orders of a traced shape that stay free: more than a detail has to be explained",
+        NOT_RECORDED,
+    )
+    simulated_norm: float = criterion(
+        30.0,
+        "norm of the whitened residual",
+        "a nuisance whose shift moves the residual by more is simulated, not linear",
+        NOT_RECORDED,
+    )
+    astray_sd: float = criterion(
+        50.0,
+        "prior standard deviations",
+        "a step that moves a declared number by more is not tried",
+        "that far no slope holds, and such a line is slow to simulate or none at all",
+    )
+    least_gain: float = criterion(1.0, "chi2", "a step that gains less ends the fit", NOT_RECORDED)
+    least_gain_share: float = criterion(
+        1e-4, "of the cost", "a step that gains less ends the fit", NOT_RECORDED
+    )
+    in_step_rad: float = criterion(
+        0.02,
+        "rad over the record",
+        "a simulated roll closer to the measured one is in step",
+        NOT_RECORDED,
+    )

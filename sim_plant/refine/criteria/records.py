@@ -1,0 +1,129 @@
+"""Criteria for what is read: whether it is a record, and whether it belongs to this line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from sim_plant.refine.criteria.criterion import NOT_RECORDED, criterion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordCriteria:
+    """Whether a file is a record, and what is said to be odd about it."""
+
+    largest_reading: float = criterion(
+        1e30,
+        "SI",
+        "a reading beyond this is refused",
+        "no sensor reads more in any SI unit; its square still is a number",
+    )
+    fewest_rows: int = criterion(100, "rows", "a shorter record is refused", NOT_RECORDED)
+    longest_gap_samples: float = criterion(
+        1.7, "sample times", "a longer step between stamps is a gap, refused", NOT_RECORDED
+    )
+    misplaced_stamp_share: float = criterion(
+        0.2,
+        "sample times",
+        "an odd step that makes two with its neighbour to within this is one misplaced stamp",
+        NOT_RECORDED,
+    )
+    jitter_share: float = criterion(
+        0.02,
+        "sample times",
+        "stamps off an even grid by more are put on one, and that is said",
+        NOT_RECORDED,
+    )
+    coarse_levels_share: float = criterion(
+        0.2,
+        "levels per row",
+        "a column with fewer levels is said to be read in steps",
+        NOT_RECORDED,
+    )
+    stuck_share: float = criterion(
+        0.05, "1", "a column longer than this at one end of its range is said", NOT_RECORDED
+    )
+    stuck_levels: int = criterion(
+        20, "levels", "a column of no more levels is not said to be stuck", NOT_RECORDED
+    )
+    spike_sigma: float = criterion(
+        12.0,
+        "robust standard deviations",
+        "a sample further off the median of its 7 neighbours is a spike, said",
+        NOT_RECORDED,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MatchCriteria:
+    """Whether a record belongs to a line; refused where not."""
+
+    sample_time_share: float = criterion(
+        1e-3, "1", "sample times of record and line differ by less", NOT_RECORDED
+    )
+    speed_mismatch: float = criterion(
+        0.2,
+        "1",
+        "a web speed is within this share of the reference; angles and speeds of rolls, whose "
+        "radius may be another, within twice that",
+        NOT_RECORDED,
+    )
+    tension_ratio: tuple[float, float] = criterion(
+        (0.3, 3.3),
+        "1",
+        "median of a tension over that of its reference",
+        "narrower than a pound taken for a newton, either way",
+    )
+    highest_strain: float = criterion(
+        0.2, "1", "no tension strains the declared web by more", NOT_RECORDED
+    )
+    radius_share: float = criterion(
+        0.02, "1", "a roll radius begins within this share of the declared one", NOT_RECORDED
+    )
+    running_speed_share: float = criterion(
+        0.1, "of the fastest speed", "the line runs where it is faster", NOT_RECORDED
+    )
+    least_running_share: float = criterion(
+        0.1, "rows", "share of the rows in which the line has to run", NOT_RECORDED
+    )
+    one_speed_share: float = criterion(
+        0.02,
+        "1",
+        "a speed that changes by less of its mean is said to be one speed only",
+        NOT_RECORDED,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelCriteria:
+    """What is taken for known of a declared line, and of the profiles that are tried on it."""
+
+    default_tolerance: Mapping[str, float] = criterion(
+        {
+            "web.EA_N": 0.02,
+            "web.kelvin_voigt_eta_s": 0.2,
+            "web.density_kg_m3": 0.01,
+            "web.thickness_m": 0.005,
+            "web.wound_in_tension_N": 0.01,
+            "idlers.inertia_kg_m2": 0.02,
+            "friction": 0.05,
+            "inertia": 0.01,
+            "radius": 5e-5,
+            "effective_radius": 2e-4,  # felt by the web; drive and radius sensor do not follow
+            "draw": 1e-5,
+            "gain": 0.001,
+            "offset": 0.1,
+            "corner": 0.03,
+            "loop": 0.005,
+            "drive": 0.005,
+        },
+        "share of the number; offset N, draw the ratio itself",
+        "tolerance (two standard deviations) of a kind of declared number without one",
+        NOT_RECORDED,
+    )
+    at_bound_share: float = criterion(
+        1e-6,
+        "of the way from absence to the bound",
+        "a number this close to a bound is no estimate",
+        NOT_RECORDED,
+    )

@@ -1,0 +1,287 @@
+"""Criteria of the search: which effects are tried, fitted, accepted, and what is left over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from sim_plant.refine.criteria.criterion import DEVELOPMENT, NOT_RECORDED, criterion
+
+PAIRS_AND_CAMPAIGN = "ADR 0015, on the pairs of data/lines"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScreeningCriteria:
+    """Which hypotheses are simulated, and which of those are fitted."""
+
+    periodic_support: float = criterion(
+        80.0,
+        "chi2 above its degrees of freedom",
+        "a free spectral line below this makes no order-locked effect worth simulating",
+        DEVELOPMENT,
+    )
+    profile_support_share: float = criterion(
+        0.5,
+        "of periodic_support",
+        "what a profile needs",
+        "it spreads what it does over many orders: each of them is small",
+    )
+    profile_pairs: int = criterion(
+        2,
+        "pairs of numbers",
+        "an effect of more is a profile: it has the orders that pay",
+        "definition",
+    )
+    strongest_share: float = criterion(
+        0.01, "of the strongest line", "a weaker line is not worth an effect", DEVELOPMENT
+    )
+    resonance_share: float = criterion(
+        0.3, "of the strongest line", "what a resonance needs at its line", DEVELOPMENT
+    )
+    few_idlers: int = criterion(
+        8,
+        "idlers",
+        "on a line with no more, each is tried at once; else every third first",
+        "response changes slowly along the web, not so on a short line",
+    )
+    neighbour_share: float = criterion(
+        0.3,
+        "of the best score",
+        "an effect above this is tried at the neighbours of its two best places",
+        DEVELOPMENT,
+    )
+    neighbour_reach: int = criterion(
+        2, "idlers", "how far a neighbour may be", "every third was tried, two reach the rest"
+    )
+    shortlist_share: float = criterion(
+        0.85, "of the best score", "effects below this are not fitted", NOT_RECORDED
+    )
+    shortlist_share_curved: float = criterion(
+        0.25,
+        "of the best score",
+        "the same for an effect whose response is not proportional to its size",
+        "one linear step says little of it: a second chance",
+    )
+    shortlist_floor: float = criterion(
+        0.5, "of periodic_score", "nor is any effect below this", DEVELOPMENT
+    )
+    shortlist_places: int = criterion(3, "places", "of one effect are fitted", DEVELOPMENT)
+    shortlist_length: int = criterion(6, "effects", "are fitted in one round", DEVELOPMENT)
+    first_size: tuple[float, float] = criterion(
+        (0.1, 3.0), "typical sizes", "where the fit of a curved effect may begin", NOT_RECORDED
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AcceptanceCriteria:
+    """Which effect is accepted; scores are chi2 less ln(rows / 4) per number [BIC]."""
+
+    score: float = criterion(
+        120.0,
+        "chi2",
+        "least score of an effect without a line of its own",
+        "healthy records of other code, and line01, reach 85 to 115",
+    )
+    periodic_score: float = criterion(
+        50.0,
+        "chi2",
+        "least score of an effect with a coordinate of its own",
+        "what a model lacks seldom has the same coordinate; the value: " + DEVELOPMENT,
+    )
+    beyond_doubt: float = criterion(
+        3000.0,
+        "chi2",
+        "a score above needs no second look at the declared drive tick, nor for two places",
+        "coarse encoder words rest at speeds that depend on the tick (docs/refine.md); above, two "
+        "places only mend what the model has wrong (ADR 0016)",
+    )
+    weak: float = criterion(
+        150.0,
+        "chi2",
+        "an effect without a line is not claimed below this when another explains nearly as much",
+        DEVELOPMENT,
+    )
+    margin: float = criterion(
+        10.0,
+        "chi2",
+        "effects whose scores are closer than this cannot be told apart",
+        "not recorded; it is 2 ln of a Bayes factor of 150, very strong [Kass, Raftery 1995]",
+    )
+    most_looks: int = criterion(5, "effects", "are looked at again in one round", NOT_RECORDED)
+    explained_share: float = criterion(
+        0.006,
+        "of what was explained",
+        "a further effect must explain more",
+        "no model is exact; the value: " + DEVELOPMENT,
+    )
+    free_term_share: float = criterion(
+        0.001,
+        "of what free terms took up",
+        "an effect beside them must explain more",
+        "they leave about this much, at coordinates of their own",
+    )
+    decisive_share: float = criterion(
+        0.3,
+        "of what is left",
+        "an effect that explains more ends the look at further groups",
+        NOT_RECORDED,
+    )
+    least_excess: float = criterion(
+        225.0, "chi2", "what is left counts as no less for decisive_share", NOT_RECORDED
+    )
+    most_effects: int = criterion(4, "effects", "are accepted at most", NOT_RECORDED)
+    most_free_terms: int = criterion(2, "rounds", "of search beside free terms", NOT_RECORDED)
+    reported_rejected: int = criterion(
+        12, "effects", "rejected ones that the report lists", NOT_RECORDED
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CompletenessCriteria:
+    """Whether an effect explains what a free spectral line at its coordinates would."""
+
+    explained_share: float = criterion(
+        0.8, "of the free spectral line", "an effect explains more", DEVELOPMENT
+    )
+    left_share: float = criterion(
+        0.15, "of the free spectral line", "an effect leaves less", DEVELOPMENT
+    )
+    fair_share: float = criterion(
+        0.3,
+        "of all that is left",
+        "an effect that is no line explains more",
+        "the largest of up to three true ones does, an imitation of something else seldom",
+    )
+    sure_sd: float = criterion(
+        3.0,
+        "standard deviations of a chi-square cost",
+        "by which what is left surely exceeds noise",
+        NOT_RECORDED,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileCriteria:
+    """Which details of an out-of-round roll are fitted."""
+
+    strong: float = criterion(
+        1e5,
+        "chi2",
+        "cost explained from which a profile is looked at for where it was formed",
+        PAIRS_AND_CAMPAIGN,
+    )
+    weak: float = criterion(
+        1e4,
+        "chi2",
+        "cost explained up to which responses to declared numbers are not taken anew",
+        "the second order of effects and tolerances is less than noise",
+    )
+    orders_share: float = criterion(
+        0.9,
+        "of what is left",
+        "a named profile that explains less competes with free orders",
+        NOT_RECORDED,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DegeneracyCriteria:
+    """Whether two places explain as much as one, and declared numbers as an effect."""
+
+    same_coordinate_share: float = criterion(
+        0.003, "1", "rollers whose lines of travel differ by less are alike", NOT_RECORDED
+    )
+    most_places: int = criterion(
+        4, "places", "are looked at in pairs, the best first", NOT_RECORDED
+    )
+    paired_numbers: int = criterion(
+        2, "numbers", "of an effect that is looked at in pairs: cos and sin", "definition"
+    )
+    outside_prior_sd: float = criterion(
+        4.0,
+        "prior standard deviations",
+        "a declared number further off is tried as the effect that says the same",
+        NOT_RECORDED,
+    )
+    most_outside: int = criterion(
+        3, "declared numbers", "are tried as effects, the furthest first", NOT_RECORDED
+    )
+    joint_sd: float = criterion(
+        6.0,
+        "standard deviations of chi-square",
+        "declared numbers together further off than this are no tolerance",
+        NOT_RECORDED,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnexplainedCriteria:
+    """What is left over: noise, a line, or something irregular."""
+
+    periodic: float = criterion(
+        260.0,
+        "chi2, 72 degrees of freedom, best of all bins",
+        "a free spectral line above is one",
+        "healthy records stay below",
+    )
+    periodic_share: float = criterion(
+        0.12, "of what is left", "a free spectral line above is what is left", DEVELOPMENT
+    )
+    remainder_share: float = criterion(
+        0.02, "of what was there", "beside effects less is nothing", NOT_RECORDED
+    )
+    loud: float = criterion(
+        1.12,
+        "power over noise",
+        "a channel above holds something broadband",
+        "records without an effect, of other code with coloured noise and late scans: up to 1.05",
+    )
+    coupled: float = criterion(
+        20.0,
+        "score of coherence, exponential with mean 1 for noise",
+        "a pair of channels above is pushed by something that is no noise",
+        "36 records without an effect, of other code: the oddest pair has 10.2",
+    )
+    coupling_bands: tuple[float, ...] = criterion(
+        (1.0 / 80.0, 1.0 / 40.0, 1.0 / 20.0, 1.0 / 10.0, 1.0 / 5.0, 2.0 / 5.0),
+        "of half the sample rate",
+        "edges of the bands in which channels are compared",
+        "below, tolerances move channels together (ADR 0016)",
+    )
+    fewest_bins: int = criterion(
+        16, "bins", "a band with fewer says nothing of coupling", NOT_RECORDED
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FreeTermCriteria:
+    """What a free term takes up."""
+
+    harmonics: Mapping[str, int] = criterion(
+        {"angle": 16, "travel": 6, "time": 2},
+        "orders",
+        "that a free spectral line brings, by its coordinate",
+        NOT_RECORDED,
+    )
+    half_waves: int = criterion(
+        8, "half waves over the record", "by which a free spectral line may change", NOT_RECORDED
+    )
+    whole_order_share: float = criterion(
+        0.02,
+        "1",
+        "a line this close to a whole order of a roll brings all orders of that roll",
+        NOT_RECORDED,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchCriteria:
+    """All criteria of the search."""
+
+    screening: ScreeningCriteria = field(default_factory=ScreeningCriteria)
+    acceptance: AcceptanceCriteria = field(default_factory=AcceptanceCriteria)
+    completeness: CompletenessCriteria = field(default_factory=CompletenessCriteria)
+    profile: ProfileCriteria = field(default_factory=ProfileCriteria)
+    degeneracy: DegeneracyCriteria = field(default_factory=DegeneracyCriteria)
+    unexplained: UnexplainedCriteria = field(default_factory=UnexplainedCriteria)
+    free_terms: FreeTermCriteria = field(default_factory=FreeTermCriteria)

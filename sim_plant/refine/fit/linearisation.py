@@ -1,0 +1,128 @@
+"""The line simulated at one anchor, and what declared numbers and free shapes change there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.model.nuisances import Nuisance
+from sim_plant.refine.model.simulation_pool import SimulationPool
+from sim_plant.refine.model.twin import Case
+
+RIPPLE_M = 2e-5
+"""Size of order 1 of the ripple that a free shape's response is taken from; order n has 1/n."""
+
+Changes = tuple[Array, ...]
+"""What one number changes, (channels, samples) per record."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Linearisation:
+    """Simulations at an anchor and the responses taken there.
+
+    Attributes
+    ----------
+    anchor : the simulation from which differences are taken, at the quick drive tick.
+    coarse, fine : its runs at the quick and at the declared drive tick, per record.
+    nuisance_changes : per declared number, the change of the channels per unit of it.
+    free_bodies : bodies whose shape is free in its low orders.
+    shape_changes : per free body, order and component (cos, sin), the change by a typical ripple.
+    """
+
+    anchor: Case
+    coarse: Changes
+    fine: Changes
+    nuisance_changes: tuple[Changes, ...]
+    free_bodies: tuple[int, ...] = ()
+    shape_changes: tuple[Changes, ...] = ()
+
+
+def linearised_at(
+    pool: SimulationPool,
+    nuisances: Sequence[Nuisance],
+    case: Case,
+    *,
+    nuisance_changes: tuple[Changes, ...] | None = None,
+    free_bodies: Sequence[int] = (),
+) -> Linearisation:
+    """Simulate the line at ``case`` and what changes there.
+
+    ``nuisance_changes`` are taken over from elsewhere when given.
+
+    Raises
+    ------
+    PlantError
+        When the line does not run at the end of a tolerance.
+    """
+    anchor = replace(case, coarse=True)
+    coarse, fine = (tuple(run) for run in pool.run([anchor, replace(case, coarse=False)]))
+    if nuisance_changes is None:
+        nuisance_changes = changes_by_nuisances(pool, nuisances, anchor, coarse)
+    bodies = tuple(sorted(set(free_bodies)))
+    return Linearisation(
+        anchor=anchor,
+        coarse=coarse,
+        fine=fine,
+        nuisance_changes=nuisance_changes,
+        free_bodies=bodies,
+        shape_changes=changes_by_shapes(pool, bodies, anchor, coarse),
+    )
+
+
+def with_free_bodies(
+    pool: SimulationPool, linearisation: Linearisation, bodies: Sequence[int]
+) -> Linearisation:
+    """Return the linearisation with the shapes of ``bodies`` free, of no others."""
+    free = tuple(sorted(set(bodies)))
+    changes = changes_by_shapes(pool, free, linearisation.anchor, linearisation.coarse)
+    return replace(linearisation, free_bodies=free, shape_changes=changes)
+
+
+def changes_by_nuisances(
+    pool: SimulationPool, nuisances: Sequence[Nuisance], anchor: Case, coarse: Changes
+) -> tuple[Changes, ...]:
+    """Simulate what a unit of every declared number changes, from a shift by its tolerance.
+
+    Raises
+    ------
+    PlantError
+        When the line does not run at the end of a tolerance.
+    """
+    put = dict(anchor.shifts)
+    cases = [
+        replace(
+            anchor,
+            shifts=tuple(sorted({**put, n.name: put.get(n.name, 0.0) + n.tolerance}.items())),
+        )
+        for n in nuisances
+    ]
+    runs = pool.run(cases)
+    for n, run in zip(nuisances, runs, strict=True):
+        if not all(np.isfinite(y).all() for y in run):
+            raise PlantError(
+                f"tolerances: {n.name} may be {n.tolerance:g} off, and there the line does "
+                "not run; a tolerance is two standard deviations, mostly a share of the "
+                f"number (0.02 is 2 %): give {n.name} a smaller one"
+            )
+    return tuple(
+        tuple((y - b) / n.tolerance for y, b in zip(run, coarse, strict=True))
+        for n, run in zip(nuisances, runs, strict=True)
+    )
+
+
+def changes_by_shapes(
+    pool: SimulationPool, bodies: Sequence[int], anchor: Case, coarse: Changes
+) -> tuple[Changes, ...]:
+    """Simulate what one typical ripple of each order of each body does, cos and sin."""
+    cases = [
+        replace(anchor, ripples=((body, n, RIPPLE_M * c / n, RIPPLE_M * s / n),))
+        for body in bodies
+        for n in range(1, CRITERIA.fit.free_orders + 1)
+        for c, s in ((1.0, 0.0), (0.0, 1.0))
+    ]
+    return tuple(tuple(y - b for y, b in zip(run, coarse, strict=True)) for run in pool.run(cases))

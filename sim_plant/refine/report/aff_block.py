@@ -1,0 +1,158 @@
+"""The AFF block that would cancel what was traced, to paste into a site file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from sim_plant.base.effects import Value
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.line.declaration import Declaration, EffectEntry
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.records.recording import Record
+from sim_plant.refine.report.plain import plain
+from sim_plant.refine.report.start_values import StartValue, start_values
+from sim_plant.refine.report.verdict import EffectFinding
+
+FILE = "aff_block.yaml"
+REPORT = CRITERIA.report
+HEAD = """\
+# for the site file: each entry (from `- roll` on) goes into the list `blocks` of an actuator,
+# indented as here; it replaces the entry with the same `roll` if there is one, all others stay;
+# a roller that has an actuator of its own belongs there; then run `aff-runtime check` on the file
+# start: moment arm of each order for `law: shape`, tried on the roll before it is used; with
+# `law: blocks` remove start and all orders but the first four
+"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AffBlock:
+    """One entry of a site file's list ``blocks``: keys as that file has them.
+
+    ``start`` are deviations that law shape may begin from; empty: none.
+    """
+
+    roll: str
+    orders: tuple[int, ...]
+    settle_s: float = REPORT.block_settle_s
+    amp_limit_m_s: float = REPORT.block_limit_m_s
+    start: tuple[StartValue, ...] = ()
+
+    def entry(self) -> dict[str, Any]:
+        """Return the entry as YAML takes it."""
+        data = plain(asdict(replace(self, roll=site_name(self.roll))))
+        if not self.start:
+            del data["start"]
+        return dict(data)
+
+
+def aff_blocks(findings: Iterable[EffectFinding]) -> list[AffBlock]:
+    """Return a block for every effect that a drive can cancel."""
+    return [
+        AffBlock(
+            roll=f.place.location, orders=tuple(BY_NAME[f.place.effect].cancelled(f.parameters))
+        )
+        for f in findings
+        if f.cancel and f.place.effect in BY_NAME
+    ]
+
+
+def write_block(
+    out: Path,
+    findings: Sequence[EffectFinding],
+    declaration: Declaration | None = None,
+    record: Record | None = None,
+) -> Path | None:
+    """Write the AFF blocks to paste under an actuator of the site file; None without any.
+
+    With the ``declaration`` the block of a driven roller carries the deviations that law shape
+    may start from, for every order that has one; their angles count from ``record``'s channel.
+    """
+    blocks = aff_blocks(findings)
+    if not blocks:
+        return None
+    if declaration is not None:
+        blocks = [with_start(block, findings, declaration, record) for block in blocks]
+    path = out / FILE
+    head = HEAD + "".join(_as_roll(block.roll, declaration) for block in blocks)
+    entries = "".join(_text(block) for block in blocks)
+    path.write_text(f"{head}    blocks:\n{entries}", encoding="utf-8")
+    return path
+
+
+def _text(block: AffBlock) -> str:
+    """Return one entry of a site file's list ``blocks``, as far in as it stands there."""
+    text = yaml.safe_dump(block.entry(), sort_keys=False, default_flow_style=None, width=88)
+    first, *rest = text.splitlines()
+    return "".join(f"{line}\n" for line in [f"      - {first}", *(f"        {x}" for x in rest)])
+
+
+def site_name(roller: str) -> str:
+    """Return a roller's name as a site file takes it: small letters, digits, underscores."""
+    name = re.sub(r"[^a-z0-9_]", "_", roller.lower())[:48]
+    return name if name[:1].isalpha() else f"roller_{name}"[:48]
+
+
+def _as_roll(name: str, declaration: Declaration | None) -> str:
+    """Return the comment that says how an idler comes into the site file; none for a drive's."""
+    if declaration is None or name in {drive.roller for drive in declaration.control.drives}:
+        return ""
+    at = declaration.body(name)
+    radius_m = declaration.rollers[at].radius_m
+    driven = sorted(declaration.body(drive.roller) for drive in declaration.control.drives)
+    ends = [
+        max((k for k in driven if k < at), default=None),
+        min((k for k in driven if k > at), default=None),
+    ]
+    beside = " or ".join(declaration.rollers[k].name for k in ends if k is not None)
+    return (
+        f"# {name} has no drive: its entry goes to the actuator of {beside}, the drives before "
+        f"and after it;\n# under `rolls` of the site file, with its angle channel if it has one:\n"
+        f"#   {site_name(name)}: {{ radius_m: {radius_m:.6g} }}\n"
+    )
+
+
+def with_start(
+    block: AffBlock,
+    findings: Iterable[EffectFinding],
+    declaration: Declaration,
+    record: Record | None,
+) -> AffBlock:
+    """Return the block with start values where a drive turns its roller."""
+    if block.roll not in {drive.roller for drive in declaration.control.drives}:
+        return block
+    effects = [
+        EffectEntry(
+            effect=f.place.effect,
+            location=f.place.location,
+            parameters=_taken(f.place.effect, f.parameters),
+        )
+        for f in findings
+        if f.place.location == block.roll and f.cancel
+    ]
+    first, last = min(block.orders), max(*block.orders, REPORT.highest_start_order)
+    orders = block.orders if len(block.orders) == 1 else range(first, last + 1)
+    start = tuple(start_values(declaration, effects, block.roll, orders, record))
+    if not start:
+        return block
+    return replace(block, orders=tuple(value.order for value in start), start=start)
+
+
+def _taken(effect: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
+    """Return the parameters that the effect itself takes, each said once.
+
+    A verdict names amplitude and angle beside the components they were found as.
+    """
+    known = BY_NAME[effect]
+    twice = {
+        name
+        for pair in known.quadratures
+        if pair.amplitude and pair.cos in parameters
+        for name in (pair.amplitude, pair.angle)
+    }
+    return {k: v for k, v in parameters.items() if k in known.parameters and k not in twice}

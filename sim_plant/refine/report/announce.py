@@ -1,0 +1,27 @@
+"""What is said before the work begins: what cannot be claimed, and what is odd about records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+from sim_plant.refine.records.recording import Record
+
+
+def holdout_limits(held: Sequence[Record]) -> list[str]:
+    """Return what the number of held-out records keeps from being claimed, as sentences."""
+    if not held:
+        return ["no held-out record: the error after is that of the record fitted"]
+    if len(held) > 1:
+        return [f"more than one held-out record: the errors are those of {held[0].path.name}"]
+    return []
+
+
+def announce(
+    limits: Iterable[str], records: Iterable[Record], progress: Callable[[str], None]
+) -> None:
+    """Say what cannot be claimed and what was found about every record."""
+    for text in limits:
+        progress(f"cannot be claimed: {text}")
+    for record in records:
+        for text in record.findings:
+            progress(f"{record.path.name}: {text}")

@@ -1,0 +1,36 @@
+"""How surely a fitted number is known."""
+
+from __future__ import annotations
+
+import math
+
+from scipy.stats import norm
+
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit
+
+SPREAD = float(norm.ppf(0.5 + 0.5 * CRITERIA.report.confidence))
+"""Standard deviations on either side of a number between which it lies."""
+
+
+def standard_deviations(fit: Fit) -> list[float]:
+    """Return one per fitted number: noise and tolerances, and for sizes the model's own error."""
+    noise = [math.sqrt(max(0.0, float(v))) for v in fit.covariance.diagonal()]
+    found: list[float] = []
+    for h, values in zip(fit.hypotheses, fit.values, strict=True):
+        change = {n: v - a for n, v, a in zip(h.names, values, h.absent, strict=True)}
+        phasors = {name for pair in h.effect.quadratures for name in (pair.cos, pair.sin)}
+        phasor = math.hypot(*(v for name, v in change.items() if name in phasors))
+        for name, value in change.items():
+            strength = h.effect.accepts[name].role == "strength"
+            own = phasor if name in phasors else value
+            found.append(
+                math.hypot(noise[len(found)], CRITERIA.report.model_share * own * strength)
+            )
+    return found
+
+
+def interval(value: float, standard_deviation: float) -> tuple[float, float]:
+    """Return low and high between which the number lies with the stated confidence."""
+    spread = SPREAD * standard_deviation
+    return value - spread, value + spread

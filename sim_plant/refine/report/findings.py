@@ -1,0 +1,100 @@
+"""From what the search found, and what it is worth, to the verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from sim_plant.base.effects import Value
+from sim_plant.refine.judge.holdout import Evaluation
+from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.place import Place
+from sim_plant.refine.report.confidence import interval, standard_deviations
+from sim_plant.refine.report.experiments import experiments
+from sim_plant.refine.report.verdict import (
+    Ambiguity,
+    ChannelError,
+    EffectFinding,
+    UnknownFinding,
+    Verdict,
+    Word,
+)
+from sim_plant.refine.search.selection import AcceptedEffect, Selection
+
+
+def verdict_of(selection: Selection, evaluation: Evaluation | None, holdout: str) -> Verdict:
+    """Return the whole verdict; ``holdout`` is the path of the record judged."""
+    return Verdict(
+        word=_word(selection),
+        effects=effect_findings(selection),
+        unknown=tuple(
+            UnknownFinding(kind=u.kind, coordinate=u.coordinate, strength=u.strength)
+            for u in selection.unknown
+        ),
+        ambiguous=tuple(
+            Ambiguity(
+                place=a.hypothesis.key,
+                alternatives=a.ambiguous,
+                experiments=tuple(experiments(a.hypothesis.key, a.ambiguous)),
+            )
+            for a in selection.accepted
+            if a.ambiguous
+        ),
+        residual_rms={} if evaluation is None else channel_errors(evaluation),
+        holdout=holdout,
+    )
+
+
+def _word(selection: Selection) -> Word:
+    if selection.unknown:
+        return "unknown"
+    if any(accepted.ambiguous for accepted in selection.accepted):
+        return "not_identifiable"
+    return "traced" if selection.accepted else "nothing"
+
+
+def channel_errors(evaluation: Evaluation) -> dict[str, ChannelError]:
+    """Return the error of every channel before and after."""
+    rows = zip(
+        evaluation.channels, evaluation.before, evaluation.after, evaluation.floor, strict=True
+    )
+    return {
+        name: ChannelError(before=float(b), after=float(a), noise_floor=float(f))
+        for name, b, a, f in rows
+    }
+
+
+def effect_findings(selection: Selection) -> tuple[EffectFinding, ...]:
+    """Return one finding per effect: parameters, 95 % intervals, score and runner-up."""
+    found, at = [], 0
+    sd = standard_deviations(selection.fit)
+    fit = selection.fit
+    for accepted, h, values in zip(selection.accepted, fit.hypotheses, fit.values, strict=True):
+        found.append(_finding(accepted, h, values, sd[at : at + len(values)]))
+        at += len(values)
+    return tuple(found)
+
+
+def _finding(
+    accepted: AcceptedEffect, h: Hypothesis, values: Sequence[float], sd: Sequence[float]
+) -> EffectFinding:
+    rows = list(zip(h.names, values, sd, strict=True))
+    parameters: dict[str, Value] = dict(h.fixed) | {name: value for name, value, _ in rows}
+    intervals = {name: interval(value, spread) for name, value, spread in rows}
+    for pair in h.effect.quadratures:
+        if pair.amplitude and pair.cos in parameters:
+            cos, sin = float(parameters[pair.cos]), float(parameters[pair.sin])
+            size = math.hypot(cos, sin)
+            parameters[pair.amplitude] = size
+            parameters[pair.angle] = math.atan2(sin, cos)
+            intervals[pair.amplitude] = interval(size, max(sd))
+    return EffectFinding(
+        place=Place(h.effect.name_in_version_1 or h.effect.name, h.location),
+        parameters=parameters,
+        interval95=intervals,
+        score=accepted.score,
+        runner_up=accepted.runner_up,
+        margin=accepted.margin,
+        cancel=bool(h.effect.cancel_orders),
+        text=h.effect.text,
+    )

@@ -1,0 +1,107 @@
+"""One effect at one place as a candidate: what it explains, what its numbers cost, its start."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.model.hypotheses import Hypothesis
+
+Progress = Callable[[str], None]
+"""Takes a line of text that says what goes on."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Candidate:
+    """A hypothesis after its first look, one linear step.
+
+    Attributes
+    ----------
+    chi2_reduction : fall of the cost; minus infinity where it cannot be simulated.
+    penalty : price of its free numbers [BIC].
+    start : numbers to begin the fit with.
+    """
+
+    hypothesis: Hypothesis
+    chi2_reduction: float
+    penalty: float
+    start: tuple[float, ...]
+
+    @property
+    def score(self) -> float:
+        """Fall of the cost less the price of the numbers."""
+        return self.chi2_reduction - self.penalty
+
+    def trimmed(self) -> tuple[Hypothesis, tuple[float, ...]]:
+        """Return the hypothesis without the orders that did not pay their price, and its start."""
+        h = self.hypothesis
+        kept = [k for k, (s, a) in enumerate(zip(self.start, h.absent, strict=True)) if s != a]
+        if not kept or len(kept) == len(h.names):
+            return h, self.start
+
+        def pick(row: tuple[float, ...]) -> tuple[float, ...]:
+            return tuple(row[k] for k in kept)
+
+        fewer = replace(
+            h,
+            names=tuple(h.names[k] for k in kept),
+            strengths=len(kept),
+            start=pick(h.start),
+            absent=pick(h.absent),
+            low=pick(h.low),
+            high=pick(h.high),
+            linear=tuple(h.linear[k] for k in kept),
+        )
+        return fewer, pick(self.start)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FittedCandidate:
+    """A fit with one more effect, its last.
+
+    Attributes
+    ----------
+    fit : all effects, the candidate last.
+    chi2_reduction : fall of the cost against the fit without it.
+    penalty : price of its free numbers [BIC].
+    ceiling : the score is no higher: what is lost when the effect is taken out again.
+    """
+
+    fit: Fit
+    chi2_reduction: float
+    penalty: float
+    ceiling: float = math.inf
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """The effect that the fit adds."""
+        return self.fit.hypotheses[-1]
+
+    @property
+    def score(self) -> float:
+        """Fall of the cost less the price of the numbers, no higher than the ceiling."""
+        return min(self.chi2_reduction - self.penalty, self.ceiling)
+
+    def at_most(self, score: float) -> FittedCandidate:
+        """Return the candidate with a score no higher than this."""
+        return replace(self, ceiling=score)
+
+
+def bic_penalty(objective: Objective, numbers: int) -> float:
+    """Return the fall of the cost that this many free numbers must pay.
+
+    Equation: q ln(N / 4), N rows  [BIC].
+    """
+    return numbers * math.log(objective.rows / 4.0)
+
+
+def fitted_candidate(objective: Objective, base: Fit, fit: Fit) -> FittedCandidate:
+    """Return ``fit``, which has one more effect than ``base``, with what that one is worth."""
+    return FittedCandidate(
+        fit=fit,
+        chi2_reduction=base.cost - fit.cost,
+        penalty=bic_penalty(objective, len(fit.hypotheses[-1].names)),
+    )

@@ -1,0 +1,109 @@
+"""A small file does not cost much: no cell, stamp or number makes memory, time or a traceback."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.line.load import load_declaration
+from sim_plant.line.record_file import LONGEST_LINE, read_columns
+from sim_plant.refine.records.sanity import even_grid
+from sim_plant.refine.records.text_table import text_table
+from tests.aff_runtime.config.shipped import ROOT
+
+CSV = Path("r.csv")
+
+
+@pytest.mark.parametrize("at", [2, 3])
+def test_an_open_quote_does_not_take_in_the_lines_that_follow(at):
+    """Every line is a cell of one row otherwise, each held as a text of some 60 bytes."""
+    fine = b"0.01,1.0\n" * (at - 2)
+    with pytest.raises(PlantError, match=rf"^r.csv: line {at}: a quote is left open; close it"):
+        text_table(CSV, b"time_s,x_N\n" + fine + b'"123\n",' * 10_000)
+
+
+def test_cells_in_quotes_are_read():
+    table = text_table(CSV, b'"time_s","x_N"\n"0.01","1.5"\n0.02,"2.5"\n')
+    assert {name: values.tolist() for name, values in table.items()} == {
+        "time_s": [0.01, 0.02],
+        "x_N": [1.5, 2.5],
+    }
+
+
+def test_a_line_without_end_is_not_handed_to_numpy(tmp_path):
+    """It took 22 bytes for each character of the line."""
+    file = tmp_path / "r.csv"
+    file.write_text("time_s,x_N\n0,1\n" + "1," * (LONGEST_LINE // 2 + 1), encoding="ascii")
+    with pytest.raises(PlantError, match=rf"line 3 is longer than {LONGEST_LINE} characters"):
+        read_columns(file)
+
+
+def calls_of(act):
+    """Return how many functions ``act`` calls, those of libraries in C too."""
+    count = 0
+
+    def one(_frame, event, _what):
+        nonlocal count
+        count += event in ("call", "c_call")
+
+    sys.setprofile(one)
+    try:
+        act()
+    finally:
+        sys.setprofile(None)
+    return count
+
+
+def stamps(rows):
+    """Return 0 1 2 2 4 5 6 6 8 ...: of every four stamps one sits on its neighbour's."""
+    found = np.arange(rows, dtype=np.float64)
+    found[3::4] -= 1.0
+    return found
+
+
+def test_misplaced_stamps_are_counted_and_put_on_the_grid():
+    """The two steps beside a misplaced stamp are odd: 0 and 2 where 1 is usual."""
+    step, columns, said = even_grid(CSV, stamps(1001), {"x_N": np.ones(1001)})
+    assert step == 1.0
+    assert columns["x_N"].tolist() == [1.0] * 1001
+    assert said[0] == "500 stamps sit on their neighbour's"
+
+
+def test_a_gap_among_misplaced_stamps_is_found_at_its_place():
+    late = stamps(1001)
+    late[601:] += 7.0
+    with pytest.raises(
+        PlantError, match=r"1 gaps in time_s, the first after line 602 \(8 s where"
+    ):
+        even_grid(CSV, late, {"x_N": np.ones(1001)})
+
+
+def test_the_effort_for_odd_stamps_does_not_grow_with_their_number():
+    """One look for each of them, among all others, was days for a record of 10 MB."""
+    few, many = (
+        calls_of(lambda n=rows: even_grid(CSV, stamps(n), {"x_N": np.ones(n)}))
+        for rows in (401, 4001)
+    )
+    assert many == few
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "value", "said"),
+    [
+        ("rollers", "center_x_m", 1e300, "the centres and radii give inf"),
+        ("control", "tension_loop_sample_time_s", 1e300, "must be a multiple of the drive period"),
+    ],
+)
+def test_a_number_that_overflows_is_refused_in_words(tmp_path, section, key, value, said):
+    line = yaml.safe_load((ROOT / "config/lines/euclid.yaml").read_text(encoding="utf-8"))
+    part = line[section]
+    (part[0] if isinstance(part, list) else part)[key] = value
+    file = tmp_path / "line.yaml"
+    file.write_text(yaml.safe_dump(line), encoding="utf-8")
+    with pytest.raises(PlantError, match=said):
+        load_declaration(file)

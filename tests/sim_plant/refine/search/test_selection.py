@@ -1,0 +1,129 @@
+"""Which of several fits is claimed: the rules, with fits made up for them."""
+
+from dataclasses import replace
+
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.search.candidate import FittedCandidate
+from sim_plant.refine.search.selection import (
+    AcceptedEffect,
+    Extension,
+    Selection,
+    accept,
+    at_noise_floor,
+    preferred,
+    score,
+)
+from tests.sim_plant.refine.small import fit_of, one_peak, quiet
+
+DRAG = hypothesis(BY_NAME["bearing_drag"], "R3")
+FAR_DRAG = hypothesis(BY_NAME["bearing_drag"], "R9")
+MODULUS = hypothesis(BY_NAME["web_modulus"], "web")
+COST, PENALTY = 41_000.0, 10.0
+
+
+def selection(cost=COST, nominal=None, **more):
+    return Selection(
+        nominal=fit_of(cost=cost if nominal is None else nominal),
+        fit=fit_of(cost=cost),
+        travels=(),
+        before=one_peak(),
+        after=one_peak(),
+        **more,
+    )
+
+
+def rival(h, worth):
+    """Return a fit whose score is this."""
+    fit = fit_of(h, cost=COST - worth - PENALTY)
+    return FittedCandidate(fit=fit, chi2_reduction=COST - fit.cost, penalty=PENALTY)
+
+
+def claimed(rivals, missed, found=None):
+    """Return what is accepted, given the score that each effect keeps when it is taken out."""
+    found = found or selection()
+
+    def chi2_without(fit):
+        return missed[fit.hypotheses[-1].key] + PENALTY
+
+    return accept(found, score(found, rivals, chi2_without, quiet), [], quiet)
+
+
+def test_a_fit_that_is_not_missed_makes_room_for_the_next():
+    missed = {DRAG.key: 10.0, MODULUS.key: 400.0}
+    found = claimed([rival(DRAG, 450.0), rival(MODULUS, 420.0)], missed).accepted
+    assert found.hypothesis.key == MODULUS.key
+    assert found.score == pytest.approx(400.0)
+    assert found.ambiguous == ()
+
+
+def test_two_that_are_missed_alike_are_both_named():
+    missed = {DRAG.key: 300.0, FAR_DRAG.key: 296.0}
+    found = claimed([rival(DRAG, 310.0), rival(FAR_DRAG, 305.0)], missed).accepted
+    assert found.ambiguous == (FAR_DRAG.key,)
+    assert found.runner_up == FAR_DRAG.key
+    assert found.margin == pytest.approx(4.0)
+
+
+def test_a_weak_one_that_another_explains_as_well_is_no_claim():
+    missed = {DRAG.key: 130.0, FAR_DRAG.key: 126.0}
+    assert claimed([rival(DRAG, 130.0), rival(FAR_DRAG, 126.0)], missed) is None
+    found = claimed([rival(DRAG, 130.0)], missed)
+    assert found.hypothesis.key == DRAG.key
+
+
+def test_what_has_no_line_of_its_own_needs_more():
+    assert claimed([rival(DRAG, 100.0)], {DRAG.key: 100.0}) is None
+    eccentric = hypothesis(BY_NAME["eccentric_roller"], "R6")
+    found = claimed([rival(eccentric, 100.0)], {eccentric.key: 100.0})
+    assert found.hypothesis.key == eccentric.key
+
+
+def test_the_least_of_a_large_explanation_grows_with_it():
+    large = selection(nominal=COST + 1e5)
+    assert claimed([rival(DRAG, 500.0)], {DRAG.key: 500.0}, large) is None
+
+
+def test_what_a_strong_free_term_leaves_is_no_effect():
+    beside = selection(chi2_of_free_terms=5e5)  # a flat spot no effect explains; 0.1 % is 500
+    assert claimed([rival(DRAG, 500.0)], {DRAG.key: 450.0}, beside) is None
+    assert claimed([rival(DRAG, 550.0)], {DRAG.key: 550.0}, beside) is not None
+
+
+def test_a_score_beyond_doubt_is_not_looked_at_again():
+    asked = []
+    found = score(selection(), [rival(DRAG, 5000.0)], lambda fit: asked.append(fit) or 0.0, quiet)
+    assert [c.score for c in found] == [pytest.approx(5000.0)]
+    assert asked == []
+
+
+@pytest.mark.parametrize(
+    ("explained", "left", "ended"),
+    [
+        (649.0, -470.0, False),  # noise of 40 000 rows is known to 283: a weak line may be left
+        (1e6, 3000.0, True),  # 0.6 % of what a strong effect explained
+        (1e6, 7000.0, False),
+    ],
+)
+def test_the_search_ends_when_what_is_left_is_surely_no_effect(explained, left, ended):
+    expected = 40_000.0
+    cost = expected + left
+    found = selection(cost=cost, nominal=cost + explained)
+    assert at_noise_floor(found, expected, 3.0 * (2.0 * expected) ** 0.5) is ended
+
+
+def extension(h, cost):
+    accepted = AcceptedEffect(hypothesis=h, score=1e4, runner_up=None, margin=1e4, rejected=())
+    return Extension(accepted=accepted, fit=fit_of(h, cost=cost))
+
+
+def test_an_effect_that_explains_less_than_half_of_a_pair_does_not_take_its_place():
+    """Roll bounce, complete at its one line, against a flat spot that a delay has turned."""
+    flat = extension(hypothesis(BY_NAME["out_of_round_roll"], "unwind"), cost=2e5)
+    bounce = extension(hypothesis(BY_NAME["roll_bounce"], "unwind"), cost=6e5)
+    assert preferred([bounce], [flat]) == (flat, False)
+    cheaper = replace(bounce, fit=replace(bounce.fit, cost=1e5))
+    assert preferred([bounce, cheaper], [flat]) == (cheaper, True)
+    assert preferred([], []) == (None, False)
