@@ -8,6 +8,8 @@
 # --prefix    put everything below DIR; no user, no systemd (for tests and packages)
 # --python    interpreter of the environment (3.11 to 3.13; default python3)
 set -eu
+# As root no Python takes modules from the folder in which somebody happens to stand.
+export PYTHONSAFEPATH=1
 
 dry_run=no
 can=no

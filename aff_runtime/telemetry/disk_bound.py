@@ -31,9 +31,10 @@ def delete_oldest(directory: Path, *, max_bytes: int, keep: Path) -> int:
     ----------
     directory : folder of run folders; anything else in it is left alone.
     max_bytes : bound on the sum of all run folders, bytes.
-    keep : segment being written; never deleted, nor its folder.
+    keep : segment being written; never deleted, nor its folder. Its run is thinned out last,
+        even where a clock that was set back names it as the oldest.
     """
-    folders = _run_folders(directory)
+    folders = sorted(_run_folders(directory), key=lambda folder: folder == keep.parent)
     excess = sum(_folder_bytes(folder) for folder in folders) - max_bytes
     deleted = 0
     for folder in folders:
@@ -104,10 +105,11 @@ def _is_run(folder: Path) -> bool:
 
 
 def _folder_bytes(folder: Path) -> int:
-    """Return the size of the files of one run folder, bytes."""
+    """Return the size of one run's own files, bytes; others never go, so they do not count."""
     total = 0
     with contextlib.suppress(OSError):
         for path in folder.iterdir():
             with contextlib.suppress(OSError):
-                total += path.lstat().st_size
+                if path.name in _OTHERS or _SEGMENT.fullmatch(path.name):
+                    total += path.lstat().st_size
     return total

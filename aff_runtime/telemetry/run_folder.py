@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -145,7 +146,7 @@ def _free_name(directory: Path, name: str) -> Path:
     """Return a folder path that does not exist yet."""
     path = directory / name
     serial = 1
-    while path.exists():
+    while os.path.lexists(path):  # a link to nowhere is there too
         serial += 1
         path = directory / f"{name}-{serial}"
     return path

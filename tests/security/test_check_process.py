@@ -11,12 +11,21 @@ from typing import Any, cast
 import pytest
 
 from aff_runtime.app.check.limits import MEMORY_BYTES, PATIENCE_S, PROCESSOR_S
-from aff_runtime.app.supervisor import edit_session, validation
+from aff_runtime.app.link.runtime_directory import runtime_paths
+from aff_runtime.app.supervisor import edit_session, supervisor, validation
 from aff_runtime.app.supervisor.edit_session import EditSession
+from aff_runtime.app.supervisor.file_watch import FileWatch
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.response_ledger import ResponseLedger
-from aff_runtime.app.supervisor.validation import Validation, load_record
+from aff_runtime.app.supervisor.run_options import RunOptions
+from aff_runtime.app.supervisor.validation import (
+    MAX_FINDING_LENGTH,
+    MAX_FINDINGS,
+    Validation,
+    Verdict,
+    load_record,
+)
 from aff_runtime.base.errors import ConfigError
 from tests.aff_runtime.config.shipped import edited
 from tests.doubles.virtual_clock import VirtualClock
@@ -163,3 +172,60 @@ def _under_way(edits: EditSession) -> int:
     check = edits._check
     assert check is not None
     return check.pid
+
+
+def test_an_edit_saved_while_the_service_starts_is_taken_like_any_other(tmp_path: Path) -> None:
+    path = edited(tmp_path)
+    watch = FileWatch([path])
+    first = load_record(path)
+    assert first.record is not None
+    path.write_text(path.read_text().replace("settle_s: 6,", "settle_s: 7,"))
+    running = Running(first.record)
+    pending = Pending(VirtualClock())
+    edits = EditSession(cast(Processes, running), pending, path, first, watch=watch)
+
+    until("the edit is seen", lambda: edits.step() is None and edits.is_busy)
+    until("the edit is taken", lambda: edits.step() is None and not edits.is_busy)
+    assert running.record["site_text"] == path.read_text()
+
+
+def test_the_service_looks_at_its_file_before_the_check_reads_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = edited(tmp_path)
+    real = supervisor.load_record
+
+    def slow(site: Path, state: Path) -> Verdict:
+        found = real(site, state)
+        site.write_text(site.read_text() + "# saved while the check ran\n")
+        return found
+
+    monkeypatch.setattr(supervisor, "load_record", slow)
+    paths = runtime_paths(tmp_path / "rt")
+    paths.directory.mkdir(mode=0o700)
+    service = supervisor.Supervisor(RunOptions(site=path, paths=paths))
+    try:
+        service._edits.step()
+        assert service._edits.is_busy
+    finally:
+        service._shut_down()
+
+
+def test_thousands_of_findings_do_not_fill_log_record_and_status(tmp_path: Path) -> None:
+    path = edited(tmp_path)
+    path.write_text(path.read_text() + "".join(f"k{i}: 1\n" for i in range(5000)))
+    found = Validation(path).verdict(wait_s=PATIENCE_S)
+    assert found is not None
+    assert found.record is None
+    assert len(found.findings) == MAX_FINDINGS + 1
+    assert found.findings[-1].endswith("4950 more; `aff-runtime check` names every one")
+
+
+def test_a_finding_that_quotes_without_end_is_cut(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = "import json\nprint(json.dumps({'record': None, 'findings': ['x' * 100000]}))\n"
+    instead(monkeypatch, said)
+    found = Validation(tmp_path / "site.yaml").verdict(wait_s=PATIENCE_S)
+    assert found is not None
+    assert len(found.findings[0]) == MAX_FINDING_LENGTH

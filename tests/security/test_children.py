@@ -11,14 +11,17 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
+from aff_runtime.app.supervisor import recorder_child
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
 from aff_runtime.app.supervisor.validation import Validation, load_record
 from aff_runtime.base.python_child import module_command
+from aff_runtime.config.yaml_marks import MAX_BYTES
+from aff_runtime.telemetry.ring import RingReader
 from sim_plant.base.worker_context import spawn_context
 from tests.processes import until
 
@@ -218,3 +221,47 @@ def test_of_all_children_the_control_process_alone_can_speak_to_systemd(
     with both(verdict.record, tmp_path) as (control, recorder):
         assert environment(control.pid)["NOTIFY_SOCKET"] == "/run/none"
         assert not told.keys() & environment(recorder.pid).keys()
+
+
+@pytest.mark.parametrize("step", ["venv", "pip"])
+def test_the_installer_runs_nothing_of_the_folder(tmp_path: Path, step: str) -> None:
+    folder, prefix, mark = tmp_path / "here", tmp_path / "there", tmp_path / "mark"
+    folder.mkdir()
+    for name in ("venv.py", "pip.py"):
+        (folder / name).write_text(f"open({str(mark)!r}, 'w').close()\n")
+    stand_in = prefix / "opt/aff-runtime/venv/bin/python" if step == "pip" else tmp_path / "python"
+    stand_in.parent.mkdir(parents=True, exist_ok=True)
+    stand_in.write_text(
+        f"""#!/bin/sh
+case "$1 $2" in
+    "-m venv" | "-m pip") exec {sys.executable} -m "$2" --help ;;
+    *) exec {sys.executable} "$@" ;;
+esac
+"""
+    )
+    stand_in.chmod(0o755)
+    install = Path(__file__).parents[2] / "deploy" / "install.sh"
+    done = subprocess.run(
+        ["sh", str(install), "--prefix", str(prefix), "--python", str(stand_in)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert f"-m {step} " in done.stdout
+    assert "usage" in done.stdout.lower()  # it was the real one
+    assert not mark.exists()
+
+
+def test_the_supervisor_does_not_wait_for_a_recorder_that_does_not_listen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    over = tmp_path / "over"
+    script = f"import time; time.sleep(10); open({str(over)!r}, 'w').close()"
+    deaf = [sys.executable, "-c", script]
+    monkeypatch.setattr(recorder_child, "module_command", lambda _: deaf)
+    with (tmp_path / "ring").open("wb") as ring:
+        text = "\u00e4" * (MAX_BYTES // 2)
+        child = RecorderChild(cast(RingReader, ring), tmp_path, {"site_text": text})
+    assert not over.exists()
+    child.wait(0.0)

@@ -12,6 +12,7 @@ import pytest
 from aff_runtime.app.link import files
 from aff_runtime.app.link.files import replace_text
 from aff_runtime.telemetry.disk_bound import delete_oldest, used_bytes
+from aff_runtime.telemetry.run_folder import RunFolder
 
 SECRET = "root:*:20228:0:99999:7:::\n"
 OLD, NEW = "20260101T000000Z_line", "20260102T000000Z_line"
@@ -97,6 +98,36 @@ def test_what_somebody_put_into_a_run_stays_with_its_mark_gone_last(tmp_path: Pa
     (old / "notes.txt").write_text("mine")
     delete_oldest(runs, max_bytes=1, keep=ours / "signals-0003.csv.gz")
     assert names(old) == ["notes.txt"]
+
+
+def test_a_large_file_that_somebody_put_into_a_run_costs_no_other_record(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    old, ours = run(runs, OLD), run(runs, NEW)
+    (old / "export.mf4").write_bytes(bytes(50_000))
+    delete_oldest(runs, max_bytes=7000, keep=ours / "signals-0003.csv.gz")
+    assert len(names(old)) == 8
+    assert len(names(ours)) == 7
+
+
+def test_a_clock_that_was_set_back_does_not_make_the_present_run_the_oldest(
+    tmp_path: Path,
+) -> None:
+    runs = tmp_path / "runs"
+    present, before = run(runs, "19700101T000012Z_line"), run(runs, OLD)
+    delete_oldest(runs, max_bytes=4000, keep=present / "signals-0003.csv.gz")
+    assert len(names(present)) == 7
+    assert "signals-0001.csv.gz" not in (names(before) if before.exists() else [])
+
+
+def test_a_link_to_nowhere_with_the_name_of_the_new_run_is_not_followed(tmp_path: Path) -> None:
+    runs, target = tmp_path / "runs", tmp_path / "later"
+    runs.mkdir()
+    (runs / "20260101T000000Z_line").symlink_to(target)
+    header = {"start_utc": "2026-01-01T00:00:00", "columns": ["time_s"], "meta": {}}
+    folder = RunFolder(runs, header, {"name": "line"})
+    assert folder.path.name == "20260101T000000Z_line-2"
+    assert folder.files_lost == 0
+    assert not target.exists()
 
 
 # --- files that are replaced ------------------------------------------------------------------

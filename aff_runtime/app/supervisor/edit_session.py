@@ -24,6 +24,11 @@ ADOPT_PATIENCE_S = 2.0
 class EditSession:
     """Watches the site file and the learned responses it names.
 
+    Parameters
+    ----------
+    verdict : of the file that runs.
+    watch : looked at the site file before that check read it: what was saved meanwhile is an edit.
+
     Attributes
     ----------
     differs : why the file is not the running configuration; empty when it is.
@@ -37,12 +42,14 @@ class EditSession:
         site: Path,
         verdict: Verdict,
         state: Path = STATE_DIRECTORY,
+        watch: FileWatch | None = None,
     ) -> None:
         self._processes = processes
         self._pending = pending
         self._site = site
         self._state = state
-        self._watch = FileWatch(_watched(site, processes.record))
+        self._watch = watch or FileWatch([site])
+        self._watch.watch(_watched(site, processes.record))
         self._check: Validation | None = None
         self._waiting: Verdict | None = None
         self._handing_over = False

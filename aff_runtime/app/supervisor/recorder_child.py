@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import json
 import os
 import subprocess
@@ -14,6 +15,10 @@ from aff_runtime.app.report.status_answer import RecorderReport, recorder_report
 from aff_runtime.app.supervisor.child_environment import without_service_manager
 from aff_runtime.base.python_child import module_command
 from aff_runtime.telemetry.ring import RingReader
+
+# A pipe that holds the whole context, a site file of 256 kB with every letter escaped: who serves
+# the operator must not wait for a recorder that starts slowly, or not at all.
+_CONTEXT_BYTES = 1 << 20
 
 
 class RecorderChild:
@@ -35,6 +40,8 @@ class RecorderChild:
         self._output = self._process.stdout.fileno()
         self._heard = b""
         self._report: dict[str, Any] = {}
+        with contextlib.suppress(OSError):
+            fcntl.fcntl(self._input, fcntl.F_SETPIPE_SZ, _CONTEXT_BYTES)
         self._write(context)
         os.set_blocking(self._input, False)
         os.set_blocking(self._output, False)

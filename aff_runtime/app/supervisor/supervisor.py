@@ -32,6 +32,7 @@ from aff_runtime.app.report.status import live_status
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
 from aff_runtime.app.supervisor.edit_session import EditSession
+from aff_runtime.app.supervisor.file_watch import FileWatch
 from aff_runtime.app.supervisor.pending import Answer, Pending, as_answer
 from aff_runtime.app.supervisor.probe_session import ProbeSession
 from aff_runtime.app.supervisor.processes import Processes
@@ -62,6 +63,7 @@ class Supervisor:
     """
 
     def __init__(self, options: RunOptions) -> None:
+        watch = FileWatch([options.site])  # before the check: it may take its time
         verdict = load_record(options.site, options.state_directory)
         requests = RequestSocket(options.paths.socket)
         self._clock = MonotonicClock()
@@ -76,7 +78,7 @@ class Supervisor:
         self._forecast = CrossingForecast()
         self._link_fd: int | None = None
         self._edits = EditSession(
-            self._processes, self._pending, options.site, verdict, options.state_directory
+            self._processes, self._pending, options.site, verdict, options.state_directory, watch
         )
         self._probe: ProbeSession | None = None
         self._stop_asked: list[Asked] = []

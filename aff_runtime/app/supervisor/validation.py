@@ -18,6 +18,10 @@ from aff_runtime.base.ports import Clock
 from aff_runtime.base.python_child import module_command
 from aff_runtime.config.site_paths import STATE_DIRECTORY
 
+# More than anybody reads at once. Each is a line of the log, an event and a part of every status.
+MAX_FINDINGS = 50
+MAX_FINDING_LENGTH = 2000
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:
@@ -79,7 +83,7 @@ class Validation:
         self._output.close()
         try:
             said = json.loads(text)
-            return Verdict(record=said["record"], findings=tuple(said["findings"]))
+            return Verdict(record=said["record"], findings=self._told(said["findings"]))
         except (ValueError, KeyError, TypeError):
             return self._refused(_how_it_died(self._process.returncode))
 
@@ -88,6 +92,13 @@ class Validation:
         self._process.kill()
         self._process.wait()
         self._output.close()
+
+    def _told(self, findings: list[str]) -> tuple[str, ...]:
+        """Return as many findings as a log, a record and an answer can bear."""
+        told = [finding[:MAX_FINDING_LENGTH] for finding in findings[:MAX_FINDINGS]]
+        if more := len(findings) - len(told):
+            told.append(f"{self._site}:1:1  {more} more; `aff-runtime check` names every one")
+        return tuple(told)
 
     def _refused(self, why: str) -> Verdict:
         return Verdict(record=None, findings=(f"{self._site}:1:1  {why}",))
