@@ -78,8 +78,8 @@ def told(
         ),
         (
             told(State.FAULT, "TENSION_IMPLAUSIBLE", "TENSION_IMPLAUSIBLE (unwind_tension_N)"),
-            "FAULT: TENSION_IMPLAUSIBLE (unwind_tension_N), tension is NaN, stuck or out of range; "
-            "check the load cell, then arm again",
+            "FAULT: TENSION_IMPLAUSIBLE (unwind_tension_N), tension is NaN, stuck or out of "
+            "range; check the load cell, then arm again",
         ),
         (
             told(State.BYPASS, "APPLIED_DIFFERS", "APPLIED_DIFFERS (unwind: 0.02 m/s, 0 sent)"),
