@@ -94,7 +94,7 @@ def _one_stamp_off(steps: Array, step: float) -> Flags:
     An odd step of that kind is one misplaced stamp. All steps at once: how many are odd is up to
     whoever wrote the file.
     """
-    makes_two = np.abs(steps[1:] + steps[:-1] - 2.0 * step) < 0.2 * step
+    makes_two = np.abs(steps[1:] + steps[:-1] - 2.0 * step) < RECORDS.misplaced_stamp_share * step
     found: Flags = np.zeros(steps.size, dtype=np.bool_)
     found[:-1] |= makes_two
     found[1:] |= makes_two

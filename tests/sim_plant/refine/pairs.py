@@ -8,7 +8,6 @@ Results are kept in DIR, one folder a run; a run that is there is not made again
 """
 
 import argparse
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +15,7 @@ import numpy as np
 import yaml
 
 from sim_plant.cli.main import main as sim_plant
+from sim_plant.refine.report.verdict import Verdict
 
 ROOT = Path(__file__).parents[3]
 FOLDER = ROOT / "data" / "lines"
@@ -78,24 +78,24 @@ def verdict(run, out):
             ["refine", line, fit, "--holdout", held, "--out", str(path.parent), *taken]
         )
         assert done == 0
-    return json.loads(path.read_text())
+    return Verdict.from_json(path.read_text(encoding="utf-8"))
 
 
 def faults(run, result):
     """Return what is wrong with a verdict, as sentences; none when it is right."""
     label = labels()[run.case]
     left = {pair for pair in label if pair[0] not in run.without}
-    found = {(e["effect"], e["location"]) for e in result["effects"]}
+    found = {(e.place.effect, e.place.location) for e in result.effects}
     wrong = [f"{name} at {place} is not there" for name, place in sorted(found - left)]
     if not run.without:
         wrong += [f"{name} at {place} is missed" for name, place in sorted(left - found)]
-        if result["verdict"] != ("traced" if label else "nothing"):
-            wrong.append(f"verdict is {result['verdict']}")
+        if result.word != ("traced" if label else "nothing"):
+            wrong.append(f"verdict is {result.word}")
         return wrong
-    if result["verdict"] != "unknown":
-        return [*wrong, f"verdict is {result['verdict']}"]
+    if result.word != "unknown":
+        return [*wrong, f"verdict is {result.word}"]
     for name, place in label:
-        if name in run.without and not any(shows(run, name, place, u) for u in result["unknown"]):
+        if name in run.without and not any(shows(run, name, place, u) for u in result.unknown):
             wrong.append(f"{name} at {place} is not among the unknown")
     return wrong
 
@@ -107,7 +107,7 @@ def shows(run, name, place, unknown):
     line: declared numbers beyond tolerance, or broadband; a delay in the loop of a roll that is
     not round shows at that roll's orders and nowhere else.
     """
-    kind, where = unknown["class"], unknown["coordinate"]
+    kind, where = unknown.kind, unknown.coordinate
     locked_to = "unwind" if name == "loop_delay" else place
     if name in NO_LINE and kind in ("state", "broadband"):
         return True
@@ -125,12 +125,11 @@ def shows(run, name, place, unknown):
 
 def row(run, result):
     """Return one line of the table."""
-    what = [f"{e['effect']} at {e['location']}" for e in result["effects"]]
-    what += [f"unknown: {u['class']}, {coordinate(u['coordinate'])}" for u in result["unknown"]]
-    judged = {n: r for n, r in result["residual_rms"].items() if not n.endswith("_angle_rad")}
-    before, after = (
-        [r[when] / r["noise_floor"] for r in judged.values()] for when in ("before", "after")
-    )
+    what = [str(e.place) for e in result.effects]
+    what += [f"unknown: {u.kind}, {coordinate(u.coordinate)}" for u in result.unknown]
+    judged = {n: e for n, e in result.residual_rms.items() if not n.endswith("_angle_rad")}
+    before = [e.before / e.noise_floor for e in judged.values()]
+    after = [e.after / e.noise_floor for e in judged.values()]
     tension = judged["unwind_tension_N"]
     cells = [
         run.case,
@@ -138,7 +137,7 @@ def row(run, result):
         ", ".join(run.without) or "-",
         "; ".join(what) or "nothing",
         "; ".join(faults(run, result)) or "yes",
-        " / ".join(f"{tension[k]:.3f}" for k in ("before", "after", "noise_floor")),
+        f"{tension.before:.3f} / {tension.after:.3f} / {tension.noise_floor:.3f}",
         *(f"{x:.2f}" for x in (np.median(before), np.median(after), max(after))),
     ]
     return f"| {' | '.join(cells)} |"

@@ -33,8 +33,8 @@ def test_the_verdict_is_the_label(run, out):
 @pytest.mark.parametrize("case", list(labels()))
 def test_the_error_on_the_held_out_record_is_the_floor(case, out):
     run = next(r for r in RUNS if r.case == case)
-    rows = verdict(run, out)["residual_rms"].values()
-    assert np.median([r["after"] / r["noise_floor"] for r in rows]) < 1.05
+    errors = verdict(run, out).residual_rms.values()
+    assert np.median([e.after / e.noise_floor for e in errors]) < 1.05
 
 
 @pytest.mark.parametrize("run", [r for r in RUNS if r.without], ids=lambda r: r.name)
