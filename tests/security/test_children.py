@@ -200,8 +200,10 @@ def test_the_workers_of_a_pool_run_nothing_of_the_folder(trap: Path) -> None:
 
 
 def environment(pid: int) -> dict[str, str]:
-    """Return what a process was started with."""
-    rows = Path(f"/proc/{pid}/environ").read_bytes().decode().split("\0")
+    """Return what a process was started with; there is nothing to read until its program runs."""
+    place = Path(f"/proc/{pid}/environ")
+    until("the process runs its program", lambda: bool(place.read_bytes()))
+    rows = place.read_bytes().decode().split("\0")
     return dict(row.split("=", 1) for row in rows if row)
 
 

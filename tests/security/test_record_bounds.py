@@ -17,7 +17,7 @@ from asammdf import MDF
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import main
-from sim_plant.line.load import load_declaration
+from sim_plant.line.load import load_declaration, read_source
 from sim_plant.line.record_file import read_columns
 from sim_plant.line.yaml_places import load_yaml
 from sim_plant.refine.records import limits, mdf_table, parquet_table, text_table
@@ -25,7 +25,6 @@ from sim_plant.refine.records.in_child import table_from_child
 from sim_plant.refine.records.mdf_table import mdf_table as mdf_columns
 from sim_plant.refine.records.parquet_table import parquet_table as parquet_columns
 from sim_plant.refine.records.read import read_record
-from sim_plant.refine.without_line.record_filter import is_record_declaration
 from sim_plant.servers.map_file import load_plc_map
 from tests.security.record_files import STAMPS, saved
 
@@ -300,13 +299,12 @@ MERGES = "".join(
         ("x" * (1 << 20), r": is larger than 1 MB; cut it"),
     ],
 )
-@pytest.mark.parametrize("read", [load_declaration, load_plc_map, load_yaml])
+@pytest.mark.parametrize("read", [load_declaration, load_plc_map, load_yaml, read_source])
 def test_yaml_that_unfolds_or_never_ends_is_refused_at_its_place(tmp_path, text, said, read):
     path = tmp_path / "x.yaml"
     path.write_text(TOP + text)
     with pytest.raises(PlantError, match=f"^{path}{said}"):
         read(path)
-    assert not is_record_declaration(path)
 
 
 def test_yaml_of_other_bytes_is_refused_with_its_line(tmp_path):
