@@ -46,7 +46,7 @@ def cells(states: tuple[str, ...] = STATES) -> Iterator[Cell]:
                 )
 
 
-def judge(cell: Cell) -> str:  # noqa: PLR0911 (one return per verdict)
+def judge(cell: Cell) -> str:
     """Run one cell; return what is wrong, empty when nothing is."""
     bench = MatrixBench(cell.wire, seed=len(cell.fault))
     wrong = _reach(bench, cell.state)
