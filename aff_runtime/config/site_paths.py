@@ -38,7 +38,7 @@ def issues(site: Site, folder: Path, state: Path) -> Iterator[Issue]:
 
 
 def _text(path: KeyPath, name: str, real: Path, folder: Path) -> str:
-    leads = f"{name} leads to {real}, which is not below {folder}"
+    leads = f"{folder / name} leads to {real}, which is not below {folder}"
     if path[0] == "recording":
         return f"{leads}. Leave the key out, and start the service with --record-dir {name}."
     if path[-1] == "response":

@@ -126,7 +126,11 @@ def test_without_a_folder_code_compiles_and_none_is_written_anywhere(tmp_path, m
     places = {"XDG_CACHE_HOME": taken, "TMPDIR": tmp_path / "tmp", "HOME": tmp_path}
     done = subprocess.run(
         [sys.executable, str(program)],
-        env={**os.environ, **{name: str(place) for name, place in places.items()}},
+        env={
+            **os.environ,
+            "PYTHONPATH": str(Path(__file__).parents[2]),  # the benchmarks are not installed
+            **{name: str(place) for name, place in places.items()},
+        },
         capture_output=True,
         text=True,
         check=False,

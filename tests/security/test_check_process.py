@@ -11,13 +11,11 @@ from typing import Any, cast
 import pytest
 
 from aff_runtime.app.check.limits import MEMORY_BYTES, PATIENCE_S, PROCESSOR_S
-from aff_runtime.app.link.runtime_directory import runtime_paths
 from aff_runtime.app.supervisor import edit_session, validation
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.response_ledger import ResponseLedger
-from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.validation import Validation, load_record
 from aff_runtime.base.errors import ConfigError
 from tests.aff_runtime.config.shipped import edited
@@ -142,8 +140,7 @@ def test_an_edit_whose_check_hangs_is_told_and_the_next_one_is_taken(
     monkeypatch.setattr(
         edit_session, "Validation", lambda site, state: Validation(site, state, clock)
     )
-    options = RunOptions(site=path, paths=runtime_paths(tmp_path / "rt"))
-    edits = EditSession(cast(Processes, running), Pending(clock), options, first)
+    edits = EditSession(cast(Processes, running), Pending(clock), path, first)
 
     path.write_text(path.read_text().replace("settle_s: 6,", "settle_s: 7,"))
     until("the edit is seen", lambda: edits.step() is None and edits.is_busy)

@@ -12,11 +12,11 @@ from aff_runtime.app.supervisor.file_watch import FileWatch
 from aff_runtime.app.supervisor.pending import Pending, as_answer
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.response_exchange import exchanged_responses
-from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.validation import Validation, Verdict
 from aff_runtime.app.wiring.assemble import site_of
 from aff_runtime.app.wiring.parameter_record import for_control
 from aff_runtime.config.diff import diff_sites, may_apply_while_active
+from aff_runtime.config.site_paths import STATE_DIRECTORY
 
 ADOPT_PATIENCE_S = 2.0
 
@@ -31,12 +31,18 @@ class EditSession:
     """
 
     def __init__(
-        self, processes: Processes, pending: Pending, options: RunOptions, verdict: Verdict
+        self,
+        processes: Processes,
+        pending: Pending,
+        site: Path,
+        verdict: Verdict,
+        state: Path = STATE_DIRECTORY,
     ) -> None:
         self._processes = processes
         self._pending = pending
-        self._site, self._state = options.site, options.state_directory
-        self._watch = FileWatch(_watched(self._site, processes.record))
+        self._site = site
+        self._state = state
+        self._watch = FileWatch(_watched(site, processes.record))
         self._check: Validation | None = None
         self._waiting: Verdict | None = None
         self._handing_over = False

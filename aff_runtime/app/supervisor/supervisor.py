@@ -75,7 +75,9 @@ class Supervisor:
         self._states = StateLog()
         self._forecast = CrossingForecast()
         self._link_fd: int | None = None
-        self._edits = EditSession(self._processes, self._pending, options, verdict)
+        self._edits = EditSession(
+            self._processes, self._pending, options.site, verdict, options.state_directory
+        )
         self._probe: ProbeSession | None = None
         self._stop_asked: list[Asked] = []
         self._stopping = False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -47,13 +47,9 @@ def write_amended(
     path = out / FILE
     if path.resolve() == line.path.resolve():
         raise PlantError(f"{path}: is the line file itself; choose another --out")
-    declared = line.declaration
-    corrections = dict(declared.corrections)
-    for name, amount in selection.corrections.items():
-        corrections[name] = corrections.get(name, 0.0) + amount
-    effects = declared.effects if stated is None else stated
+    effects = line.declaration.effects if stated is None else stated
     changes = {
-        "corrections": corrections,
+        "corrections": _summed(line.declaration.corrections, selection.corrections),
         "effects": [*map(_entry, effects), *map(_entry, found_effects(selection.fit))],
         "provenance": {
             "made_by": command,
@@ -66,7 +62,7 @@ def write_amended(
     }
     text = with_keys(line.text.removeprefix(HEAD), plain(changes))
     path.write_text(HEAD + text, encoding="utf-8")
-    if _kept(load_declaration(path)) != _kept(declared):
+    if _kept(load_declaration(path)) != _kept(line.declaration):
         raise PlantError(
             f"{path}: says something else than {line.path} beside what was found; write the "
             "line file without YAML anchors and try again"
@@ -77,6 +73,14 @@ def write_amended(
 def found_effects(fit: Fit) -> list[EffectEntry]:
     """Return the fitted effects as entries of a line declaration."""
     return [e.entry() for e in fit.effects]
+
+
+def _summed(declared: Mapping[str, float], found: Mapping[str, float]) -> dict[str, float]:
+    """Return corrections of the file with those found added."""
+    total = dict(declared)
+    for name, amount in found.items():
+        total[name] = total.get(name, 0.0) + amount
+    return total
 
 
 def _entry(entry: EffectEntry) -> dict[str, Any]:

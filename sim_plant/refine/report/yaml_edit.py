@@ -16,6 +16,7 @@ import yaml
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.constructor import RoundTripConstructor
+from ruamel.yaml.error import YAMLError
 from ruamel.yaml.nodes import ScalarNode
 from ruamel.yaml.representer import RoundTripRepresenter
 from ruamel.yaml.tokens import CommentToken
@@ -58,8 +59,21 @@ def with_keys(text: str, changes: Mapping[str, Any]) -> str:
     """Return a YAML mapping with these keys of its top level at these values.
 
     Values are plain (numbers, texts, lists, mappings). What a value has in common with the one
-    that is there keeps its comments; new keys come last.
+    that is there keeps its comments; new keys come last. Where ruamel cannot read a text that
+    YAML 1.1 allows, or would render a comment into a value, values come first: the comments are
+    lost then.
     """
+    wanted = {**yaml.safe_load(text), **changes}
+    try:
+        found = _edited(text, changes)
+        faithful = yaml.safe_load(found) == wanted
+    except (YAMLError, yaml.YAMLError):
+        faithful = False
+    return found if faithful else yaml.safe_dump(wanted, sort_keys=False, width=WIDTH)
+
+
+def _edited(text: str, changes: Mapping[str, Any]) -> str:
+    """Return the owner's lines with those that the change makes other."""
     round_trip = _round_trip(text)
     data = round_trip.load(text)
     before = _rendered(round_trip, data)
@@ -73,16 +87,7 @@ def with_keys(text: str, changes: Mapping[str, Any]) -> str:
         else:
             _add(round_trip, data, key, value)
     after = _rendered(round_trip, data)
-    found = "".join(_spelled_as(text.splitlines(keepends=True), before, after))
-    wanted = {**yaml.safe_load(text), **changes}
-    return found if _read(found) == wanted else yaml.safe_dump(wanted, sort_keys=False)
-
-
-def _read(text: str) -> Any:
-    try:
-        return yaml.safe_load(text)
-    except yaml.YAMLError:
-        return None
+    return "".join(_spelled_as(text.splitlines(keepends=True), before, after))
 
 
 def _round_trip(text: str) -> YAML:

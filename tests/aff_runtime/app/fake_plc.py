@@ -42,6 +42,7 @@ class Plc:
         return [
             *(self.heartbeat, self.status, high, low, 9000, 1000, 8000, 1000, 1),
             *(high_2, low_2, *angle, *angle, self.words[0]),
+            *(self.words[3], self.words[8]),  # applied at once, without a limit of its own
         ]
 
     def take(self, words: list[int]) -> None:

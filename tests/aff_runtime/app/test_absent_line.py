@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from aff_runtime.app.link.request_client import ServiceClient
+from aff_runtime.app.report.status_answer import read_answer
 from aff_runtime.base.errors import AffError
 from aff_runtime.cli.status import lines
 from tests.aff_runtime.app.service_run import ROOT
@@ -45,7 +46,7 @@ def test_a_serial_line_that_is_not_there_is_in_log_and_status(tmp_path: Path) ->
         until("the wire", lambda: bool(status().get("wire")))
         answer = status()
         assert said in answer["wire"][0]
-        shown = list(lines(answer))
+        shown = list(lines(read_answer(answer)))
         assert [line for line in shown if line.startswith("wire ") and said in line]
         assert f"wire: {said}" in log.read_text()
     finally:

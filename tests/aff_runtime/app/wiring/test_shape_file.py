@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -250,10 +251,15 @@ def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) ->
     assert (path.read_text() == before) is not quiet
 
 
-def test_a_file_that_cannot_be_forgotten_is_said_to_the_operator(tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_forgotten_is_said_to_the_operator(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
     about, shelf = record(tmp_path), ShapeShelf(lambda *_: None)
     shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
-    (tmp_path / ".x.shape.json.new").mkdir()  # in the way of writing, also for root
+    monkeypatch.setattr(os, "fsync", full)  # for root too
     made = Supervisor.__new__(Supervisor)
     made._processes = SimpleNamespace(record=about, shapes=shelf)  # type: ignore[assignment]
     said = made._forget_files(Reply(id=1, ok=True))

@@ -2,7 +2,6 @@ import itertools
 
 import numpy as np
 import pytest
-from scipy.fft import dct
 from scipy.signal import lfilter
 
 from sim_plant.refine.noise.drift import (
@@ -26,9 +25,27 @@ def wandering(runs: int, seed: int) -> np.ndarray:
     return white
 
 
-def test_slow_terms_are_the_discrete_cosine_transform_s_own():
-    values = np.random.default_rng(1).standard_normal(SAMPLES)
-    assert values @ slow_cosines(SAMPLES) == pytest.approx(dct(values, norm="ortho")[:SLOW])
+def cosines():
+    """Return the slowest cosines over a record (samples, terms), by their formula."""
+    at = np.arange(SAMPLES) + 0.5
+    terms = np.cos(np.pi * np.outer(at, np.arange(SLOW)) / SAMPLES) * np.sqrt(2.0 / SAMPLES)
+    terms[:, 0] /= np.sqrt(2.0)
+    return terms
+
+
+def test_slow_cosines_are_the_parts_along_orthonormal_cosines():
+    values = np.random.default_rng(1).standard_normal((3, SAMPLES))
+    assert slow_cosines(values) == pytest.approx(values @ cosines(), abs=1e-12)
+    assert cosines().T @ cosines() == pytest.approx(np.eye(SLOW), abs=1e-12)
+
+
+def test_drift_is_brought_to_unit_size_along_every_cosine_and_nowhere_else():
+    values = np.random.default_rng(1).standard_normal((2, SAMPLES))
+    sd = np.linspace(1.0, 9.0, 2 * SLOW).reshape(2, SLOW)
+    left = drift_whitened(values, sd)
+    assert left @ cosines() == pytest.approx(values @ cosines() / sd, abs=1e-12)
+    rest = np.eye(SAMPLES)[:, :50] - cosines() @ cosines().T[:, :50]
+    assert left @ rest == pytest.approx(values @ rest, abs=1e-12)
 
 
 def test_white_noise_has_unit_terms_and_a_slow_part_is_seen_at_its_size():
@@ -47,7 +64,7 @@ def test_a_steady_difference_is_worth_what_the_wander_leaves_of_it():
     fresh = np.stack([drift_whitened(x, sd) for x in wandering(100, 2)])
     mean = fresh.mean(axis=2) * np.sqrt(SAMPLES)
     assert np.std(mean, axis=0) == pytest.approx([1.0, 1.0], abs=0.25)
-    assert (fresh @ slow_cosines(SAMPLES)).var(axis=(0, 2)) == pytest.approx([1.0, 1.0], abs=0.1)
+    assert slow_cosines(fresh).var(axis=(0, 2)) == pytest.approx([1.0, 1.0], abs=0.1)
 
 
 def test_what_is_faster_than_the_slow_terms_is_left_alone():

@@ -92,6 +92,17 @@ def test_what_is_named_elsewhere_too_stays_as_it_is_there():
     assert found == {"first": {"size_m": 2.0}, "second": {"size_m": 1.0}}
 
 
+@pytest.mark.parametrize(
+    ("own", "changes"),
+    [
+        (OWN, {"corrections": [{}, 0.0, []]}),  # a comment would become part of the 0.0
+        ('a: "\\/"\nb: !!binary aGk=\nc: 0b11\n', {"b": 1}),
+    ],
+)
+def test_values_come_before_comments(own, changes):
+    assert yaml.safe_load(with_keys(own, changes)) == yaml.safe_load(own) | changes
+
+
 def test_a_removed_entry_is_gone():
     found = with_keys(OWN, {"rollers": [{"name": "R1", "radius_m": 0.0381}]})
     assert yaml.safe_load(found)["rollers"] == [{"name": "R1", "radius_m": 0.0381}]
