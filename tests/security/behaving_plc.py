@@ -1,7 +1,8 @@
 """A PLC that behaves, on a wire with delays: what the guard of a healthy line may see.
 
-Written from the rules of docs/architecture.md, not from the simulated PLC: of its own it may have
-any ramp to zero within 100 ms, any limit (it refuses what is beyond, or cuts it), any scan.
+Written from the rules of docs/technician/gateway-block.md, not from the simulated PLC: of its own
+it may have any ramp to zero within 100 ms, any limit (it refuses what is beyond, or cuts it), any
+scan.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from aff_runtime.safety.params import (
     RadiusParams,
 )
 
-_PLC_FADE_S = 0.100  # docs/architecture.md: a correction that does not count is zero within it
+_PLC_FADE_S = 0.100  # docs/technician/gateway-block.md: what does not count is zero by then
 _DRIVE_LAG_S = 0.015  # a drive may show what it took three cycles of 5 ms before
 
 
