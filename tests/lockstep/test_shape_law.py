@@ -208,7 +208,7 @@ def test_a_shape_that_is_not_the_rolls_is_refused_by_the_ripple(responses, learn
 
 def test_the_follower_stands_on_its_blocks_as_long_as_it_has_no_drive():
     params = site_params(load_site(SITE))
-    assert [a.law.value for a in params.actuators] == ["shape", "plain"]
+    assert [a.law for a in params.actuators] == ["shape", "blocks"]
 
 
 def test_repeated_readings_lengthen_a_trial_and_do_not_end_it(responses, learned):
