@@ -2,4 +2,4 @@
 
 __version__ = "0.1.0"  # the only place; pyproject.toml reads it from here
 
-__all__ = ["__version__", "app", "base", "cli", "config", "telemetry"]
+__all__ = ["__version__", "app", "base", "cli", "config", "core", "loop", "telemetry"]

@@ -1,27 +1,34 @@
 #!/bin/sh
 # Installs AFF Runtime as a service. Run again to update: settings and records stay.
 #
-#   sudo deploy/install.sh [--dry-run] [--can] [--prefix DIR] [--python PYTHON]
+#   sudo deploy/install.sh [--dry-run] [--can] [--hmi | --remove-hmi] [--prefix DIR] [--python PYTHON]
 #
-# --dry-run   say what would be done, do nothing
-# --can       CAN, CANopen or a serial line: their packages, and the service's right to use them
-# --prefix    put everything below DIR; no user, no systemd (for tests and packages)
-# --python    interpreter of the environment (3.11 to 3.13; default python3)
+# --dry-run     say what would be done, do nothing
+# --can         CAN, CANopen or a serial line: their packages, and the service's right to use them
+# --hmi         the screen too: a user, an environment and a unit of its own; updated ever after
+# --remove-hmi  take the screen away again and nothing else; what lies in /etc/aff-hmi stays
+# --prefix      put everything below DIR; no user, no systemd (for tests and packages)
+# --python      interpreter of the environment (3.11 to 3.13; default python3)
 set -eu
 # As root no Python takes modules from the folder in which somebody happens to stand.
 export PYTHONSAFEPATH=1
+# Whatever root's own is: the service's user reads what is installed, and nobody else writes it.
+umask 022
 
 dry_run=no
 can=no
+hmi=no
 prefix=
 python=python3
 while [ $# -gt 0 ]; do
     case $1 in
         --dry-run) dry_run=yes ;;
         --can) can=yes ;;
+        --hmi) hmi=yes ;;
+        --remove-hmi) hmi=remove ;;
         --prefix) prefix=$2; shift ;;
         --python) python=$2; shift ;;
-        -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
         *) echo "install.sh: unknown option $1" >&2; exit 2 ;;
     esac
     shift
@@ -33,15 +40,44 @@ etc=$prefix/etc/aff-runtime
 state=$prefix/var/lib/aff-runtime
 units=$prefix/etc/systemd/system
 rules=$prefix/etc/udev/rules.d
+hmi_opt=$prefix/opt/aff-hmi
+hmi_etc=$prefix/etc/aff-hmi
 
 run() {
     echo "+ $*"
     [ "$dry_run" = yes ] || "$@"
 }
 
+# A drop-in of one line.
+put() {
+    echo "+ $2 > $1"
+    [ "$dry_run" = yes ] || printf '[Service]\n%s\n' "$2" > "$1"
+}
+
 if [ -z "$prefix" ] && [ "$dry_run" = no ] && [ "$(id -u)" -ne 0 ]; then
     echo "install.sh: needs root; or use --prefix DIR, or --dry-run" >&2
     exit 2
+fi
+if [ "$hmi" = remove ]; then
+    if [ -z "$prefix" ]; then
+        run systemctl disable --now aff-hmi.service || true
+    fi
+    # The service's door goes with its next start; until then nobody comes through it.
+    run rm -f "$units/aff-runtime.service.d/hmi.conf" "$units/aff-hmi.service" \
+        "$units/system-affview.slice"
+    run rm -rf "$units/aff-hmi.service.d" "$hmi_opt"
+    if [ -d "$hmi_etc" ]; then
+        run rmdir --ignore-fail-on-non-empty "$hmi_etc"
+    fi
+    if [ -z "$prefix" ]; then
+        # Before the group goes: a service that starts by itself now must not ask for it.
+        run systemctl daemon-reload
+        if getent passwd aff-hmi > /dev/null; then run userdel aff-hmi; fi
+        if getent group aff-door > /dev/null; then run groupdel aff-door; fi
+        run rm -f /usr/local/bin/aff-hmi
+    fi
+    echo "The screen is gone; the service is as it was, and closes its door with its next start."
+    exit 0
 fi
 if ! "$python" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))'; then
     echo "install.sh: $python is not Python 3.11 to 3.13; name one with --python" >&2
@@ -52,6 +88,15 @@ if [ -z "$prefix" ]; then
     if ! getent passwd aff-runtime > /dev/null; then
         run useradd --system --user-group --home-dir /var/lib/aff-runtime \
             --shell /usr/sbin/nologin aff-runtime
+    fi
+fi
+# A screen that is there speaks to the service of the same release only.
+if [ "$hmi" = no ] && [ -d "$hmi_opt/venv" ]; then hmi=yes; fi
+if [ "$hmi" = yes ] && [ -z "$prefix" ]; then
+    getent group aff-door > /dev/null || run groupadd --system aff-door
+    if ! getent passwd aff-hmi > /dev/null; then
+        run useradd --system --user-group --groups aff-door --no-create-home \
+            --home-dir /nonexistent --shell /usr/sbin/nologin aff-hmi
     fi
 fi
 
@@ -72,16 +117,15 @@ run mkdir -p "$units/aff-runtime.service.d"
 # The technician's file too.
 [ -e "$units/aff-runtime.service.d/plc.conf" ] ||
     run cp "$source_dir/deploy/aff-runtime.plc.conf" "$units/aff-runtime.service.d/plc.conf"
-# The unit lets programs run from /usr and from the environment: an interpreter elsewhere is named.
+# A unit lets programs run from /usr and from its environment: an interpreter elsewhere is named.
 base=$("$python" -c 'import sys; print(sys.base_prefix)')
-case $base in
-    /usr | /usr/*) run rm -f "$units/aff-runtime.service.d/python.conf" ;;
-    *)
-        echo "+ ExecPaths=$base > $units/aff-runtime.service.d/python.conf"
-        [ "$dry_run" = yes ] ||
-            printf '[Service]\nExecPaths=%s\n' "$base" > "$units/aff-runtime.service.d/python.conf"
-        ;;
-esac
+name_interpreter() {
+    case $base in
+        /usr | /usr/*) run rm -f "$1/python.conf" ;;
+        *) put "$1/python.conf" "ExecPaths=$base" ;;
+    esac
+}
+name_interpreter "$units/aff-runtime.service.d"
 if [ "$can" = yes ]; then
     run cp "$source_dir/deploy/aff-runtime.can.conf" "$units/aff-runtime.service.d/can.conf"
 fi
@@ -95,6 +139,34 @@ if [ -z "$prefix" ]; then
     run ln -sf /opt/aff-runtime/venv/bin/aff-runtime /usr/local/bin/aff-runtime
 fi
 
+if [ "$hmi" = yes ]; then
+    # An environment of its own: no package of a web server is on the way of the correction.
+    run mkdir -p "$hmi_opt" "$units/aff-hmi.service.d"
+    [ -x "$hmi_opt/venv/bin/python" ] || run "$python" -m venv "$hmi_opt/venv"
+    run "$hmi_opt/venv/bin/python" -m pip install --quiet --no-cache-dir --upgrade "${source_dir}[hmi]"
+    run cp "$source_dir/deploy/aff-hmi.service" "$units/aff-hmi.service"
+    run cp "$source_dir/deploy/system-affview.slice" "$units/system-affview.slice"
+    run cp "$source_dir/deploy/aff-runtime.hmi.conf" "$units/aff-runtime.service.d/hmi.conf"
+    # The technician's file.
+    [ -e "$units/aff-hmi.service.d/listen.conf" ] ||
+        run cp "$source_dir/deploy/aff-hmi.listen.conf" "$units/aff-hmi.service.d/listen.conf"
+    name_interpreter "$units/aff-hmi.service.d"
+    # The control process ticks on the last processor.
+    last=$(($(nproc --all) - 1))
+    if [ "$last" -gt 0 ]; then
+        put "$units/aff-hmi.service.d/cpu.conf" "CPUAffinity=0-$((last - 1))"
+    else
+        run rm -f "$units/aff-hmi.service.d/cpu.conf"
+    fi
+    run mkdir -p "$hmi_etc"
+    run chmod 0750 "$hmi_etc"
+    if [ -z "$prefix" ]; then
+        run chown root:aff-hmi "$hmi_etc"
+        run ln -sf /opt/aff-hmi/venv/bin/aff-hmi /usr/local/bin/aff-hmi
+        run systemctl daemon-reload
+    fi
+fi
+
 cat << DONE
 Next: edit $etc/site.yaml, write the PLC's address into
   $units/aff-runtime.service.d/plc.conf (systemctl daemon-reload), then
@@ -103,4 +175,9 @@ Next: edit $etc/site.yaml, write the PLC's address into
   sudo -u aff-runtime aff-runtime status
 and follow $opt/share/RUNBOOK.md; the correction stays off until somebody arms it.
 After an update: aff-runtime bypass, then systemctl restart aff-runtime.
+DONE
+[ "$hmi" = no ] || cat << DONE
+The screen: restart aff-runtime as above (it opens its door), then
+  systemctl enable aff-hmi && systemctl restart aff-hmi
+and look at http://127.0.0.1:8480/ ; from a network: $units/aff-hmi.service.d/listen.conf
 DONE

@@ -3,12 +3,18 @@
 __all__ = [
     "arguments",
     "clock",
+    "effort",
     "errors",
     "events",
     "ports",
     "printable",
     "python_child",
+    "run_files",
+    "run_table",
+    "run_window",
     "signals",
     "suggest",
     "units",
+    "yaml_places",
+    "yaml_section",
 ]

@@ -26,3 +26,12 @@ def printable(text: str, longest: int | None = None) -> str:
     if longest is None or len(shown) <= longest:
         return shown
     return (shown[: max(longest - len(_MORE), 0)] + _MORE)[:longest]
+
+
+def word(value: object, absent: str = "") -> str:
+    """Return ``value`` where it is a text of a file, else ``absent``.
+
+    What is nested is never turned into text: its aliases could unfold to more than there is room
+    for.
+    """
+    return value if isinstance(value, str) else absent

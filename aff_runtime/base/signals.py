@@ -60,6 +60,10 @@ class State(IntEnum):
     SHADOW = 7
 
 
+LATCHED_STATES = (State.FAULT, State.BYPASS)
+"""What only an operator's edge leads out of."""
+
+
 class Outcome(IntEnum):
     """How one wire transaction ended."""
 

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.base.arguments import speed_m_s
+from aff_runtime.base.effort import bounded_effort
+from aff_runtime.base.errors import ConfigError
 from aff_runtime.cli.service import add_state_dir
 from aff_runtime.cli.terminal import complain, say
 from aff_runtime.config.check import check_site
@@ -37,7 +39,8 @@ def check(options: argparse.Namespace) -> int:
     if any(not 0.0 < speed < float("inf") for speed in options.speed):
         complain("aff-runtime: --speed must be above 0 m/s")
         return 2
-    report = check_site(options.site, tuple(options.speed), options.state_dir)
+    with bounded_effort(str(options.site), ConfigError):
+        report = check_site(options.site, tuple(options.speed), options.state_dir)
     for line in report.lines(brief=options.brief):
         (say if report.ok else complain)(line)
     return report.exit_code

@@ -13,10 +13,36 @@ from pathlib import Path
 from aff_runtime import __version__
 from aff_runtime.app.link.runtime_directory import default_directory
 from aff_runtime.base.errors import AffError
-from aff_runtime.cli import check, operate, probe, probe_map, roll, run, status, top, wire_map
+from aff_runtime.cli import (
+    check,
+    compare,
+    metrics,
+    operate,
+    probe,
+    probe_map,
+    roll,
+    run,
+    settings,
+    status,
+    top,
+    wire_map,
+)
 from aff_runtime.cli.terminal import complain
 
-COMMANDS = (check, run, operate, status, top, roll, probe, probe_map, wire_map)
+COMMANDS = (
+    check,
+    run,
+    operate,
+    settings,
+    status,
+    top,
+    roll,
+    compare,
+    metrics,
+    probe,
+    probe_map,
+    wire_map,
+)
 
 
 def build_parser() -> argparse.ArgumentParser:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from aff_runtime.app.link.answers import Done
+from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import State
-from aff_runtime.cli.service import connect
+from aff_runtime.cli.service import connect, status_of
 from aff_runtime.cli.terminal import say as say_line
 
 STOP_PATIENCE_S = 15.0
-DONE = {"forget": "forgotten; rollers are kept"}
+WORDS = {"forget": "forgotten; rollers are kept"}
 BYPASS_PATIENCE_NS = 5_000_000_000
 LOOK_NS = 50_000_000
 
@@ -49,16 +51,16 @@ def say(word: str, options: argparse.Namespace) -> int:
             say_line("stopped")
         elif word == "bypass":
             client.ask("bypass")
-            say_line(after_bypass(lambda: client.ask("status"), MonotonicClock()))
+            say_line(after_bypass(lambda: status_of(client), MonotonicClock()))
         else:
-            answer = client.ask(word)
-            say_line(answer.get("state", DONE.get(word, "ok")))
+            done = Done.from_json(client.ask(word))
+            say_line(done.state or WORDS.get(word, "ok"))
     finally:
         client.close()
     return 0
 
 
-def after_bypass(status: Callable[[], Mapping[str, Any]], clock: Clock) -> str:
+def after_bypass(status: Callable[[], StatusAnswer], clock: Clock) -> str:
     """Return what became of a bypass as the service shows it: off, and nothing goes out.
 
     Parameters
@@ -74,10 +76,10 @@ def after_bypass(status: Callable[[], Mapping[str, Any]], clock: Clock) -> str:
     end_ns = clock.now_ns() + BYPASS_PATIENCE_NS
     while True:
         answer = status()
-        state = str(answer.get("state", ""))
-        if state == State.BYPASS.name and not any(_going_out(answer)):
+        state = answer.state
+        if state == State.BYPASS.name and not _goes_out(answer):
             return "bypassed"
-        if answer.get("control_pid") == 0:
+        if answer.control_pid == 0:
             return "nothing goes out: no control process is running; see `aff-runtime status`"
         if clock.now_ns() >= end_ns:
             raise RefusedError(
@@ -88,8 +90,6 @@ def after_bypass(status: Callable[[], Mapping[str, Any]], clock: Clock) -> str:
         clock.sleep_until_ns(clock.now_ns() + LOOK_NS)
 
 
-def _going_out(answer: Mapping[str, Any]) -> Iterator[float]:
-    """Yield the corrections that a status shows."""
-    for name, value in answer.get("signals", {}).items():
-        if name.startswith("correction_"):
-            yield value or 0.0
+def _goes_out(answer: StatusAnswer) -> bool:
+    """Return whether a status shows a correction."""
+    return answer.live is not None and any(sent.value for sent in answer.live.tick.corrections)

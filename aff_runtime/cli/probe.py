@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.link.answers import KeptResponse, ProbeDone
 from aff_runtime.app.supervisor.validation import load_record
 from aff_runtime.cli.service import add_state_dir, connect
 from aff_runtime.cli.terminal import say
+from aff_runtime.config.models import Actuator
+from aff_runtime.core.response import Response
 
 MARGIN_S = 40.0
 
@@ -34,39 +37,39 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
 
 def probe(options: argparse.Namespace) -> int:
     """Run a probe and print its table."""
-    record = load_record(options.site, options.state_dir).record or {}
-    duration_s = float(record["site"]["probe"]["duration_s"])
+    site = load_record(options.site, options.state_dir).checked().site
+    duration_s = site.probe.duration_s
     say(f"probing for about {duration_s:.0f} s; `aff-runtime bypass` ends it")
     client = connect(options)
     try:
         answer = client.ask("probe", timeout_s=duration_s + MARGIN_S, actuators=options.actuator)
     finally:
         client.close()
-    for result in answer["results"]:
-        actuator = record["site"]["actuators"][result["actuator"]]
-        for line in table(result, gain_unit(actuator)):
+    for kept in ProbeDone.from_json(answer).results:
+        actuator = site.actuators[kept.result.actuator]
+        for line in table(kept, gain_unit(actuator)):
             say(line)
     return 0
 
 
-def gain_unit(actuator: Mapping[str, Any]) -> str:
+def gain_unit(actuator: Actuator) -> str:
     """Return the unit of an actuator's response: of its signal per unit of its correction."""
-    signal = str(actuator["error"]["signal"])
+    signal = actuator.error.signal
     above = "N" if signal.endswith("_N") else "m/s" if signal.endswith("_m_s") else "1"
-    return f"{above}/(m/s)" if actuator["output"] == "velocity_reference" else f"{above}/(N m)"
+    return f"{above}/(m/s)" if actuator.output == "velocity_reference" else f"{above}/(N m)"
 
 
-def table(result: Mapping[str, Any], unit: str) -> Iterator[str]:
+def table(kept: KeptResponse, unit: str) -> Iterator[str]:
     """Yield one probed actuator as text; ``unit`` is that of its gain."""
-    response = result["response"]
-    yield f"{result['actuator']}: sign {result['sign']:+d}, delay {result['delay_s'] * 1e3:.0f} ms"
+    result = kept.result
+    yield f"{result.actuator}: sign {result.sign:+d}, delay {result.delay_s * 1e3:.0f} ms"
     yield f"      Hz {unit:>10}   phase deg  error %  coherence"
-    for point in response["points"]:
+    for point in Response.from_json(result.text).points:
         yield (
-            f"{point['frequency_Hz']:8.3f} {point['gain']:10.4g} "
-            f"{math.degrees(point['phase_rad']):11.1f} {point['relative_error'] * 100:8.1f} "
-            f"{point['coherence']:10.3f}"
+            f"{point.frequency_Hz:8.3f} {point.gain:10.4g} "
+            f"{math.degrees(point.phase_rad):11.1f} {point.relative_error * 100:8.1f} "
+            f"{point.coherence:10.3f}"
         )
-    for remark in result["remarks"]:
+    for remark in result.remarks:
         yield f"  remark: {remark}"
-    yield f"  kept in {result['file']}"
+    yield f"  kept in {kept.file}"

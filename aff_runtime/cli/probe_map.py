@@ -10,7 +10,8 @@ from typing import Any
 from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.app.wiring.wires import wire_of
 from aff_runtime.base.clock import MonotonicClock
-from aff_runtime.base.errors import WireError
+from aff_runtime.base.effort import bounded_effort
+from aff_runtime.base.errors import ConfigError, WireError
 from aff_runtime.cli.service import add_state_dir
 from aff_runtime.cli.terminal import say
 from aff_runtime.config.can_wire import can_map_of, wire_files
@@ -36,7 +37,8 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
 
 def probe_map(options: argparse.Namespace) -> int:
     """Read the block a few times and print every reading of every word."""
-    site = load_site(options.site, options.state_dir)
+    with bounded_effort(str(options.site), ConfigError):
+        site = load_site(options.site, options.state_dir)
     clock = MonotonicClock()
     modbus = site.gateway.modbus
     if modbus is None:

@@ -9,9 +9,9 @@ from typing import Any
 
 from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.report.roll_page import page
-from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
+from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.cli.service import connect
+from aff_runtime.cli.service import connect, status_of
 from aff_runtime.cli.terminal import say
 
 ATTEMPTS = 50
@@ -19,7 +19,9 @@ ATTEMPTS = 50
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
     """Add the command to the parser."""
-    text = "draw the rolls as they are known now, in mm, with what each order gains: one page"
+    text = (
+        "draw the rolls as they are known now, in mm, with the reduction of each order: one page"
+    )
     parser = commands.add_parser("roll", parents=[service], help=text)
     parser.add_argument(
         "--out",
@@ -31,13 +33,13 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     parser.set_defaults(command=roll)
 
 
-def at_the_encoders_zero(ask: Callable[[str], dict[str, Any]]) -> StatusAnswer:
+def at_the_encoders_zero(status: Callable[[], StatusAnswer]) -> StatusAnswer:
     """Return a status of a tick with a fresh reading: a slow PLC has not one in every tick."""
-    answer = read_answer(ask("status"))
+    answer = status()
     for _ in range(ATTEMPTS):
         if any(block.encoder_deg is not None for block in answer.blocks):
             break
-        answer = read_answer(ask("status"))
+        answer = status()
     return answer
 
 
@@ -45,7 +47,7 @@ def roll(options: argparse.Namespace) -> int:
     """Write the page and print where."""
     client = connect(options)
     try:
-        answer = at_the_encoders_zero(client.ask)
+        answer = at_the_encoders_zero(lambda: status_of(client))
     finally:
         client.close()
     try:

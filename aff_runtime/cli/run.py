@@ -23,6 +23,14 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder of all records (default: recording.directory of the site file)",
     )
+    parser.add_argument(
+        "--door-dir",
+        type=Path,
+        default=None,
+        metavar="DIR",
+        help="folder of the door for screens of another user, aff-hmi (default: the runtime "
+        "directory, for our own user alone)",
+    )
     add_state_dir(parser)
     parser.add_argument(
         "--forget",
@@ -45,6 +53,7 @@ def run(options: argparse.Namespace) -> int:
             paths=paths_of(options),
             record_directory=options.record_dir,
             state_directory=options.state_dir,
+            door_directory=options.door_dir,
             shadow=options.shadow,
             forget=options.forget,
         )

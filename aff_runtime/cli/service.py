@@ -7,6 +7,7 @@ from pathlib import Path
 
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.runtime_directory import RuntimePaths, default_directory, runtime_paths
+from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
 from aff_runtime.config.site_paths import STATE_DIRECTORY
 
 
@@ -25,6 +26,11 @@ def add_state_dir(parser: argparse.ArgumentParser) -> None:
         help="folder beside the site file's own that what it names may lie in "
         "(default %(default)s)",
     )
+
+
+def status_of(client: ServiceClient) -> StatusAnswer:
+    """Return how the service stands."""
+    return read_answer(client.ask("status"))
 
 
 def connect(options: argparse.Namespace) -> ServiceClient:

@@ -8,15 +8,16 @@ from typing import Any
 
 from aff_runtime.app.report.block_status import BlockStatus
 from aff_runtime.app.report.status import headline
-from aff_runtime.app.report.status_answer import RecorderReport, StatusAnswer, read_answer
+from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
 from aff_runtime.base.events import BY_NAME
-from aff_runtime.base.signals import State
+from aff_runtime.base.signals import LATCHED_STATES
 from aff_runtime.cli.service import connect
 from aff_runtime.cli.terminal import say, say_json
+from aff_runtime.telemetry.recorder_messages import RecorderReport
 
 EXIT_ALARM = 5
-SHOWN = ("_tension_N", "line_speed_m_s", "_radius_m")
-RESTING = (State.FAULT.name, State.BYPASS.name)
+SHOWN = ("_tension_N", "line_speed_m_s", "_radius_m")  # ends of the channels to show
+LATCHED = tuple(state.name for state in LATCHED_STATES)
 NO_ALARM = (BY_NAME["POWER_UP"].code, BY_NAME["BYPASSED"].code)
 
 
@@ -46,7 +47,7 @@ def status(options: argparse.Namespace) -> int:
 def is_alarm(answer: StatusAnswer) -> bool:
     """Return whether a real alarm stands: just started and bypassed are none."""
     code = answer.live.alarm.code if answer.live is not None else 0
-    return answer.state in RESTING and code not in NO_ALARM
+    return answer.state in LATCHED and code not in NO_ALARM
 
 
 def lines(answer: StatusAnswer) -> Iterator[str]:
@@ -58,18 +59,23 @@ def lines(answer: StatusAnswer) -> Iterator[str]:
         yield f"learned  {text}"
     for text in answer.config_differs:
         yield f"         differs: {text}"
+    if answer.trying:
+        yield f"trying   {answer.trying}"
     if answer.live is not None:
-        signals = answer.live.signals
+        tick = answer.live.tick
+        timing = tick.timing
         yield (
-            f"comm     {answer.live.comm}, age {_short(signals['age_s'], 1e3)} ms, "
-            f"tick {_short(signals['tick_us'], 1e-3)} ms, "
-            f"missed {_number(signals['missed_count'])} ticks"
+            f"comm     {answer.live.comm}, age {_short(timing.age_s, 1e3)} ms, "
+            f"tick {_short(timing.tick_us, 1e-3)} ms, "
+            f"missed {_number(timing.missed_count)} ticks"
         )
         for text in answer.live.wire:
             yield f"wire     {text}"
-        for name, value in signals.items():
-            if "correction_" in name or name.endswith(SHOWN):
-                yield f"{name:32} {_number(value)}"
+        for channel in tick.channels:
+            if channel.is_of(*SHOWN):
+                yield f"{channel.name:32} {_number(channel.value)}"
+        for sent in tick.corrections:
+            yield f"{sent.name:32} {_number(sent.value)}"
     yield from block_lines(answer.blocks)
     yield from why_lines(answer.blocks)
     for text in answer.crossings:

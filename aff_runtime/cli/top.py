@@ -5,21 +5,23 @@ from __future__ import annotations
 import argparse
 import sys
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from aff_runtime.app.report.block_status import BlockStatus
 from aff_runtime.app.report.status import headline
-from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
+from aff_runtime.app.report.status_answer import StatusAnswer
+from aff_runtime.app.report.tick_row import CorrectionSent, TickRow
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.printable import printable
-from aff_runtime.cli.service import connect
+from aff_runtime.cli.service import connect, status_of
 from aff_runtime.cli.status import block_lines
 from aff_runtime.cli.terminal import redraw, say
 
 WIDTH, HEIGHT = 80, 24
 BAR = 14
 PERIOD_NS = 500_000_000
+SHOWN = ("_tension_N", "line_speed_m_s", "_radius_m", "_ref_N")  # ends of channels
 NORMAL_STATES = ("ACTIVE", "ARMED", "READY", "SHADOW")
 
 
@@ -37,11 +39,11 @@ def top(options: argparse.Namespace) -> int:
     coloured = sys.stdout.isatty()
     try:
         if options.once:
-            for row in screen(read_answer(client.ask("status"))):
+            for row in screen(status_of(client)):
                 say(row)
             return 0
         while True:
-            answer = read_answer(client.ask("status"))
+            answer = status_of(client)
             alarming = answer.state not in NORMAL_STATES
             redraw(screen(answer), first_red=coloured and alarming)
             clock.sleep_until_ns(clock.now_ns() + PERIOD_NS)
@@ -51,17 +53,16 @@ def top(options: argparse.Namespace) -> int:
 
 def screen(answer: StatusAnswer) -> list[str]:
     """Return the rows of one screen, none wider than 80 or more than 24."""
-    signals = answer.live.signals if answer.live is not None else {}
+    tick = answer.live.tick if answer.live is not None else TickRow({})
     rows = textwrap.wrap(printable(f"{answer.line}  {headline(answer)}"), WIDTH, max_lines=2)
     rows += [_config_row(answer), _comm_row(answer)]
     rows.append("-" * WIDTH)
     rows += [
-        f"{name:40} {_shown(value)}"
-        for name, value in signals.items()
-        if name.endswith(("_tension_N", "line_speed_m_s", "_radius_m", "_ref_N"))
-        and "." not in name
+        f"{channel.name:40} {_shown(channel.value)}"
+        for channel in tick.channels
+        if channel.is_of(*SHOWN)
     ]
-    rows += _correction_rows(signals)
+    rows += map(_correction_row, tick.corrections)
     rows += [f"next {text}" for text in answer.crossings]
     rows += block_lines(_fitting(answer.blocks, HEIGHT - 3 - len(rows)))
     rows = rows[: HEIGHT - 1]
@@ -86,25 +87,18 @@ def _comm_row(answer: StatusAnswer) -> str:
     """Return wire and timing."""
     if answer.live is None:
         return "starting"
-    signals = answer.live.signals
+    timing = answer.live.tick.timing
     return (
-        f"comm {answer.live.comm}  age {_shown(signals['age_s'], 1e3)} ms  "
-        f"io {_shown(signals['io_us'], 1e-3)} ms  tick {_shown(signals['tick_us'], 1e-3)} ms  "
-        f"missed {_shown(signals['missed_count'])}"
+        f"comm {answer.live.comm}  age {_shown(timing.age_s, 1e3)} ms  "
+        f"io {_shown(timing.io_us, 1e-3)} ms  tick {_shown(timing.tick_us, 1e-3)} ms  "
+        f"missed {_shown(timing.missed_count)}"
     )
 
 
-def _correction_rows(signals: Mapping[str, float | None]) -> list[str]:
-    """Return one row per actuator with the share of the law's wish that goes out."""
-    rows = []
-    for name, value in signals.items():
-        if not name.startswith("correction_"):
-            continue
-        output = name.removeprefix("correction_")
-        share = signals.get(f"applied_ratio_{output}") or 0.0
-        bar = "#" * round(BAR * min(1.0, max(0.0, share)))
-        rows.append(f"{name:40} {_shown(value):>12}  |{bar:.<{BAR}}| out")
-    return rows
+def _correction_row(sent: CorrectionSent) -> str:
+    """Return one actuator's row with the share of the law's wish that goes out."""
+    bar = "#" * round(BAR * min(1.0, max(0.0, sent.applied_ratio or 0.0)))
+    return f"{sent.name:40} {_shown(sent.value):>12}  |{bar:.<{BAR}}| out"
 
 
 def _shown(value: float | None, factor: float = 1.0) -> str:

@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.base.effort import bounded_effort
+from aff_runtime.base.errors import ConfigError
 from aff_runtime.cli.service import add_state_dir
 from aff_runtime.cli.terminal import say
 from aff_runtime.config.devices import load_device
@@ -26,11 +28,12 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
 
 def show(options: argparse.Namespace) -> int:
     """Print the table."""
-    if options.device:
-        lines = load_device(options.site).lines()
-    else:
-        site = load_site(options.site, options.state_dir)
-        lines = list(wire_lines(site, options.site.absolute().parent))
+    with bounded_effort(str(options.site), ConfigError):
+        if options.device:
+            lines = load_device(options.site).lines()
+        else:
+            site = load_site(options.site, options.state_dir)
+            lines = list(wire_lines(site, options.site.absolute().parent))
     for line in lines:
         say(line)
     return 0

@@ -14,4 +14,5 @@ __all__ = [
     "revision",
     "site_paths",
     "wire_table",
+    "yaml_marks",
 ]

@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.base.printable import printable
+from aff_runtime.config.yaml_marks import read_marked
 
 
 class _Strict(BaseModel):
@@ -82,15 +81,11 @@ def load_device(path: Path) -> Device:
         The file cannot be read or is no profile.
     """
     try:
-        rows = yaml.safe_load(path.read_text(encoding="utf-8"))
-        if isinstance(rows, dict) and "gateway" in rows and "registers" not in rows:
+        rows = read_marked(path).values  # bounded, and no pipe
+        if "gateway" in rows and "registers" not in rows:
             raise ConfigError(f"{path}: this is a site file; leave --device out")
-        if isinstance(rows, dict) and isinstance(rows.get("registers"), list):
-            rows["registers"] = tuple(rows["registers"])
         return Device.model_validate(rows)
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
         raise ConfigError(f"{path}: {where}: {first['msg']}") from error
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ConfigError(f"{path}: {printable(str(error))}") from error

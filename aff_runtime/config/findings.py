@@ -8,8 +8,9 @@ from typing import TypeAlias
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable
+from aff_runtime.base.yaml_places import Place
 
-KeyPath: TypeAlias = tuple[str | int, ...]
+KeyPath: TypeAlias = Place
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

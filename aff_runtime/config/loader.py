@@ -16,7 +16,7 @@ from aff_runtime.config.rules import actuators, channels, registers, rolls, shap
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.config.scales import convert_scales
 from aff_runtime.config.site_paths import STATE_DIRECTORY
-from aff_runtime.config.yaml_marks import MarkedTree, read_marked
+from aff_runtime.config.yaml_marks import MarkedTree, marked_text, parse_marked, read_marked
 
 _RULES: tuple[Callable[[Site], Iterator[Issue]], ...] = (
     wire.issues,
@@ -67,12 +67,17 @@ def load_site(path: Path | str, state: Path = STATE_DIRECTORY) -> Site:
     return read_site(path, state).site
 
 
-def read_site(path: Path | str, state: Path = STATE_DIRECTORY) -> Reading:
-    """Read and check a site file; like `load_site`, with warnings and marks."""
-    tree = read_marked(path)
-    for keys, text in _OTHERS:
+def read_site(
+    path: Path | str, state: Path = STATE_DIRECTORY, text: bytes | None = None
+) -> Reading:
+    """Read and check a site file; like `load_site`, with warnings and marks.
+
+    ``text`` : what the file might say instead; None: what it says.
+    """
+    tree = read_marked(path) if text is None else marked_text(text, str(path))
+    for keys, what in _OTHERS:
         if all(key in tree.values for key in keys):
-            raise SiteFileError([tree.finding((keys[0],), text, at_key=True)])
+            raise SiteFileError([tree.finding((keys[0],), what, at_key=True)])
     findings = empty_keys(tree)
     if findings:
         raise SiteFileError(findings)
@@ -88,6 +93,22 @@ def read_site(path: Path | str, state: Path = STATE_DIRECTORY) -> Reading:
     if findings:
         raise SiteFileError(findings)
     return Reading(site=site, warnings=in_file_order(warnings), tree=tree)
+
+
+def load_recorded_site(text: str, file: str) -> Site:
+    """Return the site file in the text that a run has of it; what it names is not looked for.
+
+    Raises
+    ------
+    ConfigError : it cannot be read by this version.
+    """
+    tree = parse_marked(text.encode(), file)
+    if findings := [*empty_keys(tree), *convert_scales(tree)]:
+        raise SiteFileError(findings)
+    try:
+        return Site.model_validate(tree.values)
+    except ValidationError as error:
+        raise SiteFileError(findings_of(error, tree, Site)) from error
 
 
 def _issues(site: Site, folder: Path, state: Path) -> Iterator[Issue]:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
 from aff_runtime.base.suggest import meant, nearest
 from aff_runtime.base.units import plain
@@ -37,7 +37,7 @@ def findings_of(error: ValidationError, tree: MarkedTree, root: type[Section]) -
             found.append(tree.finding(path[:-1], _bad_name(path), at_key=True))
             continue
         at_key = one["type"] in ("extra_forbidden", "missing")
-        found.append(tree.finding(path, _said(dict(one), path, tree, root), at_key=at_key))
+        found.append(tree.finding(path, _said(one, path, tree, root), at_key=at_key))
     return found
 
 
@@ -53,7 +53,7 @@ def _bad_name(path: KeyPath) -> str:
     )
 
 
-def _said(one: dict[str, Any], path: KeyPath, tree: MarkedTree, root: type[Section]) -> str:
+def _said(one: ErrorDetails, path: KeyPath, tree: MarkedTree, root: type[Section]) -> str:
     kind, given = one["type"], one["input"]
     declared = declared_at(root, path)
     if kind == "extra_forbidden":

@@ -109,7 +109,7 @@ def key(
     if default_factory is not None:
         given["default_factory"] = default_factory
     bounds = {"exclusiveMinimum": gt, "minimum": ge, "exclusiveMaximum": lt, "maximum": le}
-    extra: dict[str, Any] = {name: bound for name, bound in bounds.items() if bound is not None}
+    extra = {name: bound for name, bound in bounds.items() if bound is not None}
     return Field(
         description=description,
         alias=alias,

@@ -1,7 +1,8 @@
 """The revision of a site: a hash of what it says and of what was learned for it.
 
 The site's own revision is for writing down. What runs is that and the learned files: a response
-that is exchanged changes sign and phase of the loop as much as a key of the site file does.
+or a DBC file that is exchanged changes sign and phase of the loop as much as a key of the site
+file does.
 """
 
 from __future__ import annotations
@@ -47,15 +48,19 @@ def learned_digests(
     }
 
 
-def revision_with(site_hash: str, learned: Mapping[str, Mapping[str, str]]) -> str:
-    """Return the hash of a site and its learned files; without any, the site's own.
+def revision_with(
+    site_hash: str, learned: Mapping[str, Mapping[str, str]], wire: Mapping[str, str] | None = None
+) -> str:
+    """Return the hash of a site, its learned files and its wire's; without any, the site's own.
 
     Parameters
     ----------
     site_hash : ``revision_hash`` of the site.
     learned : as ``learned_digests`` returns it.
+    wire : digests of the DBC or EDS files by name: where each value lies, its scale and sign.
     """
-    if not learned:
+    if not learned and not wire:
         return site_hash
-    text = json.dumps([site_hash, learned], sort_keys=True, separators=(",", ":"))
+    parts = [site_hash, learned, wire] if wire else [site_hash, learned]
+    text = json.dumps(parts, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode("ascii")).hexdigest()

@@ -10,11 +10,12 @@ import math
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import yaml
 
 from aff_runtime.base.units import plain
+from aff_runtime.base.yaml_places import Bounds, Fault, YamlTextError, compose, place_of
 from aff_runtime.config.findings import Finding, KeyPath, SiteFileError, dotted
 from aff_runtime.config.plain_file import TooLargeError, read_plain
 
@@ -23,8 +24,8 @@ Tree: TypeAlias = "dict[str, Tree] | tuple[Tree, ...] | str | int | float | bool
 MAX_BYTES = 256 * 1024
 MAX_DEPTH = 20
 MAX_NODES = 20_000
+BOUNDS = Bounds(depth=MAX_DEPTH, events=MAX_NODES)
 
-_LOADER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _TAG = "tag:yaml.org,2002:"
 _PLAIN_INT = re.compile(r"[-+]?(0|[1-9][0-9]{0,18})|0x[0-9a-fA-F]{1,8}")
 _PLAIN_FLOAT = re.compile(r"[-+]?([0-9]+\.[0-9]*|\.[0-9]+)([eE][-+][0-9]+)?")
@@ -93,6 +94,14 @@ def read_marked(path: Path | str) -> MarkedTree:
     return parse_marked(raw, shown)
 
 
+def marked_text(raw: bytes, file: str) -> MarkedTree:
+    """Read what a YAML file might say; errors, and its largest size, as in `read_marked`."""
+    if len(raw) > MAX_BYTES:
+        what = f"is larger than {MAX_BYTES >> 10} kB. This is not a site file."
+        raise SiteFileError([_at(file, 1, 1, what)])
+    return parse_marked(raw, file)
+
+
 def parse_marked(raw: bytes, file: str) -> MarkedTree:
     """Read the bytes of a YAML file called ``file``; errors as in `read_marked`."""
     text = _decoded(raw, file)
@@ -114,11 +123,6 @@ def parse_marked(raw: bytes, file: str) -> MarkedTree:
 
 def _at(file: str, line: int, column: int, text: str) -> Finding:
     return Finding(file=file, line=line, column=column, path="", text=text)
-
-
-def _where(item: yaml.Node | yaml.Event) -> tuple[int, int]:
-    mark = item.start_mark
-    return (mark.line + 1, mark.column + 1) if mark is not None else (1, 1)
 
 
 def _decoded(raw: bytes, file: str) -> str:
@@ -145,32 +149,25 @@ def _tabs(text: str, file: str) -> list[Finding]:
 
 def _composed(text: str, file: str) -> yaml.Node:
     try:
-        _bounded(text, file)
-        root = yaml.compose(text, Loader=_LOADER)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line, column = (mark.line + 1, mark.column + 1) if mark is not None else (1, 1)
-        what = f"{error.problem or error.context}. Check brackets, quotes, colons and indentation."
-        raise SiteFileError([_at(file, line, column, what)]) from error
-    except (yaml.YAMLError, ValueError) as error:
-        what = f"is not YAML: {str(error).splitlines()[0]}."
-        raise SiteFileError([_at(file, 1, 1, what)]) from error
+        root = compose(text, BOUNDS)
+    except YamlTextError as error:
+        raise SiteFileError([_refused(error, file)]) from error
     if root is None:
         raise SiteFileError([_at(file, 1, 1, "the file is empty. Start from config/euclid.yaml.")])
     return root
 
 
-def _bounded(text: str, file: str) -> None:
-    depth = 0
-    for count, event in enumerate(yaml.parse(text, Loader=_LOADER)):
-        if isinstance(event, yaml.CollectionStartEvent):
-            depth += 1
-        elif isinstance(event, yaml.CollectionEndEvent):
-            depth -= 1
-        if depth > MAX_DEPTH or count > MAX_NODES:
-            line, column = _where(event)
+def _refused(error: YamlTextError, file: str) -> Finding:
+    """Return in a technician's words why a text was not taken."""
+    line, column = error.place or (1, 1)
+    match error.fault:
+        case Fault.SYNTAX:
+            what = f"{error.problem}. Check brackets, quotes, colons and indentation."
+        case Fault.DEPTH | Fault.COUNT:
             what = f"nests deeper than {MAX_DEPTH} levels or holds over {MAX_NODES} values."
-            raise SiteFileError([_at(file, line, column, what)])
+        case _:
+            what = f"is not YAML: {error.problem.splitlines()[0]}."
+    return _at(file, line, column, what)
 
 
 @dataclass(slots=True)
@@ -186,8 +183,8 @@ class _Maker:
     def value(self, node: yaml.Node, path: KeyPath, key: yaml.Node) -> Tree:
         self.nodes += 1
         written = node.value if isinstance(node, yaml.ScalarNode) else ""
-        line, column = _where(node)
-        key_line, key_column = _where(key)
+        line, column = place_of(node)
+        key_line, key_column = place_of(key)
         self.marks[path] = Mark(
             line=line, column=column, key_line=key_line, key_column=key_column, written=written
         )
@@ -217,7 +214,7 @@ class _Maker:
             elif made and node.flow_style and self._is_comma_tail(key, item):
                 self._decimal_comma(node, list(made)[-1], path, key.value)
             else:
-                seen[key.value] = _where(key)[0]
+                seen[key.value] = place_of(key)[0]
                 made[key.value] = self.value(item, (*path, key.value), key)
         for item in merged:
             self._merge(item, path, made)
@@ -302,7 +299,7 @@ class _Maker:
         return None
 
     def _find(self, node: yaml.Node, path: KeyPath, text: str) -> None:
-        line, column = _where(node)
+        line, column = place_of(node)
         self.findings.append(
             Finding(file=self.file, line=line, column=column, path=dotted(path), text=text)
         )

@@ -3,6 +3,7 @@
 __all__ = [
     "controller",
     "impulse",
+    "laws",
     "monitor",
     "order_status",
     "params",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from aff_runtime.core.blocks.bank import Bank
 from aff_runtime.core.impulse import from_response
@@ -31,4 +32,20 @@ def _shape(setup: LawSetup) -> ActuatorLaw:
     )
 
 
-LAWS: Mapping[str, LawBuilder] = {"blocks": _blocks, "shape": _shape}
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LawRow:
+    """One law: what it does, for the site file's reference, and how it is built."""
+
+    text: str
+    build: LawBuilder
+
+
+LAW_ROWS: Mapping[str, LawRow] = {
+    "blocks": LawRow(text="one amplitude and phase per order and speed.", build=_blocks),
+    "shape": LawRow(
+        text="learns the roll's shape in mm through the declared drive, so a change of speed "
+        "needs no learning; needs drive.",
+        build=_shape,
+    ),
+}
+LAWS: Mapping[str, LawBuilder] = {word: row.build for word, row in LAW_ROWS.items()}

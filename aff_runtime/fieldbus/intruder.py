@@ -19,10 +19,10 @@ class Intruder:
 
     @property
     def trouble(self) -> str:
-        """What he does and what to do; empty while we are alone."""
+        """What the other does and what to do; empty while we are alone."""
         return self._text if self._clock.now_ns() < self._alone_at_ns else ""
 
     def heard(self, what: str) -> None:
         """Note a frame of ours that somebody else sent."""
-        self._text = f"somebody else sends {what}; take him off the bus"
+        self._text = f"somebody else sends {what}; take it off the bus"
         self._alone_at_ns = self._clock.now_ns() + _ALONE_AFTER_NS

@@ -17,7 +17,7 @@ from aff_runtime.base.signals import (
     Snapshot,
     StateBits,
 )
-from aff_runtime.loop.orders import Orders
+from aff_runtime.loop.inbox import Inbox
 from aff_runtime.loop.record import TickTiming, build_record
 from aff_runtime.loop.seams import GuardPort, Outside
 from aff_runtime.loop.ticker import Ticker
@@ -80,7 +80,7 @@ class Cycle:
         self._clock = clock
         self._gateway = gateway
         self._guard = guard
-        self._orders = Orders(
+        self._inbox = Inbox(
             guard=guard, law=law, outside=outside, advice_every_ticks=settings.advice_every_ticks
         )
         self._outside = outside
@@ -96,7 +96,7 @@ class Cycle:
         self._limits: tuple[float, ...] = zeros
         self._bits = int(StateBits.FAULT)
         self._alarm = BY_NAME["POWER_UP"].code
-        self._orders.config_revision = settings.config_revision
+        self._inbox.config_revision = settings.config_revision
         self._tick = self._periods = self._periods_total = self._late_in_a_row = 0
         self._wake_ns = self._started_ns = self._io_ns = 0
         self._guard_lost = self._wire_worked = False
@@ -113,7 +113,7 @@ class Cycle:
 
     def request_stop(self) -> None:
         """Stop from a signal handler; the output fades first."""
-        self._orders.stop_wanted = True
+        self._inbox.stop_wanted = True
 
     def tick(self) -> bool:
         """Wait for the next tick and do it; False when the cycle has ended."""
@@ -156,9 +156,9 @@ class Cycle:
             self._echo = self._snapshot.plc_heartbeat
         overrun = self._late_in_a_row >= self._settings.overruns_in_a_row
         self._permission = self._guard.observe(
-            self._snapshot, read_ns, overrun, self._orders.supervisor_alive
+            self._snapshot, read_ns, overrun, self._inbox.supervisor_alive
         )
-        self._steps = self._orders.law.step(self._believed(), self._dt_s, self._permission)
+        self._steps = self._inbox.law.step(self._believed(), self._dt_s, self._permission)
 
     def _believed(self) -> Snapshot:
         """Return what the law may see: readings that cannot be true are no readings."""
@@ -180,7 +180,7 @@ class Cycle:
         self._outside.tick_done(self._wire_worked)
 
     def _listen(self) -> None:
-        self._orders.listen(self._tick)
+        self._inbox.listen(self._tick)
 
     def _attempt(self, work: Callable[[], None]) -> bool:
         """Do one part of the tick; the only place where something unexpected is caught."""
@@ -211,7 +211,7 @@ class Cycle:
 
     def _has_stopped(self) -> bool:
         """Fade, then a few commands with zero, then the end."""
-        if not self._orders.stopping:
+        if not self._inbox.stopping:
             return False
         is_quiet = self._ramp_left <= 0.0 if self._guard_lost else self._guard.quiet
         self._zeros_sent += is_quiet
@@ -229,7 +229,7 @@ class Cycle:
             corrections=self._corrections,
             alarm=self._alarm,
             limits=self._limits,
-            config_revision=self._orders.config_revision & _WORD,
+            config_revision=self._inbox.config_revision & _WORD,
         )
 
     def _record(self, tick_ns: int) -> tuple[float, ...]:
@@ -256,7 +256,7 @@ class Cycle:
                 tick_ns=tick_ns,
                 missed=self._ticker.missed,
             ),
-            law_values=self._orders.law.telemetry(),
+            law_values=self._inbox.law.telemetry(),
             law_columns=self._settings.law_columns,
         )
 

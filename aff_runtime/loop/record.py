@@ -21,8 +21,10 @@ HEAD = (
     "plc_heartbeat",
     "status",
     "roll_id",
+    "echo_age",
 )
-_TIMING = ("wake_us", "io_us", "tick_us", "missed_count")
+OF_OUTPUTS = ("wanted_", "correction_", "plc_applied_", "applied_ratio_", "limit_ratio_")
+TIMING = ("wake_us", "io_us", "tick_us", "missed_count")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,15 +43,17 @@ class TickTiming:
 def record_columns(
     channels: Sequence[str], outputs: Sequence[str], law_names: Sequence[str]
 ) -> tuple[str, ...]:
-    """Return the columns of ``build_record``; ``outputs`` are names with unit (unwind_m_s)."""
+    """Return the columns of ``build_record``; ``outputs`` are names with unit (unwind_m_s).
+
+    A row's ``correction_`` goes out with the next tick; ``plc_applied_`` is what the PLC says it
+    adds from this row's readings on, NaN where the site maps no such word; ``echo_age`` says how
+    many ticks ago the command went out that the PLC has taken for it, -1 where none is mapped.
+    """
     return (
         *HEAD,
         *channels,
-        *(f"wanted_{output}" for output in outputs),
-        *(f"correction_{output}" for output in outputs),
-        *(f"applied_ratio_{output}" for output in outputs),
-        *(f"limit_ratio_{output}" for output in outputs),
-        *_TIMING,
+        *(f"{kind}{output}" for kind in OF_OUTPUTS for output in outputs),
+        *TIMING,
         *law_names,
     )
 
@@ -69,6 +73,7 @@ def build_record(
 ) -> tuple[float, ...]:
     """Return one row; a law with more or fewer numbers than ``law_columns`` is cut or filled."""
     missing = (nan,) * (law_columns - len(law_values))
+    applied = snapshot.applied or (nan,) * len(corrections)
     return (
         timing.time_s,
         timing.tick,
@@ -82,9 +87,11 @@ def build_record(
         snapshot.plc_heartbeat,
         snapshot.status,
         snapshot.roll_id,
+        snapshot.echo_age,
         *snapshot.values,
         *wanted,
         *corrections,
+        *applied,
         *permission.applied_ratio,
         *permission.limit_ratio,
         timing.wake_ns * 1e-3,

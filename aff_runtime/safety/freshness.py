@@ -19,7 +19,7 @@ class Freshness(IntEnum):
     STALE = 2
 
 
-class FreshnessJudge:
+class FreshnessCheck:
     """Ages the PLC's heartbeat by the snapshot's account and by its own; the older one counts.
 
     Never raises. A snapshot whose age is NaN or negative is as old as can be.

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from aff_runtime.base.events import BY_CODE, BY_NAME
-from aff_runtime.base.signals import ActuatorStep, Outcome, Permission, Snapshot, State
-from aff_runtime.safety.applied_judge import AppliedJudge
+from aff_runtime.base.signals import (
+    LATCHED_STATES,
+    ActuatorStep,
+    Outcome,
+    Permission,
+    Snapshot,
+    State,
+)
+from aff_runtime.safety.applied_check import AppliedCheck
 from aff_runtime.safety.causes import FADING, HOLDING, LATCHING, bit, first_code
-from aff_runtime.safety.echo_judge import EchoJudge
+from aff_runtime.safety.echo_check import EchoCheck
 from aff_runtime.safety.envelope import Envelope
-from aff_runtime.safety.freshness import Freshness, FreshnessJudge
+from aff_runtime.safety.freshness import Freshness, FreshnessCheck
 from aff_runtime.safety.lease import Lease
 from aff_runtime.safety.limits import Limiter, makes_sense
-from aff_runtime.safety.line_judge import LineJudge
+from aff_runtime.safety.line_check import LineCheck
 from aff_runtime.safety.params import GuardParams
 from aff_runtime.safety.plc_reset import PlcReset
 from aff_runtime.safety.state_machine import Inputs, Standing, advance
@@ -23,9 +30,8 @@ _PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
 _SECOND_MASTER = bit("SECOND_MASTER")
 _APPLIED_DIFFERS = bit("APPLIED_DIFFERS")
 _OF_START = bit("PLC_STALE") | bit("OVERRUN")  # no news until there was a connection
-_AT_REST = (State.FAULT, State.BYPASS)
 _IDLE_SCANS = 3  # of the PLC, without ACTIVE and FADING, before a new start
-_ZEROS_TOLD = 3  # commands with zero that still say FADING: the PLC holds what it last accepted
+_ZEROS_TO_SEND = 3  # commands with zero that still say FADING: the PLC holds what it last accepted
 
 
 class Guard:
@@ -35,9 +41,9 @@ class Guard:
 
     Attributes
     ----------
-    objections : the law side's reasons against arming, in words; set from outside.
-    ripple_rose : the monitor's word that ripple grew since the output opened; judged while it is.
-    standing : state and whether the operator's word to be armed holds.
+    objections : the law side's reasons against arming, as sentences; set from outside.
+    ripple_rose : the monitor finds that ripple grew since the output opened; judged while it is.
+    standing : state and whether the operator's request to be armed holds.
     """
 
     def __init__(self, params: GuardParams) -> None:
@@ -45,10 +51,10 @@ class Guard:
         self.objections: tuple[str, ...] = ()
         self.ripple_rose = False
         self.standing = Standing()
-        self._freshness = FreshnessJudge(params.freshness)
-        self._line = LineJudge(params)
-        self._echo = EchoJudge(params.echo)
-        self._applied = AppliedJudge(params.applied, len(params.actuators))
+        self._freshness = FreshnessCheck(params.freshness)
+        self._line = LineCheck(params)
+        self._echo = EchoCheck(params.echo)
+        self._applied = AppliedCheck(params.applied, len(params.actuators))
         self._lease = Lease(params.lease_ticks)
         self._envelopes = tuple(
             Envelope(soft_start_s=actuator.soft_start_s, fade_s=params.fade_s)
@@ -59,13 +65,13 @@ class Guard:
         self._arm_edge = self._bypass_edge = self._shadow_edge = False
         self._shadow = self._fade_once = False
         self._causes = self._found_in_tick = 0
-        self._first_out = _POWER_UP
+        self._first_cause = _POWER_UP
         self._comm_warn = True
         self._was_connected = False
         self._plc_reset = PlcReset()
-        self._zeros = _ZEROS_TOLD
+        self._zeros = _ZEROS_TO_SEND
         self._idle_scans = _IDLE_SCANS
-        self._told_idle = True
+        self._idle_sent = True
         self._observed_ns: int | None = None
         self._tick = 0
         self._events: list[tuple[int, int]] = [(0, _POWER_UP)]
@@ -75,7 +81,7 @@ class Guard:
     def arm(self) -> str:
         """Ask for an armed output at the next tick; return what stands against it now, or ''.
 
-        In remote the PLC alone arms, by its reset: the word of anybody else changes nothing.
+        In remote the PLC alone arms, by its reset: the request of anybody else changes nothing.
         """
         if not self._plc_reset.remote:
             self._take_arm_edge()
@@ -84,7 +90,7 @@ class Guard:
     def _take_arm_edge(self) -> None:
         self._arm_edge = True
         self.ripple_rose = False
-        if self.standing.state in _AT_REST:
+        if self.standing.state in LATCHED_STATES:
             self._line.confirm_rolls()
             self._causes &= ~bit("RADIUS_JUMP")
 
@@ -166,12 +172,12 @@ class Guard:
         supervisor_alive : False latches SUPERVISOR_LOST.
         """
         self._tick = snapshot.tick
-        if self._told_idle and snapshot.fresh and self._idle_scans < _IDLE_SCANS:
+        if self._idle_sent and snapshot.fresh and self._idle_scans < _IDLE_SCANS:
             self._idle_scans += 1
         freshness = self._freshness.judge(snapshot, now_ns)
         self._comm_warn = freshness is not Freshness.GOOD or snapshot.outcome is not Outcome.OK
         causes = self._found_in_tick | self._line.judge(snapshot, now_ns)
-        causes |= self._causes_of_time(now_ns, freshness, overrun, supervisor_alive)
+        causes |= self._timing_causes(now_ns, freshness, overrun, supervisor_alive)
         if self._echo.judge(snapshot, now_ns):
             causes |= _SECOND_MASTER
         if self._applied.judge(snapshot, now_ns):
@@ -214,15 +220,15 @@ class Guard:
             level = self._envelopes[index].step(may_open, dt_s)
             limiter.step(self._steps[index], level, dt_s)
         corrections = tuple(limiter.output for limiter in self._limiters)
-        self._applied.sends(corrections)
-        told_zero = self.quiet and self._zeros >= _ZEROS_TOLD
-        self._zeros = min(self._zeros + 1, _ZEROS_TOLD) if self.quiet else 0
-        self._told_idle = told_zero and self.standing.state is not State.ACTIVE
-        if not self._told_idle:
+        self._applied.note_sent(corrections)
+        zeros_sent = self.quiet and self._zeros >= _ZEROS_TO_SEND
+        self._zeros = min(self._zeros + 1, _ZEROS_TO_SEND) if self.quiet else 0
+        self._idle_sent = zeros_sent and self.standing.state is not State.ACTIVE
+        if not self._idle_sent:
             self._idle_scans = 0
         word = state_word(
             self.standing,
-            told_zero=told_zero,
+            zeros_sent=zeros_sent,
             saturated=any(limiter.saturated for limiter in self._limiters),
             comm_warn=self._comm_warn,
         )
@@ -243,7 +249,7 @@ class Guard:
                 self._steps = tuple(wish if makes_sense(wish) else None for wish in steps)
                 return
 
-    def _causes_of_time(
+    def _timing_causes(
         self, now_ns: int, freshness: Freshness, overrun: bool, supervisor_alive: bool
     ) -> int:
         causes = 0
@@ -273,7 +279,7 @@ class Guard:
         before = self.standing.state
         latching = self._causes & LATCHING
         # a PLC that refuses starts to listen again only after it has seen us idle
-        rested = self._idle_scans >= _IDLE_SCANS or before not in _AT_REST
+        rested = self._idle_scans >= _IDLE_SCANS or before not in LATCHED_STATES
         quiet = self.quiet and rested
         self.standing = advance(
             self.standing,
@@ -288,11 +294,11 @@ class Guard:
                 quiet=quiet,
             ),
         )
-        is_news = before is not State.FAULT or self._first_out == _POWER_UP
+        is_news = before is not State.FAULT or self._first_cause == _POWER_UP
         if self.standing.state is State.FAULT and news and is_news:
-            self._first_out = first_code(news)
+            self._first_cause = first_code(news)
         # An early press of "arm" waits for the end of a fade, but never outlives a new cause.
-        waits = before in _AT_REST and self.standing.state is before and not quiet
+        waits = before in LATCHED_STATES and self.standing.state is before and not quiet
         self._arm_edge = self._arm_edge and waits and not latching and not self._bypass_edge
         self._bypass_edge = self._shadow_edge = False
         self._fade_once = self._fade_once and not quiet
@@ -305,9 +311,9 @@ class Guard:
     def _latch(self, cause: int) -> None:
         """Fault at once, inside the tick; ``observe`` notes the event in the next one."""
         self._found_in_tick |= cause
-        if self.standing.state not in _AT_REST:
+        if self.standing.state not in LATCHED_STATES:
             self.standing = Standing(state=State.FAULT)
-            self._first_out = first_code(cause)
+            self._first_cause = first_code(cause)
 
     def _first_reason(self) -> str:
         latching = self._causes & LATCHING
@@ -329,10 +335,10 @@ class Guard:
 
     def _alarm(self) -> int:
         state = self.standing.state
-        if state in _AT_REST and self._causes & _APPLIED_DIFFERS:
+        if state in LATCHED_STATES and self._causes & _APPLIED_DIFFERS:
             return first_code(_APPLIED_DIFFERS)  # the one alarm that matters while at rest
         if state is State.FAULT:
-            return self._first_out
+            return self._first_cause
         if state is State.BYPASS:
             return _BYPASSED
         return first_code(self._causes & FADING) if self.standing.armed else 0

@@ -9,7 +9,7 @@ from aff_runtime.safety.params import ChannelParams, RadiusParams
 _EDGE_S = 1e-9  # rounding of summed periods
 
 
-class ChannelJudge:
+class ChannelCheck:
     """Judges one channel; call only with values of a good transaction. Never raises.
 
     While the line does not run only NaN and infinity count: a slack web reads no tension.
@@ -53,7 +53,7 @@ class ChannelJudge:
         return abs(value - last) <= self.params.rate_max * elapsed_s
 
 
-class RadiusJudge:
+class RadiusCheck:
     """Judges that a roll only shrinks (or grows) until the next roll. Never raises."""
 
     def __init__(self, params: RadiusParams) -> None:

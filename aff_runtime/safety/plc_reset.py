@@ -1,4 +1,4 @@
-"""The PLC's own word to arm: its reset key, while the line is in remote."""
+"""The PLC's own request to arm: its reset key, while the line is in remote."""
 
 from __future__ import annotations
 

@@ -6,19 +6,19 @@ out; FADING takes it back. BYPASS and FAULT are one tick away from everywhere.
 
     FAULT --arm--> ARMED <--> ACTIVE --> FADING --> ARMED   (speed)
       ^     \                                  \--> OFF     (permissive, comes back by itself
-    latch    --> OFF <--> READY --arm--> ARMED             while the operator's word stands)
+    latch    --> OFF <--> READY --arm--> ARMED             while the request stands)
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from aff_runtime.base.signals import State
+from aff_runtime.base.signals import LATCHED_STATES, State
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Standing:
-    """Where the guard stands; ``armed``: the operator's word still holds."""
+    """Where the guard stands; ``armed``: the operator's request still holds."""
 
     state: State = State.FAULT
     armed: bool = False
@@ -52,7 +52,7 @@ def advance(standing: Standing, inputs: Inputs) -> Standing:
     """Return the next standing; strongest reason first. Never raises."""
     if inputs.bypass_edge:
         return Standing(state=State.BYPASS)
-    if standing.state in (State.FAULT, State.BYPASS):
+    if standing.state in LATCHED_STATES:
         return _from_rest(standing, inputs)
     if inputs.latching or inputs.shadow:
         return Standing(state=State.FAULT if inputs.latching else State.SHADOW)
@@ -83,7 +83,7 @@ def _from_live(standing: Standing, inputs: Inputs) -> Standing:
 
 
 def _from_waiting(standing: Standing, inputs: Inputs) -> Standing:
-    """OFF, READY, ARMED: the operator's word stands through a lost permissive."""
+    """OFF, READY, ARMED: the operator's request stands through a lost permissive."""
     if inputs.blocked:
         return Standing(state=State.OFF, armed=standing.armed)
     if not (standing.armed or inputs.arm_edge):

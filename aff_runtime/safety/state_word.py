@@ -13,7 +13,7 @@ _OF_STATE = {
 _OPENABLE = (State.READY, State.ARMED, State.ACTIVE, State.FADING)
 
 
-def state_word(standing: Standing, *, told_zero: bool, saturated: bool, comm_warn: bool) -> int:
+def state_word(standing: Standing, *, zeros_sent: bool, saturated: bool, comm_warn: bool) -> int:
     """Return the bits of ``StateBits``.
 
     FADING is set in any closed state until the PLC has been told zero: without the bit it takes
@@ -24,7 +24,7 @@ def state_word(standing: Standing, *, told_zero: bool, saturated: bool, comm_war
         bits |= StateBits.READY
     if standing.armed:
         bits |= StateBits.ARMED
-    if standing.state is not State.ACTIVE and not told_zero:
+    if standing.state is not State.ACTIVE and not zeros_sent:
         bits |= StateBits.FADING
     if saturated:
         bits |= StateBits.SATURATED

@@ -1,3 +1,3 @@
 """Shared-memory ring, recorder and run files."""
 
-__all__ = ["recorder", "ring"]
+__all__ = ["header", "recorder", "recorder_messages", "ring"]

@@ -11,15 +11,15 @@ only ever reads the ring, and a ring it cannot follow overruns, which is counted
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import select
 import signal
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.telemetry.recorder_messages import RecorderReport, RunContext, context_of, note_of
 from aff_runtime.telemetry.ring import RingReader
 from aff_runtime.telemetry.run_folder import RunFolder
 
@@ -27,16 +27,16 @@ POLL_S = 0.25
 REPORT_NS = 1_000_000_000
 
 
-class JsonLines:
-    """Non-blocking reader of JSON lines from a descriptor."""
+class Lines:
+    """Non-blocking reader of lines from a descriptor."""
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
         self._rest = b""
         self.ended = False
 
-    def read(self, timeout_s: float) -> list[dict[str, Any]]:
-        """Wait at most ``timeout_s`` and return the complete lines that came; junk is skipped."""
+    def read(self, timeout_s: float) -> list[bytes]:
+        """Wait at most ``timeout_s`` and return the complete lines that came."""
         watched = [] if self.ended else [self._descriptor]
         ready, _, _ = select.select(watched, [], [], timeout_s)
         if not ready:
@@ -44,47 +44,56 @@ class JsonLines:
         chunk = os.read(self._descriptor, 1 << 16)
         self.ended = not chunk
         *lines, self._rest = (self._rest + chunk).split(b"\n")
-        messages: list[dict[str, Any]] = []
-        for line in lines:
-            with contextlib.suppress(ValueError):
-                message = json.loads(line)
-                if isinstance(message, dict):
-                    messages.append(message)
-        return messages
+        return lines
 
 
-def record(ring: RingReader, folder: RunFolder, notes: JsonLines) -> None:
+def record(ring: RingReader, folder: RunFolder, notes: Lines) -> None:
     """Follow ``ring`` into ``folder`` until its writer is gone and everything is read."""
     clock = MonotonicClock()
-    start_ns = float(ring.header["meta"].get("start_ns", 0))
+    start_ns = float(ring.header.meta.start_ns)
     next_report_ns = clock.now_ns()
     alive = True
     while alive:
         alive = ring.writer_alive()  # asked before reading: what it wrote last is still read
-        for note in notes.read(POLL_S if alive else 0.0):
-            folder.add_note(str(note.get("name", "NOTE")), str(note.get("text", "")))
+        _keep_notes(notes.read(POLL_S if alive else 0.0), folder)
         folder.add(ring.signals.read_new())
         folder.add_events(ring.events.read_new(), start_ns)
         if clock.now_ns() >= next_report_ns:
             next_report_ns += REPORT_NS
             _report(ring, folder)
-    folder.finish({"ring_overruns": ring.signals.overrun_count})
+    folder.finish(ring_overruns=ring.signals.overrun_count)
     _report(ring, folder)
 
 
 def _report(ring: RingReader, folder: RunFolder) -> None:
     """Say on standard output how recording goes; dropped when nobody listens."""
-    line = json.dumps(
-        {
-            "folder": str(folder.path),
-            "rows": folder.signals.rows_written,
-            "rows_lost": folder.signals.rows_lost + folder.files_lost,
-            "ring_overruns": ring.signals.overrun_count,
-            "error": folder.signals.last_error,
-        }
+    report = RecorderReport(
+        folder=str(folder.path),
+        rows=folder.signals.rows_written,
+        rows_lost=folder.signals.rows_lost + folder.files_lost,
+        ring_overruns=ring.signals.overrun_count,
+        error=folder.signals.last_error,
     )
     with contextlib.suppress(OSError):
-        os.write(1, line.encode() + b"\n")
+        os.write(1, report.encode())
+
+
+def _keep_notes(lines: Sequence[bytes], folder: RunFolder) -> None:
+    """Put the supervisor's notes into ``events.csv``; junk is skipped."""
+    for note in map(note_of, lines):
+        if note is not None:
+            folder.add_note(note.name, note.text)
+
+
+def _first_words(notes: Lines) -> tuple[RunContext, list[bytes]]:
+    """Wait for the context of the run; return it and the lines that came with it."""
+    while not notes.ended:
+        lines = notes.read(1.0)
+        for number, line in enumerate(lines):
+            context = context_of(line)
+            if context is not None:
+                return context, lines[number + 1 :]
+    return RunContext(), []  # who started us is gone
 
 
 def main(arguments: list[str]) -> int:
@@ -93,14 +102,11 @@ def main(arguments: list[str]) -> int:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # ctrl-c ends the writer; we flush after it
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     os.set_blocking(1, False)
-    notes = JsonLines(0)
-    context: list[dict[str, Any]] = []
-    while not context and not notes.ended:
-        context = notes.read(1.0)
+    notes = Lines(0)
+    context, rest = _first_words(notes)
     ring = RingReader(ring_path)
-    folder = RunFolder(directory, ring.header, context[0] if context else {})
-    for note in context[1:]:
-        folder.add_note(str(note.get("name", "NOTE")), str(note.get("text", "")))
+    folder = RunFolder(directory, ring.header, context)
+    _keep_notes(rest, folder)
     record(ring, folder, notes)
     return 0
 

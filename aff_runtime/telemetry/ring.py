@@ -12,22 +12,23 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
-import json
 import mmap
 import os
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import AffError
+from aff_runtime.telemetry.header import RingHeader, RunMeta
 from aff_runtime.telemetry.slots import SlotReader, SlotWriter, ring_bytes
 
 MAGIC = b"AFFRING\0"
 VERSION = 1
 EVENT_COLUMNS = ("tick", "t_ns", "code", "argument")
 _PREFIX = struct.Struct("=8sII")
+_OFFSET_DIGITS = 64  # room for the two offsets, which are 0 while the head is measured
 
 
 class RingWriter:
@@ -36,7 +37,7 @@ class RingWriter:
     Parameters
     ----------
     columns : names with units of one signal record.
-    meta : anything JSON that a reader of the run should know (versions, config hash, rights).
+    meta : what a reader of the run should know of the writer.
     capacity : signal records kept; ``event_capacity`` likewise.
 
     Raises
@@ -49,7 +50,7 @@ class RingWriter:
         self,
         columns: Sequence[str],
         *,
-        meta: Mapping[str, Any],
+        meta: RunMeta,
         capacity: int = 4096,
         event_capacity: int = 1024,
     ) -> None:
@@ -95,7 +96,8 @@ class RingReader:
 
     Parameters
     ----------
-    path : of a descriptor that the writer has passed on, ``/dev/fd/N``.
+    source : path of a descriptor that the writer has passed on, ``/dev/fd/N``, which is opened
+        anew; or a descriptor, which is taken over: for who may not open the file.
 
     Raises
     ------
@@ -103,27 +105,28 @@ class RingReader:
         When the file is not a ring of this version.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    def __init__(self, source: Path | int) -> None:
+        flags = os.O_RDONLY | os.O_CLOEXEC
+        self._fd = os.open(source, flags) if isinstance(source, Path) else source
         try:
             self._map = mmap.mmap(self._fd, 0, access=mmap.ACCESS_READ)
-            self.header: dict[str, Any] = _read_header(self._map, path)
-        except (ValueError, AffError):
+            self.header = _read_header(self._map, source)
+        except (ValueError, OSError, AffError):
             os.close(self._fd)
             raise
         view = memoryview(self._map)
-        self.columns: tuple[str, ...] = tuple(self.header["columns"])
+        self.columns = self.header.columns
         self.signals = SlotReader(
             view,
-            offset_bytes=self.header["signals_at"],
+            offset_bytes=self.header.signals_at,
             n_values=len(self.columns),
-            capacity=self.header["capacity"],
+            capacity=self.header.capacity,
         )
         self.events = SlotReader(
             view,
-            offset_bytes=self.header["events_at"],
+            offset_bytes=self.header.events_at,
             n_values=len(EVENT_COLUMNS),
-            capacity=self.header["event_capacity"],
+            capacity=self.header.event_capacity,
         )
 
     def fileno(self) -> int:
@@ -151,33 +154,35 @@ class RingReader:
 
 
 def _layout(
-    columns: Sequence[str], meta: Mapping[str, Any], capacity: int, event_capacity: int
+    columns: Sequence[str], meta: RunMeta, capacity: int, event_capacity: int
 ) -> tuple[bytes, int, int, int]:
     """Return the header bytes, the offsets of both rings and the file size."""
     page = mmap.PAGESIZE
-    text_bytes = len(json.dumps({"columns": list(columns), "meta": meta})) + 512
+    header = RingHeader(
+        columns=tuple(columns),
+        capacity=capacity,
+        event_capacity=event_capacity,
+        signals_at=0,
+        events_at=0,
+        writer_pid=os.getpid(),
+        start_utc=wall_time_iso(),
+        meta=meta,
+    )
+    text_bytes = len(header.encode()) + _OFFSET_DIGITS
     signals_at = (_PREFIX.size + text_bytes + page - 1) // page * page
     events_at = signals_at + ring_bytes(len(columns), capacity)
     size = events_at + ring_bytes(len(EVENT_COLUMNS), event_capacity)
-    text = json.dumps(
-        {
-            "columns": list(columns),
-            "capacity": capacity,
-            "event_capacity": event_capacity,
-            "signals_at": signals_at,
-            "events_at": events_at,
-            "writer_pid": os.getpid(),
-            "start_utc": wall_time_iso(),
-            "meta": dict(meta),
-        }
-    ).encode()
+    text = replace(header, signals_at=signals_at, events_at=events_at).encode()
     return _PREFIX.pack(MAGIC, VERSION, len(text)) + text, signals_at, events_at, size
 
 
-def _read_header(memory: mmap.mmap, path: Path) -> dict[str, Any]:
-    """Return the JSON header of a mapped ring file."""
+def _read_header(memory: mmap.mmap, source: Path | int) -> RingHeader:
+    """Return the header of a mapped ring file."""
+    path = source if isinstance(source, Path) else f"descriptor {source}"
     magic, version, length = _PREFIX.unpack_from(memory, 0)
     if magic != MAGIC or version != VERSION:
         raise AffError(f"{path}: not a ring of version {VERSION}; is it from another release?")
-    header: dict[str, Any] = json.loads(memory[_PREFIX.size : _PREFIX.size + length])
-    return header
+    try:
+        return RingHeader.decode(memory[_PREFIX.size : _PREFIX.size + length])
+    except (KeyError, TypeError, ValueError) as error:
+        raise AffError(f"{path}: its head is unreadable ({error}); restart the service") from error

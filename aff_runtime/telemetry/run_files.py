@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import csv
 import gzip
-import json
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import yaml
 from numpy.typing import NDArray
 
 from aff_runtime.base.errors import AffError
+from aff_runtime.telemetry.run_about import RunAbout
+from aff_runtime.telemetry.summary import Summary
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,16 +23,16 @@ class Run:
 
     Attributes
     ----------
-    about : contents of ``run.yaml``.
+    about : ``run.yaml``.
     columns : one array per column name, all of the same length.
     events : rows of ``events.csv``.
-    summary : contents of ``summary.json``; empty when the run was cut short.
+    summary : ``summary.json``; None when the run was cut short.
     """
 
-    about: dict[str, Any]
+    about: RunAbout
     columns: dict[str, NDArray[np.float64]]
     events: list[dict[str, str]]
-    summary: dict[str, Any]
+    summary: Summary | None
 
 
 def read_run(folder: Path) -> Run:
@@ -44,12 +44,12 @@ def read_run(folder: Path) -> Run:
         When the folder is not a run.
     """
     try:
-        about = yaml.safe_load((folder / "run.yaml").read_text(encoding="utf-8"))
-        names: list[str] = about["columns"]
-    except (OSError, KeyError, TypeError, yaml.YAMLError) as error:
+        about = RunAbout.decode((folder / "run.yaml").read_text(encoding="utf-8"))
+    except (OSError, KeyError, TypeError, AttributeError, yaml.YAMLError) as error:
         raise AffError(
             f"{folder}: not a run folder ({error}); name one that has run.yaml"
         ) from None
+    names = about.columns
     parts = [_read_segment(p, len(names)) for p in sorted(folder.glob("signals-*.csv.gz"))]
     table = np.vstack([*parts, np.empty((0, len(names)))])
     summary_path = folder / "summary.json"
@@ -57,7 +57,7 @@ def read_run(folder: Path) -> Run:
         about=about,
         columns={name: table[:, i] for i, name in enumerate(names)},
         events=_read_events(folder / "events.csv"),
-        summary=json.loads(summary_path.read_text()) if summary_path.exists() else {},
+        summary=Summary.decode(summary_path.read_text()) if summary_path.exists() else None,
     )
 
 

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
-
-import yaml
 
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
 from aff_runtime.telemetry.disk_bound import delete_oldest
+from aff_runtime.telemetry.header import RingHeader
+from aff_runtime.telemetry.recorder_messages import RunContext
+from aff_runtime.telemetry.run_about import RunAbout
 from aff_runtime.telemetry.segments import SegmentWriter
-from aff_runtime.telemetry.summary import RunSummary
+from aff_runtime.telemetry.summary import RunSummary, Summary
 
 EVENT_HEADER = "time_s,tick,code,name,argument,text\n"
 
@@ -30,27 +29,24 @@ class RunFolder:
     ----------
     directory : folder of all runs.
     header : the ring's header (columns, start time, meta).
-    context : what the supervisor knows: ``name``, ``site_text``, ``max_MB``, ``segment_s`` and
-        anything else worth keeping.
+    context : what the supervisor knows.
     """
 
-    def __init__(
-        self, directory: Path, header: Mapping[str, Any], context: Mapping[str, Any]
-    ) -> None:
-        stamp = re.sub(r"[-:]", "", str(header["start_utc"]))[:15] + "Z"
-        safe_name = re.sub(r"[^A-Za-z0-9_-]+", "-", str(context.get("name", "line")))
+    def __init__(self, directory: Path, header: RingHeader, context: RunContext) -> None:
+        stamp = re.sub(r"[-:]", "", header.start_utc)[:15] + "Z"
+        safe_name = re.sub(r"[^A-Za-z0-9_-]+", "-", context.name)
         self.path = _free_name(directory, f"{stamp}_{safe_name}")
         self._directory = directory
-        self._max_bytes = int(float(context.get("max_MB", 500)) * 1e6)
-        self._columns: list[str] = list(header["columns"])
+        self._max_bytes = int(context.max_MB * 1e6)
+        self._columns: list[str] = list(header.columns)
         self._summary = RunSummary(self._columns, [state.name for state in State])
         self._last_s = 0.0
+        self._missing: dict[str, str] = {}
+        self._is_made = False
         self.files_lost = 0
         self.segments_deleted = 0
         self._make(header, context)
-        self.signals = SegmentWriter(
-            self.path, self._columns, segment_s=float(context.get("segment_s", 60))
-        )
+        self.signals = SegmentWriter(self.path, self._columns, segment_s=context.segment_s)
 
     def add(self, records: Sequence[Sequence[float]]) -> None:
         """Append signal records."""
@@ -59,6 +55,7 @@ class RunFolder:
         self._last_s = records[-1][0]
         self._summary.add(records)
         if self.signals.append(records):
+            self._make_up_for()
             self.bound_disk()
 
     def bound_disk(self) -> None:
@@ -83,33 +80,44 @@ class RunFolder:
             [[f"{self._last_s:.4f}", "", "", printable(name), "", printable(text)]]
         )
 
-    def finish(self, extra: Mapping[str, Any]) -> None:
+    def finish(self, *, ring_overruns: int) -> None:
         """Close the segment and write ``summary.json``."""
         self.signals.close()
-        result = {
-            **self._summary.result(),
-            "rows_written": self.signals.rows_written,
-            "rows_lost_to_disk": self.signals.rows_lost,
-            "files_lost_to_disk": self.files_lost,
-            "segments_deleted": self.segments_deleted,
-            **extra,
-        }
-        self._write("summary.json", json.dumps(result, indent=1) + "\n")
+        summary = Summary(
+            statistics=self._summary.result(),
+            rows_written=self.signals.rows_written,
+            rows_lost_to_disk=self.signals.rows_lost,
+            files_lost_to_disk=self.files_lost,
+            segments_deleted=self.segments_deleted,
+            ring_overruns=ring_overruns,
+        )
+        self._write("summary.json", summary.encode())
 
-    def _make(self, header: Mapping[str, Any], context: Mapping[str, Any]) -> None:
+    def _make(self, header: RingHeader, context: RunContext) -> None:
         """Create the folder with ``run.yaml``, the copy of the site file and the event header."""
+        about = RunAbout(
+            context=context, meta=header.meta, start_utc=header.start_utc, columns=header.columns
+        )
+        self._missing = {
+            "run.yaml": about.encode(),
+            "site.yaml": context.site_text,
+            "events.csv": EVENT_HEADER,
+        }
+        self._make_up_for()
+
+    def _make_up_for(self) -> None:
+        """Write what a full disk refused: a folder without ``run.yaml`` is never cleared."""
+        if not self._missing:
+            return
         try:
-            self.path.mkdir(parents=True)
+            self.path.mkdir(parents=True, exist_ok=self._is_made)
         except OSError:
             self.files_lost += 1
             return
-        about = {k: v for k, v in context.items() if k != "site_text"}
-        about = _printable({**about, **header["meta"]})
-        about["start_utc"] = header["start_utc"]
-        about["columns"] = self._columns
-        self._write("run.yaml", yaml.safe_dump(about, sort_keys=False, allow_unicode=True))
-        self._write("site.yaml", str(context.get("site_text", "")))
-        self._write("events.csv", EVENT_HEADER)
+        self._is_made = True
+        for name, text in list(self._missing.items()):
+            if self._write(name, text):
+                del self._missing[name]
 
     def _append_events(self, rows: list[list[object]]) -> None:
         """Append rows to ``events.csv``."""
@@ -123,23 +131,14 @@ class RunFolder:
         except OSError:
             self.files_lost += 1
 
-    def _write(self, name: str, text: str) -> None:
-        """Write one small file, counting a refusal."""
+    def _write(self, name: str, text: str) -> bool:
+        """Write one small file, counting a refusal; False for one."""
         try:
             (self.path / name).write_text(text, encoding="utf-8")
         except OSError:
             self.files_lost += 1
-
-
-def _printable(value: Any) -> Any:
-    """Return plain data whose texts, keys among them, show as themselves."""
-    if isinstance(value, str):
-        return printable(value)
-    if isinstance(value, Mapping):
-        return {printable(str(key)): _printable(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_printable(inner) for inner in value]
-    return value
+            return False
+        return True
 
 
 def _free_name(directory: Path, name: str) -> Path:

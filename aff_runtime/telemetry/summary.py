@@ -2,13 +2,73 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 _BINS_US = np.geomspace(1.0, 1e6, 361)  # 3.9 % wide
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunStatistics:
+    """What the rows of a run say.
+
+    Attributes
+    ----------
+    rows_by_state : number of rows by name of the guard's state.
+    timing_us : p50, p99, p99.9 and max by timing column, us.
+    columns_by_state : mean, sd, min, max and last by state and column.
+    """
+
+    rows: int
+    rows_by_state: Mapping[str, int]
+    timing_us: Mapping[str, Mapping[str, float | None]]
+    columns_by_state: Mapping[str, Mapping[str, Mapping[str, float | None]]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Summary:
+    """The contents of ``summary.json``: statistics, and what was kept and lost."""
+
+    statistics: RunStatistics
+    rows_written: int
+    rows_lost_to_disk: int
+    files_lost_to_disk: int
+    segments_deleted: int
+    ring_overruns: int
+
+    def encode(self) -> str:
+        """Return the text of ``summary.json``."""
+        said = asdict(self)
+        return json.dumps({**said.pop("statistics"), **said}, indent=1) + "\n"
+
+    @classmethod
+    def decode(cls, text: str) -> Summary:
+        """Read ``encode``'s text back.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            When it is no summary.
+        """
+        said: Any = json.loads(text)
+        return cls(
+            statistics=RunStatistics(
+                rows=said["rows"],
+                rows_by_state=said["rows_by_state"],
+                timing_us=said["timing_us"],
+                columns_by_state=said["columns_by_state"],
+            ),
+            rows_written=said["rows_written"],
+            rows_lost_to_disk=said["rows_lost_to_disk"],
+            files_lost_to_disk=said["files_lost_to_disk"],
+            segments_deleted=said["segments_deleted"],
+            ring_overruns=said["ring_overruns"],
+        )
 
 
 class ColumnStatistics:
@@ -102,16 +162,16 @@ class RunSummary:
                 np.add.at(histogram, np.searchsorted(_BINS_US, values), 1)
                 self._timing_max[i] = max(self._timing_max[i], float(values.max()))
 
-    def result(self) -> dict[str, Any]:
-        """Return the summary, ready for JSON."""
-        return {
-            "rows": sum(self._rows_in_state.values()),
-            "rows_by_state": {self._name(k): n for k, n in self._rows_in_state.items()},
-            "timing_us": {self._columns[i]: self._percentiles(i) for i in self._timing},
-            "columns_by_state": {
+    def result(self) -> RunStatistics:
+        """Return the statistics."""
+        return RunStatistics(
+            rows=sum(self._rows_in_state.values()),
+            rows_by_state={self._name(k): n for k, n in self._rows_in_state.items()},
+            timing_us={self._columns[i]: self._percentiles(i) for i in self._timing},
+            columns_by_state={
                 self._name(k): s.result(self._columns) for k, s in self._by_state.items()
             },
-        }
+        )
 
     def _name(self, state: int) -> str:
         """Return the name of a state value."""

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from benchmarks.campaign.cases import GROUPS, case_number, numbers_of
 from benchmarks.campaign.work import run_case, tell_again
 from benchmarks.rows import read_row, write_row
 from benchmarks.workers import LostJobError, WorkerPool
@@ -96,6 +97,12 @@ def main() -> int:
     """Run, then write the page; return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.campaign")
     parser.add_argument("--cases", type=int, default=600)
+    parser.add_argument(
+        "--group",
+        default="",
+        choices=sorted(set(GROUPS)),
+        help="of the cases only those of this group",
+    )
     parser.add_argument("--seed", type=int, default=100)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "campaign")
@@ -117,7 +124,6 @@ def main() -> int:
     )
     given = parser.parse_args()
     if given.write_case is not None:
-        from benchmarks.campaign.cases import case_number
         from benchmarks.campaign.make import write_case
 
         given.out.mkdir(parents=True, exist_ok=True)
@@ -129,7 +135,8 @@ def main() -> int:
     if not given.report_only and not given.tell_again:
         for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
             os.environ.setdefault(name, "1")
-        lost = run(given.seed, range(given.cases), given.workers, given.out, given.for_s)
+        numbers = numbers_of(given.cases, given.group)
+        lost = run(given.seed, numbers, given.workers, given.out, given.for_s)
     from benchmarks.campaign.report import page
 
     if given.tell_again:

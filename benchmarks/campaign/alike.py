@@ -187,7 +187,7 @@ def beside_tolerances(case: Case) -> tuple[Quiet, Array]:
     return record, tolerated(case, record, tolerances(case))
 
 
-def told(case: Case, faults: tuple[Fault, ...]) -> dict[str, list[object]]:
+def alternatives(case: Case, faults: tuple[Fault, ...]) -> dict[str, list[object]]:
     """Return per fault what cannot be told from it, and the chi-square by which it shows.
 
     What has no line of its own shows beside all that the tolerances may take up.

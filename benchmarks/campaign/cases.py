@@ -120,6 +120,11 @@ def removed(rng: np.random.Generator) -> tuple[Fault, tuple[str, ...], tuple[str
     return replace(fault, kind=kind), same, (kind,)
 
 
+def numbers_of(cases: int, group: str = "") -> list[int]:
+    """Return the first ``cases`` numbers of a campaign, those of one group alone where given."""
+    return [n for n in range(cases) if group in ("", GROUPS[n % len(GROUPS)])]
+
+
 def case_number(seed: int, number: int) -> Case:
     """Return case ``number`` of the campaign ``seed``."""
     rng = np.random.default_rng([seed, number])

@@ -176,7 +176,7 @@ EFFECTS = (
     Row(
         name="wound_in_strain",
         change=effects.wound_in,
-        drawn_at=("web",),
+        drawn_at=("unwind",),
         first_size=1e-3,
         either_sign=True,
         largest=5e-3,

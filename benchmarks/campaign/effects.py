@@ -110,7 +110,7 @@ def out_of_round(m: Machine, f: Fault) -> Machine:
 def unbalanced(m: Machine, f: Fault) -> Machine:
     """Put a gravity torque on a body."""
     k = NAMES.index(f.location)
-    m.heavy[k], m.heavy_angle[k] = f.size * GRAVITY, f.angle
+    m.gravity_moment[k], m.gravity_moment_angle[k] = f.size * GRAVITY, f.angle
     return m
 
 

@@ -112,8 +112,8 @@ def scattered(line: dict[str, Any], s: Scatter) -> Machine:
         inertia=np.array(inertia),
         drag=_of(s.near(r["friction_constant_N_m"], "friction") for r in rollers),
         viscous=_of(s.near(r["friction_viscous_N_m_s"], "friction") for r in rollers),
-        heavy=np.zeros(len(rollers)),
-        heavy_angle=np.zeros(len(rollers)),
+        gravity_moment=np.zeros(len(rollers)),
+        gravity_moment_angle=np.zeros(len(rollers)),
         web=np.array(
             [
                 s.near(web["kelvin_voigt_eta_s"], "eta"),

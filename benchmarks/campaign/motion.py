@@ -146,8 +146,12 @@ def accelerate(m: Machine, s: State) -> None:
         ratio = s.omega[k] / 0.3
         level = math.tanh(ratio) if abs(ratio) < 20.0 else math.copysign(1.0, ratio)
         torque = -m.drag[k] * level - m.viscous[k] * s.omega[k]
-        if m.heavy[k] != 0.0:
-            torque -= m.bodies.sense[k] * m.heavy[k] * math.cos(s.theta[k] + m.heavy_angle[k])
+        if m.gravity_moment[k] != 0.0:
+            torque -= (
+                m.bodies.sense[k]
+                * m.gravity_moment[k]
+                * math.cos(s.theta[k] + m.gravity_moment_angle[k])
+            )
         if k > 0:
             torque -= s.geometry[k - 1, 4] * s.pull[k - 1]
         if k < last:

@@ -28,8 +28,9 @@ EXACT = {"single 0.4": 0.95, "single 0.2": 0.85, "pair": 0.90, "triple": 0.80}
 
 HEAD = """# Campaign: `sim-plant refine` on records that other code made
 
-Written by `make campaign` (`python -m benchmarks.campaign --cases N --seed S --workers 2
---out DIR`; it goes on where it was stopped). The records come from `benchmarks/campaign`, which
+Written by `python -m benchmarks.campaign --cases N --seed S --workers 2 --out DIR --docs
+docs/results`, which goes on where it was stopped (`make campaign`: 600 cases of seed 100;
+`--group "no effect"`: healthy records alone). The records come from `benchmarks/campaign`, which
 imports nothing of `sim_plant` but its command line and the folder for compiled code: circles with
 moving centres and polygons of 4096 points instead of support functions, velocity Verlet at 0.5 ms
 on unstretched lengths instead of Runge-Kutta on strains, its own drives, loops and sensors. On a

@@ -16,7 +16,7 @@ class Machine(NamedTuple):
     Attributes
     ----------
     radius, inertia, drag, viscous : (n,); inertia of rolls is core and drive only.
-    heavy, heavy_angle : m g e in N m and its angle in the body, (n,).
+    gravity_moment, gravity_moment_angle : m g e in N m and its angle in the body, (n,).
     web : viscosity s, density, thickness, width, wound-in strain, core radius, wave share,
         wave length m, stiffening per relative tension.
     modulus, free : EA and free strain of the spans, (m,).
@@ -37,8 +37,8 @@ class Machine(NamedTuple):
     inertia: Array
     drag: Array
     viscous: Array
-    heavy: Array
-    heavy_angle: Array
+    gravity_moment: Array
+    gravity_moment_angle: Array
     web: Array
     modulus: Array
     free: Array

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.campaign import line as short
-from benchmarks.campaign.alike import told
+from benchmarks.campaign.alike import alternatives
 from benchmarks.campaign.beyond import ANGLE
 from benchmarks.campaign.cases import case_number
 from benchmarks.campaign.effect_table import BY_NAME
@@ -44,7 +44,7 @@ def run_case(job: tuple[int, int, Path]) -> dict[str, Any]:
     found = refine_files(folder, case.without)
     spent, after = time.process_time() - burnt, time.monotonic()  # noqa: TID251
     faults = [asdict(f) for f in made.faults]
-    known = told(case, made.faults) if made.faults else {}
+    known = alternatives(case, made.faults) if made.faults else {}
     row = {
         "number": number,
         "group": case.group,
@@ -67,8 +67,8 @@ def run_case(job: tuple[int, int, Path]) -> dict[str, Any]:
 
 
 def tell_again(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a row with what its record can show, told anew; nothing is refined again."""
+    """Return a row with what its record can show, worked out anew; nothing is refined again."""
     faults = tuple(Fault(**f) for f in row["faults"])
     if not faults:
         return row
-    return row | told(case_number(row["seed"], row["number"]), faults)
+    return row | alternatives(case_number(row["seed"], row["number"]), faults)

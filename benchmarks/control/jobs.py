@@ -13,9 +13,9 @@ import numpy.typing as npt
 
 from aff_runtime.core.shape.law import ShapeLaw
 from aff_runtime.core.shape.profile import ShapeProfile
-from benchmarks.control import cases, judge
+from benchmarks.control import cases, scores
 from benchmarks.control.laws import OWN, follower_law, oracle, rival, shape_law
-from benchmarks.control.lockstep import LawBuilder, Record, run
+from benchmarks.control.lockstep import LawBuilder, Recording, run
 
 Row = dict[str, Any]
 Array = npt.NDArray[np.float64]
@@ -70,24 +70,24 @@ def _profile(job: Job) -> Array:
     return found
 
 
-def _run(job: Job, laws: dict[str, LawBuilder], profile: Array, **more: Any) -> Record:
+def _run(job: Job, laws: dict[str, LawBuilder], profile: Array, **more: Any) -> Recording:
     case = job.case
     given = {"seed": job.seed, "on_s": cases.ON_S, **more}
     return run(case.line(), laws, profile, cycle_s=case.cycle_s, hidden=case.hidden, **given)
 
 
 @functools.lru_cache(maxsize=2)
-def _plain(section: str, case: cases.Case, seed: int, end_in: float) -> Record:
+def _plain(section: str, case: cases.Case, seed: int, end_in: float) -> Recording:
     """Return the same row with the tension PI alone."""
     job = Job(section=section, case=case, law="", seed=seed, end_in=end_in)
     return _run(job, {}, _profile(job))
 
 
-def _without(job: Job) -> Record:
+def _without(job: Job) -> Recording:
     return _plain(job.section, job.case, job.seed, job.end_in)
 
 
-def _with(job: Job, profile: Array) -> Record:
+def _with(job: Job, profile: Array) -> Recording:
     """Return the record under the job's law; a perfect roll is a line without any fault."""
     case = job.case
     if job.law == PERFECT:
@@ -109,7 +109,7 @@ def _with(job: Job, profile: Array) -> Record:
 _LEARNED: dict[tuple[cases.Case, int | None], ShapeProfile] = {}
 
 
-def _learning(job: Job, profile: Array, seed: int | None) -> Record:
+def _learning(job: Job, profile: Array, seed: int | None) -> Recording:
     """Run the law over a constant-speed case and keep what it knows at the end."""
 
     def keep(k: int, laws: Any) -> None:
@@ -132,7 +132,7 @@ def _learned(job: Job, profile: Array, seed: int | None) -> ShapeProfile:
 def _constant(job: Job) -> dict[str, Any]:
     profile = _profile(job)
     record, plain = _with(job, profile), _without(job)
-    v = judge.judge_constant(record, plain, cases.ON_S)
+    v = scores.score_constant(record, plain, cases.ON_S)
     return {
         "late_dB": v.late_dB,
         "middle_dB": v.middle_dB,
@@ -148,7 +148,7 @@ def _constant(job: Job) -> dict[str, Any]:
 
 def _ramp(job: Job) -> dict[str, Any]:
     record, plain = _with(job, _profile(job)), _without(job)
-    first, second = (judge.judge_moving(record, plain, a, b, 2) for a, b in cases.RAMPS_S)
+    first, second = (scores.score_moving(record, plain, a, b, 2) for a, b in cases.RAMPS_S)
     return {
         "first_dB": first.mean_dB,
         "second_dB": second.mean_dB,
@@ -161,10 +161,10 @@ def _roll(job: Job) -> dict[str, Any]:
     profile = _profile(job)
     record, plain = _with(job, profile), _without(job)
     end_s = profile.size * job.case.cycle_s
-    v = judge.judge_moving(record, plain, 30.0, end_s - 1.0, 10)
+    v = scores.score_moving(record, plain, 30.0, end_s - 1.0, 10)
     starts_s = np.arange(0.0, end_s - 5.0, 5.0)
-    parts = [judge.between(record, t, t + 5.0) for t in starts_s]
-    trace = [judge.rms(record.tension_N[p]) / judge.rms(plain.tension_N[p]) for p in parts]
+    parts = [scores.between(record, t, t + 5.0) for t in starts_s]
+    trace = [scores.rms(record.tension_N[p]) / scores.rms(plain.tension_N[p]) for p in parts]
     radius_m = np.interp(starts_s + 2.5, record.time_s, record.radius_m)
     return {
         "mean_dB": v.mean_dB,
@@ -188,18 +188,18 @@ def _follower(job: Job) -> dict[str, Any]:
     }
     both = {"unwind": shape_law(material)} if "and unwind" in job.law else {}
     record, plain = _run(job, {**follower, **both}, _profile(job)), _without(job)
-    part = judge.between(plain, 45.0, 70.0)
+    part = scores.between(plain, 45.0, 70.0)
 
-    def first(r: Record) -> Array:
+    def first(r: Recording) -> Array:
         seen = r.pullroll_N[part]
-        found = judge.order_amplitudes(seen, r.follower_rad[part], r.unwind_rad[part], 0.005)
+        found = scores.order_amplitudes(seen, r.follower_rad[part], r.unwind_rad[part], 0.005)
         return found[:1]
 
     def ratio(name: str) -> float:
-        return judge.rms(getattr(record, name)[part]) / judge.rms(getattr(plain, name)[part])
+        return scores.rms(getattr(record, name)[part]) / scores.rms(getattr(plain, name)[part])
 
     return {
-        "pullroll_1x_dB": float(judge.ratio_dB(first(plain), first(record))[0]),
+        "pullroll_1x_dB": float(scores.ratio_dB(first(plain), first(record))[0]),
         "pullroll": ratio("pullroll_N"),
         "unwind": ratio("tension_N"),
         "follower_speed": ratio("follower_m_s"),
@@ -214,4 +214,4 @@ def _transient(job: Job) -> dict[str, Any]:
     record = _run(
         job, {"unwind": builder}, plan.speed_m_s, roll_id=plan.roll_id, enabled=plan.enabled
     )
-    return judge.judge_transient(record, plain, plan.event_s, plan.back_s)
+    return scores.score_transient(record, plain, plan.event_s, plan.back_s)

@@ -65,7 +65,7 @@ LawBuilder = Callable[[Mapping[str, RollPhase], float], ActuatorLaw]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Record:
+class Recording:
     """What a run leaves: one entry per control sample.
 
     ``tension_N`` and ``pullroll_N`` are the true means of the two spans at the cells, without
@@ -124,7 +124,7 @@ def run(
     watch: Callable[[int, Mapping[str, ActuatorLaw]], None] | None = None,
     roll_id: npt.NDArray[np.int64] | None = None,
     enabled: npt.NDArray[np.bool_] | None = None,
-) -> Record:
+) -> Recording:
     """Run the line over a speed profile (m/s per sample), the laws enabled from ``on_s``.
 
     Laws are named by the driven roller they correct (``SIGNAL_OF`` says what they read). The
@@ -222,7 +222,7 @@ def _settled(declaration: Declaration, cycle_s: float, speed_m_s: float) -> Line
 
 def _alone(
     line: LineSimulation, speed_m_s: Array, seed: int | None, cycle_s: float, hidden: Hidden
-) -> Record:
+) -> Recording:
     """Run the line without any law: the same frames in compiled chunks."""
     state, arrays, lay, work = line.state, line.arrays, line.layout, line.work
     cells, d, count = arrays.cells.size, arrays.drives.size, speed_m_s.size
@@ -290,11 +290,11 @@ class _Columns:
 
     def record(
         self, log: Array, theta0: Array, corrections: Array, speed_m_s: Array, cycle_s: float
-    ) -> Record:
+    ) -> Recording:
         """Return the run's true signals."""
         at, f = self.log, self.follower_body
         a = at.theta_rad
-        return Record(
+        return Recording(
             time_s=np.asarray(np.arange(len(log)) * cycle_s, dtype=np.float64),
             tension_N=log[:, at.mean_N + self.tension].copy(),
             pullroll_N=log[:, at.mean_N + self.pullroll].copy(),

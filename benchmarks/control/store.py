@@ -19,7 +19,7 @@ CORE = ROOT / "aff_runtime" / "core"
 PLANT = ROOT / "sim_plant"
 ROOMS = ("line", "elements", "effects", "geometry")
 COMMON = (
-    *(BENCH / f"{n}.py" for n in ("lines", "lockstep", "judge", "cases", "nominal_loop")),
+    *(BENCH / f"{n}.py" for n in ("lines", "lockstep", "scores", "cases", "nominal_loop")),
     *(CORE / f"{n}.py" for n in ("phase", "impulse")),
     *(p for room in ROOMS for p in (PLANT / room).glob("*.py")),
     EUCLID,

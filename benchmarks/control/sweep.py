@@ -19,9 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.control import cases, judge
+from benchmarks.control import cases, scores
 from benchmarks.control.laws import rival
-from benchmarks.control.lockstep import Record, run
+from benchmarks.control.lockstep import Recording, run
 from benchmarks.rows import write_row
 from benchmarks.workers import LostJobError, WorkerPool
 
@@ -65,7 +65,7 @@ def _rows() -> list[tuple[str, cases.Case, Any, float]]:
     return rows
 
 
-_PLAIN: dict[str, Record] = {}
+_PLAIN: dict[str, Recording] = {}
 
 
 def score(job: tuple[str, dict[str, Any]]) -> Score:
@@ -83,8 +83,8 @@ def score(job: tuple[str, dict[str, Any]]) -> Score:
             _PLAIN[name] = run(case.line(), {}, profile, **common)
         builder = rival(law, case.material, case.cycle_s, setting)
         record = run(case.line(), {"unwind": builder}, profile, **common)
-        part = judge.between(record, from_s, float(record.time_s[-1]))
-        ratio = judge.rms(record.tension_N[part]) / judge.rms(_PLAIN[name].tension_N[part])
+        part = scores.between(record, from_s, float(record.time_s[-1]))
+        ratio = scores.rms(record.tension_N[part]) / scores.rms(_PLAIN[name].tension_N[part])
         found.append(min(WORST, ratio) if math.isfinite(ratio) else WORST)
     return law, setting, float(np.exp(np.mean(np.log(found)))), found
 

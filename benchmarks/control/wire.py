@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import yaml
 
-from benchmarks.control import cases, judge, store
+from benchmarks.control import cases, scores, store
 from benchmarks.control.jobs import Job, Row
 from benchmarks.control.laws import OWN
 from benchmarks.control.lines import ROOT
-from sim_plant.demo.judge import window
+from sim_plant.demo.evaluation import window
 from sim_plant.demo.session import Plan, Session, run_session
 
 SITE = ROOT / "config" / "euclid.yaml"
@@ -72,17 +72,17 @@ def _row(session: Session) -> dict[str, Any]:
     return {
         "plain_N": [float(x) for x in plain[:4]],
         "with_N": [float(x) for x in left[:4]],
-        "late_dB": [float(x) for x in judge.ratio_dB(plain, left)],
-        "ripple": judge.rms(after[tension]) / judge.rms(before[tension]),
+        "late_dB": [float(x) for x in scores.ratio_dB(plain, left)],
+        "ripple": scores.rms(after[tension]) / scores.rms(before[tension]),
         "probe": session.probe_text,
         "exit_codes": session.exit_codes,
     }
 
 
-def _amplitudes(part: dict[str, Any]) -> judge.Array:
+def _amplitudes(part: dict[str, Any]) -> scores.Array:
     time_s = np.asarray(part["time_s"])
     cycle_s = float((time_s[-1] - time_s[0]) / (time_s.size - 1))
     angles = [np.asarray(part[f"true_{r}_angle_rad"]) for r in ("unwind", "swrap_follower")]
-    return judge.order_amplitudes(
+    return scores.order_amplitudes(
         np.asarray(part["true_unwind_tension_N"]), angles[0], angles[1], cycle_s
     )

@@ -80,7 +80,7 @@ class Listener:
 
 def runtime_end(site: Path, seconds: float) -> dict[str, Any]:
     """Run the cycle of ``site``; return its times per tick, ns, and what it used when."""
-    record = load_record(site).record or {}
+    record = load_record(site).checked()
     assembly = assemble(record, MonotonicClock())
     listener = Listener(seconds)
     cycle = cycle_of(assembly, listener)

@@ -36,7 +36,7 @@ BODY = record_type(
     "radius_m "  # mean radius (perimeter / 2 pi) at the start
     "inertia_kg_m2 "  # rolls: core and drive only
     "friction_constant_N_m friction_viscous_N_m_s "
-    "heavy_N_m heavy_angle_rad "  # m g e of an off-axis centre of gravity, its angle in the body
+    "gravity_moment_N_m gravity_moment_angle_rad "  # m g e off axis, its angle
     "slip_s_m slip_speed_m_s",  # share of speed lost per m/s above slip_speed
 )
 SPAN = record_type("", "EA_N free_strain")  # free strain (thermal, moisture) pulls nothing
@@ -49,7 +49,9 @@ WEB = record_type(
     "bounce_order "  # driven by unbalance of order 1 and of this order
     "bounce_cos1_kg_m bounce_sin1_kg_m bounce_cosn_kg_m bounce_sinn_kg_m "
     # web past splice_m of unstretched length differs by these ratios; 1 = the same web
-    "splice_m splice_EA_ratio splice_thickness_ratio",
+    "splice_m splice_EA_ratio splice_thickness_ratio "
+    # the seam, as long as splice_piece_m, lifts the web off a roller by splice_step_m
+    "splice_step_m splice_piece_m",
 )
 DRIVE = record_type(
     "body delay_ticks loop",  # loop: tension loop that trims this drive, or -1
@@ -69,12 +71,22 @@ CELL = record_type(
 )
 LOOP = record_type("cell", "gain_m_s_N corner_rad_s sign")
 RIPPLE = record_type("drive", "order cos_N_m sin_N_m")
+# a number that changes while a line runs: what (below), whose index, by how much; it rises from
+# from_s over rise_s, stays until until_s, falls as it rose; put: the part that is in force now
+CHANGE = record_type("target place", "amount from_s rise_s until_s put")
+DRAG, FREE_STRAIN, SLIP = 0, 1, 2
+"""Values of the field ``target`` of a change: friction of a body, N m; free strain of a span;
+share of speed lost per m/s on a body, s/m."""
+
 # noisy 0: sensors answer with their mean, a run is noise-free
 TIMING = record_type("ticks_per_frame frames_per_loop substeps noisy", "drive_tick_s")
 
 
 class LineArrays(NamedTuple):
-    """Parameters of a line, SI. Fields may be changed in place before a run, never during one."""
+    """Parameters of a line, SI. Fields may be changed in place before a run.
+
+    During one only ``changes`` are at work, through the kernel.
+    """
 
     bodies: Records  # (n,) BODY
     spans: Records  # (m,) SPAN
@@ -83,6 +95,7 @@ class LineArrays(NamedTuple):
     cells: Records  # (c,) CELL
     loops: Records  # (l,) LOOP
     ripples: Records  # (r,) RIPPLE
+    changes: Records  # (e,) CHANGE
     timing: Records  # (1,) TIMING
     shape_h_m: Array  # (s, points + 1) support function minus mean radius
     shape_dh_m: Array

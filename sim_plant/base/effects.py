@@ -13,7 +13,7 @@ from typing import Literal
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.profiles import Profiles
-from sim_plant.base.signatures import Orders, Signature
+from sim_plant.base.signatures import Onset, Orders, Signature
 
 PlaceKind = Literal["body", "drive", "cell", "web", "span", "loop"]
 Candidates = Literal[
@@ -22,6 +22,7 @@ Candidates = Literal[
     "roller",
     "turning",
     "driven",
+    "gripping",
     "drive",
     "trimmed_drive",
     "cell",
@@ -121,18 +122,23 @@ class Effect:
     place : what a location names: a body, a drive, a load cell, the web, a span, a tension loop.
         A span effect also takes a zone, a cell effect also takes ``all``.
     candidates : which locations are worth trying, see ``line/locations.py``: material rolls, the
-        unwind, rollers that are no rolls, every turning body, driven rollers, every drive, drives
-        that a tension loop trims, load cells (one by one, and all), the web, zones.
+        unwind, rollers that are no rolls, every turning body, driven rollers, those and S-wraps,
+        every drive, drives that a tension loop trims, load cells (one by one, and
+        all), the web, zones.
     accepts : every parameter; the keys are the only ones a declaration may give.
     traced : the parameters tracing fits; others keep their default or one of their ``tries``.
+    traced_per_place : more of them where a location names several places, ``{k}`` standing for
+        the number of each but the first.
     apply : returns arrays with the effect added at the index of its place; the arrays given may
         be changed in place.
     text : one sentence for a process engineer.
-    shows : its signature in a record; None: no line and no moment of its own.
+    shows : its signature in a record where it lasts; None: no line of its own.
+    onset : its form that begins at a moment of the record; None: it has none.
     remedy : what to do at the machine or in the declaration, without a stop at its end;
         ``{place}`` stands for where.
     experiment : what tells it from another effect, where the signatures of both do not say it.
     sensor_only : acts in a reading, not in the web: must not be cancelled.
+    wander : share of what it explains that it leaves, where its size is not quite constant.
     cancel_orders : whole orders of its body that a drive can cancel, or the parameter that says
         which; empty: none.
     quadratures : pairs among ``accepts``.
@@ -152,8 +158,11 @@ class Effect:
     text: str
     shows: Signature | None
     remedy: str
+    onset: Onset | None = None
+    traced_per_place: tuple[str, ...] = ()
     experiment: Experiment | None = None
     sensor_only: bool = False
+    wander: float = 0.0
     cancel_orders: tuple[int, ...] | str = ()
     quadratures: tuple[Quadrature, ...] = ()
     limits: Limits | None = None

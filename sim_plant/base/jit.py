@@ -11,9 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-import numba
-
 from sim_plant.base.cache_folder import own_cache_folder
+from sim_plant.base.numba_alone import numba
 
 F = TypeVar("F", bound=Callable[..., Any])
 

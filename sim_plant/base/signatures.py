@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 Values = Mapping[str, float | str]
 
@@ -21,33 +22,54 @@ class Orders:
         where something turns along at a ratio of its own.
     resonant : something rings at the order, so size and phase change with speed. Such an effect
         is tried when those that stand still over the angle have been.
+    parameter : the one that says the only order, empty where none does.
     """
 
     at: Callable[[Values, float], tuple[float, ...]]
     resonant: bool = False
+    parameter: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Frequency:
     """A response that repeats in time, whatever the speed.
 
-    ``at`` : (parameters) -> frequency before sampling, Hz.
+    Attributes
+    ----------
+    at : (parameters) -> frequency before sampling, Hz.
+    parameter : the one that says it.
+    harmonics_of_Hz : it is found within ``width`` of whole multiples of these, up to the
+        parameter's bound; empty: anywhere.
+    width : relative.
     """
 
     at: Callable[[Values], float]
+    parameter: str = "frequency_Hz"
+    harmonics_of_Hz: tuple[float, ...] = ()
+    width: float = 0.01
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Onset:
-    """A response that is there from a moment of this record on; no line.
+    """A form of an effect that is there from a moment of one record on; no line of its own.
 
-    ``at`` : (parameters) -> length of unstretched web unwound by then, m.
+    Attributes
+    ----------
+    moment : the parameter that says when.
+    unit : of the moment: ``s`` of the record, or ``m`` of unstretched web unwound since it began.
+    forms : parameters that are fitted with the moment, per way to begin.
+    fixed : parameters that such a form needs at other values than their defaults.
+    grid : values of its shapes that a search begins from, one shape after the other.
     """
 
-    at: Callable[[Values], float]
+    moment: str
+    unit: Literal["s", "m"]
+    forms: tuple[tuple[str, ...], ...]
+    fixed: tuple[tuple[str, float | str], ...] = ()
+    grid: tuple[tuple[str, tuple[float, ...]], ...] = ()
 
 
-Signature = Orders | Frequency | Onset
+Signature = Orders | Frequency
 
 
 def whole(*orders: int) -> Orders:
@@ -58,4 +80,8 @@ def whole(*orders: int) -> Orders:
 
 def said_by(parameter: str, *, resonant: bool = False) -> Orders:
     """Return the signature of an effect that shows at the order one of its parameters says."""
-    return Orders(at=lambda values, _radius_m: (float(values[parameter]),), resonant=resonant)
+    return Orders(
+        at=lambda values, _radius_m: (float(values[parameter]),),
+        resonant=resonant,
+        parameter=parameter,
+    )

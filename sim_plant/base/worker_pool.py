@@ -24,6 +24,7 @@ from typing import Any, Generic, Self, TypeVar
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
 from sim_plant.base.worker_context import spawn_context
+from sim_plant.base.worker_pipe import WorkerPipe, wait
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -142,28 +143,25 @@ class WorkerPool(Generic[Job, Result]):
             while self._idle and not self._idle[-1].is_alive():
                 self._idle.pop().kill()
             worker = self._idle.pop() if self._idle else _Worker(self._orders)
-            worker.give(task.job)
             worker.allow(self._limit_s if worker.is_ready else START_S)
+            worker.give(task.job)
             self._busy[worker] = task
 
     def _take_back(self, again: deque[_Task[Job]]) -> Iterator[tuple[int, Result | LostJobError]]:
         """Wait for an answer, an end or a limit; yield what is ready."""
-        pipes = [worker.pipe for worker in self._busy]
-        connection.wait(pipes, min(worker.left_s() for worker in self._busy))
+        wait([w.pipe for w in self._busy], min(worker.left_s() for worker in self._busy))
         for worker in list(self._busy):
-            ready = worker.pipe.poll()  # now: the caller may have taken long over another one
-            if not ready and worker.left_s() > 0.0:
-                continue
-            answer = worker.answer() if ready else None
-            if answer == READY:
+            worker.pipe.exchange()  # now: the caller may have taken long over another one
+            while (answer := worker.answer()) == READY:  # its first answer may be here as well
                 worker.allow(self._limit_s)
+            if answer is None and not worker.pipe.has_ended and worker.left_s() > 0.0:
                 continue
             task = self._busy.pop(worker)
             if answer is not None:
                 self._idle.append(worker)
                 yield task.number, _opened(answer)
                 continue
-            why = worker.how_it_ended() if ready else worker.why_late()
+            why = worker.how_it_ended() if worker.pipe.has_ended else worker.why_late()
             worker.kill()
             task.losses += 1
             if task.losses > REPEATS:
@@ -186,18 +184,19 @@ class _Worker:
     def __init__(self, orders: bytes) -> None:
         self._clock, self._until_ns, self._allowed_s = MonotonicClock(), 0, 0.0
         self.is_ready = False
-        self.pipe, far = multiprocessing.Pipe()
+        near, far = multiprocessing.Pipe()
+        self.pipe = WorkerPipe(near)
         self._process = spawn_context().Process(target=_serve, args=(far,), daemon=True)
         self._process.start()
         far.close()  # so that the pipe ends with the process
         # not among its arguments: a start waits for ever on a process that ends while it reads
-        self._send(orders)
+        self.pipe.send(orders)
 
     def is_alive(self) -> bool:
         return self._process.is_alive()
 
     def give(self, job: Any) -> None:
-        self._send(pickle.dumps(job))
+        self.pipe.send(pickle.dumps(job))
 
     def allow(self, limit_s: float) -> None:
         """Give it this long from now."""
@@ -207,20 +206,13 @@ class _Worker:
         what = "gave no answer" if self.is_ready else "was not ready for a job"
         return f"{what} within {self._allowed_s:g} s"
 
-    def _send(self, message: bytes) -> None:
-        with contextlib.suppress(ConnectionError):  # the end of the pipe says it
-            self.pipe.send_bytes(message)
-
     def left_s(self) -> float:
         return max(0.0, 1e-9 * (self._until_ns - self._clock.now_ns()))
 
     def answer(self) -> bytes | None:
-        """Return what it sent, None when it ended first, or in the middle."""
-        try:
-            found = self.pipe.recv_bytes()
-        except (EOFError, OSError):
-            return None
-        self.is_ready = True
+        """Return what it has sent, None while that is not whole."""
+        found = self.pipe.message()
+        self.is_ready = self.is_ready or found is not None
         return found
 
     def how_it_ended(self) -> str:

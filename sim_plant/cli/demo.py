@@ -28,7 +28,7 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the demo; 0 when every target is met, 5 when one is missed."""
-    from sim_plant.demo.judge import judge, table_text, window  # noqa: PLC0415 - heavy imports
+    from sim_plant.demo.evaluation import evaluate, table_text, window  # noqa: PLC0415 - heavy imports
     from sim_plant.demo.report import write_report  # noqa: PLC0415
     from sim_plant.demo.session import Plan, run_session  # noqa: PLC0415
     from sim_plant.demo.wires import SITES  # noqa: PLC0415
@@ -45,11 +45,11 @@ def run(arguments: argparse.Namespace) -> int:
         seed=arguments.seed,
     )
     session = run_session(plan, say)
-    rows = judge(
+    rows = evaluate(
         window(session.record, *session.before_s),
         window(session.record, *session.after_s),
         NOISE_N,
     )
     page = write_report(session, rows, NOISE_N)
-    say(f"\n{table_text(rows)}\n\nreport: {page}")
+    say(f"\n{table_text(rows)}\n\nreport: {page}\nto look at such a line live: make hmi")
     return 0 if all(row.passed for row in rows) else 5

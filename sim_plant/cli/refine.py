@@ -38,7 +38,8 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         nargs="*",
         metavar="RECORD",
         help="records to fit: .csv, .csv.gz, .txt, .parquet, .mf4; columns are "
-        "time_s, both references and the channels the line declares",
+        "time_s, both references and the channels the line declares; or a run of aff-runtime, "
+        "whole or a part: RUN_DIR, RUN_DIR@FROM..TO (s, m:s or h:m:s since it began)",
     )
     parser.add_argument(
         "--example",
@@ -59,6 +60,13 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         required=True,
         metavar="DIR",
         help="folder for report.html, verdict.json, line_amended.yaml and aff_block.yaml",
+    )
+    parser.add_argument(
+        "--site",
+        type=Path,
+        metavar="SITE.yaml",
+        help="site file of the service: written to DIR with the AFF block in its place, as "
+        "site_proposed.yaml, for `aff-runtime settings try`",
     )
     parser.add_argument(
         "--without",
@@ -141,20 +149,23 @@ def plan_of(arguments: argparse.Namespace) -> Plan:
         out=arguments.out,
         without=tuple(arguments.without),
         workers=arguments.workers,
+        site=arguments.site,
     )
 
 
 def record_summary(verdict: RecordVerdict, out: Path, *, held: bool) -> str:
     """Return the verdict on records without a line as text."""
-    from sim_plant.refine.report.wording import coordinate_text  # noqa: PLC0415 - heavy imports
+    from sim_plant.refine.without_line.wording import effect_text, line_text  # noqa: PLC0415 - heavy imports
 
     lines = [f"\nverdict: {verdict.word}"]
-    lines += [f"  {x.kind}: {coordinate_text(x.kind, x.where)}" for x in verdict.unknown]
+    lines += [f"  {effect_text(x)}" for x in verdict.general]
+    lines += [f"  {x.kind}: {line_text(x)}" for x in verdict.unknown]
     lines += [f"  no effect: {x.coordinate:.4g} Hz {x.clock}" for x in verdict.clocks]
     for name, error in verdict.residual_rms.items():
         lines.append(
             f"{name}: rms {error.before:.5g} with the declared filter alone, "
-            f"{error.after:.5g} with the lines"
+            f"{verdict.models[name].plain_rms:.5g} with plain least squares, "
+            f"{error.after:.5g} with the effects and lines"
         )
     return "\n".join([*lines, _last(verdict.holdout, out, held=held)])
 

@@ -23,7 +23,9 @@ Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhe
 
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     """Add the subcommand."""
-    parser = subparsers.add_parser("serve", help="serve a line on Modbus TCP or CAN in real time")
+    parser = subparsers.add_parser(
+        "serve", help="serve a line on Modbus (TCP, UDP) or CAN in real time"
+    )
     parser.add_argument("line", type=Path, metavar="LINE.yaml")
     parser.add_argument(
         "--modbus",
@@ -31,6 +33,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         metavar="HOST:PORT",
         help="where to listen (default 127.0.0.1:5020)",
     )
+    parser.add_argument("--udp", action="store_true", help="listen on UDP instead of TCP")
     parser.add_argument("--can", choices=("dbc", "canopen"), help="serve on CAN instead of Modbus")
     parser.add_argument(
         "--can-interface",
@@ -114,6 +117,8 @@ def read_options(arguments: argparse.Namespace) -> ServeOptions:
         raise PlantError(
             f"--modbus {arguments.modbus}: write HOST:PORT, for example 127.0.0.1:5020"
         )
+    if arguments.can and arguments.udp:
+        raise PlantError("--udp: it is a way of Modbus; leave --can out")
     if arguments.can and not arguments.channel:
         raise PlantError("--can: write --channel too (can0, or the path of the socket)")
     duration_s = arguments.duration
@@ -122,6 +127,7 @@ def read_options(arguments: argparse.Namespace) -> ServeOptions:
     return ServeOptions(
         host=host,
         port=int(port),
+        udp=arguments.udp,
         can=arguments.can or "",
         can_interface=arguments.can_interface,
         can_channel=arguments.channel,

@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.servers.control_client import ask
@@ -31,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     return PlantError.exit_code if failed else 0
 
 
-def tell(control: Path, command: str) -> dict[str, object]:
+def tell(control: Path, command: str) -> dict[str, Any]:
     """Return the answer of the plant whose control socket is ``control``.
 
     Raises

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from sim_plant.base.arrays import Array
 from sim_plant.base.order_tracking import order_spectrum
 from sim_plant.base.svg import as_written, svg
-from sim_plant.demo.judge import window
+from sim_plant.demo.evaluation import window
 from sim_plant.demo.session import Session
 
 BEFORE, AFTER = "#9aa0a6", "#1a7f37"

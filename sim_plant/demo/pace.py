@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+
+from sim_plant.demo.runtime_status import RuntimeStatus
+from sim_plant.servers.answers import PlantStatus
 
 MOST_MISSED_TICKS = 4  # 20 ms at 5 ms: less hardly shows in twenty seconds
 
@@ -34,9 +36,8 @@ class Pace:
         return f"{missed} ticks of the runtime and {skipped} samples of the plant were lost"
 
 
-def pace_of(runtime: dict[str, Any], plant: dict[str, Any]) -> Pace:
+def pace_of(runtime: RuntimeStatus, plant: PlantStatus) -> Pace:
     """Return the counts of the two status answers."""
     return Pace(
-        missed_ticks=round(runtime["signals"]["missed_count"]),
-        skipped_samples=int(plant["counts"]["skipped_samples"]),
+        missed_ticks=runtime.missed_ticks or 0, skipped_samples=plant.counts.skipped_samples
     )

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim_plant.base.svg import svg
+from sim_plant.demo.evaluation import Row, window
 from sim_plant.demo.figures import AFTER, BEFORE
-from sim_plant.demo.judge import Row, window
 from sim_plant.demo.session import Session
 
 BEFORE_ARMED_S, AFTER_ARMED_S = 7.0, 33.0  # the probe ends some 9 s before

@@ -11,15 +11,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.python_child import module_command
+from sim_plant.demo.runtime_status import RuntimeStatus
+from sim_plant.servers.answers import PlantStatus
 from sim_plant.servers.control_client import ask
 
 PLANT = tuple(module_command("sim_plant.cli.main"))
 RUNTIME = tuple(module_command("aff_runtime.cli.main"))
+SCREEN = tuple(module_command("aff_hmi.main"))  # as a program: nothing imports it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +36,11 @@ class Bench:
     def plant_socket(self) -> Path:
         """Control socket of the plant."""
         return self.folder / "plant.sock"
+
+    @property
+    def plant_record(self) -> Path:
+        """What the plant writes down of itself."""
+        return self.folder / "plant.csv.gz"
 
     @property
     def runtime_dir(self) -> Path:
@@ -51,12 +58,14 @@ class Child:
         log: Path,
         ready: str = "",
         environment: Mapping[str, str] | None = None,
+        *,
+        piped: bool = False,
     ) -> None:
         self.name, self.log = name, log
         self._stream = log.open("wb")
         self.process = subprocess.Popen(
             list(command),
-            stdout=subprocess.PIPE if ready else self._stream,
+            stdout=subprocess.PIPE if ready or piped else self._stream,
             stderr=self._stream,
             start_new_session=True,
             env=None if environment is None else dict(environment),
@@ -116,9 +125,9 @@ class Child:
         self.stop()
 
 
-def ask_plant(bench: Bench, line: str) -> dict[str, Any]:
-    """Send one command to the plant's control socket and return its answer."""
-    return ask(bench.plant_socket, line)
+def plant_status(bench: Bench) -> PlantStatus:
+    """Return what the plant does now."""
+    return PlantStatus.from_json(ask(bench.plant_socket, "status"))
 
 
 ALARM_EXIT = 5  # status says so while an alarm stands; its output is still the status
@@ -148,6 +157,6 @@ def runtime_command(bench: Bench, *words: str, patience_s: float = 90.0) -> str:
     return done.stdout
 
 
-def runtime_status(bench: Bench) -> dict[str, Any]:
-    """Return the runtime's status as JSON."""
-    return dict(json.loads(runtime_command(bench, "status", "--json")))
+def runtime_status(bench: Bench) -> RuntimeStatus:
+    """Return how the runtime stands."""
+    return RuntimeStatus.from_json(json.loads(runtime_command(bench, "status", "--json")))

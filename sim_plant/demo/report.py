@@ -10,8 +10,8 @@ import numpy as np
 from jinja2 import Environment, PackageLoader
 
 from sim_plant.base.arrays import Array
+from sim_plant.demo.evaluation import Row, more_orders, window
 from sim_plant.demo.figures import block_figure, spectrum_figure, tension_figure, timing_figure
-from sim_plant.demo.judge import Row, more_orders, window
 from sim_plant.demo.picture import write_picture
 from sim_plant.demo.roll_figure import learned_orders, roll_figure
 from sim_plant.demo.session import Session

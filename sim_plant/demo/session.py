@@ -18,7 +18,7 @@ from sim_plant.demo.processes import (
     RUNTIME,
     Bench,
     Child,
-    ask_plant,
+    plant_status,
     runtime_command,
     runtime_status,
 )
@@ -69,36 +69,49 @@ def prepare(plan: Plan) -> Bench:
     PlantError
         The folder holds something else than an earlier demo.
     """
-    folder = plan.out.resolve()
-    if folder.exists():
-        if any(folder.iterdir()) and not (folder / "runtime.log").exists():
-            raise PlantError(f"--out {plan.out}: holds other files; name a folder of its own")
-        shutil.rmtree(folder)
-    (folder / "run").mkdir(parents=True, mode=0o700)
+    folder = fresh_folder(plan.out)
     wired = wire_up(plan.wire, plan.site, folder)
     return Bench(folder=folder, site=wired.site, plant_arguments=wired.plant_arguments)
 
 
-def run_session(plan: Plan, progress: Progress) -> Session:
-    """Run the whole script; both processes are ended whatever happens."""
-    bench = prepare(plan)
-    record_path = bench.folder / "plant.csv.gz"
-    progress("starting the plant (compiles its kernel the first time)")
-    plant_command = [
+def fresh_folder(out: Path) -> Path:
+    """Make the output folder anew and return it, whole.
+
+    Raises
+    ------
+    PlantError
+        The folder holds something else than an earlier demo.
+    """
+    folder = out.resolve()
+    if folder.exists():
+        if any(folder.iterdir()) and not (folder / "runtime.log").exists():
+            raise PlantError(f"--out {out}: holds other files; name a folder of its own")
+        shutil.rmtree(folder)
+    (folder / "run").mkdir(parents=True, mode=0o700)
+    return folder
+
+
+def plant_command(bench: Bench, line: Path, line_speed_m_s: float, seed: int) -> list[str]:
+    """Return the command that starts the plant of a line file."""
+    return [
         *PLANT,
         "serve",
-        str(plan.line),
+        str(line),
         *bench.plant_arguments,
         "--speed-m-s",
-        f"{plan.line_speed_m_s:.6f}",
+        f"{line_speed_m_s:.6f}",
         "--seed",
-        str(plan.seed),
+        str(seed),
         "--record",
-        str(record_path),
+        str(bench.plant_record),
         "--control",
         str(bench.plant_socket),
     ]
-    runtime = [
+
+
+def service_command(bench: Bench) -> list[str]:
+    """Return the command that starts the service."""
+    return [
         *RUNTIME,
         "run",
         str(bench.site),
@@ -107,9 +120,16 @@ def run_session(plan: Plan, progress: Progress) -> Session:
         "--record-dir",
         str(bench.folder / "runs"),
     ]
+
+
+def run_session(plan: Plan, progress: Progress) -> Session:
+    """Run the whole script; both processes are ended whatever happens."""
+    bench = prepare(plan)
+    progress("starting the plant (compiles its kernel the first time)")
     codes: dict[str, int] = {}
-    with Child("plant", plant_command, bench.folder / "plant.log", ready="ready") as plant:
-        with Child("runtime", runtime, bench.folder / "runtime.log") as service:
+    command = plant_command(bench, plan.line, plan.line_speed_m_s, plan.seed)
+    with Child("plant", command, bench.folder / "plant.log", ready="ready") as plant:
+        with Child("runtime", service_command(bench), bench.folder / "runtime.log") as service:
             try:
                 times, probe_text = _script(plan, bench, service, progress)
             finally:
@@ -118,7 +138,7 @@ def run_session(plan: Plan, progress: Progress) -> Session:
     folders = sorted((bench.folder / "runs").glob("*/run.yaml"))
     return Session(
         plan=plan,
-        record=read_columns(record_path),
+        record=read_columns(bench.plant_record),
         before_s=(times[0], times[1]),
         after_s=(times[3], times[4]),
         armed_at_s=times[2],
@@ -132,13 +152,13 @@ def _script(
     plan: Plan, bench: Bench, service: Child, progress: Progress
 ) -> tuple[tuple[float, ...], str]:
     """Return plant times (before start, before end, armed, after start, after end) and probe."""
-    _await_state(bench, service, {"FAULT", "OFF", "READY"}, 30.0)
+    await_state(bench, service, {"FAULT", "OFF", "READY"}, 30.0)
     progress(f"PI drives alone for {plan.before_s:.0f} s")
     start = plant_time(bench)
     _watch(bench, plan.before_s, progress)
     before_end = plant_time(bench)
     progress("probing the response of both actuators (a small excitation, line running)")
-    probe_text = _probe(bench, progress)
+    probe_text = probe(bench, progress)
     armed, after_start, after_end = _correct(plan, bench, service, progress)
     progress("fading out and stopping")
     runtime_command(bench, "bypass")
@@ -146,7 +166,7 @@ def _script(
     return (start, before_end, armed, after_start, after_end), probe_text
 
 
-def _probe(bench: Bench, progress: Progress) -> str:
+def probe(bench: Bench, progress: Progress) -> str:
     """Return what the probe printed, begun again where the machine paused in it."""
     attempt = 1
     while True:
@@ -174,7 +194,7 @@ def _correct(
     armed = plant_time(bench)
     learn_s, has_paused = plan.learn_s, False
     for attempt in range(ATTEMPTS):
-        _await_state(bench, service, {"ACTIVE"}, 10.0)
+        await_state(bench, service, {"ACTIVE"}, 10.0)
         progress(f"armed; learning for {learn_s:.0f} s")
         _watch(bench, learn_s - SETTLED_S, progress)
         pace = _pace(bench)
@@ -185,7 +205,7 @@ def _correct(
         after_end = plant_time(bench)
         status = runtime_status(bench)
         lost = _pace(bench).lost_since(pace)
-        is_active = status.get("state") == "ACTIVE"
+        is_active = status.state == "ACTIVE"
         if attempt == ATTEMPTS - 1 or (is_active and (has_paused or not lost)):
             break
         if is_active:
@@ -193,14 +213,13 @@ def _correct(
             learn_s, has_paused = 2.0 * SETTLED_S, True
             continue
         learn_s = plan.relearn_s
-        alarm = dict(status.get("alarm") or {})
-        progress(f"the runtime went to zero ({alarm.get('text')}); arming again as an operator")
+        progress(f"the runtime went to zero ({status.alarm}); arming again as an operator")
         runtime_command(bench, "arm")
     return armed, after_start, after_end
 
 
 def _pace(bench: Bench) -> Pace:
-    return pace_of(runtime_status(bench), ask_plant(bench, "status"))
+    return pace_of(runtime_status(bench), plant_status(bench))
 
 
 def pause(seconds: float) -> None:
@@ -211,10 +230,17 @@ def pause(seconds: float) -> None:
 
 def plant_time(bench: Bench) -> float:
     """Return the plant's own time, s."""
-    return float(ask_plant(bench, "status")["time_s"])
+    return plant_status(bench).time_s
 
 
-def _await_state(bench: Bench, service: Child, states: set[str], patience_s: float) -> None:
+def await_state(bench: Bench, service: Child, states: set[str], patience_s: float) -> None:
+    """Wait until the guard is in one of ``states``.
+
+    Raises
+    ------
+    PlantError
+        When it is not in time, or the service ends.
+    """
     clock = MonotonicClock()
     end = clock.now_ns() + int(patience_s * 1e9)
     last = "no answer"
@@ -223,8 +249,8 @@ def _await_state(bench: Bench, service: Child, states: set[str], patience_s: flo
             raise PlantError(f"the runtime ended: {service.tail()}")
         try:
             status = runtime_status(bench)
-            last = f"{status.get('state')} ({status.get('blocked_by')})"
-            if status.get("state") in states:
+            last = f"{status.state} ({status.blocked_by})"
+            if status.state in states:
                 return
         except PlantError as error:
             last = str(error)
@@ -236,15 +262,15 @@ def _watch(bench: Bench, seconds: float, progress: Progress) -> None:
     """Wait and show the true tension ripple every two seconds, from the plant itself."""
     clock = MonotonicClock()
     end = clock.now_ns() + int(seconds * 1e9)
-    recent: list[tuple[float, float]] = []
+    recent: list[tuple[float | None, float | None]] = []
     shown = clock.now_ns()
     while clock.now_ns() < end:
         pause(0.05)
-        true = ask_plant(bench, "status")["true_tension_N"]
+        true = plant_status(bench).true_tension_N
         recent.append((true["true_unwind_tension_N"], true["true_pullroll_tension_N"]))
         if clock.now_ns() - shown > 2_000_000_000:
             shown = clock.now_ns()
-            ripple = np.std(np.array(recent[-80:]), axis=0)
+            ripple = np.std(np.array(recent[-80:], dtype=np.float64), axis=0)
             left = (end - clock.now_ns()) * 1e-9
             progress(
                 f"  unwind ripple {ripple[0]:6.3f} N rms   pull-roll ripple {ripple[1]:6.3f} N rms"

@@ -7,17 +7,23 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from sim_plant.base.arrays import LineArrays
+from sim_plant.base.arrays import DRAG, LineArrays
 from sim_plant.base.effects import DeclaredNumber, Effect, Parameter, Value
+from sim_plant.effects.onset import FROM, HOLD, begins, begins_later, with_change
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
     """Add friction torque c tanh(w / 0.3 rad/s) + b w to body ``place``   [source 2.32, 2.44].
 
-    At rest T_down - T_up = torque / R across an idler [source 2.34 with the sign of 2.9].
+    At rest T_down - T_up = torque / R across an idler [source 2.34 with the sign of 2.9]. With
+    ``from_s`` the constant part is there from a moment of the record on, for ``hold_s``.
     """
     body = arrays.bodies[place]
-    body["friction_constant_N_m"] += float(parameters["constant_N_m"])
+    constant_N_m = float(parameters["constant_N_m"])
+    if begins_later(parameters):
+        arrays = with_change(arrays, DRAG, place, constant_N_m, parameters)
+    else:
+        body["friction_constant_N_m"] += constant_N_m
     body["friction_viscous_N_m_s"] += float(parameters["viscous_N_m_s"])
     return arrays
 
@@ -60,12 +66,15 @@ EFFECT = Effect(
         "viscous_N_m_s": Parameter(
             default=0.0, unit="N m s", typical=0.001, low=0.0, high=2.0, linear=True
         ),
+        "from_s": FROM,
+        "hold_s": HOLD,
     },
     traced=("constant_N_m",),
     apply=apply,
     limits=limits,
     text="a bearing turns hard: tension steps across the roller, with a slope over speed",
     shows=None,
+    onset=begins("constant_N_m"),
     remedy="turn {place} by hand with the web off; clean, grease or change its bearings",
     experiment=experiment,
     declared_as=(

@@ -9,7 +9,7 @@ from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.base.signatures import whole
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
-from sim_plant.effects.shape_rows import add_heavy, add_shape
+from sim_plant.effects.shape_rows import add_gravity_moment, add_shape
 from sim_plant.geometry.shapes import eccentric
 
 GRAVITY_M_S2 = 9.80665
@@ -22,9 +22,9 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     h = R + e cos(psi - angle)   [source 3.9, by support function: exact on both spans]
     """
     centre_m = phasor(parameters, PAIR)
-    heavy_N_m = float(parameters["mass_kg"]) * GRAVITY_M_S2 * abs(centre_m)
-    if heavy_N_m != 0.0:
-        add_heavy(arrays, place, heavy_N_m, cmath.phase(centre_m))
+    gravity_moment_N_m = float(parameters["mass_kg"]) * GRAVITY_M_S2 * abs(centre_m)
+    if gravity_moment_N_m != 0.0:
+        add_gravity_moment(arrays, place, gravity_moment_N_m, cmath.phase(centre_m))
     radius_m = float(arrays.bodies["radius_m"][place])
     return add_shape(arrays, place, eccentric(radius_m, abs(centre_m), cmath.phase(centre_m)))
 

@@ -27,10 +27,15 @@ EFFECT = Effect(
     candidates="cell",
     accepts={
         "frequency_Hz": Parameter(
-            default=0.0, unit="Hz", typical=12.0, low=0.0, high=200.0, tries=(6.0, 13.0, 30.0)
+            default=0.0,
+            unit="Hz",
+            typical=12.0,
+            low=0.0,
+            high=200.0,
+            tries=(2.2, 2.7, 3.3, 4.0, 5.0, 6.5, 8.5, 11.0, 15.0, 22.0, 30.0),
         ),
         "damping": Parameter(
-            default=0.05, unit="1", typical=0.1, low=0.001, high=1.0, role="shape"
+            default=0.05, unit="1", typical=0.05, low=0.001, high=1.0, role="shape"
         ),
     },
     traced=("frequency_Hz", "damping"),

@@ -30,7 +30,13 @@ EFFECT = Effect(
     candidates="trimmed_drive",
     accepts={
         "delay_s": Parameter(
-            default=0.0, unit="s", typical=0.03, low=0.0, high=0.5, linear=True, step=0.01
+            default=0.0,
+            unit="s",
+            typical=0.03,
+            low=0.0,
+            high=0.5,
+            step=0.01,
+            tries=(0.01, 0.02, 0.03, 0.045, 0.06, 0.08, 0.11),
         )  # a whole number of any usual drive tick
     },
     traced=("delay_s",),

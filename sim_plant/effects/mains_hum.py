@@ -12,15 +12,24 @@ from sim_plant.effects.experiments import of_the_cell
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
 PAIR = Quadrature(cos="cos_N", sin="sin_N", amplitude="amplitude_N", angle="phase_rad")
+STEP_HZ = 1e-4
+"""Of a finite difference: a twentieth of a turn after five minutes, a slope and no chord."""
+MOST_CELLS = 8
+OTHERS = tuple(Quadrature(cos=f"cos_{k}_N", sin=f"sin_{k}_N") for k in range(1, MOST_CELLS))
+"""What the cell of this number, as the line declares them, has more than ``PAIR``."""
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
     """Add cos(2 pi f t) and sin(2 pi f t) to the sampled word of cell ``place``, after its filter.
 
     The word is taken at the record's sample instants, so a line above half the sample rate
-    appears at its alias |f - k f_s|; t counts from the start of the record.
+    appears at its alias |f - k f_s|; t counts from the start of the record. Words that a scan
+    takes one after another have phases of their own: of the second cell that the
+    line declares and those after it, ``cos_1_N`` and so on are added.
     """
     hum_N = phasor(parameters, PAIR)
+    if 0 < place < MOST_CELLS:
+        hum_N += phasor(parameters, OTHERS[place - 1])
     if hum_N != 0.0:
         cell = arrays.cells[place]
         # c cos + s sin = A cos(w t - angle)
@@ -35,24 +44,24 @@ EFFECT = Effect(
     candidates="cell",
     accepts={
         "frequency_Hz": Parameter(
-            default=50.0,
-            unit="Hz",
-            typical=50.0,
-            low=10.0,
-            high=500.0,
-            role="shape",
-            tries=(50.0, 60.0, 100.0, 120.0, 150.0, 180.0),
+            default=50.0, unit="Hz", typical=50.0, low=10.0, high=500.0, role="shape", step=STEP_HZ
         ),
         "cos_N": component("N", 0.5, 100.0),
         "sin_N": component("N", 0.5, 100.0),
         "amplitude_N": amplitude("N", 0.5, 100.0),
         "phase_rad": angle(),
+        **{
+            name: component("N", 0.5, 100.0, detail=True)
+            for pair in OTHERS
+            for name in (pair.cos, pair.sin)
+        },
     },
     traced=("cos_N", "sin_N", "frequency_Hz"),
-    quadratures=(PAIR,),
+    traced_per_place=("cos_{k}_N", "sin_{k}_N"),
+    quadratures=(PAIR, *OTHERS),
     apply=apply,
     text="mains pick-up in a reading: a line in time, often an alias, that no roller explains",
-    shows=Frequency(at=lambda values: float(values["frequency_Hz"])),
+    shows=Frequency(at=lambda values: float(values["frequency_Hz"]), harmonics_of_Hz=(50.0, 60.0)),
     remedy="look at shield and earth of the cable of {place}",
     experiment=of_the_cell,
     sensor_only=True,

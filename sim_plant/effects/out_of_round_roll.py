@@ -14,7 +14,7 @@ from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.base.profiles import Profile, Profiles
 from sim_plant.base.signatures import whole
 from sim_plant.effects.phasor import angle, component, phasor
-from sim_plant.effects.shape_rows import add_heavy, add_mean, add_shape
+from sim_plant.effects.shape_rows import add_gravity_moment, add_mean, add_shape
 from sim_plant.geometry.roll_profiles import asymmetric, bulge, flat_spot, flattened_bulge
 from sim_plant.geometry.shapes import MAX_ORDER, Shape, circle, ellipse, orders, require_convex
 from sim_plant.geometry.wound_mass import wound_mass
@@ -141,8 +141,10 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
             density_kg_m3=float(web["density_kg_m3"]),
             width_m=float(web["width_m"]),
         )
-        heavy = mass.mass_kg * GRAVITY_M_S2 * mass.offset_m * float(parameters["gravity"])
-        add_heavy(arrays, place, heavy, mass.offset_angle_rad)
+        gravity_moment_N_m = (
+            mass.mass_kg * GRAVITY_M_S2 * mass.offset_m * float(parameters["gravity"])
+        )
+        add_gravity_moment(arrays, place, gravity_moment_N_m, mass.offset_angle_rad)
     mean_m = float(parameters["mean_m"])
     if shape.mean_radius_m + mean_m <= 0.0:
         raise PlantError(

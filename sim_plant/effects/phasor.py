@@ -16,9 +16,11 @@ def phasor(parameters: Mapping[str, Value], pair: Quadrature) -> complex:
     return total
 
 
-def component(unit: str, typical: float, limit: float) -> Parameter:
+def component(unit: str, typical: float, limit: float, *, detail: bool = False) -> Parameter:
     """Return one component of a phasor: linear, either sign, absent at 0."""
-    return Parameter(default=0.0, unit=unit, typical=typical, low=-limit, high=limit, linear=True)
+    return Parameter(
+        default=0.0, unit=unit, typical=typical, low=-limit, high=limit, linear=True, detail=detail
+    )
 
 
 def amplitude(unit: str, typical: float, limit: float) -> Parameter:

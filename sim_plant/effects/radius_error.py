@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sim_plant.base.arrays import LineArrays
+from sim_plant.base.arrays import REWIND, UNWIND, LineArrays
 from sim_plant.base.effects import DeclaredNumber, Effect, Parameter, Value
 
 
@@ -12,10 +12,20 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     """Let drive ``place`` divide its speed reference by ``ratio`` times the true radius.
 
     w_ref = v_ref / (ratio R)   [own]: the roller runs slow by 1 / ratio and, at a roll, the
-    inertia feed is computed for that radius.
+    inertia feed is computed for that radius. A roll's declared radius is what the drive believes
+    and what is recorded, so its true one is that over ``ratio``.
     """
-    arrays.drives["radius_ratio"][place] *= float(parameters["ratio"])
+    ratio = float(parameters["ratio"])
+    arrays.drives["radius_ratio"][place] *= ratio
+    body = int(arrays.drives["body"][place])
+    if int(arrays.bodies["kind"][body]) in (UNWIND, REWIND):
+        arrays.bodies["radius_m"][body] /= ratio
     return arrays
+
+
+def smaller(_arrays: LineArrays, _place: int) -> float:
+    """Return the change of a roll's effective radius per unit of the ratio, to first order."""
+    return -1.0
 
 
 EFFECT = Effect(
@@ -33,5 +43,8 @@ EFFECT = Effect(
     declared_as=(
         # what makes a radius seem wrong is mostly a shape, which is tried itself
         DeclaredNumber(number="rollers.{place}.radius_m", parameter="ratio", proposed=False),
+        DeclaredNumber(
+            number="rollers.{place}.effective_radius", parameter="ratio", scale=smaller
+        ),
     ),
 )

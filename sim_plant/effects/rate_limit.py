@@ -25,7 +25,12 @@ EFFECT = Effect(
     candidates="drive",
     accepts={
         "slew_m_s2": Parameter(
-            default=0.0, unit="m/s2", typical=0.1, low=0.0, high=100.0, tries=(0.05, 0.2)
+            default=0.0,
+            unit="m/s2",
+            typical=0.1,
+            low=0.0,
+            high=100.0,
+            tries=(0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5),
         )
     },
     traced=("slew_m_s2",),

@@ -55,7 +55,7 @@ EFFECT = Effect(
             default=3.4, unit="Hz", typical=3.4, low=0.2, high=50.0, role="shape", tries=(2.6, 4.4)
         ),
         "damping": Parameter(
-            default=0.06, unit="1", typical=0.06, low=0.001, high=1.0, role="shape"
+            default=0.06, unit="1", typical=0.06, low=0.001, high=0.5, role="shape"
         ),
         "order": Parameter(
             default=4.0,

@@ -51,9 +51,16 @@ EFFECT = Effect(
     candidates="drive",
     accepts={
         "compliance_rad_N_m": Parameter(
-            default=0.0, unit="rad/(N m)", typical=1e-3, low=0.0, high=0.1
+            default=0.0,
+            unit="rad/(N m)",
+            typical=1e-3,
+            low=0.0,
+            high=0.1,
+            tries=(7e-4, 1.5e-3, 3e-3, 6e-3, 1.2e-2),
         ),
-        "backlash_rad": Parameter(default=0.0, unit="rad", typical=0.002, low=0.0, high=0.1),
+        "backlash_rad": Parameter(
+            default=0.0, unit="rad", typical=0.002, low=0.0, high=0.1, tries=(0.0, 0.003)
+        ),
         "damping": Parameter(
             default=0.05, unit="1", typical=0.05, low=0.0, high=1.0, role="shape"
         ),
@@ -61,7 +68,7 @@ EFFECT = Effect(
             default=0.5, unit="1", typical=0.5, low=0.05, high=0.95, role="shape"
         ),
     },
-    traced=("compliance_rad_N_m",),
+    traced=("compliance_rad_N_m", "backlash_rad"),
     apply=apply,
     text="a drive shaft twists or has play: the motor runs ahead of its roller",
     shows=None,

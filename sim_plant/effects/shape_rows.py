@@ -61,10 +61,12 @@ def add_mean(arrays: LineArrays, body: int, mean_m: float) -> LineArrays:
     return arrays._replace(shape_h_m=grown[0], shape_dh_m=grown[1], shape_rho_m=grown[2])
 
 
-def add_heavy(arrays: LineArrays, body: int, heavy_N_m: float, angle_rad: float) -> None:
+def add_gravity_moment(
+    arrays: LineArrays, body: int, gravity_moment_N_m: float, angle_rad: float
+) -> None:
     """Add a gravity imbalance m g e at a body angle, as a phasor, to the body's own."""
     record = arrays.bodies[body : body + 1]
-    old = record["heavy_N_m"][0] * np.exp(1j * record["heavy_angle_rad"][0])
-    new = old + heavy_N_m * np.exp(1j * angle_rad)
-    record["heavy_N_m"] = abs(new)
-    record["heavy_angle_rad"] = np.angle(new)
+    old = record["gravity_moment_N_m"][0] * np.exp(1j * record["gravity_moment_angle_rad"][0])
+    new = old + gravity_moment_N_m * np.exp(1j * angle_rad)
+    record["gravity_moment_N_m"] = abs(new)
+    record["gravity_moment_angle_rad"] = np.angle(new)

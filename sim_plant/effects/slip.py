@@ -4,28 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sim_plant.base.arrays import LineArrays
+from sim_plant.base.arrays import SLIP, LineArrays
 from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.effects.onset import FROM, HOLD, begins, begins_later, with_change
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
     """Let the web follow only the share 1 - slope (v - threshold) of roller ``place``'s speed.
 
     [own; linear loss above the speed at which the air film carries]. A negative slope is web
-    pulled ahead. Both spans at the roller see the web's speed.
+    pulled ahead. Both spans at the roller see the web's speed. With ``from_s`` the roller begins
+    to slip at a moment of the record, and holds again ``hold_s`` later.
     """
     slope = float(parameters["slope_s_m"])
-    if slope != 0.0:
-        body = arrays.bodies[place]
-        body["slip_s_m"] = slope
-        body["slip_speed_m_s"] = float(parameters["threshold_m_s"])
+    if slope == 0.0:
+        return arrays
+    body = arrays.bodies[place]
+    body["slip_speed_m_s"] = float(parameters["threshold_m_s"])
+    if begins_later(parameters):
+        return with_change(arrays, SLIP, place, slope, parameters)
+    body["slip_s_m"] = slope
     return arrays
 
 
 EFFECT = Effect(
     name="slip",
     place="body",
-    candidates="driven",
+    candidates="gripping",
     accepts={
         "slope_s_m": Parameter(
             default=0.0, unit="s/m", typical=0.002, low=-0.1, high=0.1, linear=True
@@ -37,12 +42,16 @@ EFFECT = Effect(
             low=0.0,
             high=20.0,
             role="shape",
-            tries=(0.0, 0.8, 1.2),
+            tries=(0.0, 0.4, 0.6, 0.8, 1.0, 1.2),
         ),
+        "from_s": FROM,
+        "hold_s": HOLD,
     },
     traced=("slope_s_m", "threshold_m_s"),
     apply=apply,
     text="the web slips on a driven roller above a speed: the tension it holds drops",
     shows=None,
+    wander=0.02,  # how well a roller holds the web varies: draw wanders by 5 to 20 % at one speed
+    onset=begins("slope_s_m", threshold_m_s=0.0),
     remedy="clean the surface of {place}, give it more wrap or nip, or run slower",
 )

@@ -16,12 +16,20 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     of the web at its exit [own, from source 2.20]. The splice passes spans and wraps with the
     web. The new web was wound at the same tension. The length counts from the start of the
     record: speed times time, to strain.
+
+    The seam itself, ``piece_m`` long, may be thicker: while a part of it is on a roller the web
+    runs ``step_m`` further out, so that the roller carries (R + step) w and is pulled at that arm
+    [own].
     """
     web = arrays.web
     web["splice_EA_ratio"] *= float(parameters["EA_factor"])
     web["splice_thickness_ratio"] *= float(parameters["thickness_factor"])
     if float(parameters["EA_factor"]) != 1.0 or float(parameters["thickness_factor"]) != 1.0:
         web["splice_m"] = float(parameters["at_length_m"])
+    if float(parameters["step_m"]) != 0.0:
+        web["splice_m"] = float(parameters["at_length_m"])
+        web["splice_step_m"] += float(parameters["step_m"])
+        web["splice_piece_m"] = float(parameters["piece_m"])
     return arrays
 
 
@@ -34,13 +42,25 @@ EFFECT = Effect(
         "thickness_factor": Parameter(
             default=1.0, unit="1", typical=1.1, low=0.3, high=3.0, linear=True
         ),
+        "step_m": Parameter(
+            default=0.0, unit="m", typical=2e-4, low=-0.005, high=0.005, linear=True
+        ),
+        "piece_m": Parameter(
+            default=0.05, unit="m", typical=0.05, low=0.005, high=1.0, role="shape"
+        ),
         "at_length_m": Parameter(
             default=0.0, unit="m", typical=30.0, low=0.0, high=100000.0, role="shape"
         ),
     },
-    traced=("EA_factor", "thickness_factor", "at_length_m"),
+    traced=(),
     apply=apply,
     text="from a splice on the web is another one: tensions change zone by zone as it passes",
-    shows=Onset(at=lambda values: float(values["at_length_m"])),
+    shows=None,
+    onset=Onset(
+        moment="at_length_m",
+        unit="m",
+        forms=(("step_m", "piece_m"), ("EA_factor", "thickness_factor")),
+        grid=(("piece_m", (0.05, 0.1)),),
+    ),
     remedy="judge the webs before and after the splice on their own",
 )

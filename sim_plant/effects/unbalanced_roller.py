@@ -9,7 +9,7 @@ from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Quadrature, Value
 from sim_plant.base.signatures import whole
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
-from sim_plant.effects.shape_rows import add_heavy
+from sim_plant.effects.shape_rows import add_gravity_moment
 
 GRAVITY_M_S2 = 9.80665
 PAIR = Quadrature(cos="cos_kg_m", sin="sin_kg_m", amplitude="unbalance_kg_m", angle="angle_rad")
@@ -19,8 +19,8 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     """Add the gravity torque -sigma m g e cos(gamma) to body ``place`` [source 3.17 corrected]."""
     unbalance_kg_m = phasor(parameters, PAIR)
     if unbalance_kg_m != 0.0:
-        heavy_N_m = abs(unbalance_kg_m) * GRAVITY_M_S2
-        add_heavy(arrays, place, heavy_N_m, cmath.phase(unbalance_kg_m))
+        gravity_moment_N_m = abs(unbalance_kg_m) * GRAVITY_M_S2
+        add_gravity_moment(arrays, place, gravity_moment_N_m, cmath.phase(unbalance_kg_m))
     return arrays
 
 

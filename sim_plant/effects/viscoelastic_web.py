@@ -33,7 +33,7 @@ EFFECT = Effect(
             low=0.02,
             high=100.0,
             role="shape",
-            tries=(0.3, 3.0),
+            tries=(0.1, 0.3, 1.0, 3.0),
         ),
     },
     traced=("ratio", "time_s"),

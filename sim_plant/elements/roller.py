@@ -30,13 +30,13 @@ def friction_torque(constant_N_m: float, viscous_N_m_s: float, omega_rad_s: floa
 
 @compiled
 def gravity_torque(
-    heavy_N_m: float, heavy_angle_rad: float, sigma: float, theta_rad: float
+    gravity_moment_N_m: float, gravity_moment_angle_rad: float, sigma: float, theta_rad: float
 ) -> float:
     """Return the torque of an off-axis centre of gravity in the sense of transport, N m.
 
     Equation: -sigma m g e cos(gamma), gamma the global angle of the centre of gravity
-    [source 3.17, 4.37; sign and angle corrected]. ``heavy_N_m`` = m g e. Never raises.
+    [source 3.17, 4.37; sign and angle corrected]. ``gravity_moment_N_m`` = m g e. Never raises.
     """
-    if heavy_N_m == 0.0:
+    if gravity_moment_N_m == 0.0:
         return 0.0
-    return -sigma * heavy_N_m * math.cos(sigma * (theta_rad + heavy_angle_rad))
+    return -sigma * gravity_moment_N_m * math.cos(sigma * (theta_rad + gravity_moment_angle_rad))

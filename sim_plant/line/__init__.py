@@ -17,5 +17,5 @@ __all__ = [
     "record_file",
     "simulation",
     "with_effects",
-    "yaml_places",
+    "yaml_file",
 ]

@@ -11,6 +11,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import (
     BODY,
     CELL,
+    CHANGE,
     DELAY_RING_TICKS,
     DRIVE,
     DRIVEN,
@@ -74,6 +75,7 @@ def build_arrays(declaration: Declaration, timing: Timing, substeps: int = 1) ->
         cells=_cells(declaration),
         loops=_loops(declaration),
         ripples=np.zeros(0, RIPPLE),
+        changes=np.zeros(0, CHANGE),
         timing=np.array(
             [(timing.ticks_per_frame, timing.frames_per_loop, substeps, 1, timing.drive_tick_s)],
             TIMING,
@@ -116,6 +118,7 @@ def _web(declaration: Declaration) -> Records:
     web["core_radius_m"] = declaration.initial_radii_m.core
     web["bounce_Hz"], web["bounce_damping"], web["bounce_order"] = 1.0, 0.05, 1.0
     web["splice_EA_ratio"], web["splice_thickness_ratio"] = 1.0, 1.0
+    web["splice_piece_m"] = 1.0
     return web
 
 

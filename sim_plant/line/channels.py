@@ -49,7 +49,8 @@ def channels_of(declaration: Declaration, lay: Layout, p: LineArrays) -> list[Ch
             found.append(_channel(name, log.measured_N + cell, true=true, exact=true))
         elif isinstance(sensor, RollRadius):
             at = log.radius_m + (0 if body == 0 else 1)
-            found.append(_channel(name, at, lsb=sensor.lsb_m))
+            believed = float(p.drives["radius_ratio"][where[0]]) if where.size else 1.0
+            found.append(_channel(name, at, lsb=sensor.lsb_m, scale=believed))
         elif isinstance(sensor, RollAngle):
             found.append(_angle(name, log.theta_rad, body, sensor.lsb_rad, p.drives[where]))
         elif where.size == 0:

@@ -14,6 +14,9 @@ from sim_plant.elements.shaft import shaft_torque
 from sim_plant.elements.span import maxwell_rate, strain_rate, tension, two_webs
 from sim_plant.line.layout import Layout
 
+SEAM_EDGE_M = 0.01
+"""Length of web over which a seam lifts it: no web is bent sharply."""
+
 
 @compiled
 def roll_inertia(p: LineArrays, fixed_kg_m2: float, radius_m: float) -> float:
@@ -103,6 +106,38 @@ def web_share(slip_s_m: float, threshold_m_s: float, speed_m_s: float) -> float:
 
 
 @compiled
+def on_wrap(piece_m: float, past_m: float, wrap_m: float) -> float:
+    """Return how much a seam lifts the web off a roller that it reached ``past_m`` ago, 0..1.
+
+    From its first edge on the wrap to its last edge off it. On a roll at the end nothing is
+    wrapped.
+    """
+    if wrap_m <= 0.0:
+        return 0.0
+    come = min(max(past_m / SEAM_EDGE_M, 0.0), 1.0)
+    gone = min(max((past_m - wrap_m - piece_m) / SEAM_EDGE_M, 0.0), 1.0)
+    return come - gone
+
+
+@compiled
+def with_two_webs(p: LineArrays, i: int, strain: float, new: float) -> tuple[float, float]:
+    """Return EA, N, of a span with this share of ``new`` web, and the strain at its exit."""
+    span, ratio = p.spans[i], p.web[0].splice_EA_ratio
+    share = min(max(new, 0.0), 1.0)
+    EA_N = two_webs(span.EA_N, ratio, share)
+    at_exit = span.EA_N * (ratio if share == 1.0 else 1.0)
+    return EA_N, span.free_strain + (strain - span.free_strain) * EA_N / at_exit
+
+
+@compiled
+def seam_lift(p: LineArrays, i: int, phi: Array, contacts: Array, past_m: float) -> float:
+    """Return by how much a seam that reached the body after span ``i`` lifts the web there, m."""
+    web = p.web[0]
+    wrap_m = wrapped(p, i, phi, contacts)
+    return float(web.splice_step_m * on_wrap(web.splice_piece_m, past_m, wrap_m))
+
+
+@compiled
 def span_tensions(
     p: LineArrays,
     lay: Layout,
@@ -115,11 +150,14 @@ def span_tensions(
 ) -> float:
     """Write strain rates and material flow to ``dy`` and tensions (m,) from the state.
 
-    Returns the unstretched length of web behind a splice that has reached the rewind, m.
+    Returns the unstretched length of web behind a splice that has reached the rewind, m. Of the
+    lift of a seam, contacts has what it is on the body after each span.
     """
     web = p.web[0]
     spans = lay.n - 1
-    spliced = web.splice_EA_ratio != 1.0 or web.splice_thickness_ratio != 1.0
+    seam = web.splice_step_m != 0.0
+    spliced = web.splice_EA_ratio != 1.0 or web.splice_thickness_ratio != 1.0 or seam
+    lift_a = 0.0
     behind = y[lay.flow] - web.splice_m
     upstream = web.supply_strain
     if spliced and behind > 0.0:
@@ -130,8 +168,13 @@ def span_tensions(
     for i in range(spans):
         if moving[i] != 0.0:
             span_contacts(p, lay, y, i, phi, contacts)
-        speed_in = contacts[i, 1] * y[lay.omega + i]
-        speed_out = contacts[i, 2] * y[lay.omega + i + 1]
+        lift_b = 0.0
+        if seam:
+            lift_b = contacts[i, 5] = seam_lift(
+                p, i, phi, contacts, behind - contacts[i, 0] / (1.0 + y[lay.strain + i])
+            )
+        speed_in = (contacts[i, 1] + lift_a) * y[lay.omega + i]
+        speed_out = (contacts[i, 2] + lift_b) * y[lay.omega + i + 1]
         flow = contacts[i, 3] if moving[i] != 0.0 else speed_in
         after = p.bodies[i + 1]
         share_b = web_share(after.slip_s_m, after.slip_speed_m_s, speed_out)
@@ -144,10 +187,7 @@ def span_tensions(
         EA_N, leaving, rate_out = span.EA_N, strain, speed_out * share_b
         if spliced:
             held = contacts[i, 0] / (1.0 + strain)
-            share = min(max(behind / held, 0.0), 1.0)
-            EA_N = two_webs(span.EA_N, web.splice_EA_ratio, share)
-            at_exit = span.EA_N * (web.splice_EA_ratio if share == 1.0 else 1.0)
-            leaving = span.free_strain + (strain - span.free_strain) * EA_N / at_exit
+            EA_N, leaving = with_two_webs(p, i, strain, behind / held)
             rate_out *= (1.0 + strain) / (1.0 + leaving)
             behind -= held + wrapped(p, i, phi, contacts) / (1.0 + leaving)
         rate = strain_rate(contacts[i, 0], strain, upstream, rate_in, rate_out, flow * share_a)
@@ -167,7 +207,7 @@ def span_tensions(
             branch_up = branch
         tensions[i] = pull
         upstream = leaving
-        share_a = share_b
+        share_a, lift_a = share_b, lift_b
     last = lay.n - 1
     wander = contacts[spans - 1, 2] * p.bodies[last].sigma * contacts[spans - 1, 4]
     speed_out = contacts[spans - 1, 2] * y[lay.omega + last]
@@ -216,12 +256,14 @@ def body_rates(
         body = p.bodies[k]
         omega = y[lay.omega + k]
         torque = gravity_torque(
-            body.heavy_N_m, body.heavy_angle_rad, body.sigma, y[lay.theta + k]
+            body.gravity_moment_N_m, body.gravity_moment_angle_rad, body.sigma, y[lay.theta + k]
         ) - friction_torque(body.friction_constant_N_m, body.friction_viscous_N_m_s, omega)
         if k > 0:
-            torque -= contacts[k - 1, 2] * tensions[k - 1]
-        if k < last:
-            torque += contacts[k, 1] * tensions[k]
+            torque -= (contacts[k - 1, 2] + contacts[k - 1, 5]) * tensions[k - 1]
+        if 0 < k < last:
+            torque += (contacts[k, 1] + contacts[k - 1, 5]) * tensions[k]
+        elif k == 0:
+            torque += contacts[0, 1] * tensions[0]
         dy[lay.theta + k] = omega
         dy[lay.omega + k] = torque
     shafts(p, lay, y, torques, dy)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from sim_plant.base.arrays import UNWIND, Array, LineArrays, LineState
+from sim_plant.base.arrays import DRAG, FREE_STRAIN, SLIP, UNWIND, Array, LineArrays, LineState
 from sim_plant.base.jit import compiled
 from sim_plant.elements.drive import speed_pi
 from sim_plant.elements.load_cell import expected_quantise, quantise
@@ -14,12 +14,14 @@ from sim_plant.line.derivative import derivative, mean_radius, roll_inertia
 from sim_plant.line.layout import Layout
 from sim_plant.line.log_layout import log_layout
 
+CONTACT_COLUMNS = 6
+
 
 class Work(NamedTuple):
     """Scratch memory of the kernel; never carries information between frames."""
 
     moving: Array  # (m,) 1 where the span's tangent moves
-    contacts: Array  # (m, 5) L, p_A, p_B, ldot_A, phidot
+    contacts: Array  # (m, 6) L, p_A, p_B, ldot_A, phidot, lift of the body after the span
     tensions: Array  # (m,)
     rates: Array  # (4, size) Runge-Kutta slopes
     trial: Array  # (size,)
@@ -49,6 +51,35 @@ def rk4(p: LineArrays, lay: Layout, s: LineState, w: Work, dt_s: float) -> None:
 def slope(p: LineArrays, lay: Layout, s: LineState, w: Work, y: Array, dy: Array) -> None:
     """Write dy/dt at the trial state ``y``."""
     derivative(p, lay, y, s.torque_N_m, w.moving, s.phi_rad, w.contacts, w.tensions, dy)
+
+
+@compiled
+def level(time_s: float, from_s: float, rise_s: float, until_s: float) -> float:
+    """Return how much of a change is there, 0..1: a rise at ``from_s``, a fall at ``until_s``."""
+    if time_s < from_s:
+        return 0.0
+    risen = 1.0 if rise_s <= 0.0 else min(1.0, (time_s - from_s) / rise_s)
+    if time_s < until_s:
+        return risen
+    return 0.0 if rise_s <= 0.0 else max(0.0, risen - (time_s - until_s) / rise_s)
+
+
+@compiled
+def keep_changes(p: LineArrays, time_s: float) -> None:
+    """Bring every number that changes with time to what it is now."""
+    for e in range(p.changes.size):
+        change = p.changes[e]
+        now = change.amount * level(time_s, change.from_s, change.rise_s, change.until_s)
+        more = now - change.put
+        if more == 0.0:
+            continue
+        change.put = now
+        if change.target == DRAG:
+            p.bodies[change.place].friction_constant_N_m += more
+        elif change.target == FREE_STRAIN:
+            p.spans[change.place].free_strain += more
+        elif change.target == SLIP:
+            p.bodies[change.place].slip_s_m += more
 
 
 @compiled
@@ -118,7 +149,12 @@ def drive_speed(p: LineArrays, lay: Layout, s: LineState, d: int, noise: float) 
 def run_drives(
     p: LineArrays, lay: Layout, s: LineState, line_speed_m_s: float, aff_m_s: Array, noise: Array
 ) -> None:
-    """Run every drive's speed PI once and hold its torque; ``noise`` is (d,) standard normal."""
+    """Run every drive's speed PI once and hold its torque; ``noise`` is (d,) standard normal.
+
+    ``aff_m_s`` has d corrections of the velocity references; d torques, N m, may follow, which
+    are added behind the speed loop, within the drive's limit.
+    """
+    torques = aff_m_s.size > p.drives.size
     tick_s = p.timing[0].drive_tick_s
     for d in range(p.drives.size):
         drive = p.drives[d]
@@ -138,6 +174,9 @@ def run_drives(
             tick_s,
             drive.limit_N_m,
         )
+        if torques:
+            torque += aff_m_s[p.drives.size + d]
+            torque = min(max(torque, -drive.limit_N_m), drive.limit_N_m)
         s.torque_N_m[d] = torque
         s.drive_integral[d] = integral
     s.counters[1] = (s.counters[1] + 1) % s.delay_m_s.shape[1]
@@ -199,6 +238,7 @@ def advance_frame(
         at = sensors + tick * drives
         share = tick / timing.ticks_per_frame
         speed = line_speed_m_s + share * (line_speed_end_m_s - line_speed_m_s)
+        keep_changes(p, s.time_s[0] + tick * timing.drive_tick_s)
         run_drives(p, lay, s, speed, aff_m_s, noise[at : at + drives])
         for _ in range(timing.substeps):
             rk4(p, lay, s, w, dt)
@@ -221,8 +261,9 @@ def run_frames(
 ) -> None:
     """Run ``out.shape[0]`` frames and log after each, through the same code as one frame.
 
-    Shapes: line_speed (f, 2) at start and end of the frame, tension_ref (f, l), aff (f, d),
-    noise (f, c + d + ticks * d) or (1, ...) to repeat, out (f, ``LogLayout.width``).
+    Shapes: line_speed (f, 2) at start and end of the frame, tension_ref (f, l), aff (f, d) or
+    (f, 2 d) as in ``run_drives``, noise (f, c + d + ticks * d) or (1, ...) to repeat, out
+    (f, ``LogLayout.width``).
     """
     for f in range(out.shape[0]):
         step_frame(

@@ -13,9 +13,10 @@ from pydantic import ValidationError
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
+from aff_runtime.base.yaml_places import Place
 from sim_plant.base.plain_file import read_plain_text
 from sim_plant.line.declaration import Declaration, LoadCell
-from sim_plant.line.yaml_places import LONGEST_BYTES, Place, parse_yaml
+from sim_plant.line.yaml_file import LONGEST_BYTES, parse_yaml
 
 LENGTH_TOLERANCE_M = 2e-3
 MOST_TICKS = 1_000_000

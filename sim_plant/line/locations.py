@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.suggest import hint
 from sim_plant.base.effects import Effect
@@ -26,6 +28,26 @@ def zones(declaration: Declaration) -> dict[str, list[int]]:
     return found
 
 
+def bridles(declaration: Declaration) -> dict[str, list[int]]:
+    """Return driven rollers that the web passes one right after another, as an S-wrap's.
+
+    They are called by what their names have in common, or by their names with a plus between.
+    """
+    found: dict[str, list[int]] = {}
+    run: list[int] = []
+    for k, roller in enumerate([*declaration.rollers, None]):
+        if roller is not None and roller.kind == "driven":
+            run.append(k)
+            continue
+        if len(run) > 1:
+            names = [declaration.rollers[j].name for j in run]
+            alike = itertools.takewhile(lambda row: len(set(row)) == 1, zip(*names, strict=False))
+            common = "".join(row[0] for row in alike).rstrip("_- ")
+            found[common if common and common not in names else "+".join(names)] = run
+        run = []
+    return found
+
+
 def places_of(declaration: Declaration, effect: Effect, location: str, where: str) -> list[int]:
     """Return the indices that ``location`` names for this kind of effect.
 
@@ -46,9 +68,9 @@ def places_of(declaration: Declaration, effect: Effect, location: str, where: st
     if effect.place == "loop":
         loops = [loop.acts_on for loop in declaration.control.tension_pi]
         return [_index(loops, location, where)]
-    body = _index(names, location, where)
     if effect.place == "body":
-        return [body]
+        return bridles(declaration).get(location) or [_index(names, location, where)]
+    _index(names, location, where)
     if location not in drives:
         raise PlantError(f"{where}: roller {location!r} has no drive")
     return [drives.index(location)]
@@ -76,6 +98,8 @@ def candidate_locations(declaration: Declaration, effect: Effect) -> list[str]:
     kind = effect.candidates
     if kind == "web":
         return ["web"]
+    if kind == "gripping":
+        return [*[r.name for r in rollers if r.kind == "driven"], *bridles(declaration)]
     if kind == "zone":
         return [name for name, spans in zones(declaration).items() if spans]
     if kind == "cell":

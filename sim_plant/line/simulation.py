@@ -12,7 +12,7 @@ from sim_plant.base.arrays import Array, LineArrays, LineState, copy_state
 from sim_plant.line.build import Timing, build_arrays, start_state, timing_of
 from sim_plant.line.channels import channel_value, channels_of, column_values
 from sim_plant.line.declaration import Declaration
-from sim_plant.line.kernel import Work, log_frame, measure, run_frames, step_frame
+from sim_plant.line.kernel import CONTACT_COLUMNS, Work, log_frame, measure, run_frames, step_frame
 from sim_plant.line.layout import Layout
 from sim_plant.line.log_layout import LogLayout, log_layout
 from sim_plant.line.roll_change import change_rolls
@@ -34,7 +34,7 @@ def make_work(p: LineArrays, lay: Layout, state: LineState) -> Work:
         moving[i] = float(
             rolls or p.bodies["shape_row"][i] >= 0 or p.bodies["shape_row"][i + 1] >= 0
         )
-    contacts = np.zeros((spans, 5))
+    contacts = np.zeros((spans, CONTACT_COLUMNS))
     for i in range(spans):
         dx = p.bodies["centre_x_m"][i + 1] - p.bodies["centre_x_m"][i]
         dy = p.bodies["centre_y_m"][i + 1] - p.bodies["centre_y_m"][i]
@@ -127,8 +127,8 @@ class LineSimulation:
     def settle(self, duration_s: float = 40.0, *, quiet: bool = True) -> None:
         """Bring the line to its steady state at the present references, then rewind its rolls.
 
-        Runs before any splice, without noise when ``quiet``; angles, radii, time and counters
-        are put back afterwards.
+        Runs before any splice and any change, without noise when ``quiet``; angles, radii, time
+        and counters are put back afterwards.
         """
         lay, start = self.layout, copy_state(self.state)
         rng = self._rng
@@ -137,6 +137,10 @@ class LineSimulation:
         web = self.arrays.web
         splice = web.copy()
         web["splice_EA_ratio"] = web["splice_thickness_ratio"] = 1.0
+        web["splice_step_m"] = 0.0
+        changes = self.arrays.changes
+        from_s = changes["from_s"].copy()
+        changes["from_s"] = np.inf
         frame_s = self.timing.ticks_per_frame * self.timing.drive_tick_s
         for _ in range(4):
             frames = round(duration_s / 4 / frame_s)
@@ -154,6 +158,7 @@ class LineSimulation:
         self.state.counters[0] = 0
         self._rng = rng
         web[:] = splice
+        changes["from_s"] = from_s
         self.channels = channels_of(self.declaration, lay, self.arrays)
         self._observe()
         self._theta0 = self.angles().copy()
@@ -239,17 +244,24 @@ class LineSimulation:
         return found
 
     def simulate(
-        self, line_speed_m_s: Array, tension_N: Array, aff: Mapping[str, Array] | None = None
+        self,
+        line_speed_m_s: Array,
+        tension_N: Array,
+        aff_m_s: Mapping[str, Array] | None = None,
+        aff_N_m: Mapping[str, Array] | None = None,
     ) -> dict[str, Array]:
         """Run a whole record under reference columns (samples,) and return channels (samples,).
 
         Row k is sampled before reference row k acts, as in a record; the line speed is linear
         between rows, the others hold. All frames go through the same compiled code as ``step``.
+        ``aff_m_s`` and ``aff_N_m`` are corrections by driven roller: of the velocity reference,
+        and of the torque.
         """
-        samples = line_speed_m_s.size
-        corrections = np.zeros((samples, self.arrays.drives.size))
-        for roller, values in (aff or {}).items():
-            corrections[:, self.drive_index(roller)] = values
+        drives = self.arrays.drives.size
+        corrections = np.zeros((line_speed_m_s.size, 2 * drives if aff_N_m else drives))
+        for shift, given in ((0, aff_m_s or {}), (drives, aff_N_m or {})):
+            for roller, values in given.items():
+                corrections[:, shift + self.drive_index(roller)] = values
         repeat = self.timing.frames_per_sample
         tension = np.repeat(tension_N[:, None], self.arrays.loops.size, axis=1)
         first = self._row.copy()

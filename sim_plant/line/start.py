@@ -36,18 +36,18 @@ def start_at_rest(
     pull_N = np.concatenate(([0.0], line.EA_N * (rest.strain - line.free_strain), [0.0]))
     friction, _slope = friction_at(line.friction_constant_N_m, line.friction_viscous_N_m_s, omega)
     load = friction - rest.radius_m * (pull_N[1:] - pull_N[:-1])
-    told = _radii(p, lay, state)
+    declared_radii_m = _radii(p, lay, state)
     for d, drive in enumerate(p.drives):
         k = int(drive["body"])
         corner = drive["gain_rad_s"] / (4.0 * drive["damping"] ** 2)
         state.torque_N_m[d] = load[k]
-        inertia = _inertia(p, k, told[k])
+        inertia = _inertia(p, k, declared_radii_m[k])
         state.drive_integral[d] = load[k] / (inertia * drive["gain_rad_s"] * corner)
         y[lay.motor + d] = omega[k]
         loop = int(drive["loop"])
         if loop >= 0:
             law = p.loops[loop]
-            reference = omega[k] * told[k] * drive["radius_ratio"]
+            reference = omega[k] * declared_radii_m[k] * drive["radius_ratio"]
             wanted = reference - line_speed_m_s * (1.0 + drive["draw"])
             scale = law["sign"] * law["gain_m_s_N"] * law["corner_rad_s"]
             state.loop_integral[loop] = wanted / scale
@@ -60,18 +60,18 @@ def start_at_rest(
 
 def resting_line(p: LineArrays, lay: Layout, state: LineState) -> RestingLine:
     """Return the numbers that decide where the line of these arrays rests."""
-    told = _radii(p, lay, state)
-    felt = told.copy()
+    declared_radii_m = _radii(p, lay, state)
+    effective_radii_m = declared_radii_m.copy()
     for k, row in enumerate(p.bodies["shape_row"]):
         if row >= 0:
-            felt[k] += float(np.mean(p.shape_h_m[row, :-1]))
+            effective_radii_m[k] += float(np.mean(p.shape_h_m[row, :-1]))
     driven, ratio = p.drives["body"].copy(), 1.0 + p.drives["draw"]
     acts_on = [
         int(d["body"]) for loop in range(p.loops.size) for d in p.drives if d["loop"] == loop
     ]
     cells = p.cells[p.loops["cell"]]
     return RestingLine(
-        radius_m=felt,
+        radius_m=effective_radii_m,
         friction_constant_N_m=p.bodies["friction_constant_N_m"].copy(),
         friction_viscous_N_m_s=p.bodies["friction_viscous_N_m_s"].copy(),
         slip_s_m=p.bodies["slip_s_m"].copy(),
@@ -80,7 +80,9 @@ def resting_line(p: LineArrays, lay: Layout, state: LineState) -> RestingLine:
         free_strain=p.spans["free_strain"].copy(),
         supply_strain=float(p.web["supply_strain"][0]),
         driven=driven,
-        ratio=ratio * felt[driven] / (told[driven] * p.drives["radius_ratio"]),
+        ratio=ratio
+        * effective_radii_m[driven]
+        / (declared_radii_m[driven] * p.drives["radius_ratio"]),
         cell=cells["body"].copy(),
         acts_on=np.array(acts_on, dtype=np.int64),
         gain=cells["gain"].copy(),

@@ -16,17 +16,21 @@ from sim_plant.refine.fit.start_angles import at_start_angles
 from sim_plant.refine.judge.holdout import Evaluation, evaluate
 from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.record_match import limits, twin_of
+from sim_plant.refine.model.run_limits import run_limits
+from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case, Twin
 from sim_plant.refine.records.read import read_record
-from sim_plant.refine.records.recording import Record
-from sim_plant.refine.report.aff_block import write_block
+from sim_plant.refine.records.recording import Recording
+from sim_plant.refine.report.aff_block import started_blocks, write_block
 from sim_plant.refine.report.amend import write_amended
 from sim_plant.refine.report.announce import announce, holdout_limits
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.folder import check_apart, check_folder, publish
 from sim_plant.refine.report.outcome import Outcome, Plan
 from sim_plant.refine.report.page import write_report
+from sim_plant.refine.report.site_edit import FILE as SITE
+from sim_plant.refine.report.site_edit import Proposal, SiteFile, proposed
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.forward_selection import forward_selection
 from sim_plant.refine.search.selection import Selection
@@ -36,7 +40,7 @@ from sim_plant.refine.search.selection import Selection
 class Recorded:
     """A record and the twin of the line that it was made on."""
 
-    record: Record
+    record: Recording
     twin: Twin
 
     @property
@@ -56,8 +60,10 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         On any input that cannot be judged.
     """
     check_folder(plan)
+    site = SiteFile.read(plan.site) if plan.site is not None else None
     fitted, held = read_all(plan, line.declaration)
     cannot = list(dict.fromkeys(text for f in fitted for text in limits(f.twin)))
+    cannot += dict.fromkeys(text for f in fitted for text in run_limits(f.record, f.twin))
     cannot += holdout_limits([h.record for h in held])
     records = tuple(recorded.record for recorded in (*fitted, *held))
     announce(cannot, records, progress)
@@ -77,8 +83,22 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         evaluation=evaluation,
         verdict=verdict_of(selection, evaluation, str(judged.record.path)),
     )
+    if site is not None:
+        outcome = replace(outcome, proposal=proposal_of(outcome, site, progress))
     publish(plan, lambda into: write_all(replace(outcome, plan=into), plan.command))
     return outcome
+
+
+def proposal_of(outcome: Outcome, site: SiteFile, progress: Progress) -> Proposal | None:
+    """Return the site file with the AFF blocks; None where it takes none, which is said."""
+    line, first = outcome.line.declaration, outcome.records[0]
+    blocks = started_blocks(outcome.verdict.effects, line, first)
+    if not blocks:
+        return None
+    found = proposed(site, blocks, line, outcome.selection.corrections)
+    for text in found.said:
+        progress(f"{site.path.name}: {text}")
+    return found if found.text != site.text else None
 
 
 def read_all(plan: Plan, line: Declaration) -> tuple[list[Recorded], list[Recorded]]:
@@ -90,9 +110,9 @@ def read_all(plan: Plan, line: Declaration) -> tuple[list[Recorded], list[Record
         When one cannot be read, is no record of this line, is given twice, or its line does not
         run.
     """
-    records = [read_record(path) for path in plan.records]
+    records = [run_on_line(line, read_record(path)) for path in plan.records]
     fitted = [Recorded(record=r, twin=twin_of(line, r)) for r in records]
-    records_held = [read_record(path) for path in plan.holdout]
+    records_held = [run_on_line(line, read_record(path)) for path in plan.holdout]
     held = [Recorded(record=r, twin=twin_of(line, r)) for r in records_held]
     check_apart(records, records_held)
     fitted, held = ([at_its_start_angles(r) for r in part] for part in (fitted, held))
@@ -122,12 +142,14 @@ def find(
         progress("simulating the declared line, its noise and its tolerances")
         check_runs(pool, [f.record for f in fitted])
         objective = declared_objective(pool, [f.measured for f in fitted])
-        found = forward_selection(objective, library(twins[0].declaration, without), progress)
+        found = forward_selection(
+            objective, library(twins[0].declaration, without), progress, without
+        )
         progress(f"{pool.simulations} simulations")
     return found
 
 
-def check_runs(pool: SimulationPool, records: Sequence[Record]) -> None:
+def check_runs(pool: SimulationPool, records: Sequence[Recording]) -> None:
     """Refuse a declared line that does not run under the references of its record.
 
     Raises
@@ -169,5 +191,7 @@ def write_all(outcome: Outcome, command: str) -> None:
             outcome.declared.effects,
         )
     block = write_block(out, outcome.verdict.effects, outcome.line.declaration, first)
+    if outcome.proposal is not None:
+        (out / SITE).write_text(outcome.proposal.text, encoding="utf-8")
     (out / "verdict.json").write_text(outcome.verdict.to_json(), encoding="utf-8")
     write_report(outcome, command, amended, block)

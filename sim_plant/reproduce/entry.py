@@ -68,7 +68,7 @@ class Experiment:
     run: Callable[[], Result]
 
 
-def judge(quantity: str, claim: str, ours: float, unit: str, holds: bool, why: str) -> Row:
+def row_of_claim(quantity: str, claim: str, ours: float, unit: str, holds: bool, why: str) -> Row:
     """Return a row that agrees when ``holds``."""
     verdict: Verdict = "agree" if holds else "disagree"
     return Row(

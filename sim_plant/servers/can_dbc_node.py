@@ -12,8 +12,11 @@ import cantools
 from cantools.database.can import Database, Message
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import PlantError
-from sim_plant.line.yaml_places import load_yaml
+from aff_runtime.base.printable import printable
+from sim_plant.base.plain_file import read_plain
+from sim_plant.line.yaml_file import LONGEST_BYTES, load_yaml
 from sim_plant.servers.can_frames import CanFrame
 from sim_plant.servers.faults import Fault
 from sim_plant.servers.plant import Plant
@@ -57,7 +60,10 @@ def load_dbc_map(path: Path) -> tuple[DbcMap, Database]:
     """
     try:
         rows = DbcMap.model_validate(load_yaml(path)[0])
-        database = cantools.database.load_file(path.parent / rows.dbc)
+        file = path.parent / rows.dbc
+        content = read_plain(file, LONGEST_BYTES).decode("cp1252", "replace")
+        with bounded_effort(printable(str(file)), PlantError):
+            database = cantools.database.load_string(content, database_format="dbc")
     except (OSError, ValidationError, ValueError, cantools.Error) as error:
         raise PlantError(f"{path}: {error}") from error
     if not isinstance(database, Database):
@@ -141,7 +147,7 @@ class DbcNode:
         self._registers = registers
         self.torn = 0
         self._last: list[CanFrame] = []
-        self._pending: dict[str, dict[str, Any]] = {}
+        self._pending: dict[str, dict[str, float]] = {}
         self._words: dict[str, int] = {}
         shown = [*rows.read.values(), *_signals(rows.channels), *rows.applied.values()]
         ours = _messages(database, shown)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,11 @@ from typing import Any
 import canopen
 from pydantic import BaseModel, ConfigDict
 
+from aff_runtime.base.effort import bounded_effort
+from aff_runtime.base.errors import PlantError
+from aff_runtime.base.printable import printable
+from sim_plant.base.plain_file import read_plain
+from sim_plant.line.yaml_file import LONGEST_BYTES
 from sim_plant.servers.can_frames import CanFrame
 
 _OPERATIONAL = 5
@@ -57,7 +63,7 @@ class Device:
         self.name = name
         self.id = row.id
         self._network = network
-        od = canopen.import_od(str(folder / row.eds), row.id)
+        od = _dictionary(folder / row.eds, row.id)
         self.node: Any = canopen.LocalNode(row.id, od)
         network[row.id] = self.node
         self._timed = od.get_variable(0x1400, 5) is not None
@@ -115,6 +121,14 @@ class Device:
         if self.operational and math.isfinite(self.received_s):
             self.report(_HEARTBEAT_LOST if master_lost else _RPDO_TIMEOUT if late else 0)
         return late or master_lost
+
+
+def _dictionary(path: Path, node_id: int) -> Any:
+    """Return the object dictionary of an EDS file; PlantError when it is too much to read."""
+    text = io.StringIO(read_plain(path, LONGEST_BYTES).decode("utf-8", "replace"))
+    text.name = "text.eds"  # canopen tells the format by the ending
+    with bounded_effort(printable(str(path)), PlantError):
+        return canopen.import_od(text, node_id)
 
 
 def maps(pdos: Any) -> list[Any]:

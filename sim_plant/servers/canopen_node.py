@@ -13,7 +13,7 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.line.yaml_places import load_yaml
+from sim_plant.line.yaml_file import load_yaml
 from sim_plant.servers.can_frames import CanFrame
 from sim_plant.servers.canopen_device import Bench, Device, NodeRow, maps
 from sim_plant.servers.faults import Fault

@@ -25,6 +25,7 @@ from typing import Any
 
 from aff_runtime.base.errors import AffError, PlantError
 from aff_runtime.base.signals import Status
+from sim_plant.servers.answers import Answer, Done, History, PlantStatus, Refused, to_json
 from sim_plant.servers.faults import Fault, parse_fault
 from sim_plant.servers.plant import REFERENCES, Plant
 
@@ -32,7 +33,7 @@ from sim_plant.servers.plant import REFERENCES, Plant
 class ControlSocket:
     """Serves the commands to whoever may open the socket file (its owner alone)."""
 
-    def __init__(self, path: Path, plant: Plant, status: Callable[[], dict[str, Any]]) -> None:
+    def __init__(self, path: Path, plant: Plant, status: Callable[[], PlantStatus]) -> None:
         self._path = path
         self._plant = plant
         self._status = status
@@ -75,35 +76,38 @@ class ControlSocket:
             writer.close()
 
     def answer(self, line: str) -> dict[str, Any]:
-        """Obey one command line."""
+        """Obey one command line; return plain values for JSON."""
+        return to_json(self._obey(line))
+
+    def _obey(self, line: str) -> Answer:
         words = line.split()
-        commands: dict[str, Callable[[list[str]], dict[str, Any]]] = {
+        commands: dict[str, Callable[[list[str]], Answer]] = {
             "status": lambda _: self._status(),
             "history": self._history,
             "set": self._set,
             "fault": self._fault,
             "clear": self._clear,
-            "roll": lambda _: {"ok": True, "change_s": self._plant.change_rolls()},
+            "roll": lambda _: Done(change_s=self._plant.change_rolls()),
             "reset": self._reset,
         }
         if not words or words[0] not in commands:
-            return {"error": f"unknown command; known are {', '.join(commands)}"}
+            return Refused(error=f"unknown command; known are {', '.join(commands)}")
         try:
             return commands[words[0]](words[1:])
         except AffError as error:
-            return {"error": str(error)}
+            return Refused(error=str(error))
         except (ValueError, IndexError) as error:
-            return {"error": f"{words[0]}: wrong or missing argument ({error})"}
+            return Refused(error=f"{words[0]}: wrong or missing argument ({error})")
 
-    def _history(self, arguments: list[str]) -> dict[str, Any]:
+    def _history(self, arguments: list[str]) -> History:
         rows = self._plant.history(int(arguments[0]))
-        return {
-            "actuators": list(self._plant.applied_m_s),
-            "time_s": [time_s for time_s, _ in rows],
-            "applied_m_s": [applied for _, applied in rows],
-        }
+        return History(
+            actuators=list(self._plant.applied_m_s),
+            time_s=[time_s for time_s, _ in rows],
+            applied_m_s=[applied for _, applied in rows],
+        )
 
-    def _set(self, arguments: list[str]) -> dict[str, Any]:
+    def _set(self, arguments: list[str]) -> Done:
         name, value = arguments
         if name in REFERENCES:
             self._plant.set_reference(name, float(value))
@@ -112,17 +116,17 @@ class ControlSocket:
         else:
             known = ", ".join((*REFERENCES, *Status.__members__))
             raise PlantError(f"cannot set {name} to {value}; known are {known} (bits 0 or 1)")
-        return {"ok": True}
+        return Done()
 
-    def _fault(self, arguments: list[str]) -> dict[str, Any]:
+    def _fault(self, arguments: list[str]) -> Done:
         placed = self._plant.faults.inject(parse_fault(arguments[0]))
-        return {"ok": True, "start_s": placed.start_s}
+        return Done(start_s=placed.start_s)
 
-    def _clear(self, arguments: list[str]) -> dict[str, Any]:
+    def _clear(self, arguments: list[str]) -> Done:
         self._plant.faults.clear(Fault(arguments[0]) if arguments else None)
-        return {"ok": True}
+        return Done()
 
-    def _reset(self, arguments: list[str]) -> dict[str, Any]:
+    def _reset(self, arguments: list[str]) -> Done:
         del arguments
         self._plant.reset_extremes()
-        return {"ok": True}
+        return Done()

@@ -34,7 +34,7 @@ class Fault(StrEnum):
     TID = "tid"  # answers carry another transaction id
     RESTART = "restart"  # the PLC is gone for the duration (1 s) and starts afresh
     SPLICE = "splice"  # roll_id + 1 and SPLICE_ACTIVE for the duration (2 s)
-    LOSE = "lose"  # [=PERCENT]: frames lost at random, both ways (20); CAN
+    LOSE = "lose"  # [=PERCENT]: frames lost at random, both ways (20); CAN, UDP
     DOUBLE = "double"  # every answer or frame comes twice
     REORDER = "reorder"  # the frames of a scan come in reverse; CAN
     SECOND = "second"  # a second master writes zeros over the runtime's words

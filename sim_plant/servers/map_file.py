@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Status
-from sim_plant.line.yaml_places import load_yaml
+from sim_plant.line.yaml_file import load_yaml
 from sim_plant.servers.plc_map import CorrectionItem, PlcMap
 from sim_plant.servers.words import RegisterItem, WordType
 

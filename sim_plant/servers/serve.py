@@ -12,10 +12,12 @@ from typing import Any, Protocol
 
 from aff_runtime.base.signals import StateBits, Status
 from sim_plant.base.ports import SteppedLine
+from sim_plant.servers.answers import Counts, PlantStatus, WebReport
 from sim_plant.servers.control import ControlSocket
 from sim_plant.servers.faults import FaultBoard, FaultEdge, FaultSpec
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.modbus_server import ModbusServer
+from sim_plant.servers.modbus_udp import ModbusUdpServer
 from sim_plant.servers.plant import Plant
 from sim_plant.servers.plc import Plc
 from sim_plant.servers.plc_map import PlcMap
@@ -31,6 +33,7 @@ class ServeOptions:
     Attributes
     ----------
     host, port : where the Modbus server listens.
+    udp : on UDP instead of TCP.
     can : ``dbc`` for a CAN bus instead of Modbus; empty for Modbus.
     can_interface, can_channel : ``frame_socket``, ``slcan_pty`` and a path, or python-can's.
     can_map : the PLC's signals on that bus.
@@ -43,6 +46,7 @@ class ServeOptions:
 
     host: str = "127.0.0.1"
     port: int = 5020
+    udp: bool = False
     can: str = ""
     can_interface: str = "frame_socket"
     can_channel: str = ""
@@ -89,8 +93,11 @@ def _wire(plant: Plant, options: ServeOptions) -> Wire:
         return can_server(
             plant, options.can, options.can_map, options.can_interface, options.can_channel
         )
+    device = ModbusDevice(plant.registers, allow_fc23=options.allow_fc23)
+    if options.udp:
+        return ModbusUdpServer(device, plant.faults, host=options.host, port=options.port)
     return ModbusServer(
-        ModbusDevice(plant.registers, allow_fc23=options.allow_fc23),
+        device,
         plant.faults,
         host=options.host,
         port=options.port,
@@ -187,46 +194,48 @@ class PlantService:
             "starts again), or start sim-plant serve again."
         )
 
-    def _web(self) -> dict[str, Any]:
+    def _web(self) -> WebReport:
         web = self.plant.web
-        return {
-            "left_m": web.left_m,
-            "state": web.state.value,
-            "say": self._web_says(web.state) if web.at_end else "",
-        }
+        say = self._web_says(web.state) if web.at_end else ""
+        return WebReport(left_m=web.left_m, state=web.state.value, say=say)
 
-    def status(self) -> dict[str, Any]:
-        """Return what the plant does now, ready for JSON; a number that is none is null."""
+    def status(self) -> PlantStatus:
+        """Return what the plant does now."""
         plant, registers, plc_map = self.plant, self.plant.registers, self.plant.plc.map
         words = {name: plc_map.write_word(registers.write_words, name) for name in plc_map.write}
         values = {n: v if math.isfinite(v) else None for n, v in plant.measured.items()}
         true_values = {n: v for n, v in values.items() if n.startswith("true_")}
-        return {
-            "time_s": plant.time_s,
-            "applied_m_s": dict(plant.applied_m_s),
-            "max_abs_applied_m_s": dict(plant.max_abs_applied_m_s),
-            "counts_now": not plant.refusal,
-            "refusal": plant.refusal,
-            "true_tension_N": {n: v for n, v in true_values.items() if n.endswith("tension_N")},
-            "measured": {n: v for n, v in values.items() if n not in true_values},
-            "status": _bit_names(plant.plc.status),
-            "roll_id": plant.plc.roll_id,
-            "web": self._web(),
-            "aff": words | {"state_bits": _bit_names(StateBits(words["state"] & 0xFF))},
-            "faults": plant.faults.names(),
-            "counts": {
-                "scans": plant.scans,
-                "late_samples": self.stepper.late_samples,
-                "skipped_samples": self.stepper.skipped_samples,
-                "watchdog_trips": plant.plc.trips,
-                "reads": registers.reads,
-                "writes": registers.writes,
-                "foreign_reads": registers.foreign_reads,
-                "foreign_writes": registers.foreign_writes,
-            }
-            | self.server.counts(),
-            "realtime": self._scheduler,
-        }
+        return PlantStatus(
+            time_s=plant.time_s,
+            applied_m_s=dict(plant.applied_m_s),
+            max_abs_applied_m_s=dict(plant.max_abs_applied_m_s),
+            counts_now=not plant.refusal,
+            refusal=plant.refusal,
+            true_tension_N={n: v for n, v in true_values.items() if n.endswith("tension_N")},
+            measured={n: v for n, v in values.items() if n not in true_values},
+            status=_bit_names(plant.plc.status),
+            roll_id=plant.plc.roll_id,
+            web=self._web(),
+            aff=words,
+            aff_bits=_bit_names(StateBits(words["state"] & 0xFF)),
+            faults=plant.faults.names(),
+            counts=self._counts(),
+            realtime=self._scheduler,
+        )
+
+    def _counts(self) -> Counts:
+        registers = self.plant.registers
+        return Counts(
+            scans=self.plant.scans,
+            late_samples=self.stepper.late_samples,
+            skipped_samples=self.stepper.skipped_samples,
+            watchdog_trips=self.plant.plc.trips,
+            reads=registers.reads,
+            writes=registers.writes,
+            foreign_reads=registers.foreign_reads,
+            foreign_writes=registers.foreign_writes,
+            wire=self.server.counts(),
+        )
 
 
 def _bit_names(bits: Status | StateBits) -> list[str]:

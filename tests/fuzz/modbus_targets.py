@@ -26,7 +26,7 @@ from aff_runtime.fieldbus.modbus.registers import (
     WordType,
 )
 from aff_runtime.fieldbus.modbus.rtu_wire import RtuWire
-from aff_runtime.fieldbus.modbus.tcp import ModbusTcpTransport
+from aff_runtime.fieldbus.modbus.transport import ModbusTransport
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.registers import Registers
 from tests.aff_runtime.fieldbus.fake_wire import Arrivals, FakeWire
@@ -124,7 +124,7 @@ def stream(data: bytes) -> str:
     frames = ModbusFrames(
         device_id=1, read_start=0, read_count=COUNT, write_start=100, write_count=2
     )
-    transport = ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=function)
+    transport = ModbusTransport(frames=frames, wire=wire, clock=clock, function=function)
     good = 0
     for _ in range(24):
         start_ns = clock.now_ns()

@@ -7,6 +7,7 @@ JSON with kind and size, then the bytes. Out: a word for what became of them.
 from __future__ import annotations
 
 import contextlib
+import importlib
 import json
 import os
 import resource
@@ -23,6 +24,8 @@ from sim_plant.refine.records.mdf_table import mdf_table
 from sim_plant.refine.records.parquet_table import parquet_table
 
 READ = {"mdf": mdf_table, "parquet": parquet_table}
+LIBRARIES = ("asammdf", "pyarrow.parquet")
+"""Imported before the first input, whose time is its own; half an import breaks the next."""
 CPU_S = 0.3
 """Of one input; what links to itself goes round for ever."""
 MEMORY_BYTES = 1 << 30
@@ -33,6 +36,8 @@ class OverError(Exception):
 
 
 def main() -> None:
+    for library in LIBRARIES:
+        importlib.import_module(library)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
     signal.signal(signal.SIGVTALRM, over)
     out = os.fdopen(os.dup(1), "w")

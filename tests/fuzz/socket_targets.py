@@ -6,6 +6,7 @@ import json
 import tempfile
 from pathlib import Path
 
+from aff_runtime.app.link.answers import Done
 from aff_runtime.app.link.requests import MAX_ID_CHARACTERS, VERBS
 from tests.fuzz.source import Source
 from tests.security.desk import STATUS_BYTES, Desk, ended
@@ -52,7 +53,7 @@ def socket_lines(data: bytes) -> str:
             break
         _DESK.serve_all()
     for asked in _DESK.waiting:
-        asked.answer({"ok": True})
+        asked.answer(Done())
     answers = list(_DESK.answers(client))
     for answer in answers:
         assert isinstance(answer["ok"], bool)

@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from tests.fuzz import can_targets, config_targets, modbus_targets, record_targets, socket_targets
+from tests.fuzz import (
+    can_targets,
+    config_targets,
+    door_targets,
+    modbus_targets,
+    record_targets,
+    socket_targets,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,4 +45,5 @@ TARGETS = {
     "mdf_conversion": Target(run=record_targets.conversion, seeds=record_targets.SEEDS),
     "shape_file": Target(run=config_targets.shape, seeds=config_targets.SEEDS),
     "control_socket": Target(run=socket_targets.socket_lines, seeds=socket_targets.SEEDS),
+    "door_packet": Target(run=door_targets.packet, seeds=door_targets.SEEDS),
 }

@@ -7,7 +7,7 @@ from tests.hil.live_line import LiveLine
 from tests.lockstep.fault_table import LIMITS_M_S
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")  # not of the session: beside every other test it takes half a core
 def _processes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveLine]:
     line = LiveLine(_short(tmp_path_factory))
     try:

@@ -11,8 +11,9 @@ from typing import Any
 
 from aff_runtime.base.errors import AffError
 from aff_runtime.config.loader import load_site
-from sim_plant.demo.processes import PLANT, RUNTIME, Bench, Child, ask_plant
+from sim_plant.demo.processes import PLANT, RUNTIME, Bench, Child
 from sim_plant.demo.wires import SITES, wire_up
+from sim_plant.servers.control_client import ask
 from tests.lockstep.fault_table import WORKING_M_S, peak
 from tests.lockstep.known_response import LINE, ROOT, SPEED_M_S, known_responses
 from tests.processes import Operator, pause, until
@@ -161,7 +162,7 @@ class LiveLine(Operator):
 
     def at_plant(self, command: str) -> dict[str, Any]:
         """Send one command to the plant."""
-        answer = ask_plant(self.bench, command)
+        answer = ask(self.bench.plant_socket, command)
         assert "error" not in answer, answer
         return answer
 

@@ -98,17 +98,29 @@ def test_bypass_works_in_every_state(put_back: LiveLine, state: str):
     assert line.state == "BYPASS"
 
 
-def _undisturbed(line: LiveLine, work: Callable[[], tuple[float, float]]) -> Rows:
-    """Do ``work``, which returns a span of plant time in which the guard stayed ACTIVE."""
+def _undisturbed(
+    line: LiveLine, work: Callable[[], tuple[float, float]], is_smooth: Callable[[Rows], bool]
+) -> Rows:
+    """Do ``work``, which returns a span of plant time in which the guard stayed ACTIVE.
+
+    It is done again where a step is seen and the machine held up plant or service meanwhile, for
+    that steps what the plant sees: a bump is there each time.
+    """
+    seen: Rows = []
     for _ in range(ATTEMPTS):
         line.ensure_active()
+        pauses = line.pauses()
         line.wait_plant(line.now_s() + TURN_S + 0.3)
         start_s, end_s = work()
         rows = [row for row in line.since(start_s) if row[0] <= end_s]
-        if line.state == "ACTIVE":
-            return rows
-        assert line.alarm in ("PLC_STALE", "OVERRUN"), line.alarm  # the machine paused
-    raise AssertionError(f"never undisturbed: {line.status()}")
+        if line.state != "ACTIVE":
+            assert line.alarm in ("PLC_STALE", "OVERRUN"), line.alarm  # the machine paused
+            continue
+        seen = rows
+        if is_smooth(rows) or line.pauses() == pauses:
+            break
+    assert seen, f"never undisturbed: {line.status()}"
+    return seen
 
 
 def _steepest(rows: Rows, start_s: float, end_s: float) -> float:
@@ -130,6 +142,19 @@ def _steepest(rows: Rows, start_s: float, end_s: float) -> float:
     return steepest
 
 
+def _is_smooth_from(rows: Rows, at_s: float) -> bool:
+    """Return whether nothing is much steeper from ``at_s`` on than it was before."""
+    return _steepest(rows, at_s, rows[-1][0]) < 3.0 * _steepest(rows, rows[0][0], at_s)
+
+
+def _is_smooth_in_the_middle(rows: Rows) -> bool:
+    return _is_smooth_from(rows, 0.5 * (rows[0][0] + rows[-1][0]))
+
+
+def _is_smooth_after_a_turn(rows: Rows) -> bool:
+    return _is_smooth_from(rows, rows[0][0] + TURN_S)
+
+
 def test_rubbish_in_the_site_file_changes_nothing(line: LiveLine):
     config = line.status()["config_hash"]
 
@@ -143,13 +168,11 @@ def test_rubbish_in_the_site_file_changes_nothing(line: LiveLine):
         return start_s, line.now_s()
 
     try:
-        rows = _undisturbed(line, spoil)
+        rows = _undisturbed(line, spoil, _is_smooth_in_the_middle)
         status = line.status()
         assert status["config_hash"] == config
         assert f"{line.bench.site.name}:" in status["config_differs"][0]
-        middle_s = 0.5 * (rows[0][0] + rows[-1][0])
-        before = _steepest(rows, rows[0][0], middle_s)
-        assert _steepest(rows, middle_s, rows[-1][0]) < 3.0 * before
+        assert _is_smooth_in_the_middle(rows)
     finally:
         line.edit(line.site_text)
     until("no difference", lambda: not line.status()["config_differs"])
@@ -168,11 +191,9 @@ def test_a_good_edit_is_applied_without_a_bump(line: LiveLine):
         line.wait_plant(line.now_s() + TURN_S)
         return start_s, line.now_s()
 
-    rows = _undisturbed(line, retune)
+    rows = _undisturbed(line, retune, _is_smooth_after_a_turn)
     assert not line.status()["config_differs"]
-    end_of_before_s = rows[0][0] + TURN_S
-    before = _steepest(rows, rows[0][0], end_of_before_s)
-    assert _steepest(rows, end_of_before_s, rows[-1][0]) < 3.0 * before
+    assert _is_smooth_after_a_turn(rows)
     quiet = [t for t, values in rows if all(abs(v) < 1e-4 for v in values)]
     assert len(quiet) < 0.1 * len(rows)  # it never faded
     assert_never_above_limit(rows)

@@ -12,11 +12,16 @@ from functools import cache
 from benchmarks.house.imports import imported, module_names
 from tests.house.documents import ROOT
 
-PACKAGES = ("aff_runtime", "sim_plant")
+PACKAGES = ("aff_runtime", "sim_plant", "aff_hmi")
 KNOWN = module_names(ROOT, PACKAGES)
-TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in KNOWN.items()}
 _ALL = re.compile(r"^__all__\b.*?\]\n", re.MULTILINE | re.DOTALL)
 _PROGRAM = 'if __name__ == "__main__":'
+
+
+@cache
+def tree(name):
+    """Return the syntax tree of a module."""
+    return ast.parse(KNOWN[name].read_text(encoding="utf-8"))
 
 
 def packages():
@@ -26,7 +31,7 @@ def packages():
 
 def declared(package):
     """Return ``__all__`` of a package as written, or None where it has none."""
-    for node in TREES[package].body:
+    for node in tree(package).body:
         targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
         if any(isinstance(one, ast.Name) and one.id == "__all__" for one in targets):
             return ast.literal_eval(node.value)
@@ -40,13 +45,13 @@ def used(package):
 
 @cache
 def _imported(name):
-    return tuple(imported(name, TREES[name], KNOWN))
+    return tuple(imported(name, tree(name), KNOWN))
 
 
 def _shown_modules(package):
     """Yield what lies directly in a package and is used outside of it, or runs as a program."""
     inside = f"{package}."
-    for name in TREES:
+    for name in KNOWN:
         if not f"{name}.".startswith(inside):
             targets = _imported(name)
         elif _PROGRAM in KNOWN[name].read_text(encoding="utf-8"):
@@ -58,7 +63,7 @@ def _shown_modules(package):
 
 def _made(package):
     """Yield the public names that the package's own file imports or sets."""
-    for node in TREES[package].body:
+    for node in tree(package).body:
         if isinstance(node, ast.ImportFrom) and node.module != "__future__":
             yield from (alias.asname or alias.name for alias in node.names)
         elif isinstance(node, ast.Assign):

@@ -133,6 +133,7 @@ class Bench:
 
     def __init__(self, setup: Setup) -> None:
         site = load_site(setup.site)
+        self.channels = len(site.gateway.read.channels)
         params = guard_params(site)
         soft = tuple(replace(a, soft_start_s=setup.soft_start_s) for a in params.actuators)
         self.params = replace(params, actuators=soft)
@@ -153,7 +154,7 @@ class Bench:
                 period_ns=PERIOD_NS,
                 io_deadline_ns=3_000_000,
                 fade_s=self.params.fade_s,
-                channel_count=8,
+                channel_count=self.channels,
                 output_count=len(self.params.actuators),
                 law_columns=0,
             ),

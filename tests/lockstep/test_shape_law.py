@@ -23,6 +23,7 @@ from sim_plant.base.order_tracking import order_amplitudes, reduction_dB
 from tests.lockstep.bench import Bench, Setup
 from tests.lockstep.known_response import ROOT
 from tests.lockstep.silent import SKIPPED_S, silent_rows, watched
+from tests.parameter_records import record_of
 
 pytestmark = pytest.mark.timeout(300)
 SITE = ROOT / "config" / "euclid.yaml"
@@ -30,7 +31,6 @@ ORDERS = tuple(range(1, 13))
 ARMED_S, JUDGED_S = 30.0, 20.0
 NOISE_FLOOR_N = 3.0 * 0.25 * (2.0 * 0.005 / JUDGED_S) ** 0.5
 TURN_S = 1.26
-RECORD = {"versions": {}, "config_hash": "abc"}
 
 
 @dataclass
@@ -48,16 +48,11 @@ def shop(responses, shapes=None, site_file=SITE, fresh_every=1) -> Shop:
     """Return a bench on the line, with what was kept before."""
     site = load_site(site_file)
     bench = Bench(Setup(site=site_file, responses=responses, soft_start_s=1.5))
-    record = {
-        **RECORD,
-        "shapes": shapes or {},
-        "responses": {name: found.to_json() for name, found in responses.items()},
-        "site": site.model_dump(mode="json", by_alias=True),
-    }
+    texts = {name: found.to_json() for name, found in responses.items()}
+    record = record_of(site, shapes=shapes or {}, responses=texts)
     made = Shop(bench=bench, keeper=None, rows=watched(bench))  # type: ignore[arg-type]
     made.keeper = ShapeKeeper(
         record,
-        site,
         tell=lambda actuator, text: made.said.append(f"{actuator}: {text}"),
         keep=made.kept.__setitem__,
     )
@@ -74,7 +69,7 @@ def shop(responses, shapes=None, site_file=SITE, fresh_every=1) -> Shop:
             bench.law,
             active=guard.state is State.ACTIVE,
             quiet=guard.quiet,
-            wrong=frozenset(),
+            unbelieved=frozenset(),
             elapsed_s=0.005,
         )
 
@@ -230,7 +225,7 @@ def test_a_roll_exchanged_while_the_output_closes_is_said_and_not_saved_under_th
     law = made.bench.law
     assert isinstance(law, Controller)
     law.phases.roll_id = 2  # seen by the tick that also closes the output
-    made.keeper.watch(law, active=False, quiet=True, wrong=frozenset(), elapsed_s=0.0)
+    made.keeper.watch(law, active=False, quiet=True, unbelieved=frozenset(), elapsed_s=0.0)
     assert made.said == ["unwind: roll 2 in the place of roll 1: the shape of unwind is forgotten"]
     data = json.loads(made.kept["unwind"])
     assert {row["roll"] for row in data["orders"]} == {"swrap_follower"}
@@ -246,9 +241,7 @@ def test_who_arms_before_the_trial_is_over_is_told_what_it_costs(responses, lear
     waits, dropped = made.said
     assert "waits for its trial" in waits
     assert "learning began before its trial was over; the roll is learned anew" in dropped
-    made.keeper.follow(
-        {**RECORD, "site": load_site(SITE).model_dump(mode="json")}, load_site(SITE)
-    )
+    made.keeper.follow(record_of(load_site(SITE)))
     made.bench.run(1.0)
     assert len(made.said) == 2  # an edit of the file repeats neither
 

@@ -18,14 +18,14 @@ from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness
 from aff_runtime.fieldbus.modbus import gateway
 from aff_runtime.loop import cycle
 from aff_runtime.safety import (
-    applied_judge,
-    echo_judge,
+    applied_check,
+    echo_check,
     envelope,
     freshness,
     guard,
     lease,
     limits,
-    line_judge,
+    line_check,
     plc_reset,
 )
 from sim_plant.servers import canopen_device, plc
@@ -136,7 +136,7 @@ def _quiet_in_bypass(original: Any) -> Any:
 
 def _causes_without(name: str) -> Change:
     def change(original: Any) -> Any:
-        gone = line_judge.bit(name)
+        gone = line_check.bit(name)
         return lambda self, *a: original(self, *a) & ~gone
 
     return change
@@ -211,7 +211,7 @@ def _no_rest(original: Any) -> Any:
 
 
 MUTANTS: tuple[Mutant, ...] = (
-    Mutant(name="freshness: the PLC is always fresh", owner=freshness.FreshnessJudge,
+    Mutant(name="freshness: the PLC is always fresh", owner=freshness.FreshnessCheck,
            attribute="judge", change=always(freshness.Freshness.GOOD), likely=("freeze",)),
     Mutant(name="liveness: every answer is fresh", owner=Liveness, attribute="judge",
            change=_ever_fresh, likely=("freeze",)),
@@ -220,10 +220,10 @@ MUTANTS: tuple[Mutant, ...] = (
     Mutant(name="liveness: the first set after a loss is believed", owner=Liveness,
            attribute="judge", change=_first_believed, likely=("drop", "restart"),
            tests="tests/aff_runtime/fieldbus/modbus/test_gateway.py"),
-    Mutant(name="guard: an overrun is no cause", owner=guard.Guard, attribute="_causes_of_time",
+    Mutant(name="guard: an overrun is no cause", owner=guard.Guard, attribute="_timing_causes",
            change=_without_overrun, likely=("!stall",), tests=SAFETY),
     Mutant(name="guard: a lost supervisor is no cause", owner=guard.Guard,
-           attribute="_causes_of_time", change=_without_supervisor, likely=("!supervisor",),
+           attribute="_timing_causes", change=_without_supervisor, likely=("!supervisor",),
            tests=SAFETY),
     Mutant(name="guard: an internal fault is no fault", owner=guard.Guard,
            attribute="internal_fault", change=always(None), likely=("!law",), tests=SAFETY),
@@ -233,17 +233,17 @@ MUTANTS: tuple[Mutant, ...] = (
            attribute="believes", change=_believes, likely=("absurd",)),
     Mutant(name="guard: armed before the PLC saw it idle", owner=guard.Guard,
            attribute="_advance", change=_no_rest, likely=("!limit",), tests=SAFETY),
-    Mutant(name="echo: whose commands the PLC takes does not count", owner=echo_judge.EchoJudge,
+    Mutant(name="echo: whose commands the PLC takes does not count", owner=echo_check.EchoCheck,
            attribute="judge", change=always(False), likely=("last",), tests=SAFETY),
-    Mutant(name="echo: another heartbeat is ours", owner=echo_judge.EchoJudge, attribute="_take",
+    Mutant(name="echo: another heartbeat is ours", owner=echo_check.EchoCheck, attribute="_take",
            change=_every_echo_ours, likely=("last",), tests=SAFETY),
     Mutant(name="words: the echo is not read", owner=gateway.WordCodec, attribute="aff_echo",
            change=always(None), likely=("last",), wire="modbus",
            tests="tests/aff_runtime/fieldbus/modbus/test_gateway.py"),
-    Mutant(name="applied: what the PLC applies does not count", owner=applied_judge.AppliedJudge,
+    Mutant(name="applied: what the PLC applies does not count", owner=applied_check.AppliedCheck,
            attribute="judge", change=always(False), likely=("third",), tests=SAFETY),
-    Mutant(name="applied: what is between ours and zero may stay", owner=applied_judge._Output,
-           attribute="is_foreign", change=_between_for_ever, likely=("third",), tests=SAFETY),
+    Mutant(name="applied: what is between ours and zero may stay", owner=applied_check._Output,
+           attribute="judge_reading", change=_between_for_ever, likely=("third",), tests=SAFETY),
     Mutant(name="applied: in BYPASS it is no alarm", owner=guard.Guard, attribute="_alarm",
            change=_quiet_in_bypass, likely=("third",), tests=SAFETY, states=("BYPASS",)),
     Mutant(name="words: what is applied is not read", owner=gateway.WordCodec,
@@ -261,14 +261,14 @@ MUTANTS: tuple[Mutant, ...] = (
            change=_advance_with(bypass_edge=False), likely=("!limit",), tests=SAFETY),
     Mutant(name="states: opens while a correction still fades", owner=guard, attribute="advance",
            change=_advance_with(quiet=True), likely=("!limit", "permissive"), tests=SAFETY),
-    Mutant(name="line judge: every reading is plausible", owner=line_judge.LineJudge,
+    Mutant(name="line check: every reading is plausible", owner=line_check.LineCheck,
            attribute="judge", change=always(0), likely=("absurd", "nan")),
-    Mutant(name="line judge: permissives do not count", owner=line_judge.LineJudge,
+    Mutant(name="line check: permissives do not count", owner=line_check.LineCheck,
            attribute="judge", change=_causes_without("PERMISSIVE_LOST"), likely=("permissive",),
            tests=SAFETY),
-    Mutant(name="line judge: a splice does not count", owner=line_judge.LineJudge,
+    Mutant(name="line check: a splice does not count", owner=line_check.LineCheck,
            attribute="judge", change=_causes_without("SPLICE"), likely=("splice",), tests=SAFETY),
-    Mutant(name="line judge: a tension that is no number counts", owner=line_judge.LineJudge,
+    Mutant(name="line check: a tension that is no number counts", owner=line_check.LineCheck,
            attribute="judge", change=_causes_without("TENSION_IMPLAUSIBLE"),
            likely=("nan", "absurd"), tests=SAFETY),
     Mutant(name="reset of the PLC: always an edge", owner=plc_reset.PlcReset, attribute="step",

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.link.answers import Done
 from aff_runtime.app.link.request_socket import Asked, Caller, RequestSocket
 from aff_runtime.app.supervisor.request_desk import RequestDesk
 
@@ -43,9 +44,9 @@ class Desk:
     def _do(self, asked: Asked) -> None:
         self.asked.append(asked)
         if asked.request.do == "status":
-            asked.answer({"ok": True, "filler": "x" * STATUS_BYTES})
+            asked.answer(Done(message="x" * STATUS_BYTES))
         elif asked.request.do == "bypass":
-            asked.answer({"ok": True})
+            asked.answer(Done())
         else:
             self.waiting.append(asked)
 

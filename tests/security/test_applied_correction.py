@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import pytest
 
-from aff_runtime.base.signals import State
-from tests.security.behaving_plc import RAMPS, Line, Plc, Spans
+from aff_runtime.base.signals import State, StateBits
+from tests.security.behaving_plc import RAMPS, Line, Plc, Spans, Told
 
 AMPLITUDE_M_S = 0.03
 LENGTH_MS = 2000
@@ -104,3 +105,43 @@ def test_a_stranger_who_only_takes_away_or_writes_seldom_is_not_seen(name: str) 
 
     plc.stranger = writes
     assert not Line(plc=plc, wish=wave).run(LENGTH_MS).accused
+
+
+@dataclass(kw_only=True)
+class ForgedEcho(Plc):
+    """A stranger writes a heartbeat some ticks ahead of ours, waits for ours to come up, goes on.
+
+    No echo steps back, so the PLC does not take it for a jump, and it changes once only.
+    """
+
+    every_ms: int
+    held_ms: int
+    more_ms: int
+    _from: Told | None = None
+
+    def scan(self, now_ms: int) -> tuple[int, int, int]:
+        ours, phase_ms = self.told, (now_ms - BEGIN_MS) % self.every_ms
+        if ours is None or now_ms < BEGIN_MS or phase_ms >= self.held_ms + self.more_ms:
+            self._from = None
+            return super().scan(now_ms)
+        if phase_ms < self.held_ms and self._from is None:
+            self._from = replace(ours, tick=ours.tick + self.held_ms // 5)
+        forged = self._from if phase_ms < self.held_ms and self._from is not None else ours
+        self.told = replace(forged, counts=4000, bits=int(StateBits.ACTIVE))
+        shown = super().scan(now_ms)
+        self.told = ours
+        return shown
+
+
+@pytest.mark.parametrize("arms", [True, False], ids=["armed", "at rest"])
+@pytest.mark.parametrize(
+    ("every_ms", "held_ms", "more_ms"), [(510, 60, 0), (510, 60, 170), (600, 75, 175)]
+)
+def test_a_heartbeat_that_is_forged_for_a_moment_does_not_hide_a_correction(
+    every_ms: int, held_ms: int, more_ms: int, arms: bool
+) -> None:
+    """Every echo that was not ours once gave a stranger the time of a PLC's start."""
+    plc = ForgedEcho(every_ms=every_ms, held_ms=held_ms, more_ms=more_ms)
+    line = Line(plc=plc, wish=wave, arms=arms).run(3000)
+    assert line.applied.count(4000) > 30
+    assert line.accused

@@ -6,11 +6,13 @@ import os
 import signal
 import sys
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import pytest
 
 from aff_runtime.app.check.limits import MEMORY_BYTES, PATIENCE_S, PROCESSOR_S
+from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.runtime_directory import runtime_paths
 from aff_runtime.app.supervisor import edit_session, supervisor, validation
 from aff_runtime.app.supervisor.edit_session import EditSession
@@ -23,7 +25,6 @@ from aff_runtime.app.supervisor.validation import (
     MAX_FINDING_LENGTH,
     MAX_FINDINGS,
     Validation,
-    Verdict,
     load_record,
 )
 from aff_runtime.base.errors import ConfigError
@@ -37,6 +38,7 @@ SITE = ROOT / "config" / "euclid.yaml"
 BOUND = """
 import resource, sys
 from aff_runtime.app.check import limits, validate
+from aff_runtime.app.check.verdict import Verdict
 """
 HUNGRY = {
     "memory": (
@@ -52,6 +54,10 @@ HUNGRY = {
         "the check was ended by SIGKILL.",
     ),
     "an end in itself": ("raise SystemExit(9)\n", "the check itself failed (exit 9)"),
+    "a release of its own": (
+        'print(\'{"record": {"site": {}}, "findings": []}\')\n',
+        "the check is of another release than this service. Restart the service.",
+    ),
     "half an answer": ("print('{\"record\": 1', end='')\n", "the check itself failed (exit 0)"),
 }
 
@@ -80,13 +86,14 @@ def test_the_check_bounds_itself_before_it_reads(
 def look(*_):
     said = [str(resource.getrlimit(kind)[0]) for kind in (resource.RLIMIT_AS, resource.RLIMIT_CPU)]
     with open("/proc/self/oom_score_adj") as file:
-        return {"record": {}, "findings": [*said, file.read().strip()]}
+        return Verdict(record=None, findings=(*said, file.read().strip()))
 validate.verdict = look
 validate.main(sys.argv[1:])
 """
     instead(monkeypatch, BOUND + look)
-    found = load_record(tmp_path / "site.yaml").findings
-    assert found == (str(MEMORY_BYTES), str(PROCESSOR_S), "1000")
+    found = Validation(tmp_path / "site.yaml").verdict(wait_s=PATIENCE_S)
+    assert found is not None
+    assert found.findings == (str(MEMORY_BYTES), str(PROCESSOR_S), "1000")
 
 
 @pytest.mark.parametrize("name", ["euclid.yaml", "euclid_can.yaml", "euclid_canopen.yaml"])
@@ -123,7 +130,7 @@ def test_a_start_does_not_wait_for_a_check_without_end(
 class Running:
     """The processes of a service as far as an edit session sees them."""
 
-    def __init__(self, record: dict[str, Any]) -> None:
+    def __init__(self, record: ParameterRecord) -> None:
         self.record = record
         self.control = None
         self.probed = ResponseLedger(lambda text: self.note("PROBE", text))
@@ -165,7 +172,7 @@ def test_an_edit_whose_check_hangs_is_told_and_the_next_one_is_taken(
     edits.look_again()
     until("the edit is taken", lambda: edits.step() is None and not edits.is_busy)
     assert edits.differs == ()
-    assert running.record["config_hash"] != first.record["config_hash"]
+    assert running.record.config_hash != first.record.config_hash
 
 
 def _under_way(edits: EditSession) -> int:
@@ -186,7 +193,7 @@ def test_an_edit_saved_while_the_service_starts_is_taken_like_any_other(tmp_path
 
     until("the edit is seen", lambda: edits.step() is None and edits.is_busy)
     until("the edit is taken", lambda: edits.step() is None and not edits.is_busy)
-    assert running.record["site_text"] == path.read_text()
+    assert running.record.site_text == path.read_text()
 
 
 def test_the_service_looks_at_its_file_before_the_check_reads_it(

@@ -11,16 +11,18 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import pytest
 
+from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.supervisor import recorder_child
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
 from aff_runtime.app.supervisor.validation import Validation, load_record
 from aff_runtime.base.python_child import module_command
 from aff_runtime.config.yaml_marks import MAX_BYTES
+from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.ring import RingReader
 from sim_plant.base.worker_context import spawn_context
 from tests.processes import until
@@ -44,6 +46,9 @@ HOSTILE = (
     *("annotated_types", "yaml", "numpy", "pydantic", "pymodbus", "json", "pickle", "argparse"),
     *("multiprocessing", "runpy", "tempfile", "aff_runtime", "sim_plant"),
 )
+
+HARMLESS = ("get_context", "connection", "Connection")
+"""Names of multiprocessing that start nothing by themselves."""
 
 
 def forbidden(source: str) -> Iterator[str]:
@@ -69,7 +74,9 @@ def forbidden(source: str) -> Iterator[str]:
                 yield f"multiprocessing.{name}"
             case ast.ImportFrom(module=str(module), names=names) if module.startswith(
                 "multiprocessing"
-            ) and any(alias.name not in ("get_context", "connection") for alias in names):
+            ) and any(
+                alias.name not in ("get_context", "connection", "Connection") for alias in names
+            ):
                 yield module
             case ast.Call(func=ast.Name(id="get_context") | ast.Attribute(attr="get_context")) if (
                 not ast.unparse(node).endswith(FORKED)
@@ -155,14 +162,14 @@ def test_the_check_runs_nothing_of_the_folder(trap: Path) -> None:
 
 
 @contextlib.contextmanager
-def both(record: dict[str, Any], runs: Path) -> Iterator[tuple[ControlChild, RecorderChild]]:
+def both(record: ParameterRecord, runs: Path) -> Iterator[tuple[ControlChild, RecorderChild]]:
     """Have a control process and its recorder at work."""
     control = ControlChild(record, shadow=True)
     try:
         until("the control process has made a ring", lambda: bool(control.replies()))
         reader = control.open_ring()
         assert reader is not None
-        recorder = RecorderChild(reader, runs, {"name": "line", "site_text": ""})
+        recorder = RecorderChild(reader, runs, RunContext(name="line"))
         yield control, recorder
     finally:
         control.stop(patience_s=5.0)
@@ -264,6 +271,6 @@ def test_the_supervisor_does_not_wait_for_a_recorder_that_does_not_listen(
     monkeypatch.setattr(recorder_child, "module_command", lambda _: deaf)
     with (tmp_path / "ring").open("wb") as ring:
         text = "\u00e4" * (MAX_BYTES // 2)
-        child = RecorderChild(cast(RingReader, ring), tmp_path, {"site_text": text})
+        child = RecorderChild(cast(RingReader, ring), tmp_path, RunContext(site_text=text))
     assert not over.exists()
     child.wait(0.0)

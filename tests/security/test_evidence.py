@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
 import socket
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 import yaml
 
-from aff_runtime.app.link import peer
+from aff_runtime.app.link import peer, request_client
 from aff_runtime.app.link.peer import NOBODY_LOGGED_IN, Peer, author_of, peer_of
 from aff_runtime.app.link.request_socket import Asked, Caller
 from aff_runtime.app.link.requests import Request
@@ -95,6 +98,59 @@ def test_a_login_that_the_kernel_knows_is_told(tmp_path: Path) -> None:
     assert peer_of(ours, tmp_path) == Peer(uid=os.geteuid(), pid=os.getpid(), login_uid=1000)
     ours.close()
     theirs.close()
+
+
+def test_the_number_of_a_caller_who_has_ended_is_not_taken_for_him(tmp_path: Path) -> None:
+    """Another process may have it by then, with the login of somebody who commanded nothing."""
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(tmp_path / "s"))
+        listener.listen()
+        program = "import socket, sys; socket.socket(socket.AF_UNIX).connect(sys.argv[1])"
+        with subprocess.Popen([sys.executable, "-c", program, str(tmp_path / "s")]) as caller:
+            caller.wait()
+        ours, _ = listener.accept()
+    with ours:
+        try:
+            ours.getsockopt(socket.SOL_SOCKET, 77, 4)
+        except OSError as error:
+            if error.errno == errno.ENOPROTOOPT:
+                pytest.skip("this kernel has no SO_PEERPIDFD")
+        folder = tmp_path / str(caller.pid)
+        folder.mkdir()
+        (folder / "loginuid").write_text("1000")
+        found = peer_of(ours, tmp_path)
+    assert (found.pid, found.login_uid) == (caller.pid, None)
+
+
+@pytest.mark.usefixtures("people")
+@pytest.mark.parametrize(
+    ("uid", "login", "said"),
+    [
+        (0, 1000, "login 1000 (tech1)"),
+        (0, 0, ""),
+        (0, NOBODY_LOGGED_IN, ""),
+        (0, None, ""),
+        (999, 1000, ""),
+    ],
+)
+def test_root_says_by_whose_login_it_commands_for_the_service_cannot_look(
+    uid: int, login: int | None, said: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Under ProtectProc=invisible the processes of root are in no /proc of the service's."""
+    monkeypatch.setattr(request_client, "user_name", lambda uid: NAMES[uid])
+    us = Peer(uid=uid, pid=1, login_uid=login)
+    monkeypatch.setattr(request_client, "own_process", lambda: us, raising=False)
+    path = tmp_path / "control.sock"
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(path))
+        listener.listen()
+        client = request_client.ServiceClient(path)
+        theirs, _ = listener.accept()
+        with theirs:
+            theirs.sendall(b'{"ok": true}\n')
+            client.ask("bypass")
+            client.close()
+            assert json.loads(theirs.recv(4096)).get("by", "") == said
 
 
 # --- on behalf of somebody ------------------------------------------------------------------

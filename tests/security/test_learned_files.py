@@ -6,67 +6,31 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 import yaml
 
-from aff_runtime.app.check.validate import verdict
-from aff_runtime.app.link.messages import ConfigDiffers, Message, Parameters, Reply
-from aff_runtime.app.supervisor import edit_session
-from aff_runtime.app.supervisor.edit_session import EditSession
-from aff_runtime.app.supervisor.pending import Pending
-from aff_runtime.app.supervisor.response_ledger import NAME, ResponseLedger, learned_words
-from aff_runtime.app.supervisor.validation import Verdict
-from aff_runtime.app.wiring.assemble import revision_of
-from aff_runtime.app.wiring.parameter_record import with_shapes
-from aff_runtime.core.response import Provenance, Response, ResponsePoint
+from aff_runtime.app.link.messages import ConfigDiffers, Parameters
+from aff_runtime.app.supervisor.response_ledger import NAME, ResponseLedger, learned_sentences
 from tests.aff_runtime.app.service_run import ServiceRun
-from tests.doubles.virtual_clock import VirtualClock
 from tests.processes import until
-
-ROOT = Path(__file__).parents[2]
-SITE = ROOT / "config" / "euclid_blocks.yaml"
-SIGNALS = {"unwind": "unwind_tension_N", "swrap_follower": "pullroll_tension_N"}
-GAIN = 2000.0
-REVISION_WORD = 7  # of the write block
-
-
-def response(actuator: str, turned_rad: float = 0.0) -> str:
-    """A good measurement, its phases turned: by 180 degrees it drives ripple up."""
-    points = [
-        ResponsePoint(
-            frequency_Hz=f,
-            gain=GAIN,
-            phase_rad=math.pi - math.tau * f * 0.030 + turned_rad,
-            relative_error=0.01,
-            coherence=1.0,
-        )
-        for f in (0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0)
-    ]
-    about = Provenance(actuator=actuator, signal=SIGNALS[actuator])
-    return Response(points=points, delay_s=0.030, provenance=about).to_json() + "\n"
-
-
-def checked(site: Path) -> dict[str, Any]:
-    said = verdict(site)
-    assert said["record"] is not None, said["findings"]
-    return dict(said["record"])
+from tests.security.learned_files import (
+    REVISION_WORD,
+    SIGNALS,
+    House,
+    checked,
+    learned,
+    response,
+    site_in,
+)
 
 
 @pytest.fixture
 def site(tmp_path: Path) -> Path:
-    path = tmp_path / "site.yaml"
-    path.write_text(SITE.read_text())
-    (tmp_path / "learned").mkdir()
-    return path
-
-
-def learned(site: Path, actuator: str = "unwind") -> Path:
-    return site.parent / "learned" / f"euclid_{actuator}.json"
+    return site_in(tmp_path)
 
 
 # --- part of what runs ----------------------------------------------------------------------
@@ -74,8 +38,8 @@ def learned(site: Path, actuator: str = "unwind") -> Path:
 
 def test_without_learned_files_the_revision_is_the_site_files_own(site: Path) -> None:
     record = checked(site)
-    assert record["config_hash"] == record["site_hash"]
-    assert record["learned"] == {}
+    assert record.config_hash == record.site_hash
+    assert record.learned == {}
 
 
 def test_a_response_of_another_phase_is_another_revision_for_service_and_plc(site: Path) -> None:
@@ -84,21 +48,21 @@ def test_a_response_of_another_phase_is_another_revision_for_service_and_plc(sit
         learned(site).write_text(response("unwind", turned_rad))
         seen.append(checked(site))
     one, other = seen
-    assert one["site_hash"] == other["site_hash"]
-    assert one["config_hash"] != other["config_hash"]
-    assert revision_of(one) != revision_of(other)
+    assert one.site_hash == other.site_hash
+    assert one.config_hash != other.config_hash
+    assert one.revision_word != other.revision_word
     digest = hashlib.sha256(learned(site).read_bytes()).hexdigest()
-    assert other["learned"] == {"unwind": {"response": digest}}
+    assert other.learned == {"unwind": {"response": digest}}
 
 
 def test_a_shape_that_the_service_starts_from_is_part_of_the_revision_too(site: Path) -> None:
     record = checked(site)
     hashes = {
-        with_shapes(record, shapes)["config_hash"]
+        record.with_shapes(shapes).config_hash
         for shapes in ({}, {"unwind": "a"}, {"unwind": "b"}, {"swrap_follower": "a"})
     }
     assert len(hashes) == 4
-    told = list(learned_words(with_shapes(record, {"unwind": "a"}), ResponseLedger(str)))
+    told = list(learned_sentences(record.with_shapes({"unwind": "a"}), ResponseLedger(str)))
     assert told[0] == f"unwind: no response, shape {hashlib.sha256(b'a').hexdigest()[:12]}"
 
 
@@ -177,68 +141,6 @@ def test_a_list_that_somebody_else_may_have_written_counts_for_nothing(
 # --- what waits, and what does not ----------------------------------------------------------
 
 
-class House:
-    """The service around an edit: live or not, and what reaches the control process."""
-
-    def __init__(self, site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.live = True
-        self.said: list[tuple[str, str]] = []
-        self.sent: list[Message] = []
-        self.record = checked(site)
-        self.probed = ResponseLedger(str)
-        self.control = SimpleNamespace(link=SimpleNamespace(send=self._send))
-        self._pending = Pending(VirtualClock())
-        monkeypatch.setattr(edit_session, "Validation", _Check)
-        self.edits = EditSession(
-            self, self._pending, site, Verdict(record=self.record, findings=())
-        )
-
-    def note(self, name: str, text: str) -> None:
-        self.said.append((name, text))
-
-    def is_live(self) -> bool:
-        return self.live
-
-    def revised(self, record: Mapping[str, Any]) -> dict[str, Any]:
-        return with_shapes(record, {})
-
-    def revision_words(self) -> str:
-        return "; ".join(learned_words(self.record, self.probed))
-
-    def _send(self, message: Message) -> bool:
-        self.sent.append(message)
-        return True
-
-    def look(self) -> None:
-        """See the file, as after a change that has settled; the control process agrees."""
-        self.edits.look_again()
-        self.step()
-
-    def step(self) -> None:
-        self.edits.step()
-        for message in self.sent:
-            if isinstance(message, Parameters):
-                self._pending.resolve(Reply(id=message.id, ok=True))
-
-    @property
-    def running(self) -> str:
-        return str(self.record["learned"].get("unwind", {}).get("response", "none"))
-
-
-class _Check:
-    """The check of a file, in this process."""
-
-    def __init__(self, site: Path, *_: object) -> None:
-        self._site = site
-
-    def verdict(self, **_: object) -> Verdict:
-        said = verdict(self._site)
-        return Verdict(record=said["record"], findings=tuple(said["findings"]))
-
-    def abandon(self) -> None:
-        pass
-
-
 @pytest.fixture
 def house(site: Path, monkeypatch: pytest.MonkeyPatch) -> House:
     learned(site).write_text(response("unwind"))
@@ -304,15 +206,15 @@ def test_what_our_own_probe_has_just_written_comes_in_at_once(house: House, site
 def test_an_edit_of_the_site_file_does_not_carry_a_strangers_response_in(
     house: House, site: Path
 ) -> None:
-    before, settled = house.running, house.record["site_hash"]
+    before, settled = house.running, house.record.site_hash
     learned(site).write_text(response("unwind", math.pi))
     site.write_text(site.read_text().replace("settle_s: 6", "settle_s: 9"))
     house.look()
-    assert (house.running, house.record["site_hash"]) == (before, settled)
+    assert (house.running, house.record.site_hash) == (before, settled)
     house.live = False
     house.step()
     assert house.running != before
-    assert house.record["site_hash"] != settled
+    assert house.record.site_hash != settled
 
 
 # --- the whole service ----------------------------------------------------------------------
@@ -379,78 +281,6 @@ def test_a_turned_response_does_not_reach_the_line_before_an_operators_bypass(
     assert set(about["learned"]) == set(SIGNALS)
     assert len(about["learned"]["unwind"]["response"]) == 64
     assert about["started_by"].startswith("uid ")
-
-
-# --- files that are none --------------------------------------------------------------------
-
-GOOD = json.loads(response("unwind"))
-
-
-def spoilt(**changes: Any) -> bytes:
-    return json.dumps({**GOOD, **changes}).encode()
-
-
-def pointed(**changes: Any) -> bytes:
-    first, *others = GOOD["points"]
-    return spoilt(points=[{**first, **changes}, *others])
-
-
-RESPONSES = {
-    "empty": b"",
-    "blank": b"\n",
-    "brackets": b"[" * 100_000,
-    "objects": b'{"a":' * 100_000,
-    "another format": spoilt(format="x"),
-    "a format that is a list": spoilt(format=[[[1]]]),
-    "no points": spoilt(points=[]),
-    "points that are text": spoilt(points="unwind"),
-    "NaN": pointed(gain=math.nan),
-    "infinity": pointed(phase_rad=math.inf),
-    "a gain below 0": pointed(gain=-1.0),
-    "a gain of a number too long": spoilt().replace(b"2000.0", b"9" * 5000, 1),
-    "a coherence of 2": pointed(coherence=2.0),
-    "an unknown key of a point": pointed(extra=1),
-    "an unknown key of the provenance": spoilt(
-        provenance={**GOOD["provenance"], "__class__": "x"}
-    ),
-    "a delay that is text": spoilt(delay_s="soon"),
-    "a newline in a name": spoilt(
-        provenance={**GOOD["provenance"], "actuator": "unwind\nINFO OPERATOR: arm"}
-    ),
-    "bytes that are no text": b"\xff\xfe\x00",
-    "a megabyte of provenance": spoilt(
-        provenance={**GOOD["provenance"], "measured_at": "x" * 1_000_000}
-    ),
-    "five megabytes": b" " * 5_000_000,
-}
-
-
-@pytest.mark.parametrize("raw", RESPONSES.values(), ids=RESPONSES.keys())
-def test_a_response_file_that_is_none_is_refused_in_one_sentence(site: Path, raw: bytes) -> None:
-    learned(site).write_bytes(raw)
-    said = verdict(site)
-    assert said["record"] is None
-    (finding,) = said["findings"]
-    assert finding.isprintable()
-    assert finding.startswith(f"{site}:")
-    assert len(finding) < 600
-
-
-@pytest.mark.parametrize("kind", ["pipe", "folder", "device", "link to a device", "loop"])
-def test_what_is_no_file_in_place_of_a_response_is_refused_at_once(site: Path, kind: str) -> None:
-    path = learned(site)
-    if kind == "pipe":
-        os.mkfifo(path)
-    elif kind == "folder":
-        path.mkdir()
-    elif kind == "loop":
-        path.symlink_to(path.name)
-    else:
-        path.symlink_to("/dev/zero")
-    said = verdict(site)
-    assert said["record"] is None
-    (finding,) = said["findings"]
-    assert str(path) in finding
 
 
 # --- the site file of a running service -----------------------------------------------------

@@ -14,6 +14,7 @@ import pytest
 from aff_runtime.app.link.messages import LogLine, MessageError, Reply, decode, encode
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES
 from aff_runtime.app.supervisor.control_child import ControlChild
+from tests.parameter_records import record_of
 
 DEEP = (MAX_PACKET_BYTES // 2) * b"["
 NONE_OF_OURS = (
@@ -37,7 +38,7 @@ def child(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[ControlChild, socke
         ends.append(socket.socket(fileno=os.dup(pass_fds[0])))
 
     monkeypatch.setattr(subprocess, "Popen", started)
-    control = ControlChild({}, shadow=False)
+    control = ControlChild(record_of(), shadow=False)
     yield control, ends[0]
     control.close()
     ends[0].close()

@@ -19,6 +19,7 @@ from benchmarks.control.cases import constant_cases
 from benchmarks.control.jobs import Job
 from benchmarks.control.laws import OWN
 from benchmarks.rows import read_row, write_row
+from sim_plant.base import worker_pool
 from sim_plant.cli.main import main
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration
@@ -27,7 +28,7 @@ from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
 from tests.orphans import begun, children
 from tests.processes import kill, until
-from tests.security.killers import MB, Twin, bench_rows, campaign_row
+from tests.security.killers import MB, StoppingContext, Twin, bench_rows, campaign_row
 
 pytestmark = pytest.mark.timeout(120)
 CASES = [Case(seed=number) for number in range(20)]
@@ -71,7 +72,34 @@ def test_a_worker_that_hangs_is_ended_in_time_and_its_job_done_again(tmp_path):
         "done again"
     ]
     (hung,) = (int(path.name) for path in tmp_path.iterdir())
-    until("the hanging worker is gone", lambda: not Path(f"/proc/{hung}").exists(), 2.0)
+    until("the hanging worker is gone", lambda: not Path(f"/proc/{hung}").exists())
+
+
+def test_a_worker_that_stops_in_the_middle_of_its_answer_is_ended_in_time(tmp_path):
+    said = []
+    twin = Twin(tmp_path, "stopped while it answers")
+    with SimulationPool([twin], 2, said.append, limit_s=2.0) as bench:
+        assert answers(bench) == list(range(20))
+    assert [text.partition("worker process ")[2] for text in said] == [
+        "gave no answer within 2 s; it is done again"
+    ]
+
+
+def test_a_worker_that_stops_before_it_takes_its_orders_is_ended_in_time(monkeypatch):
+    """The orders of a refinement, its records among them, fit no pipe."""
+    said = []
+
+    def tell(text):
+        said.append(text)
+        monkeypatch.undo()  # the next one has its time, on a busy machine too
+
+    monkeypatch.setattr(worker_pool, "START_S", 1.0)
+    monkeypatch.setattr(worker_pool, "spawn_context", StoppingContext)
+    with worker_pool.WorkerPool(
+        abs, 1, limit_s=60.0, tell=tell, begin=len, arguments=(bytes(8 * MB),)
+    ) as pool:
+        assert pool.map([-1, 2]) == [1, 2]
+    assert said == ["-1: its worker process was not ready for a job within 1 s; it is done again"]
 
 
 KEEPER = """

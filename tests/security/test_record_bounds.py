@@ -19,7 +19,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import main
 from sim_plant.line.load import load_declaration, read_source
 from sim_plant.line.record_file import read_columns
-from sim_plant.line.yaml_places import load_yaml
+from sim_plant.line.yaml_file import load_yaml
 from sim_plant.refine.records import limits, mdf_table, parquet_table, text_table
 from sim_plant.refine.records.in_child import table_from_child
 from sim_plant.refine.records.mdf_table import mdf_table as mdf_columns
@@ -129,7 +129,8 @@ def test_a_square_of_short_lines_is_not_held_before_it_is_read(tmp_path):
         ("time_s,x_N\n" + "0.01,1e999\n" * 200, "are missing or not numbers"),
         ("time_s,x_N\n" + "0.01,1e300\n" * 200, "200 values are too large for a reading"),
         ("time_s,x [kN]\n" + "0.01,1e308\n" * 200, "200 values are missing or not numbers"),
-        ("time_s,x_N\n0.01,1.0\n", "holds no rows"),
+        ("time_s,x_N\n0.01,1.0\n", "holds one row; a record needs two or more"),
+        ("time_s,x_N\n", "holds no rows; a record needs two or more"),
         ("time_s,x_N\n0.01,1.0\n0.02,1.0\n", "has 2 rows, too few to judge; give at least 100"),
         ("time_s,x_angle_rad\n0.01,1.0\n0.02,1.0\n", "has 2 rows, too few to judge"),
         ("time_s\n" + "0.01\n" * 200, "holds no channel beside time_s"),
@@ -291,6 +292,9 @@ MERGES = "".join(
         ("a: " + "9" * 10_000, r":2:4: a number has 10000 characters, more than 100"),
         ("a: " + "1:" * 9_000 + "1", r":2:4: a number has 18001 characters, more than 100"),
         ("a: 2020-13-45\n", r":2:4: not YAML: a value cannot be read \(month must be"),
+        ("a: !!timestamp x\n", r":2:4: not YAML: a value cannot be read"),
+        ('a: !!int ""\n', r":2:4: not YAML: a value cannot be read"),
+        ("a: !!bool maybe\n", r":2:4: not YAML: a value cannot be read"),
         ("a: !!python/object/apply:os.system ['true']\n", r":2:4: not YAML: could not determine"),
         ("? [1, 2]\n: 3\n", r":2:3: not YAML: found unhashable key"),
         ("a: 1\na: 2\n", r":3:1: a: is given twice, first in line 2; keep one"),

@@ -14,6 +14,8 @@ from sim_plant.line.load import load_declaration
 from sim_plant.line.record_file import LONGEST_LINE, read_columns
 from sim_plant.refine.records.sanity import even_grid
 from sim_plant.refine.records.text_table import text_table
+from sim_plant.refine.report import yaml_edit
+from sim_plant.refine.without_line.record_filter import RecordDeclaration, read_for
 from tests.aff_runtime.config.shipped import ROOT
 
 CSV = Path("r.csv")
@@ -107,3 +109,28 @@ def test_a_number_that_overflows_is_refused_in_words(tmp_path, section, key, val
     file.write_text(yaml.safe_dump(line), encoding="utf-8")
     with pytest.raises(PlantError, match=said):
         load_declaration(file)
+
+
+def test_lines_that_are_alike_are_not_compared_each_with_each(monkeypatch):
+    """10 000 empty comments below a line file took 50 s when its amended copy was written."""
+    monkeypatch.setattr(yaml_edit.difflib, "SequenceMatcher", None)  # the one that takes so long
+    found = yaml_edit.with_keys("a: 1\nb: 2  # ours\n" + "#\n" * 10_000, {"b": 3})
+    assert yaml.safe_load(found) == {"a": 1, "b": 3}
+
+
+def test_a_file_of_usual_length_keeps_its_comments():
+    text = (ROOT / "config/lines/euclid.yaml").read_text(encoding="utf-8") + "#\n" * 300
+    assert yaml_edit.with_keys(text, {"note": "x"}).endswith("#\n" * 300)
+
+
+def test_a_filter_that_would_fill_the_memory_is_refused_before_it_is_laid_out(tmp_path):
+    """One column under many names of it, a thousand times shifted: 9 GB of a file of 60 kB."""
+    file = tmp_path / "r.csv"
+    rows = "".join(f"{0.01 * k:.2f},{k % 7},{k % 5}\n" for k in range(6000))
+    file.write_text("time_s,x,y\n" + rows)
+    declared = {"schema": "record-declaration/1", "sample_time_s": 0.01, "outputs": ["y"]}
+    many = RecordDeclaration.model_validate({**declared, "inputs": ["x"] * 200, "taps": 500})
+    with pytest.raises(PlantError, match=r"6000 rows under a filter of 200201 weights"):
+        read_for(many, file)
+    one = RecordDeclaration.model_validate({**declared, "inputs": ["x"], "taps": 500})
+    assert read_for(one, file).samples == 6000

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from aff_runtime.app.link.answers import Done, ProbeDone
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.request_socket import BACKLOG, MAX_CALLERS
 from aff_runtime.app.link.requests import MAX_ID_CHARACTERS, MAX_REQUEST_BYTES
@@ -155,10 +156,10 @@ def test_an_answer_given_later_carries_the_id_of_its_request(desk: Desk) -> None
     (status,) = desk.answers(client)
     assert "id" not in status
     for asked in reversed(desk.waiting):
-        asked.answer({"ok": True, "did": asked.request.do})
+        asked.answer(Done(message=asked.request.do))
     assert list(desk.answers(client)) == [
-        {"ok": True, "did": "probe", "id": 2},
-        {"ok": True, "did": "arm", "id": "a"},
+        {"ok": True, "message": "probe", "id": 2},
+        {"ok": True, "message": "arm", "id": "a"},
     ]
 
 
@@ -166,9 +167,9 @@ def test_a_later_answer_that_is_not_taken_at_once_arrives_whole(desk: Desk) -> N
     client = desk.connect()
     client.send(b'{"do": "probe"}\n')
     desk.serve_all()
-    desk.waiting[0].answer({"ok": True, "text": "y" * 3_000_000})
+    desk.waiting[0].answer(Done(message="y" * 3_000_000))
     (answer,) = desk.answers(client)
-    assert len(answer["text"]) == 3_000_000
+    assert len(answer["message"]) == 3_000_000
 
 
 def test_questions_beyond_the_bound_are_refused_with_their_id_and_bypass_is_not(
@@ -193,7 +194,7 @@ def test_a_caller_who_waits_for_a_probe_keeps_its_place_when_others_crowd_in(des
     desk.serve_all()
     crowd = [desk.connect() for _ in range(MAX_CALLERS + 1)]
     assert ended(crowd[0])
-    desk.waiting[0].answer({"ok": True, "results": []})
+    desk.waiting[0].answer(ProbeDone(results=()))
     assert list(desk.answers(patient)) == [{"ok": True, "results": []}]
 
 
@@ -260,7 +261,7 @@ def test_a_caller_who_hangs_up_with_a_question_open_is_forgotten(desk: Desk) -> 
     desk.serve_all()
     (gone,) = desk.gone
     assert gone is desk.waiting[0].caller
-    desk.waiting[0].answer({"ok": True})  # to nobody
+    desk.waiting[0].answer(Done())  # to nobody
     assert not desk.requests.callers
 
 

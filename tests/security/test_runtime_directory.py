@@ -20,6 +20,7 @@ from aff_runtime.app.link.runtime_directory import (
     make_private,
     runtime_paths,
 )
+from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
 from aff_runtime.base.errors import AffError, RefusedError
 from aff_runtime.cli import operate
 from aff_runtime.cli.main import main
@@ -254,9 +255,10 @@ def _as_nobody(folder: Path) -> int:
 # --- bypass is told only when it is seen ----------------------------------------------------
 
 
-def shown(state: str, correction: float = 0.0, **more: Any) -> dict[str, Any]:
+def shown(state: str, correction: float = 0.0, **more: Any) -> StatusAnswer:
     signals = {"correction_unwind_m_s": correction, "tick": 7.0}
-    return {"ok": True, "state": state, "signals": signals, "control_pid": 7, **more}
+    said = {"ok": True, "state": state, "signals": signals, "control_pid": 7, **more}
+    return read_answer(said)
 
 
 def test_bypass_waits_for_the_end_of_the_fade_and_then_says_so() -> None:
@@ -266,9 +268,10 @@ def test_bypass_waits_for_the_end_of_the_fade_and_then_says_so() -> None:
 
 
 @pytest.mark.parametrize(
-    "stuck", [shown("ACTIVE", 0.01), shown("BYPASS", 0.01), shown("STARTING"), {"ok": True}]
+    "stuck",
+    [shown("ACTIVE", 0.01), shown("BYPASS", 0.01), shown("STARTING"), read_answer({"ok": True})],
 )
-def test_bypass_that_is_not_seen_is_not_claimed(stuck: dict[str, Any]) -> None:
+def test_bypass_that_is_not_seen_is_not_claimed(stuck: StatusAnswer) -> None:
     clock = VirtualClock()
     with pytest.raises(RefusedError, match=r"still says \w+ after 5 s; .*at the PLC"):
         operate.after_bypass(lambda: stuck, clock)

@@ -174,7 +174,7 @@ def test_the_record_holds_the_very_bytes_that_were_checked(tmp_path: Path) -> No
     path.write_bytes(text.encode())
     reading = read_site(path)
     path.write_text("another: text\n")  # between the check and the record
-    assert parameter_record(path, reading)["site_text"] == text
+    assert parameter_record(path, reading).site_text == text
 
 
 # --- files that the site names ----------------------------------------------------------------
@@ -214,8 +214,8 @@ def test_what_does_not_end_is_refused_wherever_the_site_names_it(
     else:
         NO_FILES[kind](folder / name)
     said = verdict(folder / site)
-    assert said["record"] is None
-    (finding,) = [line for line in said["findings"] if f"  {key}" in line]
+    assert said.record is None
+    (finding,) = [line for line in said.findings if f"  {key}" in line]
     assert re.match(rf"{folder / site}:\d+:\d+  ", finding)
     wanted = {"a pipe": "not a file", "a folder": "Is a directory", "too large": "larger|too long"}
     assert re.search(wanted[kind], finding), finding
@@ -228,7 +228,7 @@ def test_what_does_not_end_is_no_learned_shape(tmp_path: Path, kind: str) -> Non
         _too_large(path, MAX_FILE_BYTES)
     else:
         NO_FILES[kind](path)
-    texts, (fault,) = read_shapes({"unwind": str(path)})
+    texts, (fault,) = read_shapes({"unwind": path})
     assert not texts
     assert "the roll is learned anew" in fault
 

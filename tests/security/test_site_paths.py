@@ -88,7 +88,7 @@ def test_a_name_that_leads_out_is_refused_and_not_read(folder: Path, key: str, w
     said = refused(path, key)
     assert said.startswith(f"{path}:")
     assert f"{new} leads to {target}, which is not below {folder}" in said
-    everything = "\n".join(verdict(path)["findings"])
+    everything = "\n".join(verdict(path).findings)
     assert "root:" not in everything
     assert "20228" not in everything
 
@@ -105,8 +105,8 @@ def test_odd_names_of_a_response_are_no_crash(folder: Path, name: str) -> None:
     path = folder / "euclid_can.yaml"
     path.write_text(path.read_text().replace("learned/euclid_can_unwind.json", name))
     said = verdict(path)
-    assert said["record"] is None
-    assert any("actuators.unwind.response: " in line for line in said["findings"])
+    assert said.record is None
+    assert any("actuators.unwind.response: " in line for line in said.findings)
 
 
 def test_links_that_go_in_circles_lead_nowhere(folder: Path) -> None:

@@ -20,8 +20,8 @@ from aff_runtime.config.check import check_site
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.tls_files import issues
 from aff_runtime.config.x509 import REVOCATION_LIST, list_dates, list_issuer, pem_blocks, subject
-from aff_runtime.fieldbus.modbus.connections import modbus_tcp
-from aff_runtime.fieldbus.modbus.tls_wire import client_context
+from aff_runtime.fieldbus.modbus.connections import modbus
+from aff_runtime.fieldbus.modbus.tls_wire import TlsWire, client_context
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.registers import Registers
 from tests.aff_runtime.config.shipped import EUCLID
@@ -136,14 +136,11 @@ class Plc:
 def spoken(plc: Plc, context: ssl.SSLContext, name: str = "plc", ticks: int = 40) -> str:
     """Try for some ticks; return "OK" once the PLC has answered, else the last trouble."""
     clock = MonotonicClock()
-    transport = modbus_tcp(
-        host="127.0.0.1",
-        port=plc.port,
+    transport = modbus(
+        TlsWire("127.0.0.1", plc.port, context, name),
         device_id=1,
         register_map=euclid_map(),
         clock=clock,
-        tls=context,
-        server_name=name,
     )
     said = ""
     try:

@@ -217,3 +217,26 @@ def test_with_the_drop_ins_systemd_accepts_the_unit_without_a_word(tmp_path: Pat
         ["systemd-analyze", "verify", str(unit)], capture_output=True, text=True, check=False
     )
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+STUB = """#!/bin/sh
+case "$*" in
+    *"-m venv"*) for folder; do :; done; mkdir -p "$folder/bin"; cp "$0" "$folder/bin/python" ;;
+    *base_prefix*) echo /usr ;;
+esac
+"""
+
+
+@pytest.mark.parametrize("umask", ["000", "002", "077"])
+def test_what_is_installed_is_read_by_the_service_and_written_by_root_alone(
+    tmp_path: Path, umask: str
+) -> None:
+    """A shell of root's may have any umask; the folders of programs and settings had it too."""
+    stub, root = tmp_path / "python", tmp_path / "root"
+    stub.write_text(STUB)
+    stub.chmod(0o755)
+    script = f"umask {umask}; exec sh {DEPLOY}/install.sh --prefix {root} --python {stub}"
+    subprocess.run(["sh", "-c", script], check=True, capture_output=True)
+    modes = {path: path.stat().st_mode & 0o777 for path in root.rglob("*") if path.exists()}
+    assert root / "opt/aff-runtime/venv/bin" in modes
+    assert [str(path) for path, mode in modes.items() if mode & 0o022 or not mode & 0o044] == []

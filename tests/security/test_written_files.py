@@ -12,7 +12,10 @@ import pytest
 from aff_runtime.app.link import files
 from aff_runtime.app.link.files import replace_text
 from aff_runtime.telemetry.disk_bound import delete_oldest, used_bytes
+from aff_runtime.telemetry.header import RunMeta
+from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.run_folder import RunFolder
+from tests.aff_runtime.telemetry.heads import head_of
 
 SECRET = "root:*:20228:0:99999:7:::\n"
 OLD, NEW = "20260101T000000Z_line", "20260102T000000Z_line"
@@ -123,8 +126,7 @@ def test_a_link_to_nowhere_with_the_name_of_the_new_run_is_not_followed(tmp_path
     runs, target = tmp_path / "runs", tmp_path / "later"
     runs.mkdir()
     (runs / "20260101T000000Z_line").symlink_to(target)
-    header = {"start_utc": "2026-01-01T00:00:00", "columns": ["time_s"], "meta": {}}
-    folder = RunFolder(runs, header, {"name": "line"})
+    folder = RunFolder(runs, head_of(RunMeta(), "2026-01-01T00:00:00"), RunContext(name="line"))
     assert folder.path.name == "20260101T000000Z_line-2"
     assert folder.files_lost == 0
     assert not target.exists()

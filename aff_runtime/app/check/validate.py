@@ -1,7 +1,8 @@
-"""``python -m aff_runtime.app.check.validate SITE.yaml STATE``: one verdict as JSON.
+"""``python -m aff_runtime.app.check.validate SITE.yaml STATE [-]``: one verdict as JSON.
 
 Runs in its own short and bounded process because parsing would hold up anything that shares its
-interpreter. What the file names lies below its own folder or below STATE. On standard output, with
+interpreter. What the file names lies below its own folder or below STATE. With ``-`` the text on
+standard input is judged as if SITE.yaml said it. On standard output, with
 exit code 0 whatever the verdict: ``{"record": {...} or null, "findings": [...]}``.
 """
 
@@ -13,48 +14,51 @@ import platform
 import sys
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
 
 from aff_runtime import __version__
 from aff_runtime.app.check.limits import TOO_LARGE, bound_this_process
+from aff_runtime.app.check.verdict import Verdict
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES
+from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.wiring.assemble import controller_of
 from aff_runtime.app.wiring.loops import loop_rows
-from aff_runtime.app.wiring.parameter_record import for_control
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.app.wiring.site_to_wire import register_map
-from aff_runtime.app.wiring.wires import transport
+from aff_runtime.app.wiring.wires import gateway_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
 from aff_runtime.config.can_wire import wire_files
 from aff_runtime.config.loader import Reading, read_site
 from aff_runtime.config.plain_file import TooLargeError, read_plain
-from aff_runtime.config.revision import learned_digests, revision_hash, revision_with
+from aff_runtime.config.revision import file_digest, learned_digests, revision_hash, revision_with
 from aff_runtime.config.site_paths import STATE_DIRECTORY, shape_path
+from aff_runtime.config.yaml_marks import MAX_BYTES
 from aff_runtime.core.response import Provenance, Response
-from aff_runtime.fieldbus.modbus.registers import RegisterMap
 
 MAX_RECORD_BYTES = MAX_PACKET_BYTES - 4096  # what goes with it in one packet
-MAX_RESPONSE_BYTES = 16 * MAX_RECORD_BYTES  # shorter ones are told what passes in one packet
+MAX_RESPONSE_BYTES = 16 * MAX_RECORD_BYTES  # shorter ones hold what passes in one packet
 SAME_CYCLE_S = 1e-6
 
 
-def verdict(path: Path, state: Path = STATE_DIRECTORY) -> dict[str, Any]:
+def verdict(path: Path, state: Path = STATE_DIRECTORY, text: bytes | None = None) -> Verdict:
     """Return the parameter record of the file at ``path``, or what is wrong with it.
 
-    ``state`` : folder beside the site file's own that what it names may lie in.
+    Parameters
+    ----------
+    state : second folder, after the site file's own, that named files may lie in.
+    text : what the file might say instead; None: what it says.
     """
     try:
-        reading = read_site(path, state)
+        reading = read_site(path, state, text)
         record = parameter_record(path, reading)
     except AffError as error:
-        return {"record": None, "findings": str(error).splitlines()}
+        return Verdict(record=None, findings=tuple(str(error).splitlines()))
     findings = [str(warning) for warning in reading.warnings]
-    return {"record": record, "findings": [*findings, *_outdated(reading, record)]}
+    return Verdict(record=record, findings=(*findings, *_outdated(reading, record)))
 
 
-def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
-    """Return everything that the control process needs, ready for JSON.
+def parameter_record(path: Path, reading: Reading) -> ParameterRecord:
+    """Return everything that the control process needs.
 
     Raises
     ------
@@ -62,39 +66,40 @@ def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
         When a response file cannot be used or the rooms refuse the numbers.
     """
     site = reading.site
-    plain = site.model_dump(mode="json", by_alias=True)
     folder = path.absolute().parent
     files = {name: folder / actuator.response for name, actuator in site.actuators.items()}
     texts = {name: _response_text(reading, name, file) for name, file in files.items()}
     responses = {name: text for name, text in texts.items() if text is not None}
     described = wire_files(site, folder)
     if site.gateway.modbus is not None:
-        words = register_map(site)
-        if site.gateway.modbus_tcp is not None:
-            _look_up(reading, words, folder)
+        register_map(site)
+        if "host" in type(site.gateway.modbus).model_fields:
+            _look_up(reading, folder)
     loops = loop_rows(site, responses)
-    controller_of(site, {"responses": responses, "loops": loops})
+    controller_of(site, responses, loops)
     site_hash, learned = revision_hash(site), learned_digests(responses, {})
-    record = {
-        "site": plain,
-        "site_text": reading.tree.raw.decode("utf-8"),
-        "site_hash": site_hash,
-        "learned": learned,
-        "config_hash": revision_with(site_hash, learned),
-        "permissives": [bit.name for bit in guard_params(site).permissives.all_bits],
-        "responses": responses,
-        "loops": loops,
-        "response_files": {name: str(file) for name, file in files.items()},
-        "shape_files": {
-            name: str(shape_path(file))
+    wire_digests = {name: file_digest(text) for name, text in described.items()}
+    record = ParameterRecord(
+        site=site,
+        site_text=reading.tree.raw.decode("utf-8"),
+        site_hash=site_hash,
+        learned=learned,
+        config_hash=revision_with(site_hash, learned, wire_digests),
+        permissives=tuple(bit.name or "" for bit in guard_params(site).permissives.all_bits),
+        responses=responses,
+        loops=loops,
+        response_files=files,
+        shape_files={
+            name: shape_path(file)
             for name, file in files.items()
             if site.actuators[name].uses_shape
         },
-        "wire_files": described,
-        "folder": str(folder),
-        "versions": _versions(),
-    }
-    n_bytes = len(json.dumps(for_control(record)))
+        wire_files=described,
+        wire_digests=wire_digests,
+        folder=folder,
+        versions=_versions(),
+    )
+    n_bytes = len(json.dumps(record.for_control().to_json()))
     if n_bytes > MAX_RECORD_BYTES:
         raise ConfigError(
             f"{path}:1:1  with its responses it takes {n_bytes // 1000} kB, at most "
@@ -103,12 +108,12 @@ def parameter_record(path: Path, reading: Reading) -> dict[str, Any]:
     return record
 
 
-def _look_up(reading: Reading, words: RegisterMap, folder: Path) -> None:
+def _look_up(reading: Reading, folder: Path) -> None:
     """Refuse a PLC whose name nobody knows: the service could not even start."""
     try:
-        transport(reading.site, words, MonotonicClock(), folder).close()
+        gateway_of(reading.site, {}, MonotonicClock(), folder).close()
     except WireError as error:
-        path = ("gateway", "modbus_tcp", "host")
+        path = ("gateway", reading.site.gateway.wire, "host")
         raise ConfigError(str(reading.tree.finding(path, str(error)))) from None
 
 
@@ -137,12 +142,12 @@ def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
     raise ConfigError(_finding(reading, actuator, f"{file}: {said}"))
 
 
-def _outdated(reading: Reading, record: dict[str, Any]) -> list[str]:
+def _outdated(reading: Reading, record: ParameterRecord) -> list[str]:
     """Return a finding per response that is there and does not count: its cycle was another."""
     return [
         _finding(reading, name, f"{file}: measured at another cycle_ms; run the probe again")
-        for name, file in record["response_files"].items()
-        if name not in record["responses"] and Path(file).exists()
+        for name, file in record.response_files.items()
+        if name not in record.responses and file.exists()
     ]
 
 
@@ -175,11 +180,13 @@ def _versions() -> dict[str, str]:
 def main(arguments: list[str]) -> int:
     """Print the verdict on one file, at less than it may cost."""
     bound_this_process()
-    site, state = (Path(argument) for argument in arguments)
+    site, state = (Path(argument) for argument in arguments[:2])
     said = None
-    with contextlib.suppress(MemoryError):  # what held the memory is gone below
-        said = verdict(site, state)
-    json.dump(said or {"record": None, "findings": [f"{site}:1:1  {TOO_LARGE}"]}, sys.stdout)
+    with contextlib.suppress(MemoryError):  # what held the memory is freed below
+        text = sys.stdin.buffer.read(MAX_BYTES + 1) if arguments[2:] else None
+        said = verdict(site, state, text)
+    too_large = Verdict(record=None, findings=(f"{site}:1:1  {TOO_LARGE}",))
+    json.dump((said or too_large).to_json(), sys.stdout)
     return 0
 
 

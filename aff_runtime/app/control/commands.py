@@ -29,7 +29,7 @@ class Commands:
         Raises
         ------
         LinkClosedError
-            When the supervisor is gone and all it said is taken.
+            When the supervisor has ended and all its messages are taken.
         """
         return self._kept.popleft() if self._kept else self._receive()
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from math import tau
 
 from aff_runtime.app.report.block_status import RESTS
-from aff_runtime.app.wiring.recorded_law import RecordedLaw
+from aff_runtime.app.wiring.law_slot import LawSlot
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 from aff_runtime.config.models import Site
@@ -41,14 +41,12 @@ class LawWatch:
         self._tick = 0
 
     @property
-    def wrong(self) -> frozenset[str]:
+    def unbelieved(self) -> frozenset[str]:
         """Actuators that made ripple rise and whose weights are about to be dropped."""
         return frozenset(self._wrong)
 
-    def advise(
-        self, law: RecordedLaw, site: Site, *, state: State, quiet: bool, tick: int
-    ) -> Advice:
-        """Return the law side's word to the guard.
+    def advise(self, law: LawSlot, site: Site, *, state: State, quiet: bool, tick: int) -> Advice:
+        """Return the law side's advice to the guard.
 
         Parameters
         ----------

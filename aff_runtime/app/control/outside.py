@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import replace
 
 from aff_runtime.app.control.commands import Commands
 from aff_runtime.app.control.law_watch import LawWatch
@@ -18,26 +18,28 @@ from aff_runtime.app.control.trouble_log import TroubleLog
 from aff_runtime.app.link import messages
 from aff_runtime.app.link.packets import Link, LinkClosedError
 from aff_runtime.app.report.status import not_armed
-from aff_runtime.app.wiring.assemble import Assembly, controller_of, revision_of, site_of
-from aff_runtime.app.wiring.recorded_law import RecordedLaw
+from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.app.wiring.assemble import Assembly, controller_of
+from aff_runtime.app.wiring.law_slot import LawSlot
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.ports import Law
 from aff_runtime.base.printable import printable
-from aff_runtime.base.signals import State
+from aff_runtime.base.signals import LATCHED_STATES, State
 from aff_runtime.loop.messages import Arm, Bypass, Message, Shadow, Stop, SupervisorLost, Swap
 from aff_runtime.loop.record import HEAD, record_columns
 from aff_runtime.loop.seams import Advice
 from aff_runtime.loop.watchdog import ServiceNotifier
 from aff_runtime.safety.params import GuardParams
+from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.ring import RingWriter
 
 ARM_PATIENCE_TICKS = 100
 ARM_LEAST_TICKS = 3
+SHADOW_RETRY_TICKS = 100
 ARMED = (State.ARMED, State.ACTIVE)
-AT_REST = (State.FAULT, State.BYPASS)
 FRESH = HEAD.index("fresh")
 CONFIG_DIFFERS = BY_NAME["CONFIG_DIFFERS"].code
 
@@ -49,10 +51,10 @@ class ControlOutside:
     ----------
     assembly : the rooms, wired.
     link : to the supervisor.
-    meta : what a reader of the ring should know; ``start_ns`` and real-time rights among it.
+    meta : what a reader of the ring should know.
     """
 
-    def __init__(self, assembly: Assembly, link: Link, meta: dict[str, Any]) -> None:
+    def __init__(self, assembly: Assembly, link: Link, meta: RunMeta) -> None:
         self._site = assembly.site
         self._guard = assembly.guard
         self._troubles = TroubleLog(assembly.gateway, self._say, self._show_wire)
@@ -60,25 +62,22 @@ class ControlOutside:
         self._link = link
         self._commands = Commands(link)
         self._meta = meta
-        self._rights = tuple(messages.Right(**right) for right in meta["rights"])
         self._notifier = ServiceNotifier(
             {k: v for k, v in os.environ.items() if k == "NOTIFY_SOCKET"}
         )
         self._clock = MonotonicClock()
         self._bypass_signal = False
-        self._shadow_wanted = bool(meta["shadow"])
+        self._shadow_wanted = meta.shadow
         self._tick = 0
         self._record: Sequence[float] = ()
         self._ring_columns: tuple[str, ...] = ()
         self._arm_question: int | None = None
         self._arm_tick = 0
         self._probe: ProbeRun | None = None
-        self._next_law: RecordedLaw | None = None
-        self._revision = assembly.record["config_hash"]
+        self._next_law: LawSlot | None = None
+        self._revision = assembly.record.config_hash
         self._watch = LawWatch(self._note, self._say)
-        self._shapes = ShapeKeeper(
-            assembly.record, self._site, tell=self._tell_shape, keep=self._keep_shape
-        )
+        self._shapes = ShapeKeeper(assembly.record, tell=self._tell_shape, keep=self._keep_shape)
         self._advised_tick = 0
         self._ring = self._new_ring()
 
@@ -129,7 +128,7 @@ class ControlOutside:
 
     def advise(self, law: Law) -> Advice:
         """Return why the law's side would rather not arm, and whether ripple rose."""
-        if self._probe is not None or not isinstance(law, RecordedLaw):
+        if self._probe is not None or not isinstance(law, LawSlot):
             return Advice()
         state, quiet = self._guard.state, self._guard.quiet
         elapsed_s = (self._tick - self._advised_tick) * self._site.cycle_s
@@ -138,7 +137,7 @@ class ControlOutside:
             law.controller,
             active=state is State.ACTIVE,
             quiet=quiet,
-            wrong=self._watch.wrong,
+            unbelieved=self._watch.unbelieved,
             elapsed_s=elapsed_s,
         )
         return self._watch.advise(law, self._site, state=state, quiet=quiet, tick=self._tick)
@@ -157,7 +156,7 @@ class ControlOutside:
             wanted.append(Bypass())
             for overtaken in self._commands.overtake():
                 self._reply(overtaken, ok=False, message="bypassed meanwhile")
-        if self._shadow_wanted and self._tick % ARM_PATIENCE_TICKS == 0:
+        if self._shadow_wanted and self._tick % SHADOW_RETRY_TICKS == 0:
             self._shadow_wanted = self._guard.state is not State.SHADOW
             wanted.append(Shadow(on=True))  # again, until the PLC is there
         self._answer_arm()
@@ -224,9 +223,8 @@ class ControlOutside:
         state = self._guard.state
         message = ""
         if state not in ARMED:
-            if not (
-                waited > ARM_PATIENCE_TICKS or (waited > ARM_LEAST_TICKS and state not in AT_REST)
-            ):
+            refused = waited > ARM_LEAST_TICKS and state not in LATCHED_STATES
+            if not refused and waited <= ARM_PATIENCE_TICKS:
                 return
             message = not_armed(state, self._guard.first_blocking().removeprefix("blocked by "))
         ok = state in ARMED
@@ -242,22 +240,23 @@ class ControlOutside:
             self._reply(said, ok=False, message="a probe is under way; save the file after it")
             return []
         record = said.record
-        site = site_of(record)
+        site = record.site
         present = self._law.controller
-        law = RecordedLaw(controller_of(site, record), adopt_from=present)
+        successor = controller_of(site, record.responses, record.loops)
+        law = LawSlot(successor, adopt_from=present)
         loses = set(present.telemetry_names()) - set(law.controller.telemetry_names())
         self._site = site
-        self._shapes.follow(record, site)
-        self._revision = record["config_hash"]
-        self._meta = {**self._meta, "config_hash": self._revision}  # of the next ring
+        self._shapes.follow(record)
+        self._revision = record.config_hash
+        self._meta = replace(self._meta, config_hash=self._revision)  # of the next ring
         self._next_law = law
         self._reply(said, ok=True)
         return [
             Swap(
                 law=law,
-                take_over=None if loses else _follow,
+                take_over=None if loses else _adopts_in_first_step,
                 guard_params=guard_params(site),
-                config_revision=revision_of(record),
+                config_revision=record.revision_word,
             )
         ]
 
@@ -278,9 +277,9 @@ class ControlOutside:
             said.actuators or tuple(self._site.actuators),
             was_armed=was_armed,
             config_hash=self._revision,
-            version=str(self._meta["versions"].get("aff-runtime", "")),
+            version=self._meta.versions.get("aff-runtime", ""),
         )
-        law = RecordedLaw(self._law.controller, probe=self._probe.probe)
+        law = LawSlot(self._law.controller, probe=self._probe.probe)
         self._next_law = law
         duration_s = self._probe.duration_s
         self._link.send(messages.Reply(id=said.id, ok=True, duration_s=duration_s))
@@ -294,14 +293,15 @@ class ControlOutside:
             reason = run.failure(self._guard.first_blocking())
             self._link.send(messages.Probed(error=reason))
         else:
-            run.fit_in_child(self._link, dict(zip(self._ring_columns, self._record, strict=False)))
+            row = zip(self._ring_columns, self._record, strict=False)
+            run.fit_in_child(self._link, TickRow(dict(row)))
         self._probe = None
-        law = RecordedLaw(self._law.controller)
+        law = LawSlot(self._law.controller)
         self._next_law = law
         back: list[Message] = [] if run.was_armed else [Bypass()]
         return [*back, Swap(law=law)]
 
-    def _exchange_law(self, law: RecordedLaw) -> None:
+    def _exchange_law(self, law: LawSlot) -> None:
         """Follow the cycle to the law that it steps now; other columns need another ring."""
         before = self._law.law_telemetry_names()
         self._law, self._next_law = law, None
@@ -316,7 +316,7 @@ class ControlOutside:
         self._ring_columns = (*columns, *self._law.law_telemetry_names())
         ring = RingWriter(self._ring_columns, meta=self._meta)
         descriptor = ring.open_for_readers()
-        self._link.send(messages.RingMade(rights=self._rights), descriptor)
+        self._link.send(messages.RingMade(rights=self._meta.rights), descriptor)
         os.close(descriptor)
         return ring
 
@@ -325,7 +325,7 @@ class ControlOutside:
         self._ring.event(self._tick, self._clock.now_ns(), code)
 
     def _say(self, text: str) -> None:
-        """Pass a sentence to the supervisor's log, the wire's words in it made printable."""
+        """Pass a sentence to the supervisor's log, the wire's text in it made printable."""
         self._link.send(messages.LogLine(text=printable(text)))
 
     def _show_wire(self, troubles: tuple[str, ...]) -> None:
@@ -346,8 +346,8 @@ class ControlOutside:
             self._link.send(messages.Reply(id=said.id, ok=ok, message=message))
 
 
-def _follow(old: Law) -> None:
-    """Tell the cycle that no fade is needed: ``RecordedLaw`` adopts in its first step."""
+def _adopts_in_first_step(old: Law) -> None:
+    """Do nothing: the new ``LawSlot`` takes the old weights over in its own first step."""
 
 
 def _suffix(unit: str) -> str:

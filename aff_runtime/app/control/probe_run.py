@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-from collections.abc import Mapping, Sequence
-from math import nan
+from collections.abc import Sequence
 
 from aff_runtime.app.link import messages
 from aff_runtime.app.link.messages import Probed
 from aff_runtime.app.link.packets import Link
+from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.wiring.site_to_law import probe_params, site_params
 from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import AffError
@@ -72,7 +72,7 @@ class ProbeRun:
         reason = self.probe.reason or self._failure or "aborted"
         return f"READY: {blocked}" if blocked else reason
 
-    def fit_in_child(self, link: Link, readings: Mapping[str, float]) -> None:
+    def fit_in_child(self, link: Link, tick: TickRow) -> None:
         """Fit in a forked child: least squares would hold up ten ticks here.
 
         The child gets ordinary priority (reset on fork), sends the result over the link and ends.
@@ -80,7 +80,7 @@ class ProbeRun:
         Parameters
         ----------
         link : to the supervisor.
-        readings : newest value per channel, for the provenance.
+        tick : newest row, for the provenance.
         """
         signal.signal(signal.SIGCHLD, signal.SIG_IGN)
         try:
@@ -89,14 +89,14 @@ class ProbeRun:
             link.send(Probed(error=f"the fit cannot start: {error.strerror}"))
             return
         if child == 0:
-            self._fit_and_exit(link, readings)
+            self._fit_and_exit(link, tick)
 
-    def _fit_and_exit(self, link: Link, readings: Mapping[str, float]) -> None:
+    def _fit_and_exit(self, link: Link, tick: TickRow) -> None:
         """Send the result and leave without running anybody's clean-up."""
         try:
             with contextlib.suppress(OSError):
                 os.sched_setaffinity(0, range(os.cpu_count() or 1))
-            link.send(Probed(results=self.results(readings)))
+            link.send(Probed(results=self.results(tick)))
         except AffError as error:
             link.send(Probed(error=str(error)))
         except Exception as error:
@@ -104,7 +104,7 @@ class ProbeRun:
         finally:
             os._exit(0)
 
-    def results(self, readings: Mapping[str, float]) -> tuple[messages.ProbeResult, ...]:
+    def results(self, tick: TickRow) -> tuple[messages.ProbeResult, ...]:
         """Return one row per actuator, with the response file's text."""
         about = {
             name: Provenance(
@@ -113,20 +113,20 @@ class ProbeRun:
                 measured_at=wall_time_iso(),
                 config_hash=self._config_hash,
                 version=self._version,
-                line_speed_m_s=readings.get(self._site.line.speed, nan),
-                radius_m=self._radius_m(name, readings),
+                line_speed_m_s=tick.number(self._site.line.speed),
+                radius_m=self._radius_m(name, tick),
                 cycle_s=self._site.cycle_s,
             )
             for name in self._settings.actuators
         }
         return tuple(_told(result) for result in self.probe.result(about))
 
-    def _radius_m(self, actuator: str, readings: Mapping[str, float]) -> float:
+    def _radius_m(self, actuator: str, tick: TickRow) -> float:
         """Return the present radius of the first roll that the actuator works on."""
         roll = self._site.rolls[self._site.actuators[actuator].blocks[0].roll]
         if roll.radius_m is not None:
             return roll.radius_m
-        return readings.get(roll.radius or "", nan)
+        return tick.number(roll.radius)
 
 
 def _told(result: ProbeResult) -> messages.ProbeResult:

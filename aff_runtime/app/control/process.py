@@ -22,12 +22,13 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, WireError
 from aff_runtime.base.printable import printable
 from aff_runtime.loop.realtime import RealtimeReport, RealtimeRequest, ask
+from aff_runtime.telemetry.header import Right, RunMeta
 
 START_PATIENCE_S = 10.0
 
 
 def main(arguments: list[str]) -> int:
-    """Run the cycle until told to stop; return the exit code."""
+    """Run the cycle until a stop message; return the exit code."""
     parser = argparse.ArgumentParser(prog="aff_runtime.app.control.process")
     parser.add_argument("--link-fd", type=int, required=True)
     options = parser.parse_args(arguments)
@@ -50,17 +51,17 @@ def _run(start: Start, link: Link) -> int:
     record = start.record
     assembly = assemble(record, clock)
     rights = ask(RealtimeRequest(cpus=_own_processor()))
-    meta = {
-        "config_hash": record["config_hash"],
-        "versions": record["versions"],
-        "rights": [
-            {"granted": grant.granted, "text": text}
+    meta = RunMeta(
+        config_hash=record.config_hash,
+        versions=record.versions,
+        rights=tuple(
+            Right(granted=grant.granted, text=text)
             for grant, text in zip(rights.grants, rights.lines(), strict=True)
-        ],
-        "machine": " ".join(os.uname()),
-        "start_ns": clock.now_ns(),
-        "shadow": start.shadow,
-    }
+        ),
+        machine=" ".join(os.uname()),
+        start_ns=clock.now_ns(),
+        shadow=start.shadow,
+    )
     outside = ControlOutside(assembly, link, meta)
     cycle = cycle_of(assembly, outside)
     signal.signal(signal.SIGUSR1, lambda *_: outside.bypass_by_signal())

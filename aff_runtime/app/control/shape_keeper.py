@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.wiring.shape_file import (
     WAITS,
     ShapeFile,
@@ -22,7 +23,6 @@ from aff_runtime.app.wiring.shape_file import (
     start_values,
 )
 from aff_runtime.base.clock import wall_time_iso
-from aff_runtime.config.models import Site
 from aff_runtime.core.controller import Controller, RollPhases
 from aff_runtime.core.params import SiteParams
 from aff_runtime.core.phase import Quality
@@ -32,7 +32,7 @@ from aff_runtime.core.shape.trial import Fit, ShapeTrial
 
 KEPT_AFTER_TURNS = 3.0
 RADIUS_UP, RADIUS_DOWN = 1.01, 0.85
-Orders = Mapping[tuple[str, int], complex]
+PerOrder = Mapping[tuple[str, int], complex]
 
 
 @dataclass(slots=True, kw_only=True)
@@ -40,8 +40,8 @@ class _Known:
     """One shape from elsewhere: where from, the deviations, what was learned of P."""
 
     source: str
-    weight_m: Orders
-    correction: Orders
+    weight_m: PerOrder
+    correction: PerOrder
     imbalance_m: Mapping[str, complex] = field(default_factory=dict)
     file: ShapeFile | None = None
 
@@ -68,15 +68,14 @@ class ShapeKeeper:
 
     def __init__(
         self,
-        record: Mapping[str, Any],
-        site: Site,
+        record: ParameterRecord,
         *,
         tell: Callable[[str, str], None],
         keep: Callable[[str, str], None],
     ) -> None:
         self._tell, self._keep = tell, keep
-        self._version = str(record["versions"].get("aff-runtime", ""))
-        self._shapes = dict(record.get("shapes", {}))
+        self._version = record.version
+        self._shapes = dict(record.shapes)
         self._active_turns = 0.0
         self._roll_id: int | None = None
         self._active_roll_id: int | None = None
@@ -84,19 +83,19 @@ class ShapeKeeper:
         self._used: set[str] = set()
         self._announced: set[str] = set()
         self._refused: set[tuple[str, str]] = set()  # corrections of another response, as said
-        self.follow(record, site)
+        self.follow(record)
 
-    def follow(self, record: Mapping[str, Any], site: Site) -> None:
+    def follow(self, record: ParameterRecord) -> None:
         """Go on with another parameter record; a shape that was used is not tried again."""
-        self._site = site
-        self._config_hash = str(record["config_hash"])
+        site = self._site = record.site
+        self._config_hash = record.config_hash
         self._hash = {name: shape_basis_hash(site, name) for name in site.actuators}
-        measured = record.get("responses", {})
+        measured = record.responses
         self._response = {name: response_hash(measured.get(name)) for name in site.actuators}
         for name in site.actuators:
             if name in self._used:
                 continue
-            known = self._known(name, start_values(record["site"], name))
+            known = self._known(name, start_values(site, name))
             if known:
                 self._trials[name] = _Trial(known)
                 self._announce(name, known[0].source)
@@ -109,7 +108,7 @@ class ShapeKeeper:
             needs = f"it takes {memory_s:.0f} s and three turns with the line running"
             self._tell(name, f"{source} {WAITS}: {needs}; arm after that")
 
-    def _known(self, actuator: str, given: Orders) -> list[_Known]:
+    def _known(self, actuator: str, given: PerOrder) -> list[_Known]:
         """Return shapes to try for one actuator, the best first."""
         known: list[_Known] = []
         if actuator in self._shapes:
@@ -133,7 +132,7 @@ class ShapeKeeper:
             known.append(_Known(source=source, weight_m=given, correction={}))
         return known
 
-    def _correction(self, actuator: str, file: ShapeFile) -> Orders:
+    def _correction(self, actuator: str, file: ShapeFile) -> PerOrder:
         """Return what a file knows of P; nothing when it learned that over another response.
 
         A correction of another response would be taken for a moved encoder by the trial.
@@ -220,8 +219,10 @@ class ShapeKeeper:
                     self._tell(name, f"{roll}: {known.source} is not used: {text}")
                     continue
                 weight, learned = _at(law, roll, known, phases)
-                heavy = _imbalance_at(roll, known, phases)
-                fit = waiting.trial.fit(roll, _with_imbalance(law, roll, weight, heavy), learned)
+                imbalance_m = _imbalance_at(roll, known, phases)
+                fit = waiting.trial.fit(
+                    roll, _with_imbalance(law, roll, weight, imbalance_m), learned
+                )
                 self._tell(name, f"{roll}: {_words(known.source, fit)}")
                 if not fit.fits:
                     continue
@@ -230,8 +231,8 @@ class ShapeKeeper:
                         start[key] = weight[i] * cmath.exp(-1j * key[1] * fit.turned_rad)
                         if key in known.correction:
                             correction[key] = complex(learned[i])
-                if heavy:
-                    imbalance[roll] = heavy * cmath.exp(-1j * fit.turned_rad)
+                if imbalance_m:
+                    imbalance[roll] = imbalance_m * cmath.exp(-1j * fit.turned_rad)
                 break
         law.start_from(ShapeProfile(weight_m=start, correction=correction, imbalance_m=imbalance))
 
@@ -255,7 +256,7 @@ class ShapeKeeper:
         *,
         active: bool,
         quiet: bool,
-        wrong: frozenset[str],
+        unbelieved: frozenset[str],
         elapsed_s: float,
     ) -> None:
         """Count turns with a correction; hand the shapes on once it is zero again."""
@@ -266,7 +267,7 @@ class ShapeKeeper:
         elif quiet and self._active_turns > 0.0:
             turns, self._active_turns = self._active_turns, 0.0
             if turns >= KEPT_AFTER_TURNS:
-                self._save(controller, wrong)
+                self._save(controller, unbelieved)
 
     def _see_roll(self, controller: Controller) -> None:
         """Say that a new roll was put in."""
@@ -275,26 +276,26 @@ class ShapeKeeper:
         if before is None or before == phases.roll_id:
             return
         for name, law in controller.shape_laws().items():
-            gone = [roll for roll in phases.spliced if any(r == roll for r, _ in law.keys)]
-            if gone:
+            removed = [roll for roll in phases.spliced if any(r == roll for r, _ in law.keys)]
+            if removed:
                 text = f"roll {phases.roll_id} in the place of roll {before}"
-                self._tell(name, f"{text}: the shape of {', '.join(gone)} is forgotten")
+                self._tell(name, f"{text}: the shape of {', '.join(removed)} is forgotten")
 
     def close(self, controller: Controller) -> None:
         """Hand on what was learned; the cycle has ended."""
-        self.watch(controller, active=False, quiet=True, wrong=frozenset(), elapsed_s=0.0)
+        self.watch(controller, active=False, quiet=True, unbelieved=frozenset(), elapsed_s=0.0)
 
-    def _save(self, controller: Controller, wrong: frozenset[str]) -> None:
+    def _save(self, controller: Controller, unbelieved: frozenset[str]) -> None:
         phases = controller.phases
         # of a roll that was exchanged while the output closed, nothing is worth keeping
-        gone = phases.spliced if phases.roll_id != self._active_roll_id else ()
+        removed = phases.spliced if phases.roll_id != self._active_roll_id else ()
         for name, law in controller.shape_laws().items():
             profile = law.profile()
-            kept = {k: w for k, w in profile.weight_m.items() if w != 0j and k[0] not in gone}
+            kept = {k: w for k, w in profile.weight_m.items() if w != 0j and k[0] not in removed}
             origin = {roll: phases.by_name[roll].origin_rad for roll, _ in kept}
-            if not kept or name in wrong or not all(map(math.isfinite, origin.values())):
+            if not kept or name in unbelieved or not all(map(math.isfinite, origin.values())):
                 continue
-            heavy = {
+            imbalance_m = {
                 roll: w * cmath.exp(1j * origin[roll])
                 for roll, w in profile.imbalance_m.items()
                 if roll in origin
@@ -315,7 +316,7 @@ class ShapeKeeper:
                     "width_m": drive.web_width_m if drive else 0.0,
                 },
                 profile=ShapeProfile(
-                    weight_m=turned, correction=profile.correction, imbalance_m=heavy
+                    weight_m=turned, correction=profile.correction, imbalance_m=imbalance_m
                 ),
             )
             try:
@@ -367,16 +368,19 @@ def _imbalance_at(roll: str, known: _Known, phases: RollPhases) -> complex:
 
 
 def _with_imbalance(
-    law: ShapeLaw, roll: str, weight: np.ndarray[Any, np.dtype[np.complex128]], heavy: complex
+    law: ShapeLaw,
+    roll: str,
+    weight: np.ndarray[Any, np.dtype[np.complex128]],
+    imbalance_m: complex,
 ) -> np.ndarray[Any, np.dtype[np.complex128]]:
     """Return deviations with order 1 as the signal sees it: shape and imbalance in one."""
     seen = law.seen()
-    if not heavy or (roll, 1) not in law.keys or seen.size == len(law.keys):
+    if not imbalance_m or (roll, 1) not in law.keys or seen.size == len(law.keys):
         return weight
     first = law.keys.index((roll, 1))
     both = weight.copy()
     if abs(seen[first]) > 0.0:
-        both[first] += heavy * seen[-1] / seen[first]
+        both[first] += imbalance_m * seen[-1] / seen[first]
     return both
 
 

@@ -1,12 +1,17 @@
 """Between processes: packets, requests, and the folder where they meet."""
 
 __all__ = [
+    "answers",
     "files",
     "messages",
     "packets",
+    "parameter_record",
     "peer",
     "request_client",
     "request_socket",
     "requests",
     "runtime_directory",
+    "settings_answer",
+    "settings_request",
+    "socket_file",
 ]

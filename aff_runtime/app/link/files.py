@@ -11,12 +11,13 @@ from pathlib import Path
 NEW_FILE_MODE = 0o666  # less what the process's umask takes
 
 
-def replace_text(path: Path, text: str) -> None:
+def replace_text(path: Path, text: str, *, keep_owner: bool = False) -> None:
     """Write ``text`` to ``path`` so that a reader sees the old file or the whole new one.
 
     The new file is made under a name that nobody can know before, and never through a link: in a
     folder that others may write to, what lies there already is not followed and not written. The
-    mode of the file that is replaced is kept; a link in its place is replaced itself.
+    mode of the file that is replaced is kept, and with ``keep_owner`` its owner as far as we may.
+    A link in its place is replaced itself.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     fresh = path.with_name(f".{path.name}.{secrets.token_hex(8)}.new")
@@ -24,8 +25,11 @@ def replace_text(path: Path, text: str) -> None:
     descriptor = os.open(fresh, flags, NEW_FILE_MODE)
     try:
         with open(descriptor, "w", encoding="utf-8") as file:
-            if (mode := _mode_of(path)) is not None:
-                os.fchmod(descriptor, mode)
+            if (found := _present(path)) is not None:
+                if keep_owner:
+                    with contextlib.suppress(OSError):
+                        os.fchown(descriptor, found.st_uid, found.st_gid)
+                os.fchmod(descriptor, found.st_mode & 0o777)
             file.write(text)
             file.flush()
             os.fsync(descriptor)
@@ -37,13 +41,13 @@ def replace_text(path: Path, text: str) -> None:
     _write_back(path.parent)
 
 
-def _mode_of(path: Path) -> int | None:
-    """Return the mode of the file that is replaced, None where there is no file."""
+def _present(path: Path) -> os.stat_result | None:
+    """Return what the file that is replaced is like, None where there is no file."""
     try:
-        found = path.lstat().st_mode
+        found = path.lstat()
     except FileNotFoundError:
         return None
-    return found & 0o777 if stat.S_ISREG(found) else None
+    return found if stat.S_ISREG(found.st_mode) else None
 
 
 def _write_back(folder: Path) -> None:

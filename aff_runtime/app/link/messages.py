@@ -11,13 +11,13 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-ParameterRecord = dict[str, Any]
-"""Everything that the control process needs of a site file, as plain JSON values."""
+from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.telemetry.header import Right
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Start:
-    """First words to a new control process; ``shadow``: compute and record, transmit zero."""
+    """First message to a new control process; ``shadow``: compute and record, transmit zero."""
 
     record: ParameterRecord
     shadow: bool = False
@@ -74,14 +74,6 @@ class ConfigDiffers:
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stop:
     """Fade to zero and end."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Right:
-    """One real-time right, granted or not, in words."""
-
-    granted: bool
-    text: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,7 +168,8 @@ class MessageError(ValueError):
 def encode(message: Message) -> bytes:
     """Return a message as one packet."""
     word = type(message).__name__
-    return json.dumps({"word": word, **_ADAPTERS[word].dump_python(message)}).encode()
+    said = _ADAPTERS[word].dump_python(message, mode="json", by_alias=True)
+    return json.dumps({"word": word, **said}).encode()
 
 
 def decode(packet: bytes) -> Message:

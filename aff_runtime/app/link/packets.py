@@ -17,7 +17,7 @@ _DESCRIPTOR = struct.Struct("i")
 
 
 class LinkClosedError(Exception):
-    """The other side of the link is gone."""
+    """The other side of the link has closed."""
 
 
 class Link:
@@ -39,7 +39,7 @@ class Link:
         Raises
         ------
         LinkClosedError
-            When the other side is gone.
+            When the other side has closed.
         MessageError
             When it says what is no message.
         """
@@ -59,7 +59,7 @@ class Link:
         Raises
         ------
         LinkClosedError
-            When the other side is gone.
+            When the other side has closed.
         MessageError
             When it says what is no message.
         """
@@ -82,7 +82,7 @@ class Link:
             raise
 
     def send(self, message: Message, descriptor: int | None = None) -> bool:
-        """Send one message; return False when the other side is gone or does not read.
+        """Send one message; return False when the other side has closed or does not read.
 
         A message that does not fit one packet is not sent either: the reader would see half.
         ``descriptor`` : passed on with it; the reader gets one of its own.

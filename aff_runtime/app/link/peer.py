@@ -7,9 +7,11 @@ as SUDO_USER are whatever the caller writes into them and are not looked at.
 
 from __future__ import annotations
 
+import errno
 import functools
 import os
 import pwd
+import select
 import socket
 import struct
 from dataclasses import dataclass
@@ -21,6 +23,8 @@ from aff_runtime.base.printable import printable
 SERVICE_USER = "aff-runtime"
 NOBODY_LOGGED_IN = 2**32 - 1
 _CREDENTIALS = struct.Struct("3i")
+_DESCRIPTOR = struct.Struct("i")
+_SO_PEERPIDFD = 77  # of Linux on x86-64 and ARM; Python's socket module does not name it
 _PROC = Path("/proc")
 
 
@@ -55,7 +59,9 @@ def peer_of(connection: socket.socket, proc: Path = _PROC) -> Peer:
     """Return who connected to us, or who listens where we have connected."""
     raw = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
     pid, uid, _ = _CREDENTIALS.unpack(raw)
-    return Peer(uid=uid, pid=pid, login_uid=_login_uid(pid, uid, proc))
+    login_uid = _login_uid(pid, uid, proc)
+    # asked after the look: its number was nobody else's then
+    return Peer(uid=uid, pid=pid, login_uid=login_uid if _still_lives(connection) else None)
 
 
 def own_process(proc: Path = _PROC) -> Peer:
@@ -64,8 +70,27 @@ def own_process(proc: Path = _PROC) -> Peer:
     return Peer(uid=uid, pid=pid, login_uid=_login_uid(pid, uid, proc))
 
 
+def _still_lives(connection: socket.socket) -> bool:
+    """Return whether the process that connected is there; True where the kernel cannot tell.
+
+    The number of one that has ended may be another's by now. Kernels from 6.5 on hand out the
+    process itself.
+    """
+    try:
+        raw = connection.getsockopt(socket.SOL_SOCKET, _SO_PEERPIDFD, _DESCRIPTOR.size)
+    except OSError as error:
+        return error.errno == errno.ENOPROTOOPT
+    (process,) = _DESCRIPTOR.unpack(raw)
+    try:
+        look = select.poll()
+        look.register(process, select.POLLIN)
+        return not look.poll(0)
+    finally:
+        os.close(process)
+
+
 def _login_uid(pid: int, uid: int, proc: Path) -> int | None:
-    """Return the login of a process, None when it is gone, hidden, or its number is another's."""
+    """Return the login of a process; None: it has ended, is hidden, or is another user's."""
     folder = proc / str(pid)
     try:
         login = int((folder / "loginuid").read_text(encoding="ascii"))
@@ -86,8 +111,13 @@ def user_name(uid: int) -> str:
 
 def service_uids() -> frozenset[int]:
     """Return the users whose service we talk to: root, ourselves, and the service's own user."""
+    return uids_with(SERVICE_USER)
+
+
+def uids_with(name: str) -> frozenset[int]:
+    """Return root, ourselves, and the user of this name where there is one."""
     try:
-        installed = {pwd.getpwnam(SERVICE_USER).pw_uid}
+        installed = {pwd.getpwnam(name).pw_uid}
     except KeyError:
         installed = set()
     return frozenset({0, os.geteuid(), *installed})

@@ -10,16 +10,24 @@ import errno
 import json
 import socket
 import struct
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.link.peer import peer_of, service_uids, user_name
+from aff_runtime.app.link.answers import Done
+from aff_runtime.app.link.peer import (
+    NOBODY_LOGGED_IN,
+    Peer,
+    own_process,
+    peer_of,
+    service_uids,
+    user_name,
+)
 from aff_runtime.app.link.runtime_directory import check_trusted, how_to_reach
 from aff_runtime.base.errors import AffError, RefusedError, WireError
 from aff_runtime.base.printable import printable
 
 MAX_ANSWER_BYTES = 1 << 22
+MAX_NAME_CHARACTERS = 40  # a service hears 64 characters of whom a command is for
 _TIMEVAL = struct.Struct("ll")
 
 
@@ -86,6 +94,8 @@ class ServiceClient:
         """
         if timeout_s is not None:
             self._socket.settimeout(timeout_s)
+        if "by" not in arguments and (login := login_behind(own_process())):
+            arguments["by"] = login
         try:
             self._socket.sendall(json.dumps({"do": do, **arguments}).encode() + b"\n")
             line = self._stream.readline(MAX_ANSWER_BYTES)
@@ -96,8 +106,9 @@ class ServiceClient:
         answer = _read_answer(line)
         if answer is None:
             raise WireError(f"{self._path}: the answer cannot be read; is it another release?")
-        if answer.get("ok") is not True:
-            raise _refusal(answer)
+        done = Done.from_json(answer)
+        if not done.ok:
+            raise _refusal(done)
         return answer
 
     def close(self) -> None:
@@ -110,23 +121,35 @@ def _read_answer(line: bytes) -> dict[str, Any] | None:
     """Return an answer, None when the line is none."""
     try:
         said = json.loads(line)
-        return _shown(said) if isinstance(said, dict) else None
+        return shown(said) if isinstance(said, dict) else None
     except (ValueError, RecursionError):
         return None
 
 
-def _shown(value: Any) -> Any:
+def shown(value: Any) -> Any:
     """Return plain data whose texts, keys among them, show as themselves."""
     if isinstance(value, str):
         return printable(value)
     if isinstance(value, dict):
-        return {printable(key): _shown(inner) for key, inner in value.items()}
-    return [_shown(inner) for inner in value] if isinstance(value, list) else value
+        return {printable(key): shown(inner) for key, inner in value.items()}
+    return [shown(inner) for inner in value] if isinstance(value, list) else value
 
 
-def _refusal(answer: Mapping[str, Any]) -> AffError:
+def _refusal(answer: Done) -> AffError:
     """Return the error that a negative answer stands for."""
-    error: AffError = RefusedError(str(answer.get("message", "refused")))
-    code = answer.get("exit_code")
-    error.exit_code = code if isinstance(code, int) else RefusedError.exit_code
+    error: AffError = RefusedError(answer.message or "refused")
+    if answer.exit_code is not None:
+        error.exit_code = answer.exit_code
     return error
+
+
+def login_behind(caller: Peer) -> str:
+    """Return whose login root commands by, as it says; empty for others, and without a login.
+
+    The installed service does not see the processes of root (ProtectProc=invisible), so it cannot
+    look itself. Its own user's processes it sees.
+    """
+    login = caller.login_uid
+    if caller.uid != 0 or login is None or login in (0, NOBODY_LOGGED_IN):
+        return ""
+    return f"login {login} ({user_name(login)[:MAX_NAME_CHARACTERS]})"

@@ -11,18 +11,19 @@ import json
 import os
 import socket
 from collections import deque
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
+from aff_runtime.app.link.answers import Answer, refusal
 from aff_runtime.app.link.peer import Peer, peer_of
-from aff_runtime.app.link.requests import MAX_REQUEST_BYTES, Request
+from aff_runtime.app.link.requests import MAX_REQUEST_BYTES, Ident, Request, longest
 from aff_runtime.app.link.runtime_directory import make_private
+from aff_runtime.app.link.socket_file import identity, make_room, remove_own
 from aff_runtime.base.errors import AffError, RefusedError
 from aff_runtime.base.printable import printable
 
 MAX_CALLERS = 16
 BACKLOG = 64
+_ANOTHER = "name another --runtime-dir"
 
 
 class Caller:
@@ -45,16 +46,16 @@ class Caller:
 
     @property
     def has_more(self) -> bool:
-        """Whether it waits for us: to be heard further, or to be told the rest of an answer."""
+        """Whether it waits for us: to read more of a request, or to send the rest of an answer."""
         return bool(self._lines or self._unsent)
 
     @property
     def babbles(self) -> bool:
         """Whether it says more than fits a request."""
-        return not self._lines and len(self._heard) > MAX_REQUEST_BYTES
+        return not self._lines and len(self._heard) > longest(self._heard)
 
     def read(self) -> bool:
-        """Take what has come; False when the caller is gone."""
+        """Take what has come; False when the caller has closed."""
         try:
             chunk = self.connection.recv(MAX_REQUEST_BYTES)
         except BlockingIOError:
@@ -72,13 +73,19 @@ class Caller:
         """
         return self._lines.popleft() if self._lines and not self._unsent else None
 
-    def send(self, answer: Mapping[str, Any]) -> None:
-        """Send one answer; what the caller does not take now is sent when it does."""
-        self._unsent += json.dumps(answer).encode() + b"\n"
+    def send(self, answer: Answer, ident: Ident = None) -> None:
+        """Send one answer; what the caller does not take now is sent when it does.
+
+        ``ident`` : the caller's own number of its request, echoed.
+        """
+        said = answer.to_json()
+        if ident is not None:
+            said["id"] = ident
+        self._unsent += json.dumps(said).encode() + b"\n"
         self.flush()
 
     def flush(self) -> bool:
-        """Send what is left; False when the caller is gone."""
+        """Send what is left; False when the caller has closed."""
         try:
             while self._unsent:
                 self._unsent = self._unsent[self.connection.send(self._unsent) :]
@@ -117,23 +124,17 @@ class Asked:
             else (str(self.caller.peer))
         )
 
-    def answer(self, answer: Mapping[str, Any]) -> None:
+    def answer(self, answer: Answer) -> None:
         """Answer it, with the caller's own number of it; a second answer is dropped."""
         if self._is_answered:
             return
         self._is_answered = True
         self.caller.owed -= 1
-        ident = self.request.ident
-        self.caller.send(answer if ident is None else {**answer, "id": ident})
+        self.caller.send(answer, self.request.ident)
 
     def refuse(self, error: AffError) -> None:
         """Say no, and why."""
         self.answer(refusal(error))
-
-
-def refusal(error: AffError) -> dict[str, Any]:
-    """Return the answer that says no."""
-    return {"ok": False, "message": str(error), "exit_code": error.exit_code}
 
 
 class RequestSocket:
@@ -166,12 +167,13 @@ class RequestSocket:
         self.listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         before = os.umask(0o177)
         try:
-            path.unlink(missing_ok=True)
+            make_room(path, _ANOTHER)
             self.listener.bind(str(path))
-        except OSError as error:
+            self._made = identity(path)
+        except (OSError, RefusedError) as error:
             self.listener.close()
             os.close(self._lock)
-            raise _unusable(path, error) from None
+            raise (_unusable(path, error) if isinstance(error, OSError) else error) from None
         finally:
             os.umask(before)
         self.listener.listen(BACKLOG)
@@ -219,14 +221,14 @@ class RequestSocket:
         for caller in list(self.callers.values()):
             self.drop(caller)
         self.listener.close()
-        self._path.unlink(missing_ok=True)
+        remove_own(self._path, self._made)
         os.close(self._lock)
 
 
 def _unusable(path: Path, error: OSError) -> RefusedError:
     """Return the refusal of a runtime directory in which nothing can be made."""
     reason = error.strerror or error
-    return RefusedError(f"{path}: {reason}; remove it, or name another --runtime-dir")
+    return RefusedError(f"{path}: {reason}; remove it, or {_ANOTHER}")
 
 
 def is_allowed_uid(uid: int, own_uid: int) -> bool:

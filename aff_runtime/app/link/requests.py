@@ -6,15 +6,17 @@ import json
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from aff_runtime.app.link import settings_request
+from aff_runtime.app.link.settings_request import SettingsRequest
 from aff_runtime.base.errors import RefusedError
 
 MAX_REQUEST_BYTES = 4096
 MAX_ID_CHARACTERS = 64
 MAX_ID_NUMBER = 2**53
 MAX_BY_CHARACTERS = 64
-VERBS = ("arm", "bypass", "forget", "shadow", "status", "probe", "stop")
+VERBS = ("arm", "bypass", "forget", "shadow", "status", "probe", "settings", "stop")
 QUESTIONS = frozenset({"arm", "forget", "shadow", "probe"})  # answered by the control process
-_KEYS = {"do", "id", "by", "on", "actuators"}
+_KEYS = {"do", "id", "by", "on", "actuators", *settings_request.KEYS}
 Ident: TypeAlias = str | int | None
 
 
@@ -41,6 +43,7 @@ class Request:
     by : on whose behalf, as the caller claims; empty when it claims nothing.
     on : of ``shadow``.
     actuators : of ``probe``; empty for all.
+    settings : of ``settings``.
     """
 
     do: str
@@ -48,6 +51,13 @@ class Request:
     by: str = ""
     on: bool = True
     actuators: tuple[str, ...] = ()
+    settings: SettingsRequest | None = None
+
+
+def longest(line: bytes) -> int:
+    """Return how many bytes a line that begins so may have: one may hold a whole site file."""
+    holds_text = line.startswith(settings_request.START)
+    return settings_request.MAX_BYTES if holds_text else MAX_REQUEST_BYTES
 
 
 def read_request(line: bytes) -> Request:
@@ -61,7 +71,7 @@ def read_request(line: bytes) -> Request:
         When a key, a verb or a value is none of those that there are.
     """
     try:
-        said = json.loads(line.decode()) if len(line) <= MAX_REQUEST_BYTES else None
+        said = json.loads(line.decode()) if len(line) <= longest(line) else None
     except (ValueError, RecursionError):
         said = None
     if not isinstance(said, dict):
@@ -91,7 +101,8 @@ def _checked(said: dict[str, Any], ident: Ident) -> Request:
         raise RefusedError(f"on: true or false is needed, not {_short(on)}")
     if not isinstance(actuators, list) or not all(isinstance(name, str) for name in actuators):
         raise RefusedError("actuators: a list of names is needed")
-    return Request(do=do, ident=ident, by=by, on=on, actuators=tuple(actuators))
+    settings = settings_request.settings_request(said) if do == "settings" else None
+    return Request(do=do, ident=ident, by=by, on=on, actuators=tuple(actuators), settings=settings)
 
 
 def _ident(given: object) -> Ident:

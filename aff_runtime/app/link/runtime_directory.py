@@ -22,7 +22,7 @@ from aff_runtime.base.errors import RefusedError
 INSTALLED = Path("/run/aff-runtime")
 OF_OTHERS = stat.S_IRWXG | stat.S_IRWXO
 WRITTEN_BY_OTHERS = stat.S_IWGRP | stat.S_IWOTH
-OURS = frozenset({"control.sock", "control.lock"})
+OURS = frozenset({"control.sock", "control.lock", "door.sock"})
 ANOTHER = "name another one with --runtime-dir"
 
 
@@ -33,11 +33,16 @@ class RuntimePaths:
     Attributes
     ----------
     directory : 0700, belongs to the service's user.
-    socket : request socket, 0600.
+    socket : request socket, 0600. ``door`` : where one looks on, 0600.
     """
 
     directory: Path
     socket: Path
+
+    @property
+    def door(self) -> Path:
+        """Socket of who looks on, unless the service was given a folder for it."""
+        return self.directory / "door.sock"
 
 
 def default_directory(environment: Mapping[str, str] = os.environ) -> Path:

@@ -1,3 +1,13 @@
-"""A record of the ring in words, with units."""
+"""A record of the ring as text, with units."""
 
-__all__ = ["block_status", "roll_page", "status", "status_answer"]
+__all__ = [
+    "alarm_table",
+    "block_status",
+    "comparison",
+    "line_facts",
+    "metrics",
+    "roll_page",
+    "status",
+    "status_answer",
+    "tick_row",
+]

@@ -1,14 +1,15 @@
-"""The blocks of the law in words, with units: what ``status`` and ``top`` show."""
+"""The blocks of the law as text, with units: what ``status`` and ``top`` show."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
+from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.config.models import Actuator, Block, Site
 from aff_runtime.core.monitor import Trend
-from aff_runtime.core.order_status import OrderStatus, order_statuses
+from aff_runtime.core.order_status import OrderStatus
 from aff_runtime.core.phase import Source
 from aff_runtime.core.shape.basis import IMBALANCE_N_M_PER_M
 
@@ -40,12 +41,11 @@ SHAPE_WHY = {
     Trend.DIVERGING: RESTS,
     Trend.CLAMPED: "the actuator's limit is used up; it gives way to orders that help more",
 }
-LIMIT_KEYS = {"m/s": "amp_limit_m_s", "N m": "amp_limit_N_m"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockStatus:
-    """One order in words and plant units; None where nothing is known.
+    """One order as text in plant units; None where nothing is known.
 
     Attributes
     ----------
@@ -78,30 +78,32 @@ class BlockStatus:
     loop_gain: float | None = None
 
 
-def blocks(record: Mapping[str, float], site: Mapping[str, Any]) -> tuple[BlockStatus, ...]:
+def blocks(tick: TickRow, site: Site) -> tuple[BlockStatus, ...]:
     """Return one row per block in the order of the record.
 
     Parameters
     ----------
-    record : newest record by column name.
-    site : the site of the parameter record, as plain values.
+    tick : newest row of the ring.
+    site : the site of the parameter record.
     """
-    rows = [_row(record, site, order) for order in order_statuses(record)]
+    rows = [_row(tick, site, order) for order in tick.orders()]
     shapes = [row for row in rows if row.law == SHAPE and row.frequency_Hz and row.order]
     return tuple(_with_meeting(row, shapes, site) for row in rows)
 
 
-def _row(record: Mapping[str, float], site: Mapping[str, Any], order: OrderStatus) -> BlockStatus:
-    of_actuator = site.get("actuators", {}).get(order.actuator, {})
+def _row(tick: TickRow, site: Site, order: OrderStatus) -> BlockStatus:
+    actuator = site.actuators.get(order.actuator)
     roll = order.roll
     if order.is_imbalance:
-        roll = str((of_actuator.get("drive") or {}).get("roll", ""))
-    settings = _settings(site, order.actuator, roll, order.order)
-    signal = str(of_actuator.get("error", {}).get("signal", ""))
-    omega = record.get(f"{roll}.omega_rad_s", math.nan)
+        roll = actuator.drive.roll if actuator is not None and actuator.drive is not None else ""
+    block = _block(actuator, roll, order.order)
+    signal = actuator.error.signal if actuator is not None else ""
+    omega = tick.roll(roll).omega_rad_s
     share = 1.0 if math.isnan(order.share) else order.share
-    of_encoder_deg = _at_encoder_zero_deg(record, site, roll, order.order, order.phase_deg)
+    angle = site.rolls[roll].angle if roll in site.rolls else None
+    of_encoder_deg = at_encoder_zero_deg(tick, roll, angle, order)
     shape = order.law == SHAPE
+    size = _shape_size(order, actuator) if shape else _block_size(order, block)
     return BlockStatus(
         actuator=order.actuator,
         name=order.name,
@@ -111,55 +113,66 @@ def _row(record: Mapping[str, float], site: Mapping[str, Any], order: OrderStatu
         why=_why(order.state, order.law),
         frequency_Hz=_finite(order.order * omega / math.tau),
         law=order.law,
-        **(_shape_size(order, of_actuator) if shape else _block_size(order, settings)),
-        out=_finite(share * _applied(record, order.actuator)),
+        amplitude=_finite(size.amplitude),
+        unit=size.unit,
+        limit=size.limit,
+        out=_finite(share * tick.applied_ratio(order.actuator)),
         phase_deg=_finite(order.phase_deg),
         encoder_deg=_finite(of_encoder_deg),
         ripple_before=_finite(order.ripple_before),
         ripple=_finite(order.ripple),
         benefit_dB=_finite(_benefit_dB(order.ripple_before, order.ripple)),
         ripple_unit="N" if signal.endswith("_N") else "m/s" if signal.endswith("_m_s") else "",
-        settle_s=settings.get("settle_s"),
+        settle_s=block.settle_s if block is not None else None,
         share=_finite(order.share) if shape else None,
         loop_gain=_finite(order.response_ratio) if shape else None,
     )
 
 
-def _block_size(order: OrderStatus, block: Mapping[str, Any]) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Size:
+    """How large an order is and may be, in ``unit``; NaN and None where it is not known."""
+
+    amplitude: float
+    unit: str
+    limit: float | None
+
+
+def _block_size(order: OrderStatus, block: Block | None) -> _Size:
     """Return amplitude, unit and limit of a plain block."""
-    limit = block.get(LIMIT_KEYS.get(order.size_unit, ""))
-    return {"amplitude": _finite(order.size), "unit": order.size_unit, "limit": limit}
+    limit = None
+    if block is not None:
+        limits = {"m/s": block.amp_limit_m_s, "N m": block.amp_limit_N_m}
+        limit = limits.get(order.size_unit)
+    return _Size(amplitude=order.size, unit=order.size_unit, limit=limit)
 
 
-def _shape_size(order: OrderStatus, actuator: Mapping[str, Any]) -> dict[str, Any]:
+def _shape_size(order: OrderStatus, actuator: Actuator | None) -> _Size:
     """Return size, unit and limit of a shape; an imbalance is a torque."""
     factor = N_M_PER_MM if order.is_imbalance else 1.0
-    limit_m = actuator.get("shape_limit_m")
-    return {
-        "amplitude": _finite(factor * order.size),
-        "unit": "N m" if order.is_imbalance else order.size_unit,
-        "limit": None if limit_m is None else factor * 1e3 * limit_m,
-    }
+    return _Size(
+        amplitude=factor * order.size,
+        unit="N m" if order.is_imbalance else order.size_unit,
+        limit=None if actuator is None else factor * 1e3 * actuator.shape_limit_m,
+    )
 
 
-def _applied(record: Mapping[str, float], actuator: str) -> float:
-    """Return how much of an actuator's correction the guard lets out, 0..1; NaN when unknown."""
-    found = (record.get(f"applied_ratio_{actuator}_{unit}") for unit in ("m_s", "N_m"))
-    return next((ratio for ratio in found if ratio is not None), math.nan)
-
-
-def _at_encoder_zero_deg(
-    record: Mapping[str, float], site: Mapping[str, Any], roll: str, order: int, phase_deg: float
+def at_encoder_zero_deg(
+    tick: TickRow, roll: str, angle_channel: str | None, order: OrderStatus
 ) -> float:
-    """Return the angle of an order where the encoder reads zero; NaN while it is not followed."""
-    channel = str(site.get("rolls", {}).get(roll, {}).get("angle", ""))
-    read = record.get("fresh") and record.get(f"{roll}.source") == Source.ENCODER
-    if not read or channel not in record:
+    """Return the angle of an order where the encoder reads zero; NaN while it is not followed.
+
+    Parameters
+    ----------
+    roll : of the order. ``angle_channel`` : its encoder's, None or empty without one.
+    """
+    turn = tick.roll(roll)
+    if not tick.is_fresh or turn.source is not Source.ENCODER:
         return math.nan
-    origin_rad = record[f"{roll}.theta_rad"] - record[channel]
+    origin_rad = turn.theta_rad - tick.number(angle_channel)
     if not math.isfinite(origin_rad):
         return math.nan
-    return math.remainder(phase_deg + order * math.degrees(origin_rad), 360.0)
+    return math.remainder(order.phase_deg + order.order * math.degrees(origin_rad), 360.0)
 
 
 def _benefit_dB(before: float, now: float) -> float:
@@ -174,11 +187,12 @@ def _why(state: Trend | None, law: str) -> str:
     return (SHAPE_WHY if law == SHAPE else {}).get(state, WHY.get(state, ""))
 
 
-def _with_meeting(
-    row: BlockStatus, shapes: Sequence[BlockStatus], site: Mapping[str, Any]
-) -> BlockStatus:
+def _with_meeting(row: BlockStatus, shapes: Sequence[BlockStatus], site: Site) -> BlockStatus:
     """Return the row; a shape whose order meets another roll's says so."""
-    memory = site.get("actuators", {}).get(row.actuator, {}).get("memory_turns", 9.0)
+    actuator = site.actuators.get(row.actuator)
+    if actuator is None:
+        return row
+    memory = actuator.memory_turns
     for other in reversed(shapes if row in shapes else ()):
         if other.actuator == row.actuator and other.roll != row.roll and _meet(row, other, memory):
             return replace(row, why=f"meets {other.name}: not judged, not saved meanwhile")
@@ -192,13 +206,12 @@ def _meet(one: BlockStatus, other: BlockStatus, memory_turns: float) -> bool:
     return abs(mine_Hz - theirs_Hz) * memory_turns < slowest_Hz
 
 
-def _settings(site: Mapping[str, Any], actuator: str, roll: str, order: int) -> Mapping[str, Any]:
-    """Return what the site file says of one block; empty when it says nothing."""
-    for block in site.get("actuators", {}).get(actuator, {}).get("blocks", []):
-        if block["roll"] == roll and order in block["orders"]:
-            found: Mapping[str, Any] = block
-            return found
-    return {}
+def _block(actuator: Actuator | None, roll: str, order: int) -> Block | None:
+    """Return what the site file says of one block; None when it says nothing."""
+    for block in actuator.blocks if actuator is not None else ():
+        if block.roll == roll and order in block.orders:
+            return block
+    return None
 
 
 def _finite(value: float) -> float | None:

@@ -1,15 +1,17 @@
-"""What ``status`` answers: the newest record of the ring in words, and how the service stands."""
+"""What ``status`` answers: the newest record of the ring as text, and how the service stands."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import replace
 
 from aff_runtime.app.report.block_status import blocks
 from aff_runtime.app.report.status_answer import Alarm, Live, StatusAnswer
+from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.events import BY_CODE, BY_NAME
-from aff_runtime.base.signals import Outcome, State, Status
+from aff_runtime.base.signals import State, Status
+from aff_runtime.config.models import Site
 
 POWER_UP, BYPASSED = "POWER_UP", "BYPASSED"
 PERMISSIVES = {
@@ -32,24 +34,31 @@ def missing_permissive(status: int, need: Sequence[str]) -> str:
     return ""
 
 
-def live_status(
-    record: Mapping[str, float], need: Sequence[str], site: Mapping[str, Any] | None = None
-) -> tuple[State, Live]:
-    """Return a ring record in words and numbers; NaN becomes None.
+def live_status(tick: TickRow, need: Sequence[str], site: Site) -> tuple[State, Live]:
+    """Return a row of the ring as text and numbers; NaN becomes None.
 
     Parameters
     ----------
-    record : newest record by column name.
+    tick : newest row.
     need : names of the permissives, in the order in which the first missing one is named.
     site : the site of the parameter record, for units and limits of the blocks.
     """
-    event = BY_CODE.get(int(record["alarm"]), BY_CODE[0])
-    return State(int(record["state"])), Live(
-        blocked_by=missing_permissive(int(record["status"]), need),
+    return tick.state, replace(
+        live_tick(tick),
+        blocked_by=missing_permissive(tick.status, need),
+        blocks=blocks(tick, site),
+    )
+
+
+def live_tick(tick: TickRow) -> Live:
+    """Return what a row of the ring says without knowledge of its site."""
+    event = BY_CODE.get(tick.alarm, BY_CODE[0])
+    return Live(
         alarm=Alarm(code=event.code, name=event.name, text=event.text, action=event.action),
-        blocks=blocks(record, site or {}),
-        comm=Outcome(int(record["outcome"])).name,
-        signals={k: v if math.isfinite(v) else None for k, v in record.items()},
+        comm=tick.outcome.name,
+        signals={
+            k: v if v is not None and math.isfinite(v) else None for k, v in tick.values.items()
+        },
     )
 
 

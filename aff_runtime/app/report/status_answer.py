@@ -7,11 +7,17 @@ from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 from aff_runtime.app.report.block_status import BlockStatus
+from aff_runtime.app.report.line_facts import LineFacts
+from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.telemetry.header import RunMeta
+from aff_runtime.telemetry.recorder_messages import RecorderReport
+
+NOT_SAID = -1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Alarm:
-    """The alarm that stands, in words; code 0: none."""
+    """The alarm that stands, as text; code 0: none."""
 
     code: int = 0
     name: str = ""
@@ -20,20 +26,21 @@ class Alarm:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RecorderReport:
-    """How recording goes; rows count from the beginning of its run folder."""
+class Meeting:
+    """Orders of two rolls that one actuator corrects will have one frequency.
 
-    folder: str = ""
-    rows: int = 0
-    rows_lost: int = 0
-    ring_overruns: int = 0
-    error: str = ""
-    alive: bool = False
+    Attributes
+    ----------
+    time_s : until then, at this speed. ``radius_m`` : of ``roll`` then.
+    """
 
-    @property
-    def lost(self) -> int:
-        """Rows that are in no file."""
-        return self.rows_lost + self.ring_overruns
+    actuator: str
+    time_s: float
+    roll: str
+    order: int
+    other_roll: str
+    other_order: int
+    radius_m: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +61,12 @@ class Live:
     blocks: tuple[BlockStatus, ...] = ()
     wire: tuple[str, ...] = ()
     blocked_by: str = ""
-    meta: Mapping[str, Any] = field(default_factory=dict)
+    meta: RunMeta = field(default_factory=RunMeta)
+
+    @property
+    def tick(self) -> TickRow:
+        """The newest tick as objects."""
+        return TickRow(self.signals)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +78,10 @@ class StatusAnswer:
     state : of the guard, or ``STARTING``.
     config_hash, site_hash : of the running configuration with what was learned, and without.
     config_differs : why the file is not what runs. ``learned`` : digests of what was learned.
+    control_pid : 0 while no control process runs, `NOT_SAID` in an answer that leaves it open.
+    trying : how a try of other settings stands; empty without one.
     shapes, crossings : what became of shapes; when orders of two rolls will meet.
+    meetings : the crossings as numbers. ``facts`` : what a screen needs of the site.
     live : None while there is no record yet.
     """
 
@@ -78,9 +93,12 @@ class StatusAnswer:
     config_differs: tuple[str, ...] = ()
     control_pid: int = 0
     probing: bool = False
+    trying: str = ""
     recorder: RecorderReport | None = None
     shapes: tuple[str, ...] = ()
     crossings: tuple[str, ...] = ()
+    meetings: tuple[Meeting, ...] = ()
+    facts: LineFacts | None = None
     live: Live | None = None
 
     @property
@@ -89,43 +107,50 @@ class StatusAnswer:
         return self.live.blocks if self.live is not None else ()
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain values for JSON: what is live stands beside the rest."""
+        """Return plain values for JSON: what is live is added to the rest."""
         found = asdict(self)
         live = found.pop("live")
         found["recorder"] = found["recorder"] or {}
         return {"ok": True, **found, **(live or {})}
 
 
-def read_answer(said: Mapping[str, Any]) -> StatusAnswer:
+def read_answer(said: Any) -> StatusAnswer:
     """Return the record of an answer; what an older or newer service says besides is left out."""
-    recorder = said.get("recorder") or None
-    live = None
-    if said.get("signals"):
-        live = Live(
-            alarm=Alarm(**_known(Alarm, said.get("alarm", {}))),
-            blocks=tuple(_block(block) for block in said.get("blocks", ())),
-            wire=tuple(said.get("wire", ())),
-            **{k: said[k] for k in ("comm", "signals", "blocked_by", "meta") if k in said},
-        )
-    told: dict[str, Any] = {
-        name: tuple(said.get(name, ()))
-        for name in ("learned", "config_differs", "shapes", "crossings")
-    }
-    plain = ("line", "state", "config_hash", "site_hash", "control_pid", "probing")
-    told |= {name: said[name] for name in plain if name in said}
-    report = RecorderReport(**_known(RecorderReport, recorder)) if recorder else None
-    return StatusAnswer(**told, recorder=report, live=live)
+    recorder, facts = said.get("recorder") or None, said.get("facts")
+    return StatusAnswer(
+        line=said.get("line", ""),
+        state=said.get("state", ""),
+        config_hash=said.get("config_hash", ""),
+        site_hash=said.get("site_hash", ""),
+        learned=tuple(said.get("learned", ())),
+        config_differs=tuple(said.get("config_differs", ())),
+        control_pid=said.get("control_pid", NOT_SAID),
+        probing=said.get("probing", False),
+        trying=said.get("trying", ""),
+        recorder=RecorderReport.from_json(recorder) if recorder else None,
+        shapes=tuple(said.get("shapes", ())),
+        crossings=tuple(said.get("crossings", ())),
+        meetings=tuple(Meeting(**one) for one in said.get("meetings", ())),
+        facts=LineFacts.from_json(facts) if facts else None,
+        live=_live(said) if said.get("signals") else None,
+    )
 
 
-def recorder_report(said: Mapping[str, Any], *, alive: bool) -> RecorderReport:
-    """Return the report that a recorder has written."""
-    return RecorderReport(**{**_known(RecorderReport, said), "alive": alive})
+def _live(said: Any) -> Live:
+    return Live(
+        alarm=_alarm(said.get("alarm", {})),
+        comm=said.get("comm", ""),
+        signals=said["signals"],
+        blocks=tuple(_block(block) for block in said.get("blocks", ())),
+        wire=tuple(said.get("wire", ())),
+        blocked_by=said.get("blocked_by", ""),
+        meta=RunMeta.from_json(said.get("meta", {})),
+    )
 
 
-def _known(kind: Any, said: Mapping[str, Any]) -> dict[str, Any]:
-    names = {one.name for one in fields(kind)}
-    return {name: value for name, value in said.items() if name in names}
+def _alarm(said: Any) -> Alarm:
+    return Alarm(**{one.name: said[one.name] for one in fields(Alarm) if one.name in said})
 
 
-def _block(said: Mapping[str, Any]) -> BlockStatus:
-    return BlockStatus(**{one.name: said.get(one.name) for one in fields(BlockStatus)})  # type: ignore[arg-type]
+def _block(said: Any) -> BlockStatus:
+    return BlockStatus(**{one.name: said.get(one.name) for one in fields(BlockStatus)})

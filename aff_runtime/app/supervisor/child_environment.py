@@ -1,4 +1,4 @@
-"""What a child of the supervisor is told by the environment."""
+"""What a child of the supervisor gets in its environment."""
 
 from __future__ import annotations
 

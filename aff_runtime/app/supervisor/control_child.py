@@ -6,13 +6,11 @@ import os
 import signal
 import subprocess
 from collections import deque
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from aff_runtime.app.link.messages import LogLine, Message, MessageError, Start, Stop
 from aff_runtime.app.link.packets import Link, LinkClosedError, link_pair
-from aff_runtime.app.wiring.parameter_record import for_control
+from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.base.python_child import module_command
 from aff_runtime.telemetry.ring import RingReader
 
@@ -26,7 +24,7 @@ class ControlChild:
     shadow : compute and record, transmit zero.
     """
 
-    def __init__(self, record: Mapping[str, Any], *, shadow: bool) -> None:
+    def __init__(self, record: ParameterRecord, *, shadow: bool) -> None:
         ours, theirs = link_pair()
         # A bypass that comes before the process listens waits for it, and does not kill it.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGUSR1})
@@ -47,7 +45,7 @@ class ControlChild:
             theirs.close()
         self.link = Link(ours)
         self._rings: deque[int] = deque()
-        self.link.send(Start(record=for_control(record), shadow=shadow))
+        self.link.send(Start(record=record.for_control(), shadow=shadow))
 
     @property
     def pid(self) -> int:

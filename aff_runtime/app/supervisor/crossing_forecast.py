@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
-from aff_runtime.app.wiring.assemble import site_of
+from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.report.status_answer import Meeting
+from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.config.crossings import Crossing, crossings_of
 from aff_runtime.config.models import Site
 
@@ -20,6 +20,7 @@ GAP_S = 5.0
 JUMP_SHARE = 0.01
 SIGMAS = 4.0
 STANDSTILL_M_S = 0.01
+FORESEEN_S = 86_400.0  # no roll lasts longer: a slope that says so is rounding
 
 
 class RadiusTrack:
@@ -62,32 +63,32 @@ class CrossingForecast:
         self._site: Site | None = None
         self._crossings: dict[str, tuple[Crossing, ...]] = {}
         self._tracks: dict[str, RadiusTrack] = {}
-        self._latest: Mapping[str, float] = {}
+        self._latest = TickRow({})
 
-    def step(self, parameters: Mapping[str, Any], latest: Mapping[str, float] | None) -> None:
+    def step(self, parameters: ParameterRecord, latest: TickRow | None) -> None:
         """Look at the newest record of the ring, once a second.
 
         ``parameters`` is the parameter record in force.
         """
-        if latest is None or not latest["fresh"]:
+        if latest is None or not latest.is_fresh:
             return
-        elapsed_s = latest["time_s"] - self._latest.get("time_s", -math.inf)
+        elapsed_s = latest.time_s - self._latest.time_s  # NaN at first
         if 0.0 <= elapsed_s < EVERY_S:
             return
         self._latest = latest
         self._follow(parameters)
         if self._site is None:
             return
-        speed_m_s = latest.get(self._site.line.speed, math.nan)
+        speed_m_s = latest.number(self._site.line.speed)
         for name, track in self._tracks.items():
-            radius_m = latest.get(str(self._site.rolls[name].radius), math.nan)
+            radius_m = latest.number(self._site.rolls[name].radius)
             track.step(radius_m, speed_m_s, elapsed_s)
 
-    def _follow(self, parameters: Mapping[str, Any]) -> None:
-        if self._revision == parameters["config_hash"]:
+    def _follow(self, parameters: ParameterRecord) -> None:
+        if self._revision == parameters.config_hash:
             return
-        self._revision = str(parameters["config_hash"])
-        site = self._site = site_of(parameters)
+        self._revision = parameters.config_hash
+        site = self._site = parameters.site
         self._crossings = {
             name: tuple(c for c in crossings_of(site, actuator) if not c.always)
             for name, actuator in site.actuators.items()
@@ -95,28 +96,47 @@ class CrossingForecast:
         moving = {c.roll for found in self._crossings.values() for c in found}
         self._tracks = {name: self._tracks.get(name, RadiusTrack()) for name in moving}
 
-    def words(self) -> list[str]:
+    def meetings(self) -> tuple[Meeting, ...]:
         """Return the next meeting of every actuator; empty while the radius does not tell."""
+        return tuple(_meeting(name, time_s, one) for name, time_s, one in self._next())
+
+    def sentences(self) -> list[str]:
+        """Return the same in words."""
+        return [f"{name}: in about {_duration(t)} {one}" for name, t, one in self._next()]
+
+    def _next(self) -> list[tuple[str, float, Crossing]]:
+        """Return the next meeting of every actuator with the time to it, s."""
         if self._site is None:
             return []
-        speed_m_s = abs(self._latest.get(self._site.line.speed, math.nan))
-        said = []
+        speed_m_s = abs(self._latest.number(self._site.line.speed))
+        found = []
         for name, crossings in self._crossings.items():
             coming = [(self._time_s(c, speed_m_s), c) for c in crossings]
-            ahead = [(t, c) for t, c in coming if 0.0 < t < math.inf]
+            ahead = [(t, c) for t, c in coming if 0.0 < t < FORESEEN_S]
             if ahead:
-                time_s, first = min(ahead, key=lambda one: one[0])
-                said.append(f"{name}: in about {_duration(time_s)} {first}")
-        return said
+                found.append((name, *min(ahead, key=lambda one: one[0])))
+        return found
 
     def _time_s(self, crossing: Crossing, speed_m_s: float) -> float:
         """Return the time to a meeting at this speed, s; negative: behind, NaN: not known."""
         assert self._site is not None
-        radius_m = self._latest.get(str(self._site.rolls[crossing.roll].radius), math.nan)
+        radius_m = self._latest.number(self._site.rolls[crossing.roll].radius)
         slope_m = self._tracks[crossing.roll].slope_m()
         if not speed_m_s > STANDSTILL_M_S:
             return math.nan
         return (crossing.radius_m**2 - radius_m**2) / (slope_m * speed_m_s)
+
+
+def _meeting(actuator: str, time_s: float, crossing: Crossing) -> Meeting:
+    return Meeting(
+        actuator=actuator,
+        time_s=time_s,
+        roll=crossing.roll,
+        order=crossing.order,
+        other_roll=crossing.other_roll,
+        other_order=crossing.other_order,
+        radius_m=crossing.radius_m,
+    )
 
 
 def _duration(time_s: float) -> str:

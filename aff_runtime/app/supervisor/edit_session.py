@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
 
+from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.link.answers import Done, as_answer
 from aff_runtime.app.link.messages import ConfigDiffers, Parameters, Reply
+from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import author_of
 from aff_runtime.app.supervisor.file_watch import FileWatch
-from aff_runtime.app.supervisor.pending import Pending, as_answer
+from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.processes import Processes
-from aff_runtime.app.supervisor.response_exchange import exchanged_responses
-from aff_runtime.app.supervisor.validation import Validation, Verdict
-from aff_runtime.app.wiring.assemble import site_of
-from aff_runtime.app.wiring.parameter_record import for_control
+from aff_runtime.app.supervisor.response_exchange import exchanged_responses, exchanged_wire_files
+from aff_runtime.app.supervisor.validation import Validation
 from aff_runtime.config.diff import diff_sites, may_apply_while_active
 from aff_runtime.config.site_paths import STATE_DIRECTORY
 
@@ -22,7 +22,7 @@ ADOPT_PATIENCE_S = 2.0
 
 
 class EditSession:
-    """Watches the site file and the learned responses it names.
+    """Watches the site file, and the learned responses and files of the wire that it names.
 
     Parameters
     ----------
@@ -33,6 +33,9 @@ class EditSession:
     ----------
     differs : why the file is not the running configuration; empty when it is.
     findings : warnings about the running file.
+    held : what is saved is not looked at, as other settings are being tried.
+    saved_meanwhile : something was saved while held.
+    accepted : called with every record that has become the running one.
     """
 
     def __init__(
@@ -55,6 +58,8 @@ class EditSession:
         self._handing_over = False
         self.findings = verdict.findings
         self.differs: tuple[str, ...] = ()
+        self.held = self.saved_meanwhile = False
+        self.accepted: Callable[[ParameterRecord], None] = _nobody_listens
 
     @property
     def is_busy(self) -> bool:
@@ -64,11 +69,14 @@ class EditSession:
     def step(self) -> None:
         """Look at the file; take the verdict of a check that has ended."""
         if self._watch.changed():
-            self.look_again()
+            if self.held:
+                self.saved_meanwhile = True
+            else:
+                self.look_again()
         if self._check is not None and (verdict := self._check.verdict()) is not None:
             self._check = None
             self._judge(verdict)
-        elif self._waiting is not None and not self._processes.is_live():
+        elif self._waiting is not None and not self.held and not self._processes.is_live():
             self._judge(self._waiting)
 
     def look_again(self) -> None:
@@ -94,58 +102,75 @@ class EditSession:
         if record is None:
             self._refuse(verdict.findings)
             return
-        found = diff_sites(site_of(running), site_of(record))
+        found = diff_sites(running.site, record.site)
         exchanged = exchanged_responses(running, record, self._processes.probed)
+        wire = exchanged_wire_files(running, record)
         if found:
             self._processes.note("EDIT", f"{self._site}: {author_of(self._site)}")
-        for edit in (*found, *exchanged):
+        for edit in (*found, *exchanged, *(f"{what} ({author})" for what, author in wire)):
             self._processes.note("EDIT", str(edit))
         fixed = [change.path for change in found if not change.may_change_while_active]
-        waits = [f"{path}: may not change while armed" for path in fixed]
+        fixed += [what for what, _ in wire]
+        waits = [f"{what}: may not change while armed" for what in fixed]
         waits += [exchange.objection for exchange in exchanged if not exchange.is_ours]
         if self._processes.control is None:
             self._accept(record)  # the next start takes it
         elif waits and self._processes.is_live():
             self._waiting = verdict
             self._refuse(f"{what}; waits for bypass" for what in waits)
-        elif may_apply_while_active(found):
+        elif may_apply_while_active(found) and not wire:
             if found or exchanged:
-                self._hand_over(self._processes.revised(record))
-            self.differs = ()
+                self.hand_over(self._processes.revised(record))
+            else:
+                self.differs = ()
         else:
-            self._processes.stop()
-            self._accept(record)
             for finding in verdict.findings:
                 self._processes.note("CONFIG_WARNING", finding)
-            self._processes.start()
+            self.restart_on(record)
 
-    def _hand_over(self, record: dict[str, Any]) -> None:
-        """Send the record to the control process, which takes it between two ticks."""
+    def hand_over(
+        self, record: ParameterRecord, then: Callable[[Reply], None] | None = None
+    ) -> None:
+        """Send the record to the control process, which takes it between two ticks.
+
+        ``then`` hears how that went; without it a refusal is an edit that was not taken.
+        """
         self._handing_over = True
         ident = self._pending.expect(
-            None, lambda reply: self._adopted(record, reply), ADOPT_PATIENCE_S
+            None, lambda reply: self._adopted(record, reply, then), ADOPT_PATIENCE_S
         )
         control = self._processes.control
-        message = Parameters(id=ident, record=for_control(record))
+        message = Parameters(id=ident, record=record.for_control())
         if control is None or not control.link.send(message):
             text = "the control process did not take the edit; save the file again"
             self._pending.resolve(Reply(id=ident, ok=False, message=text))
 
-    def _adopted(self, record: dict[str, Any], reply: Reply) -> dict[str, Any]:
-        """Take the control process's word on a new parameter record."""
+    def _adopted(
+        self, record: ParameterRecord, reply: Reply, then: Callable[[Reply], None] | None
+    ) -> Done:
+        """Take the control process's reply to a new parameter record."""
         self._handing_over = False
         if reply.ok:
             self._accept(record)
             self._processes.note("CONFIG_APPLIED", self._processes.revision_words())
-        else:
+        elif then is None:
             self._refuse([reply.message or "refused"])
+        if then is not None:
+            then(reply)
         return as_answer(reply)
 
-    def _accept(self, record: dict[str, Any]) -> None:
+    def restart_on(self, record: ParameterRecord) -> None:
+        """Fade to zero and go on with a record in a control process that starts idle."""
+        self._processes.stop()
+        self._accept(record)
+        self._processes.start()
+
+    def _accept(self, record: ParameterRecord) -> None:
         """Take the record as the running one."""
         self.differs = ()
         self._processes.record = record
         self._watch.watch(_watched(self._site, record))
+        self.accepted(record)
 
     def _refuse(self, why: Iterable[str]) -> None:
         """Keep what runs and say why."""
@@ -156,6 +181,11 @@ class EditSession:
             self._processes.control.link.send(ConfigDiffers())
 
 
-def _watched(site: Path, record: dict[str, Any]) -> list[Path]:
-    """Return the site file and the response files it names."""
-    return [site, *(Path(path) for path in record.get("response_files", {}).values())]
+def _nobody_listens(_record: ParameterRecord) -> None:
+    """Take no notice."""
+
+
+def _watched(site: Path, record: ParameterRecord) -> list[Path]:
+    """Return the site file, the response files it names, and those that describe its wire."""
+    wire = [record.folder / name for name in record.wire_files]
+    return [site, *record.response_files.values(), *wire]

@@ -4,25 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
+from aff_runtime.app.link.answers import Done
 from aff_runtime.app.link.messages import Reply
 from aff_runtime.app.link.request_socket import Asked, Caller
 from aff_runtime.base.ports import Clock
 
-Answer = Callable[[Reply], dict[str, Any]]
-
-
-def as_answer(reply: Reply) -> dict[str, Any]:
-    """Return a reply as the answer of the request socket: what it leaves open is left out."""
-    answer: dict[str, Any] = {"ok": reply.ok}
-    if reply.message:
-        answer["message"] = reply.message
-    if reply.state:
-        answer["state"] = reply.state
-    if reply.duration_s is not None:
-        answer["duration_s"] = reply.duration_s
-    return answer
+AnswerOf = Callable[[Reply], Done]
 
 
 @dataclass(slots=True, kw_only=True)
@@ -30,7 +18,7 @@ class _Question:
     """Who asked (None: the supervisor itself), how to answer, until when."""
 
     asked: Asked | None
-    answer: Answer
+    answer: AnswerOf
     until_ns: int
 
 
@@ -42,7 +30,7 @@ class Pending:
         self._questions: dict[int, _Question] = {}
         self._last = 0
 
-    def expect(self, asked: Asked | None, answer: Answer, patience_s: float) -> int:
+    def expect(self, asked: Asked | None, answer: AnswerOf, patience_s: float) -> int:
         """Return the number of a new question."""
         self._last += 1
         until_ns = self._clock.now_ns() + int(patience_s * 1e9)

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict
-from pathlib import Path
-from typing import Any
-
+from aff_runtime.app.link.answers import Done, KeptResponse, ProbeDone
 from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.link.messages import Probed, ProbeResult
 from aff_runtime.app.link.request_socket import Asked
@@ -29,12 +25,12 @@ class ProbeSession:
         self._processes = processes
         self._edits = edits
         self._asked = asked
-        self._answer: dict[str, Any] | None = None
+        self._answer: Done | ProbeDone | None = None
 
     def finish(self, probed: Probed) -> None:
         """Write what was measured, or note why there is nothing."""
         error = probed.error
-        written: list[dict[str, Any]] = []
+        written: list[KeptResponse] = []
         if not error:
             try:
                 written = [self._keep(result) for result in probed.results]
@@ -43,24 +39,23 @@ class ProbeSession:
         if error:
             self._processes.note("PROBE", error)
             code = RefusedError.exit_code
-            self._answer = {"ok": False, "message": error, "exit_code": code}
+            self._answer = Done(ok=False, message=error, exit_code=code)
             return
         self._edits.look_again()
-        self._answer = {"ok": True, "results": written}
+        self._answer = ProbeDone(results=tuple(written))
 
     def has_answered(self) -> bool:
         """Answer the caller once the running law has the new responses; True when done."""
-        if self._answer is None or (self._answer["ok"] and self._edits.is_busy):
+        if self._answer is None or (self._answer.ok and self._edits.is_busy):
             return False
         self._asked.answer(self._answer)
         return True
 
-    def _keep(self, result: ProbeResult) -> dict[str, Any]:
+    def _keep(self, result: ProbeResult) -> KeptResponse:
         """Replace one response file at once; return the result with its path."""
-        path = Path(self._processes.record["response_files"][result.actuator])
+        path = self._processes.record.response_files[result.actuator]
         text = result.text + "\n"
         self._processes.probed.add(path, text)
         replace_text(path, text)
         self._processes.note("PROBE", f"{result.actuator}: {path}")
-        told = asdict(result)
-        return {**told, "response": json.loads(told.pop("text")), "file": str(path)}
+        return KeptResponse(result=result, file=path)

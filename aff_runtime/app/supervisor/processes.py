@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 from aff_runtime.app.link.messages import Bypass, LogLine
+from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import own_process
-from aff_runtime.app.report.status_answer import RecorderReport
+from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
-from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_words
+from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_sentences
 from aff_runtime.app.supervisor.restart_policy import RestartPolicy
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
-from aff_runtime.app.wiring.parameter_record import with_shapes
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.printable import printable
-from aff_runtime.base.signals import StateBits
 from aff_runtime.config.revision import SHORT
+from aff_runtime.telemetry.recorder_messages import RecorderReport, RunContext
 from aff_runtime.telemetry.ring import RingReader
 
 STOP_PATIENCE_S = 3.0
 RECORDER_PATIENCE_S = 5.0
 START_PATIENCE_NS = 15_000_000_000
-LIVE_BITS = StateBits.ARMED | StateBits.ACTIVE | StateBits.FADING
 LOUD_NOTES = ("CONFIG_DIFFERS", "CONFIG_WARNING", "CONTROL_DIED")
 LOG = logging.getLogger("aff_runtime")
 
@@ -38,8 +36,8 @@ class Processes:
     record : parameter record that the control process runs on, or will be started with.
     control : None while there is no control process.
     ring : None until the control process has made one.
-    blocked : the control process's word on what stands against an armed output.
-    troubles : its words on what ails the wire.
+    blocked : the control process's sentence on what stands against an armed output.
+    troubles : its sentences on what ails the wire.
     gave_up : the control process died too often.
     shapes : learned shapes, kept across starts.
     probed : which responses a probe of this service wrote.
@@ -48,7 +46,7 @@ class Processes:
     def __init__(
         self,
         options: RunOptions,
-        record: dict[str, Any],
+        record: ParameterRecord,
         clock: Clock,
         *,
         on_change: Callable[[], None],
@@ -75,7 +73,7 @@ class Processes:
         self._started_by = str(own_process())
 
     def start(self) -> None:
-        """Start the control process; its first words tell when there is a ring."""
+        """Start the control process; its first messages say when there is a ring."""
         self._restart_at_ns = None
         self._started_at_ns = self._clock.now_ns()
         self.blocked = ""
@@ -83,7 +81,7 @@ class Processes:
         self._shape_texts = self.shapes.load(self.record)
         self.record = self.revised(self.record)
         try:
-            record = {**self.record, "shapes": self._shape_texts}
+            record = self.record.starting_from(self._shape_texts)
             self.control = ControlChild(record, shadow=self._options.shadow)
         except OSError as error:
             LOG.error("the control process cannot be started (%s)", error.strerror)
@@ -93,14 +91,14 @@ class Processes:
         LOG.info("control process %d started", self.control.pid)
         self.note("CONFIG_APPLIED", self.revision_words())
 
-    def revised(self, record: Mapping[str, Any]) -> dict[str, Any]:
-        """Return a record with the revision that it has beside the shapes in use."""
-        return with_shapes(record, self._shape_texts)
+    def revised(self, record: ParameterRecord) -> ParameterRecord:
+        """Return a record with the revision that it has with the shapes in use."""
+        return record.with_shapes(self._shape_texts)
 
     def revision_words(self) -> str:
         """Return what runs: the whole revision, the site's, the learned files'."""
-        whole, site = self.record["config_hash"][:SHORT], self.record["site_hash"][:SHORT]
-        return f"{whole}: site {site}; {'; '.join(learned_words(self.record, self.probed))}"
+        whole, site = self.record.config_hash[:SHORT], self.record.site_hash[:SHORT]
+        return f"{whole}: site {site}; {'; '.join(learned_sentences(self.record, self.probed))}"
 
     def stop(self) -> bool:
         """Let the control process fade and end, and the recorder flush in its own time.
@@ -187,36 +185,38 @@ class Processes:
 
     def _start_recorder(self, ring: RingReader) -> None:
         """Begin a new record of ``ring``; the service goes on without one if need be."""
-        recording = self.record["site"]["recording"]
+        recording = self.record.site.recording
         directory = self._options.record_directory
         if directory is None:
-            directory = self._options.site.absolute().parent / recording["directory"]
-        context = {
-            "name": self.record["site"]["line"]["name"],
-            "site_file": str(self._options.site.absolute()),
-            "started_by": self._started_by,
-            "site_hash": self.record["site_hash"],
-            "learned": self.record["learned"],
-            "max_MB": recording["max_MB"],
-            "segment_s": recording["segment_s"],
-            "site_text": self.record["site_text"],
-        }
+            directory = self._options.site.absolute().parent / recording.directory
+        context = RunContext(
+            name=self.record.site.line.name,
+            site_file=str(self._options.site.absolute()),
+            started_by=self._started_by,
+            site_hash=self.record.site_hash,
+            learned=self.record.learned,
+            max_MB=recording.max_MB,
+            segment_s=recording.segment_s,
+            wire_files=self.record.wire_digests,
+            site_text=self.record.site_text,
+        )
         try:
             self._recorder = RecorderChild(ring, directory, context)
         except OSError as error:
             LOG.error("nothing is recorded: the recorder cannot be started (%s)", error.strerror)
 
     def note(self, name: str, text: str) -> None:
-        """Put a line into the log and into the record's events, foreign words made printable."""
+        """Put a line into the log and into the record's events, foreign text made printable."""
         text = printable(text)
         loud = name in LOUD_NOTES
         LOG.log(logging.WARNING if loud else logging.INFO, "%s: %s", name, text)
         if self._recorder is not None:
             self._recorder.note(name, text)
 
-    def latest(self) -> dict[str, float] | None:
-        """Return the newest ring record by column name, None while there is none."""
-        return self.ring.status() if self.ring is not None else None
+    def latest(self) -> TickRow | None:
+        """Return the newest row of the ring, None while there is none."""
+        row = self.ring.status() if self.ring is not None else None
+        return None if row is None else TickRow(row)
 
     def recorder_report(self) -> RecorderReport | None:
         """Return what the recorder says of itself."""
@@ -225,7 +225,7 @@ class Processes:
     def is_live(self) -> bool:
         """Return whether a correction may be going out."""
         latest = self.latest()
-        return latest is not None and bool(int(latest["state_bits"]) & LIVE_BITS)
+        return latest is not None and latest.is_live
 
     def bypass(self) -> None:
         """Take the correction back, by link and by signal: one of them works."""

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
-import json
 import os
 import subprocess
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-from aff_runtime.app.report.status_answer import RecorderReport, recorder_report
 from aff_runtime.app.supervisor.child_environment import without_service_manager
 from aff_runtime.base.python_child import module_command
+from aff_runtime.telemetry.recorder_messages import Note, RecorderReport, RunContext, report_of
 from aff_runtime.telemetry.ring import RingReader
 
 # A pipe that holds the whole context, a site file of 256 kB with every letter escaped: who serves
@@ -24,7 +21,7 @@ _CONTEXT_BYTES = 1 << 20
 class RecorderChild:
     """A started recorder: takes notes, reports about itself; its death disturbs nobody."""
 
-    def __init__(self, ring: RingReader, directory: Path, context: Mapping[str, Any]) -> None:
+    def __init__(self, ring: RingReader, directory: Path, context: RunContext) -> None:
         # By descriptor: the file may be removed or replaced before the recorder has started.
         name = f"/dev/fd/{ring.fileno()}"
         self._process = subprocess.Popen(
@@ -39,10 +36,10 @@ class RecorderChild:
         self._input = self._process.stdin.fileno()
         self._output = self._process.stdout.fileno()
         self._heard = b""
-        self._report: dict[str, Any] = {}
+        self._report = RecorderReport()
         with contextlib.suppress(OSError):
             fcntl.fcntl(self._input, fcntl.F_SETPIPE_SZ, _CONTEXT_BYTES)
-        self._write(context)
+        self._write(context.encode())
         os.set_blocking(self._input, False)
         os.set_blocking(self._output, False)
 
@@ -53,7 +50,7 @@ class RecorderChild:
 
     def note(self, name: str, text: str) -> None:
         """Have a line put into ``events.csv``."""
-        self._write({"name": name, "text": text})
+        self._write(Note(name=name, text=text).encode())
 
     def report(self) -> RecorderReport:
         """Return the newest report (folder, rows, losses), with ``alive``."""
@@ -62,9 +59,8 @@ class RecorderChild:
                 self._heard += chunk
         *lines, self._heard = self._heard.split(b"\n")
         if lines:
-            with contextlib.suppress(ValueError):
-                self._report = json.loads(lines[-1])
-        return recorder_report(self._report, alive=self._process.poll() is None)
+            self._report = report_of(lines[-1]) or self._report
+        return self._report.seen(alive=self._process.poll() is None)
 
     def wait(self, patience_s: float) -> None:
         """Let it flush after the writer's end; kill it after ``patience_s``."""
@@ -79,7 +75,7 @@ class RecorderChild:
             with contextlib.suppress(OSError):
                 stream.close()
 
-    def _write(self, message: Mapping[str, Any]) -> None:
+    def _write(self, line: bytes) -> None:
         """Send one line; lost when the recorder does not listen."""
         with contextlib.suppress(OSError):
-            os.write(self._input, json.dumps(message).encode() + b"\n")
+            os.write(self._input, line)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import selectors
 from collections.abc import Callable
 
+from aff_runtime.app.link.answers import refusal
 from aff_runtime.app.link.peer import service_uids
-from aff_runtime.app.link.request_socket import Asked, Caller, RequestSocket, refusal
+from aff_runtime.app.link.request_socket import Asked, Caller, RequestSocket
 from aff_runtime.app.link.requests import (
     MAX_REQUEST_BYTES,
     QUESTIONS,
@@ -110,8 +111,7 @@ class RequestDesk:
             request = read_request(line)
             self._check(caller, request)
         except BadRequestError as error:
-            answer = refusal(error)
-            caller.send(answer if error.ident is None else {**answer, "id": error.ident})
+            caller.send(refusal(error), error.ident)
             return
         asked = Asked(caller, request)
         try:

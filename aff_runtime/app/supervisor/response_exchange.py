@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
+from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import author_of
 from aff_runtime.app.supervisor.response_ledger import ResponseLedger
 from aff_runtime.config.revision import SHORT
@@ -46,16 +45,15 @@ class Exchange:
 
 
 def exchanged_responses(
-    running: Mapping[str, Any], record: Mapping[str, Any], ledger: ResponseLedger
+    running: ParameterRecord, record: ParameterRecord, ledger: ResponseLedger
 ) -> list[Exchange]:
     """Return the responses that differ between two parameter records."""
-    names = dict.fromkeys((*running["response_files"], *record["response_files"]))
+    files = {**running.response_files, **record.response_files}
     found = []
-    for name in names:
-        text = record["responses"].get(name)
-        if text == running["responses"].get(name):
+    for name, file in files.items():
+        text = record.responses.get(name)
+        if text == running.responses.get(name):
             continue
-        file = Path({**running["response_files"], **record["response_files"]}[name])
         found.append(
             Exchange(
                 file=file,
@@ -67,6 +65,20 @@ def exchanged_responses(
     return found
 
 
-def _short(record: Mapping[str, Any], name: str) -> str:
-    digest: str = record["learned"].get(name, {}).get("response", "none")
-    return digest[:SHORT]
+def exchanged_wire_files(
+    running: ParameterRecord, record: ParameterRecord
+) -> list[tuple[str, str]]:
+    """Return, per DBC or EDS file with other content, what changed and who wrote it."""
+    before, after = running.wire_digests, record.wire_digests
+    return [
+        (
+            f"{name}: describes the wire, {before[name][:SHORT]} -> {digest[:SHORT]}",
+            author_of(record.folder / name),
+        )
+        for name, digest in after.items()
+        if before.get(name, digest) != digest
+    ]
+
+
+def _short(record: ParameterRecord, name: str) -> str:
+    return record.learned.get(name, {}).get("response", "none")[:SHORT]

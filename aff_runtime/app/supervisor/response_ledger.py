@@ -1,4 +1,4 @@
-"""Which learned responses a probe of this service wrote: by digest, kept beside them.
+"""Which learned responses a probe of this service wrote: by digest, kept in the same folder.
 
 A response decides sign and phase of the loop. One that this service has measured goes in at once;
 one that was copied, restored or edited waits until nothing goes out. The list is signed by nobody:
@@ -12,10 +12,10 @@ import json
 import os
 import stat
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
+from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.config.revision import SHORT, file_digest
 
 NAME = ".probed.json"
@@ -72,18 +72,20 @@ class ResponseLedger:
             self._digests.setdefault(folder / name, str(digest))
 
 
-def learned_words(record: Mapping[str, Any], ledger: ResponseLedger) -> Iterator[str]:
-    """Yield what is learned for each actuator of a record: short digests, and where from."""
-    for name, file in record["response_files"].items():
-        learned = record["learned"].get(name, {})
-        text = record["responses"].get(name)
-        words = "no response"
+def learned_sentences(record: ParameterRecord, ledger: ResponseLedger) -> Iterator[str]:
+    """Yield short digests of what runs besides the site file: learned files, the wire's."""
+    for name, file in record.response_files.items():
+        learned = record.learned.get(name, {})
+        text = record.responses.get(name)
+        sentence = "no response"
         if text is not None:
-            source = "probed here" if ledger.knows(Path(file), text) else "brought from outside"
-            words = f"response {learned['response'][:SHORT]} ({source})"
+            source = "probed here" if ledger.knows(file, text) else "brought from outside"
+            sentence = f"response {learned['response'][:SHORT]} ({source})"
         if "shape" in learned:
-            words += f", shape {learned['shape'][:SHORT]}"
-        yield f"{name}: {words}"
+            sentence += f", shape {learned['shape'][:SHORT]}"
+        yield f"{name}: {sentence}"
+    for name, digest in record.wire_digests.items():
+        yield f"{name}: describes the wire, {digest[:SHORT]}"
 
 
 def _read_private(path: Path) -> str:

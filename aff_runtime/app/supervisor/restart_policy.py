@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-BACK_OFF_S = (0.5, 1.0, 2.0)
+BACK_OFF_S = (0.5, 1.0)
 WINDOW_S = 60.0
 MAX_DEATHS = 3
 

@@ -18,8 +18,9 @@ class RunOptions:
     site : the site file.
     paths : socket and ring.
     record_directory : folder of all records; None takes the site file's.
-    state_directory : folder beside the site file's own that what it names may lie in.
+    state_directory : second folder, after the site file's own, that named files may lie in.
     shadow : compute and record, transmit zero.
+    door_directory : folder of the door, opened to a group of screens; None: the private one.
     forget : start without the saved shapes of rolls that are exchanged.
     """
 
@@ -27,5 +28,6 @@ class RunOptions:
     paths: RuntimePaths
     record_directory: Path | None = None
     state_directory: Path = STATE_DIRECTORY
+    door_directory: Path | None = None
     shadow: bool = False
     forget: bool = False

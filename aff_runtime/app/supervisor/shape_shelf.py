@@ -1,19 +1,18 @@
-"""The supervisor's side of learned shapes: files beside the responses, and words for status."""
+"""The supervisor's side of learned shapes: files next to the responses, and rows for status."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.link.messages import Message, ShapeLearned, ShapeNews
+from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.wiring.shape_file import WAITS, ShapeFile, read_shapes
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.core.shape.profile import ShapeProfile
 
-KEPT_WORDS = 8
+KEPT_SENTENCES = 8
 
 
 class ShapeShelf:
@@ -25,21 +24,21 @@ class ShapeShelf:
 
     Attributes
     ----------
-    words : what became of shapes last, newest at the end.
+    sentences : what became of shapes last, newest at the end.
     """
 
     def __init__(self, note: Callable[[str, str], None]) -> None:
         self._note = note
-        self.words: list[str] = []
+        self.sentences: list[str] = []
 
-    def load(self, record: Mapping[str, Any]) -> dict[str, str]:
+    def load(self, record: ParameterRecord) -> dict[str, str]:
         """Return the texts of the shape files of a parameter record."""
-        texts, faults = read_shapes(record.get("shape_files", {}))
+        texts, faults = read_shapes(record.shape_files)
         for fault in faults:
             self._say(fault)
         return texts
 
-    def hear(self, record: Mapping[str, Any], message: Message) -> None:
+    def hear(self, record: ParameterRecord, message: Message) -> None:
         """Take what the control process says of shapes, and nothing else."""
         match message:
             case ShapeNews(actuator=actuator, text=text):
@@ -48,18 +47,18 @@ class ShapeShelf:
             case ShapeLearned(actuator=actuator, file=file):
                 self._keep(record, actuator, file)
 
-    def _keep(self, record: Mapping[str, Any], actuator: str, text: str) -> None:
-        name = record.get("shape_files", {}).get(actuator)
-        if name is None:
+    def _keep(self, record: ParameterRecord, actuator: str, text: str) -> None:
+        path = record.shape_files.get(actuator)
+        if path is None:
             return
         try:
-            replace_text(Path(name), text + "\n")
+            replace_text(path, text + "\n")
         except OSError as error:
-            self._say(f"{actuator}: {name}: {error.strerror}; the shape is not kept")
+            self._say(f"{actuator}: {path}: {error.strerror}; the shape is not kept")
             return
-        self._say(f"{actuator}: what was learned is kept in {name}")
+        self._say(f"{actuator}: what was learned is kept in {path}")
 
-    def forget(self, record: Mapping[str, Any]) -> None:
+    def forget(self, record: ParameterRecord) -> None:
         """Take the shapes of rolls that are exchanged out of the files; rollers stay.
 
         Raises
@@ -68,18 +67,18 @@ class ShapeShelf:
             When a file cannot be written.
         """
         exchanged = {
-            name for name, roll in record["site"]["rolls"].items() if roll["resets_on"] == "splice"
+            name for name, roll in record.site.rolls.items() if roll.resets_on == "splice"
         }
         for actuator, text in self.load(record).items():
             file = ShapeFile.from_json(text)
             left = {k: w for k, w in file.profile.weight_m.items() if k[0] not in exchanged}
             if len(left) == len(file.profile.weight_m):
                 continue
-            heavy = {r: w for r, w in file.profile.imbalance_m.items() if r not in exchanged}
+            imbalance_m = {r: w for r, w in file.profile.imbalance_m.items() if r not in exchanged}
             kept = ShapeProfile(
-                weight_m=left, correction=file.profile.correction, imbalance_m=heavy
+                weight_m=left, correction=file.profile.correction, imbalance_m=imbalance_m
             )
-            path = Path(record["shape_files"][actuator])
+            path = record.shape_files[actuator]
             try:
                 replace_text(path, replace(file, profile=kept).to_json() + "\n")
             except OSError as error:
@@ -89,9 +88,11 @@ class ShapeShelf:
             self._say(f"{actuator}: the shape of {', '.join(sorted(exchanged))} is forgotten")
 
     def _over(self, actuator: str) -> None:
-        """Drop the word that a shape of this actuator waits: something became of it."""
-        self.words = [w for w in self.words if not (w.startswith(actuator + ":") and WAITS in w)]
+        """Drop the sentence that a shape of this actuator waits: something became of it."""
+        self.sentences = [
+            w for w in self.sentences if not (w.startswith(actuator + ":") and WAITS in w)
+        ]
 
     def _say(self, text: str) -> None:
-        self.words = [*self.words[-KEPT_WORDS + 1 :], text]
+        self.sentences = [*self.sentences[-KEPT_SENTENCES + 1 :], text]
         self._note("SHAPE", text)

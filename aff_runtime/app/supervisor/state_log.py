@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
 
+from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.events import BY_CODE, BY_NAME
-from aff_runtime.base.signals import State
+from aff_runtime.base.signals import LATCHED_STATES, State
 
 LOG = logging.getLogger("aff_runtime")
 QUIET = frozenset(BY_NAME[name].code for name in ("NONE", "POWER_UP", "BYPASSED"))
-RESTING = frozenset({State.FAULT, State.BYPASS})
 
 
 class StateLog:
@@ -24,15 +23,15 @@ class StateLog:
         """Forget what was seen: another control process begins."""
         self._state, self._alarm = None, 0
 
-    def step(self, record: Mapping[str, float] | None) -> None:
+    def step(self, tick: TickRow | None) -> None:
         """Log what has changed since the last call; nothing while there is no record."""
-        if record is None:
+        if tick is None:
             return
-        state, alarm = State(int(record["state"])), int(record["alarm"])
+        state, alarm = tick.state, tick.alarm
         if (state, alarm) == (self._state, self._alarm):
             return
         event = BY_CODE.get(alarm, BY_CODE[0])
-        rests = state in RESTING and event.code != 0
+        rests = state in LATCHED_STATES and event.code != 0
         level = logging.WARNING if rests and event.code not in QUIET else logging.INFO
         if state is not self._state:
             before = "" if self._state is None else f"{self._state.name} -> "

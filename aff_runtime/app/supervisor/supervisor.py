@@ -10,10 +10,11 @@ import logging
 import os
 import selectors
 import signal
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
+from aff_runtime.app.door.messages import Facts
+from aff_runtime.app.link.answers import Done, as_answer, refusal
 from aff_runtime.app.link.messages import (
     Arm,
     Blocked,
@@ -27,18 +28,22 @@ from aff_runtime.app.link.messages import (
     Shadow,
     WireTroubles,
 )
+from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.request_socket import Asked, RequestSocket
+from aff_runtime.app.report.line_facts import line_facts
 from aff_runtime.app.report.status import live_status
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
+from aff_runtime.app.supervisor.door import Door
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.file_watch import FileWatch
-from aff_runtime.app.supervisor.pending import Answer, Pending, as_answer
+from aff_runtime.app.supervisor.pending import AnswerOf, Pending
 from aff_runtime.app.supervisor.probe_session import ProbeSession
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.request_desk import RequestDesk
-from aff_runtime.app.supervisor.response_ledger import learned_words
+from aff_runtime.app.supervisor.response_ledger import learned_sentences
 from aff_runtime.app.supervisor.run_options import RunOptions
+from aff_runtime.app.supervisor.settings.desk import SettingsDesk
 from aff_runtime.app.supervisor.state_log import StateLog
 from aff_runtime.app.supervisor.validation import load_record
 from aff_runtime.base.clock import MonotonicClock
@@ -70,9 +75,18 @@ class Supervisor:
         self._notifier = ServiceNotifier(os.environ, every_ticks=1)
         self._selector = selectors.DefaultSelector()
         self._pending = Pending(self._clock)
-        self._desk = RequestDesk(requests, self._selector, self._do, self._pending.forget)
+        folder = options.door_directory
+        self._door = Door(
+            folder or options.paths.directory,
+            self._selector,
+            self._clock,
+            is_private=folder is None,
+        )
+        self._desk = RequestDesk(
+            requests, self._selector, self._serve_request, self._pending.forget
+        )
         self._processes = Processes(
-            options, verdict.record or {}, self._clock, on_change=self._watch_link
+            options, verdict.checked(), self._clock, on_change=self._watch_link
         )
         self._states = StateLog()
         self._forecast = CrossingForecast()
@@ -80,12 +94,13 @@ class Supervisor:
         self._edits = EditSession(
             self._processes, self._pending, options.site, verdict, options.state_directory, watch
         )
+        self._settings = SettingsDesk(self._processes, self._edits, options, self._clock)
         self._probe: ProbeSession | None = None
         self._stop_asked: list[Asked] = []
         self._stopping = False
         self._stopped_by = ""
         self._forget = options.forget
-        self._told_ready = False
+        self._ready_announced = False
         self._exit_code = 0
 
     def run(self) -> int:
@@ -111,7 +126,7 @@ class Supervisor:
     def _serve(self, timeout_s: float) -> None:
         """Wait for callers and for the control process, and hear them."""
         for key, events in self._selector.select(timeout_s):
-            if not self._desk.serve(key, events):
+            if not self._desk.serve(key, events) and not self._door.serve(key):
                 self._hear_control()
 
     def _look_after(self) -> None:
@@ -124,13 +139,16 @@ class Supervisor:
         if self._processes.watch():
             self._pending.refuse_all("the control process died; see the log")
             self._end_probe("the control process died")
+            self._settings.control_died()
         if self._processes.gave_up:
             self._stop(EXIT_ALARM)
+        self._settings.step(latest)
         self._edits.step()
         if self._probe is not None and self._probe.has_answered():
             self._probe = None
         self._desk.look_after()
-        if self._told_ready and self._processes.ring is None:
+        self._door.step(self._processes.ring, self._facts)
+        if self._ready_announced and self._processes.ring is None:
             self._notifier.tick_done(True)  # nothing goes out before the first tick
 
     def _hear_control(self) -> None:
@@ -141,9 +159,10 @@ class Supervisor:
                 case RingMade():
                     self._processes.take_ring()
                     self._states.restart()
-                    self._greet(message)
+                    self._announce_ready(message)
                 case Blocked():
                     self._processes.blocked = message.text
+                    self._door.hurry()
                 case WireTroubles():
                     self._processes.troubles = message.troubles
                 case Probed():
@@ -156,11 +175,11 @@ class Supervisor:
                 case _:
                     self._processes.shapes.hear(self._processes.record, message)
 
-    def _greet(self, made: RingMade) -> None:
+    def _announce_ready(self, made: RingMade) -> None:
         """Log real-time rights and tell the service manager, once."""
-        if self._told_ready:
+        if self._ready_announced:
             return
-        self._told_ready = True
+        self._ready_announced = True
         for right in made.rights:
             LOG.log(logging.INFO if right.granted else logging.WARNING, "%s", right.text)
         self._notifier.tick_done(True)
@@ -177,48 +196,50 @@ class Supervisor:
 
     # --- requests ---------------------------------------------------------------------------
 
-    def _do(self, asked: Asked) -> None:
+    def _serve_request(self, asked: Asked) -> None:
         """Do what one request asks, or say why not."""
         request = asked.request
         match request.do:
             case "status":
-                asked.answer(self._status().to_json())
+                asked.answer(self._status())
             case "arm":
-                self._command(asked)
+                self._note_command(asked)
                 self._ask_control(lambda ident: Arm(id=ident), asked)
             case "shadow":
-                self._command(asked, "on" if request.on else "off")
+                self._note_command(asked, "on" if request.on else "off")
                 self._ask_control(lambda ident: Shadow(id=ident, on=request.on), asked)
             case "bypass":
                 self._processes.bypass()
-                self._command(asked)
-                asked.answer({"ok": True})
+                self._note_command(asked)
+                asked.answer(Done())
             case "forget":
-                self._command(asked)
+                self._note_command(asked)
                 self._ask_control(lambda ident: Forget(id=ident), asked, self._forget_files)
             case "probe":
                 self._start_probe(asked)
+            case "settings":
+                self._change_settings(asked)
             case "stop":
-                self._command(asked)
+                self._note_command(asked)
                 self._stop_asked.append(asked)
                 self._stop()
 
-    def _command(self, asked: Asked, *words: str) -> None:
+    def _note_command(self, asked: Asked, *details: str) -> None:
         """Put on record who commands what."""
-        said = " ".join((asked.request.do, *words))
+        said = " ".join((asked.request.do, *details))
         self._processes.note("OPERATOR", f"{said} by {asked.who}")
 
-    def _forget_files(self, reply: Reply) -> dict[str, Any]:
+    def _forget_files(self, reply: Reply) -> Done:
         """Forget in the files too once the control process has; a refusal leaves them alone."""
         if reply.ok:
             try:
                 self._processes.shapes.forget(self._processes.record)
             except ConfigError as error:
-                return {"ok": False, "message": str(error), "exit_code": error.exit_code}
+                return refusal(error)
         return as_answer(reply)
 
     def _ask_control(
-        self, question: Callable[[int], Question], asked: Asked, answer: Answer = as_answer
+        self, question: Callable[[int], Question], asked: Asked, answer: AnswerOf = as_answer
     ) -> None:
         """Put a question to the control process; ``answer`` to its reply goes to the caller."""
         control = self._processes.control
@@ -227,18 +248,28 @@ class Supervisor:
             text = "the control process is not running; see `aff-runtime status`"
             self._pending.resolve(Reply(id=ident, ok=False, message=text))
 
+    def _change_settings(self, asked: Asked) -> None:
+        """Have the settings' desk do what is asked; what only looks is not put on record."""
+        act = asked.request.settings.act if asked.request.settings is not None else ""
+        if act in ("try", "keep", "undo"):
+            self._note_command(asked, act)
+        if act == "try" and self._probe is not None:
+            raise RefusedError("a probe is under way; try after it")
+        self._settings.do(asked)
+
     def _start_probe(self, asked: Asked) -> None:
         """Have the control process measure; the caller is answered when it is fitted."""
         control = self._processes.control
         if self._probe is not None or control is None:
             raise RefusedError("a probe is already under way" if control else "not running yet")
+        self._settings.refuse_while_trying()
         actuators = _known(asked.request.actuators, self._processes.record)
         self._probe = ProbeSession(self._processes, self._edits, asked)
         ident = self._pending.expect(None, self._probe_began, 2.0)
-        self._command(asked, *actuators)
+        self._note_command(asked, *actuators)
         control.link.send(MeasureResponse(id=ident, actuators=tuple(actuators)))
 
-    def _probe_began(self, reply: Reply) -> dict[str, Any]:
+    def _probe_began(self, reply: Reply) -> Done:
         """Tell the caller when the control process would not begin."""
         if not reply.ok:
             self._end_probe(reply.message or "refused")
@@ -254,31 +285,47 @@ class Supervisor:
     def _status(self) -> StatusAnswer:
         """Return the answer to a status request."""
         processes, record = self._processes, self._processes.record
-        state = "STARTING" if processes.control is not None else State.FAULT.name
-        live = None
+        standing = self._standing()
+        state, live = standing.state, None
         latest = processes.latest()
         if processes.ring is not None and latest is not None:
-            guard_state, live = live_status(latest, record["permissives"], record["site"])
+            guard_state, live = live_status(latest, record.permissives, record.site)
             state = guard_state.name
             live = replace(
                 live,
                 wire=processes.troubles,
                 blocked_by=processes.blocked.removeprefix("blocked by "),
-                meta=processes.ring.header["meta"],
+                meta=processes.ring.header.meta,
             )
+        return replace(standing, state=state, live=live)
+
+    def _facts(self) -> Facts:
+        """Return what who looks on cannot see in the ring."""
+        processes = self._processes
+        return Facts(
+            status=self._standing(),
+            blocked=processes.blocked.removeprefix("blocked by "),
+            wire=processes.troubles,
+        )
+
+    def _standing(self) -> StatusAnswer:
+        """Return how the service stands, without what the newest tick says."""
+        processes, record = self._processes, self._processes.record
         return StatusAnswer(
-            line=record["site"]["line"]["name"],
-            state=state,
-            config_hash=record["config_hash"],
-            site_hash=record["site_hash"],
-            learned=tuple(learned_words(record, processes.probed)),
+            line=record.site.line.name,
+            state="STARTING" if processes.control is not None else State.FAULT.name,
+            config_hash=record.config_hash,
+            site_hash=record.site_hash,
+            learned=tuple(learned_sentences(record, processes.probed)),
             config_differs=tuple(self._edits.differs),
             control_pid=processes.control.pid if processes.control is not None else 0,
             probing=self._probe is not None,
+            trying=self._settings.trying,
             recorder=processes.recorder_report(),
-            shapes=tuple(processes.shapes.words),
-            crossings=tuple(self._forecast.words()),
-            live=live,
+            shapes=tuple(processes.shapes.sentences),
+            crossings=tuple(self._forecast.sentences()),
+            meetings=self._forecast.meetings(),
+            facts=line_facts(record.site, record.permissives),
         )
 
     def _bypass_by_signal(self) -> None:
@@ -298,21 +345,23 @@ class Supervisor:
         """Fade out, flush, tell the callers, remove the socket."""
         self._notifier.stopping()
         self._end_probe("the service stops")
+        self._settings.close()
         self._edits.close()
         if self._stopped_by:
             LOG.info("%s: the correction fades to zero, the service ends", self._stopped_by)
         zero = self._processes.finish()
         for asked in self._stop_asked:
-            asked.answer({"ok": True})
-        self._selector.close()
+            asked.answer(Done())
         self._desk.close()
+        self._door.close()
+        self._selector.close()  # after those who are registered with it
         self._notifier.close()
         LOG.info("stopped%s", "; the correction reached zero" if zero else "")
 
 
-def _known(names: Sequence[str], record: Mapping[str, Any]) -> list[str]:
+def _known(names: Sequence[str], record: ParameterRecord) -> list[str]:
     """Return the names of actuators in a request, or refuse what names none of the site's."""
-    actuators = record["site"]["actuators"]
+    actuators = record.site.actuators
     for name in names:
         if name not in actuators:
             known = ", ".join(actuators)

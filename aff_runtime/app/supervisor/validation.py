@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import signal
 import subprocess
 import tempfile
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import IO
 
 from aff_runtime.app.check.limits import ONE_THREAD, PATIENCE_S, TOO_LONG, TOO_SLOW
+from aff_runtime.app.check.verdict import Verdict
 from aff_runtime.app.supervisor.child_environment import without_service_manager
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
@@ -21,20 +24,7 @@ from aff_runtime.config.site_paths import STATE_DIRECTORY
 # More than anybody reads at once. Each is a line of the log, an event and a part of every status.
 MAX_FINDINGS = 50
 MAX_FINDING_LENGTH = 2000
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
-    """What the check says of one site file.
-
-    Attributes
-    ----------
-    record : complete parameter record when the file is good, else None.
-    findings : ``file:line:column  key: text`` per fault, or per warning of a good file.
-    """
-
-    record: dict[str, Any] | None
-    findings: tuple[str, ...]
+OTHER_RELEASE = "the check is of another release than this service. Restart the service."
 
 
 class Validation:
@@ -43,23 +33,32 @@ class Validation:
     Parameters
     ----------
     site : the site file.
-    state : folder beside the site file's own that what it names may lie in.
+    state : second folder, after the site file's own, that named files may lie in.
     clock : for the patience with it.
+    text : what the site file might say instead of what it says; None: what it says.
     """
 
     def __init__(
-        self, site: Path, state: Path = STATE_DIRECTORY, clock: Clock | None = None
+        self,
+        site: Path,
+        state: Path = STATE_DIRECTORY,
+        clock: Clock | None = None,
+        text: str | None = None,
     ) -> None:
         self._site = site
         self._clock = clock or MonotonicClock()
         self._end_ns = self._clock.now_ns() + int(PATIENCE_S * 1e9)
         self._output = tempfile.TemporaryFile()  # noqa: SIM115  lives as long as the process
-        self._process = subprocess.Popen(
-            [*module_command("aff_runtime.app.check.validate"), *(str(site), str(state))],
-            stdin=subprocess.DEVNULL,
-            stdout=self._output,
-            env=without_service_manager() | ONE_THREAD,
-        )
+        with _read_from(text) as given:
+            self._process = subprocess.Popen(
+                [
+                    *module_command("aff_runtime.app.check.validate"),
+                    *(str(site), str(state), *(() if text is None else ("-",))),
+                ],
+                stdin=given,
+                stdout=self._output,
+                env=without_service_manager() | ONE_THREAD,
+            )
 
     @property
     def pid(self) -> int:
@@ -83,9 +82,13 @@ class Validation:
         self._output.close()
         try:
             said = json.loads(text)
-            return Verdict(record=said["record"], findings=self._told(said["findings"]))
-        except (ValueError, KeyError, TypeError):
+        except ValueError:
             return self._refused(_how_it_died(self._process.returncode))
+        try:
+            found = Verdict.from_json(said)
+        except (ValueError, KeyError, TypeError):
+            return self._refused(OTHER_RELEASE)
+        return replace(found, findings=self._told(found.findings))
 
     def abandon(self) -> None:
         """End a check whose result nobody wants any more."""
@@ -93,7 +96,7 @@ class Validation:
         self._process.wait()
         self._output.close()
 
-    def _told(self, findings: list[str]) -> tuple[str, ...]:
+    def _told(self, findings: Sequence[str]) -> tuple[str, ...]:
         """Return as many findings as a log, a record and an answer can bear."""
         told = [finding[:MAX_FINDING_LENGTH] for finding in findings[:MAX_FINDINGS]]
         if more := len(findings) - len(told):
@@ -104,8 +107,20 @@ class Validation:
         return Verdict(record=None, findings=(f"{self._site}:1:1  {why}",))
 
 
+@contextlib.contextmanager
+def _read_from(text: str | None) -> Iterator[IO[bytes] | int]:
+    """Yield what the check reads besides files: the text, or nothing."""
+    if text is None:
+        yield subprocess.DEVNULL
+        return
+    with tempfile.TemporaryFile() as file:
+        file.write(text.encode("utf-8", errors="replace"))
+        file.seek(0)
+        yield file
+
+
 def _how_it_died(code: int) -> str:
-    """Return in words why a check gave no verdict."""
+    """Return in a sentence why a check gave no verdict."""
     if code == -signal.SIGXCPU:
         return TOO_LONG
     if code < 0:
@@ -121,14 +136,23 @@ def load_record(site: Path, state: Path = STATE_DIRECTORY) -> Verdict:
 
     Parameters
     ----------
-    state : folder beside the site file's own that what it names may lie in.
+    state : second folder, after the site file's own, that named files may lie in.
 
     Raises
     ------
     ConfigError
         With every finding when the file is not good, or when the check takes too long.
     """
-    verdict = Validation(site, state).verdict(wait_s=PATIENCE_S)
-    if verdict is None or verdict.record is None:
-        raise ConfigError("\n".join(verdict.findings if verdict else (f"{site}:1:1  {TOO_SLOW}",)))
+    try:
+        check = Validation(site, state)
+    except OSError as error:
+        said = error.strerror or str(error)
+        raise ConfigError(
+            f"{site}:1:1  cannot be checked: {said}. Free a folder for temporary files, or name "
+            "one in TMPDIR."
+        ) from None
+    verdict = check.verdict(wait_s=PATIENCE_S)
+    if verdict is None:
+        raise ConfigError(f"{site}:1:1  {TOO_SLOW}")
+    verdict.checked()
     return verdict

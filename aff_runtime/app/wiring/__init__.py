@@ -2,9 +2,8 @@
 
 __all__ = [
     "assemble",
+    "law_slot",
     "loops",
-    "parameter_record",
-    "recorded_law",
     "shape_file",
     "site_to_guard",
     "site_to_law",

@@ -9,13 +9,12 @@ site file ─validate→ record ─┬→ register map → codec ┐
 from __future__ import annotations
 
 import secrets
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
-from aff_runtime.app.wiring.loops import loops_of
-from aff_runtime.app.wiring.recorded_law import RecordedLaw
+from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.wiring.law_slot import LawSlot
+from aff_runtime.app.wiring.loops import loop_models
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.app.wiring.site_to_law import site_params
 from aff_runtime.app.wiring.wires import gateway_of
@@ -32,15 +31,15 @@ from aff_runtime.safety.guard import Guard
 class Assembly:
     """The rooms, wired but for the outside."""
 
-    record: Mapping[str, Any]
+    record: ParameterRecord
     site: Site
     clock: Clock
     gateway: Gateway
     guard: Guard
-    law: RecordedLaw
+    law: LawSlot
 
 
-def assemble(record: Mapping[str, Any], clock: Clock) -> Assembly:
+def assemble(record: ParameterRecord, clock: Clock) -> Assembly:
     """Return the rooms of one site.
 
     Raises
@@ -48,12 +47,10 @@ def assemble(record: Mapping[str, Any], clock: Clock) -> Assembly:
     AffError
         When the record cannot be used or the PLC's name cannot be resolved.
     """
-    site = site_of(record)
-    gateway = gateway_of(
-        site, record.get("wire_files", {}), clock, Path(record.get("folder", "."))
-    )
+    site = record.site
+    gateway = gateway_of(site, record.wire_files, clock, record.folder)
     guard = Guard(guard_params(site))
-    law = RecordedLaw(controller_of(site, record))
+    law = LawSlot(controller_of(site, record.responses, record.loops))
     return Assembly(record=record, site=site, clock=clock, gateway=gateway, guard=guard, law=law)
 
 
@@ -68,7 +65,7 @@ def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
         output_count=len(site.actuators),
         law_columns=0,
         command_life_s=site.freshness.fault_after_ms * 1e-3,
-        config_revision=revision_of(assembly.record),
+        config_revision=assembly.record.revision_word,
         first_heartbeat=secrets.randbelow(1 << 16),  # two that start at once must be told apart
     )
     return Cycle(
@@ -81,17 +78,15 @@ def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
     )
 
 
-def site_of(record: Mapping[str, Any]) -> Site:
-    """Return the site of a parameter record."""
-    return Site.model_validate(record["site"])
+def controller_of(
+    site: Site, responses: Mapping[str, str], loops: Mapping[str, Sequence[float]]
+) -> Controller:
+    """Return the law of a site with its measured responses and what was made of them.
 
-
-def controller_of(site: Site, record: Mapping[str, Any]) -> Controller:
-    """Return the law of a site with its measured responses and what was made of them."""
-    measured = {name: Response.from_json(text) for name, text in record["responses"].items()}
-    return Controller(site_params(site), measured, loops_of(record))
-
-
-def revision_of(record: Mapping[str, Any]) -> int:
-    """Return the low 16 bits of the configuration's hash, as the PLC shows it."""
-    return int(str(record["config_hash"])[-4:], 16)
+    Parameters
+    ----------
+    responses : text of the measured response by actuator.
+    loops : taps of the impulse response by actuator, as `loop_rows` returns them.
+    """
+    measured = {name: Response.from_json(text) for name, text in responses.items()}
+    return Controller(site_params(site), measured, loop_models(loops))

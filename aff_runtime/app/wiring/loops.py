@@ -6,8 +6,7 @@ ticks; the short-lived check has.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from aff_runtime.core.response import Response
 DIGITS = 6
 
 
-def loop_rows(site: Site, responses: Mapping[str, str]) -> dict[str, list[float]]:
+def loop_rows(site: Site, responses: Mapping[str, str]) -> dict[str, tuple[float, ...]]:
     """Return the taps of every actuator that runs the shape law and has a response."""
     found = {}
     for name, actuator in site.actuators.items():
@@ -28,13 +27,13 @@ def loop_rows(site: Site, responses: Mapping[str, str]) -> dict[str, list[float]
                 cycle_s=site.cycle_s,
                 memory_s=actuator.response_memory_s,
             )
-            found[name] = [float(f"{tap:.{DIGITS}g}") for tap in loop.taps[0]]
+            found[name] = tuple(float(f"{tap:.{DIGITS}g}") for tap in loop.taps[0])
     return found
 
 
-def loops_of(record: Mapping[str, Any]) -> dict[str, LoopModel]:
-    """Return the impulse responses of a parameter record."""
+def loop_models(loops: Mapping[str, Sequence[float]]) -> dict[str, LoopModel]:
+    """Return the impulse responses of which ``loops`` has the taps."""
     return {
         name: LoopModel(radius_m=np.array([np.nan]), taps=np.array([taps]))
-        for name, taps in record.get("loops", {}).items()
+        for name, taps in loops.items()
     }

@@ -1,4 +1,4 @@
-"""A learned shape as a file beside the learned response, and what it must have in common.
+"""A learned shape as a file next to the learned response, and what it must have in common.
 
 ``learned/x.json`` is the response, ``learned/x.shape.json`` the shape. Deviations are in mm of
 moment arm where the encoder reads zero, so that a technician can read them.
@@ -13,7 +13,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.models import Site
@@ -70,7 +69,7 @@ class ShapeFile:
             }
             for (roll, order), w in self.profile.weight_m.items()
         ]
-        heavy = [
+        imbalance_rows = [
             {
                 "roll": roll,
                 "torque_N_m": IMBALANCE_N_M_PER_M * abs(w),
@@ -80,7 +79,7 @@ class ShapeFile:
         ]
         head = {name: getattr(self, name) for name in _HEAD}
         about = {"radius_m": dict(self.radius_m), "web": dict(self.web)}
-        shapes = {"orders": rows, "imbalance": heavy}
+        shapes = {"orders": rows, "imbalance": imbalance_rows}
         return json.dumps({"format": FORMAT, **head, **about, **shapes}, allow_nan=False)
 
     @classmethod
@@ -97,7 +96,7 @@ class ShapeFile:
                 turn = math.radians(float(row["angle_deg"]))
                 weight[at] = cmath.rect(1e-3 * float(row["deviation_mm"]), turn)
                 correction[at] = complex(float(row["loop_re"]), float(row["loop_im"]))
-            heavy = {
+            imbalance_m = {
                 str(row["roll"]): cmath.rect(
                     float(row["torque_N_m"]) / IMBALANCE_N_M_PER_M,
                     math.radians(float(row["angle_deg"])),
@@ -110,7 +109,9 @@ class ShapeFile:
                 roll_id=int(data["roll_id"]),
                 radius_m={str(k): float(v) for k, v in data["radius_m"].items()},
                 web={str(k): float(v) for k, v in data["web"].items()},
-                profile=ShapeProfile(weight_m=weight, correction=correction, imbalance_m=heavy),
+                profile=ShapeProfile(
+                    weight_m=weight, correction=correction, imbalance_m=imbalance_m
+                ),
             )
         except _UNREADABLE as error:
             raise ConfigError(f"not a shape file: {error!r}; the roll is learned anew") from error
@@ -183,12 +184,11 @@ def response_hash(text: str | None) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def read_shapes(paths: Mapping[str, str]) -> tuple[dict[str, str], list[str]]:
+def read_shapes(paths: Mapping[str, Path]) -> tuple[dict[str, str], list[str]]:
     """Return the texts of the shape files that are there, and what is wrong with the others."""
     texts: dict[str, str] = {}
     faults: list[str] = []
-    for actuator, name in paths.items():
-        path = Path(name)
+    for actuator, path in paths.items():
         try:
             text = read_plain(path, MAX_FILE_BYTES).decode("utf-8")
             ShapeFile.from_json(text)
@@ -201,7 +201,7 @@ def read_shapes(paths: Mapping[str, str]) -> tuple[dict[str, str], list[str]]:
 
 
 def _why_not(error: Exception) -> str:
-    """Return in words why a file gave no shape."""
+    """Return in a sentence why a file gave no shape."""
     match error:
         case ConfigError():
             return str(error)
@@ -216,11 +216,11 @@ def _why_not(error: Exception) -> str:
     return str(error)
 
 
-def start_values(site: Mapping[str, Any], actuator: str) -> dict[tuple[str, int], complex]:
+def start_values(site: Site, actuator: str) -> dict[tuple[str, int], complex]:
     """Return the deviations that the site file starts from, m, by (roll, order)."""
     return {
-        (block["roll"], entry["order"]): cmath.rect(entry["deviation_m"], entry["angle_rad"])
-        for block in site["actuators"][actuator]["blocks"]
-        if block["enabled"]
-        for entry in block.get("start", ())
+        (block.roll, entry.order): cmath.rect(entry.deviation_m, entry.angle_rad)
+        for block in site.actuators[actuator].blocks
+        if block.enabled
+        for entry in block.start
     }

@@ -23,7 +23,7 @@ from aff_runtime.core.shape.basis import FADE_TO_HZ
 
 NOISE_N, NOISE_M_S = 0.6, 2e-4
 CYCLES_ON_THE_WAY = 3  # the angle's age, one tick to be sent, one PLC scan to the drive
-SHAPE_PROBE_TO_HZ = FADE_TO_HZ + 0.4  # a tone beside the highest order that goes out
+SHAPE_PROBE_TO_HZ = FADE_TO_HZ + 0.4  # a tone above the highest order that goes out
 SHAPE_GRID = 20
 ORDERS_BEYOND = 8  # ripple above the highest order that the site corrects
 _COUNTS = {"u16": 2**16, "i16": 2**16, "u32": 2**32, "i32": 2**32}
@@ -119,7 +119,6 @@ def _actuator(site: Site, name: str, actuator: Actuator) -> ActuatorParams:
         transport_s = drive.transport_ms * 1e-3
     return replace(
         params,
-        law=actuator.law,
         transport_s=transport_s,
         drive=_drive(drive),
         shape=ShapeParams(
@@ -156,9 +155,10 @@ def _noise(actuator: Actuator) -> float:
 
 
 def _plain(name: str, actuator: Actuator) -> ActuatorParams:
-    """Return what both laws need."""
+    """Return what every law needs."""
     return ActuatorParams(
         name=name,
+        law=actuator.law_that_runs,
         signal=actuator.error.signal,
         reference=actuator.error.reference,
         output=OutputKind(actuator.output),

@@ -3,20 +3,26 @@
 from aff_runtime.config.models.actuators import Actuator, Block, ErrorSignal, Start
 from aff_runtime.config.models.drive import Drive
 from aff_runtime.config.models.gateway import (
-    Applied,
-    Channel,
-    Correction,
+    CanDbc,
+    Canopen402,
     Gateway,
-    ReadBlock,
-    ReadWord,
-    WriteBlock,
-    WriteWord,
+    ModbusRtu,
+    ModbusTcp,
+    Tls,
 )
 from aff_runtime.config.models.guard import Freshness, Permissives, PlausibleRange
 from aff_runtime.config.models.rolls import Roll
 from aff_runtime.config.models.service import Probe, Recording
 from aff_runtime.config.models.site import Line, Site
-from aff_runtime.config.models.wires import CanDbc, Canopen402, ModbusRtu, ModbusTcp, Tls
+from aff_runtime.config.models.words import (
+    Applied,
+    Channel,
+    Correction,
+    ReadBlock,
+    ReadWord,
+    WriteBlock,
+    WriteWord,
+)
 
 __all__ = [
     "Actuator",

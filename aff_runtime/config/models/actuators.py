@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from annotated_types import MaxLen
 from pydantic import Field
@@ -26,7 +26,12 @@ from aff_runtime.config.quantity import (
     Whole,
     key,
 )
+from aff_runtime.core.laws import LAW_ROWS
 
+if TYPE_CHECKING:
+    LawWord = str
+else:
+    LawWord = Literal[tuple(LAW_ROWS)]
 Order = Annotated[int, Whole("periods per turn"), Field(ge=1, le=64)]
 
 
@@ -118,10 +123,8 @@ class Actuator(Section):
         "generator: a ramp bends a sine."
     )
     error: ErrorSignal = key("What is to be kept quiet.")
-    law: Literal["blocks", "shape"] = key(
-        "blocks: one amplitude and phase per order and speed. shape: learns the roll's shape in "
-        "mm through the declared drive, so a change of speed needs no learning; needs drive.",
-        default="blocks",
+    law: LawWord = key(
+        " ".join(f"{word}: {row.text}" for word, row in LAW_ROWS.items()), default="blocks"
     )
     memory_turns: Turns = key(
         "Law shape, the one number to tune: over how many turns of its roll an order is learned. "
@@ -199,12 +202,20 @@ class Actuator(Section):
         ge=0.5,
         le=20,
     )
-    blocks: Annotated[tuple[Block, ...], *Few] = key("Which rolls and orders to cancel.")
+    blocks: Annotated[tuple[Block, ...], *Few] = key(
+        "Which rolls and orders to cancel. A whole block may come or go while a correction is "
+        "active."
+    )
 
     @property
     def uses_shape(self) -> bool:
         """Return whether the shape law runs; without a drive the plain blocks stand in."""
         return self.law == "shape" and self.drive is not None
+
+    @property
+    def law_that_runs(self) -> str:
+        """Return the law's word; of the shape law without a drive, that of what stands in."""
+        return "blocks" if self.law == "shape" and self.drive is None else self.law
 
     @property
     def limit(self) -> float:

@@ -34,6 +34,11 @@ class Line(Section):
         le=100,
     )
     speed: Name = key("Channel of the line speed (_m_s).", default="line_speed_m_s")
+    speed_reference: Name | None = key(
+        "Channel of the set point of the line speed (_m_s), behind its ramp. For the record "
+        "alone: `sim-plant refine` runs its line under it. Absent: the measured speed stands in.",
+        default=None,
+    )
     speed_max_m_s: MetresPerSecond | None = key(
         "Highest speed of normal operation; check counts samples per turn with it. Absent: the "
         "plausible maximum of the line speed.",

@@ -38,6 +38,7 @@ def _channel(name: str, channel: Channel) -> Iterator[Issue]:
 
 def _uses(site: Site) -> Iterator[Issue]:
     yield from _use(site, ("line", "speed"), site.line.speed, ("m/s",))
+    yield from _use(site, ("line", "speed_reference"), site.line.speed_reference, ("m/s",))
     for name, roll in site.rolls.items():
         path: KeyPath = ("rolls", name)
         yield from _use(site, (*path, "angle"), roll.angle, ("rad",))

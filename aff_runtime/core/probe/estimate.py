@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.core.probe.strange_ripple import RippleLine, drifting, strange_lines
 from aff_runtime.core.response import ResponsePoint
 
 Floats = npt.NDArray[np.float64]
 MAX_DELAY_S = 1.0
 DELAY_STEPS = 501
-SIDE_BINS = (1.5, 2.5, 3.5)
+SIDES = 6
+ON_BINS, BESIDE_BINS, HIDES = 1.5, 4.5, 0.5
 SIGN_BAND = 3.0
 CLEAR_SIGN = 0.2
 
@@ -28,6 +31,14 @@ class Tone:
     amplitude: float
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fit:
+    """P at every tone that is to be believed, and the strange ripple that hid the others."""
+
+    points: tuple[ResponsePoint, ...]
+    strange: tuple[RippleLine, ...]
+
+
 def fit_tones(
     *,
     time_s: Floats,
@@ -36,38 +47,46 @@ def fit_tones(
     nuisance_orders: int,
     own: Sequence[Tone],
     foreign: Sequence[Tone],
-) -> tuple[ResponsePoint, ...]:
-    """Return P at every tone of ``own``.
+) -> Fit:
+    """Return P at every tone of ``own`` that no strange ripple stands beside.
 
     Columns of the regression: every tone (of other actuators too), orders 1..``nuisance_orders``
     on each roll's angle with amplitudes that drift (a roll that shrinks by 2 % in the record
-    otherwise leaves its ripple beside the tones), and a parabola for drift. The standard error
-    of a tone comes from the residual beside it, so coloured noise and unmodelled ripple count
-    where they are.
+    otherwise leaves its ripple beside the tones), and a parabola for drift. Ripple of rolls that
+    the site does not know becomes columns as well, see ``strange_ripple``: one newton of an idler
+    otherwise spoils tones of a twentieth of that for half a hertz on both sides. A tone right
+    beside such ripple is left out: neither P nor its error could be told there. The standard
+    error of a tone comes from the residual beside it, so coloured noise and unmodelled ripple
+    count where they are.
 
     Parameters
     ----------
     time_s, signal : one entry per good sample; ``angles_rad`` likewise, per roll.
     own, foreign : tones of the actuator in question and of the others.
     """
-    middle = 0.5 * (time_s[0] + time_s[-1])
     span_s = float(time_s[-1] - time_s[0])
-    drift = (time_s - middle) / span_s
+    drift = (time_s - 0.5 * (time_s[0] + time_s[-1])) / span_s
     columns: list[Floats] = [np.ones_like(drift), drift, drift**2]
     for tone in (*own, *foreign):
         argument = tone.omega_rad_s * time_s + tone.phase_rad
         columns += [np.cos(argument), -np.sin(argument)]
     for angle in angles_rad:
         for n in range(1, nuisance_orders + 1):
-            turn = np.cos(n * angle), np.sin(n * angle)
-            columns += [*turn, drift * turn[0], drift * turn[1]]
+            columns += drifting(n * angle, drift)
+    lines = strange_lines(time_s, signal, np.column_stack(columns))
+    for line in lines:
+        columns += drifting(math.tau * line.frequency_Hz * time_s, drift)
     design = np.column_stack(columns)
     solution = np.linalg.lstsq(design, signal, rcond=1e-9)[0]
     residual = signal - design @ solution
     points: list[ResponsePoint] = []
+    strange: dict[RippleLine, None] = {}
     for k, tone in enumerate(own):
         seen = complex(solution[3 + 2 * k], solution[4 + 2 * k])
-        error = _noise_beside(residual, time_s, tone.omega_rad_s, span_s)
+        if hiding := [line for line in lines if _hides(line, tone, abs(seen), span_s)]:
+            strange |= dict.fromkeys(hiding)
+            continue
+        error = _noise_beside(residual, time_s, tone.omega_rad_s, span_s, lines)
         gain = abs(seen) / tone.amplitude
         if gain > 0.0:
             points.append(
@@ -79,16 +98,30 @@ def fit_tones(
                     coherence=abs(seen) ** 2 / (abs(seen) ** 2 + error**2),
                 )
             )
-    return tuple(points)
+    return Fit(points=tuple(points), strange=tuple(strange))
 
 
-def _noise_beside(residual: Floats, time_s: Floats, omega: float, span_s: float) -> float:
-    """Return one standard error of a complex amplitude from the residual's spectrum nearby."""
+def _hides(line: RippleLine, tone: Tone, seen: float, span_s: float) -> bool:
+    """Return whether a line stands on a tone, or as large as it right beside it."""
+    bins = abs(line.frequency_Hz - tone.omega_rad_s / math.tau) * span_s
+    return bins < ON_BINS or (bins < BESIDE_BINS and line.amplitude > HIDES * seen)
+
+
+def _noise_beside(
+    residual: Floats, time_s: Floats, omega: float, span_s: float, lines: Sequence[RippleLine]
+) -> float:
+    """Return one standard error of a complex amplitude from the residual's spectrum nearby.
+
+    Where a line was taken out there is less noise than there was at the tone; it is passed over.
+    """
+    bins = [(line.frequency_Hz - omega / math.tau) * span_s for line in lines]
+    sides = [0.5 + k for k in range(1, 40)]
+    clear = [s for s in chain(*((s, -s) for s in sides)) if all(abs(s - b) >= 2.0 for b in bins)]
     power = 0.0
-    for side in (*SIDE_BINS, *(-s for s in SIDE_BINS)):
+    for side in clear[:SIDES]:
         probe = np.exp(-1j * (omega + math.tau * side / span_s) * time_s)
         power += abs(2.0 / len(residual) * complex(residual @ probe)) ** 2
-    return math.sqrt(power / (2.0 * len(SIDE_BINS)))
+    return math.sqrt(power / SIDES)
 
 
 def fit_delay(points: Sequence[ResponsePoint]) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -18,6 +18,7 @@ from aff_runtime.core.params import ActuatorParams, ProbeParams, RollParams, Sit
 from aff_runtime.core.phase import Quality
 from aff_runtime.core.probe.estimate import Tone, fit_delay, fit_tones, measured_sign
 from aff_runtime.core.probe.excitation import Waveform, log_grid, spread
+from aff_runtime.core.probe.strange_ripple import RippleLine
 from aff_runtime.core.response import Provenance, Response
 
 BINS_APART = 1.5
@@ -214,7 +215,7 @@ class Probe:
         columns += 4 * self._p.nuisance_orders * len(angles) + 3
         if keep.sum() < 2 * columns or not tones[j]:
             raise RefusedError(f"{name}: no tones, or too many for this duration")
-        points = fit_tones(
+        fit = fit_tones(
             time_s=time_s[keep],
             signal=signal[keep],
             angles_rad=[angle[keep] for angle in angles],
@@ -222,14 +223,14 @@ class Probe:
             own=tones[j],
             foreign=foreign,
         )
+        points = fit.points
         delay_s = fit_delay(points)
         ratio = np.asarray(self._ratio[j])[keep]
-        limited = float(np.ptp(ratio)) > RATIO_SPREAD
         return ProbeResult(
             actuator=name,
             response=Response(points=points, delay_s=delay_s, provenance=provenance),
             sign=measured_sign(points, delay_s),
-            remarks=("a limit changed the excitation while it was measured",) if limited else (),
+            remarks=tuple(_remarks(float(np.ptp(ratio)) > RATIO_SPREAD, fit.strange)),
         )
 
     def _sent(self, j: int, keep: npt.NDArray[np.bool_]) -> list[Tone]:
@@ -250,6 +251,18 @@ class Probe:
     def telemetry_names(self) -> tuple[str, ...]:
         """Return the columns of ``telemetry``."""
         return "probe.stage", "probe.progress"
+
+
+def _remarks(limited: bool, strange: Sequence[RippleLine]) -> Iterator[str]:
+    """Yield what a technician should know of a probe before he trusts it."""
+    if limited:
+        yield "a limit changed the excitation while it was measured"
+    if strange:
+        largest = max(strange, key=lambda line: line.amplitude)
+        yield (
+            f"ripple near {largest.frequency_Hz:.1f} Hz belongs to no roll of the site file; "
+            "declare that roll and probe again to know the response there"
+        )
 
 
 def _column(samples: int) -> array[float]:

@@ -104,11 +104,11 @@ class ShapeBasis:
         lead_s: float,
     ) -> None:
         """Lay out the columns; an imbalance column follows when the drive's roll has order 1."""
-        heavy = drive.imbalance and (drive.roll, 1) in columns
-        entries = [*columns, (drive.roll, 1)] if heavy else list(columns)
+        has_imbalance = drive.imbalance and (drive.roll, 1) in columns
+        entries = [*columns, (drive.roll, 1)] if has_imbalance else list(columns)
         count = len(entries)
         self.rolls = tuple(dict.fromkeys(roll for roll, _ in entries))
-        self.names = [f"{roll}_{n}x" for roll, n in columns] + ["imbalance"] * heavy
+        self.names = [f"{roll}_{n}x" for roll, n in columns] + ["imbalance"] * has_imbalance
         self._phases = [phases[roll] for roll in self.rolls]
         self._own = self.rolls.index(drive.roll)
         self._index = np.array([self.rolls.index(roll) for roll, _ in entries])
@@ -117,7 +117,7 @@ class ShapeBasis:
         self._pull *= float(drive.torque_term)
         self._owns = np.ones(count)
         self._imbalance = np.zeros(count)
-        if heavy:
+        if has_imbalance:
             self._owns[-1] = self._pull[-1] = 0.0
             self._imbalance[-1] = IMBALANCE_N_M_PER_M
         self._heaves = self._pull * (self.order == 1.0)

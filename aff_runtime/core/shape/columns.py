@@ -53,13 +53,13 @@ class ColumnState:
     def __init__(self, count: int) -> None:
         self.count = count
         self._arrays: dict[str, npt.NDArray[Any]] = {}
-        self._fresh: dict[str, Any] = {}
+        self._fresh: dict[str, complex] = {}
         self._of_roll: list[str] = []
 
     def array(
         self,
         name: str,
-        fresh: Any = 0.0,
+        fresh: complex = 0.0,
         *,
         dtype: npt.DTypeLike = np.float64,
         rows: int = 0,

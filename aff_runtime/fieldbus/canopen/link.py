@@ -21,7 +21,7 @@ class CanopenLink:
     A tick takes the answers to the SYNC before, sends its process data, then SYNC: drives act on
     the data and sample on one and the same SYNC. Our own heartbeat leaves with the ticks and with
     nothing else, so the drives' consumers see the control thread die. Somebody else's heartbeat
-    of our node id would hide that death from them, and his SYNC is a second pace: while either is
+    of our node id would hide that death from them, and its SYNC is a second pace: while either is
     heard the bus is not ready.
 
     Parameters

@@ -8,7 +8,5 @@ __all__ = [
     "probe_map",
     "registers",
     "serial_time",
-    "tcp",
     "tcp_wire",
-    "tls_wire",
 ]

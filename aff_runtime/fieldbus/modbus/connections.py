@@ -1,85 +1,115 @@
-"""How a Modbus connection is made from its parts."""
+"""Every way to carry Modbus words: one row each; the row makes what carries the bytes."""
 
 from __future__ import annotations
 
-import ssl
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
 from aff_runtime.fieldbus.modbus.registers import RegisterMap
-from aff_runtime.fieldbus.modbus.tcp import ModbusTcpTransport
 from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire, Wire
-from aff_runtime.fieldbus.modbus.tls_wire import TlsWire
+from aff_runtime.fieldbus.modbus.tls_wire import TlsWire, client_context
+from aff_runtime.fieldbus.modbus.transport import ModbusTransport
+from aff_runtime.fieldbus.modbus.udp_wire import UdpWire
 
 
-def modbus_tcp(
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Connection:
+    """One row.
+
+    Attributes
+    ----------
+    text : what it is, for a reader.
+    wire : makes the byte stream from the section of the site file and the folder in which its
+        names begin; it is not connected yet. AffError when that cannot be: a name that cannot be
+        resolved, a file that cannot be used.
+    """
+
+    text: str
+    wire: Callable[[Any, Path], Wire]
+
+
+class TlsNames(Protocol):
+    """Section ``tls``: names of PEM files, and the server's name."""
+
+    @property
+    def ca(self) -> str:
+        """Of the authority."""
+        ...
+
+    @property
+    def certificate(self) -> str | None:
+        """Our own."""
+        ...
+
+    @property
+    def private_key(self) -> str | None:
+        """Of our certificate."""
+        ...
+
+    @property
+    def crl(self) -> str | None:
+        """List of withdrawn certificates."""
+        ...
+
+    @property
+    def server_name(self) -> str | None:
+        """Name in the server's certificate; None: its host."""
+        ...
+
+
+def modbus(
+    wire: Wire,
     *,
-    host: str,
-    port: int,
     device_id: int,
     register_map: RegisterMap,
     clock: Clock,
     function: WireFunction = WireFunction.FC23,
-    tls: ssl.SSLContext | None = None,
-    server_name: str = "",
-) -> ModbusTcpTransport:
-    """Return a Modbus TCP client, in TLS when ``tls`` is given.
-
-    The name is resolved here, the connection is made by ticks.
+) -> ModbusTransport:
+    """Return a Modbus client on a byte stream; the connection is made by ticks.
 
     Raises
     ------
-    WireError
-        When the host name cannot be resolved.
     ConfigError
         When a number does not fit the protocol.
     """
-    wire = tcp_wire(host, port, tls, server_name)
-    frames = _frames(device_id, register_map)
-    return ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=function)
+    frames = ModbusFrames(
+        device_id=device_id,
+        read_start=register_map.read_start,
+        read_count=register_map.read_count,
+        write_start=register_map.write_start,
+        write_count=register_map.write_count,
+    )
+    return ModbusTransport(frames=frames, wire=wire, clock=clock, function=function)
 
 
-def tcp_wire(
-    host: str, port: int, tls: ssl.SSLContext | None = None, server_name: str = ""
-) -> Wire:
-    """Return a TCP connection, in TLS when ``tls`` is given; not connected yet.
+def tcp_wire(host: str, port: int, tls: TlsNames | None = None, folder: Path = Path()) -> Wire:
+    """Return a TCP connection, in TLS when its files are named; not connected yet.
 
     Raises
     ------
     WireError
         When the host name cannot be resolved.
+    ConfigError
+        When a file of TLS cannot be used.
     """
     if tls is None:
         return TcpWire(host, port)
-    return TlsWire(host, port, tls, server_name or host)
-
-
-def modbus_rtu(
-    *,
-    device: str,
-    baud: int,
-    parity: str,
-    stop_bits: int,
-    device_id: int,
-    register_map: RegisterMap,
-    clock: Clock,
-    function: WireFunction = WireFunction.FC23,
-) -> ModbusTcpTransport:
-    """Return a Modbus RTU master on a serial line; the line is opened by ticks.
-
-    Raises
-    ------
-    ConfigError
-        When a number does not fit the protocol, or pyserial is not installed.
-    """
-    wire = rtu_wire(device, baud=baud, parity=parity, stop_bits=stop_bits)
-    frames = _frames(device_id, register_map)
-    return ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=function)
+    context = client_context(
+        folder / tls.ca,
+        folder / tls.certificate if tls.certificate is not None else None,
+        folder / tls.private_key if tls.private_key is not None else None,
+        folder / tls.crl if tls.crl is not None else None,
+    )
+    return TlsWire(host, port, context, tls.server_name or host)
 
 
 def rtu_wire(device: str, *, baud: int, parity: str, stop_bits: int) -> Wire:
-    """Return a serial line, not opened yet.
+    """Return a serial line, not opened yet; parity none, even or odd.
 
     Raises
     ------
@@ -92,14 +122,22 @@ def rtu_wire(device: str, *, baud: int, parity: str, stop_bits: int) -> Wire:
         raise ConfigError(
             f"RTU needs pyserial: pip install 'aff-runtime[can]' ({error})"
         ) from None
-    return RtuWire(device, baud=baud, parity=parity, stop_bits=stop_bits)
+    return RtuWire(device, baud=baud, parity=parity[0].upper(), stop_bits=stop_bits)
 
 
-def _frames(device_id: int, register_map: RegisterMap) -> ModbusFrames:
-    return ModbusFrames(
-        device_id=device_id,
-        read_start=register_map.read_start,
-        read_count=register_map.read_count,
-        write_start=register_map.write_start,
-        write_count=register_map.write_count,
-    )
+CONNECTIONS: Mapping[str, Connection] = {
+    "modbus_tcp": Connection(
+        text="Modbus TCP client, FC23 or FC16 + FC3, in TLS when it is declared",
+        wire=lambda tcp, folder: tcp_wire(tcp.host, tcp.port, tcp.tls, folder),
+    ),
+    "modbus_rtu": Connection(
+        text="Modbus RTU master on a serial line",
+        wire=lambda rtu, _folder: rtu_wire(
+            rtu.device, baud=rtu.baud, parity=rtu.parity, stop_bits=rtu.stop_bits
+        ),
+    ),
+    "modbus_udp": Connection(
+        text="Modbus over UDP, one frame in one datagram",
+        wire=lambda udp, _folder: UdpWire(udp.host, udp.port),
+    ),
+}

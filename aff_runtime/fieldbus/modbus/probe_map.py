@@ -10,8 +10,8 @@ from aff_runtime.base.errors import WireError
 from aff_runtime.base.ports import Clock, WordTransport
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
-from aff_runtime.fieldbus.modbus.tcp import ModbusTcpTransport
 from aff_runtime.fieldbus.modbus.tcp_wire import Wire
+from aff_runtime.fieldbus.modbus.transport import ModbusTransport
 
 BYTE_ORDERS: tuple[tuple[str, tuple[int, int, int, int]], ...] = (
     ("high_first", (0, 1, 2, 3)),
@@ -57,7 +57,7 @@ class MapProbe:
 
 def open_read_only(
     *, device_id: int, read_start: int, read_count: int, clock: Clock, wire: Wire
-) -> ModbusTcpTransport:
+) -> ModbusTransport:
     """Return a transport on ``wire`` that can only ask FC3.
 
     Raises
@@ -66,7 +66,7 @@ def open_read_only(
         When a number does not fit the protocol.
     """
     frames = ModbusFrames(device_id=device_id, read_start=read_start, read_count=read_count)
-    return ModbusTcpTransport(frames=frames, wire=wire, clock=clock, function=WireFunction.FC3)
+    return ModbusTransport(frames=frames, wire=wire, clock=clock, function=WireFunction.FC3)
 
 
 def probe_map(

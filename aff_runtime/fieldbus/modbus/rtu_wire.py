@@ -54,6 +54,8 @@ class RtuWire:
     baud, parity, stop_bits : as the device is set; parity N, E or O.
     """
 
+    lossy = False
+
     def __init__(self, device: str, *, baud: int, parity: str, stop_bits: int) -> None:
         self._device = device
         self._settings = {"baudrate": baud, "parity": parity, "stopbits": stop_bits}
@@ -72,6 +74,7 @@ class RtuWire:
         except _FAULTS as error:
             self.why_closed = f"the serial line {self._device} does not open: {error}"
             return False
+        self.why_closed = ""
         return True
 
     def connecting(self) -> Connecting:

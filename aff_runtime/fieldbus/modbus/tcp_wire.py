@@ -32,8 +32,16 @@ class Wire(Protocol):
 
     Attributes
     ----------
-    why_closed : why the last attempt to connect failed, with what was tried; empty before.
+    why_closed : why the last attempt to connect failed, with what was tried; empty before, and
+        while there is a connection.
+    lossy : whether frames may be lost, doubled or late on it while both ends are well. Such a wire
+        gives whole frames only.
     """
+
+    @property
+    def lossy(self) -> bool:
+        """Whether a frame that does not come proves nothing."""
+        ...
 
     @property
     def why_closed(self) -> str:
@@ -61,6 +69,29 @@ class Wire(Protocol):
         ...
 
 
+Kind = tuple[socket.AddressFamily, socket.SocketKind, int]
+"""Family, type and protocol of a socket."""
+Address = tuple[str | int, ...] | tuple[int, bytes]
+
+
+def resolved(host: str, port: int, of: socket.SocketKind) -> tuple[Kind, Address]:
+    """Return the socket that reaches a server, and its address; a name is resolved once, here.
+
+    Raises
+    ------
+    WireError
+        When the name cannot be resolved.
+    """
+    try:
+        found = socket.getaddrinfo(host, port, type=of)
+    except (OSError, UnicodeError) as error:
+        raise WireError(
+            f"{host}:{port} cannot be resolved ({error}); write its IP address or check DNS"
+        ) from error
+    family, kind, protocol, _, address = found[0]
+    return (family, kind, protocol), address
+
+
 class TcpWire:
     """``Wire`` over a TCP socket.
 
@@ -77,18 +108,10 @@ class TcpWire:
         When the name cannot be resolved.
     """
 
+    lossy = False
+
     def __init__(self, host: str, port: int) -> None:
-        try:
-            found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
-        except (OSError, UnicodeError) as error:
-            raise WireError(
-                f"{host}:{port} cannot be resolved ({error}); write its IP address or check DNS"
-            ) from error
-        family, kind, protocol, _, address = found[0]
-        self._family = family
-        self._kind = kind
-        self._protocol = protocol
-        self._address: tuple[str | int, ...] | tuple[int, bytes] = address
+        self._kind, self._address = resolved(host, port, socket.SOCK_STREAM)
         self._where = f"{host}:{port}"
         self.why_closed = ""
         self._socket: socket.socket | None = None
@@ -98,7 +121,7 @@ class TcpWire:
         """Begin a connection attempt; False when it failed at once."""
         self.close(abort=True)
         try:
-            fresh = socket.socket(self._family, self._kind, self._protocol)
+            fresh = socket.socket(*self._kind)
         except OSError as error:
             self._failed(error.errno or 0)
             return False
@@ -137,6 +160,7 @@ class TcpWire:
             current.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
         except OSError as error:
             return self._failed(error.errno or 0)
+        self.why_closed = ""
         return Connecting.UP
 
     def _failed(self, number: int) -> Connecting:

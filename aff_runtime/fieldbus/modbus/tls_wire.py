@@ -62,6 +62,8 @@ class TlsWire:
     server_name : name in the server's certificate.
     """
 
+    lossy = False
+
     def __init__(self, host: str, port: int, context: ssl.SSLContext, server_name: str) -> None:
         self._tcp = TcpWire(host, port)
         self._context = context

@@ -12,9 +12,9 @@ from sim_plant.refine.criteria.search import SearchCriteria
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Criteria:
-    """Every number that decides something, by room.
+    """Every threshold that decides something, by section.
 
-    Iteration counts and grids of a solver are not here: they stand beside the solver.
+    Iteration counts and grids of a solver are not here: they stand in the solver's file.
     """
 
     records: RecordCriteria = field(default_factory=RecordCriteria)

@@ -1,4 +1,4 @@
-"""One number that decides: its value as a field of a frozen dataclass, its reason beside it."""
+"""One number that decides: its value as a field of a frozen dataclass, its reason with it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Reason:
 
     Attributes
     ----------
-    name : room and field, ``search.line_score``.
+    name : section and field, ``search.acceptance.periodic_score``.
     value : the number, or the numbers.
     unit : SI, ``chi2`` for a fall of the weighted squared error, ``1`` for a share or a count.
     meaning : what it decides.
@@ -39,10 +39,10 @@ def criterion(value: Any, unit: str, meaning: str, origin: str) -> Any:
     return field(default=value, metadata=reason)
 
 
-def reasons(criteria: Any, room: str = "") -> Iterator[Reason]:
-    """Yield every criterion of a frozen dataclass of criteria, rooms within it included."""
+def reasons(criteria: Any, section: str = "") -> Iterator[Reason]:
+    """Yield every criterion of a frozen dataclass of criteria, sections within it included."""
     for each in fields(criteria):
-        value, name = getattr(criteria, each.name), f"{room}{each.name}"
+        value, name = getattr(criteria, each.name), f"{section}{each.name}"
         if is_dataclass(value):
             yield from reasons(value, f"{name}.")
         else:

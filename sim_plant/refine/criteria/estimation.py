@@ -26,6 +26,18 @@ class NoiseCriteria:
         "edges of the bands in which data are compared with the declared noise",
         NOT_RECORDED,
     )
+    whitening_taps: int = criterion(
+        24, "taps", "of the filter that makes declared noise white", NOT_RECORDED
+    )
+    colour_taps: int = criterion(
+        12, "taps", "of the filter that puts the colour of declared noise right", NOT_RECORDED
+    )
+    rounded_share: float = criterion(
+        0.5,
+        "of a channel's noise power",
+        "above which it is the rounding of its word",
+        "a majority: the rounding is most of what is there",
+    )
     calm_share: float = criterion(
         0.75,
         "of the bins of a band",
@@ -65,6 +77,13 @@ class SpectraCriteria:
     fewest_cycles: float = criterion(
         3.0, "cycles per record", "a slower line is none", NOT_RECORDED
     )
+    alias_cycles: float = criterion(
+        8.0,
+        "cycles per record",
+        "a slower line is no alias of a known frequency",
+        "mains wander by 0.05 Hz, their harmonics by more: a line that slow is none; "
+        "a ramp or two in a minute have lines below",
+    )
     nyquist_share: float = criterion(
         0.98, "of half the sample rate", "a faster line is none", NOT_RECORDED
     )
@@ -100,6 +119,12 @@ class FitCriteria:
 
     noise_runs: int = criterion(
         12, "runs", "noise realisations from which filters are made", NOT_RECORDED
+    )
+    coarse_power: float = criterion(
+        1.5,
+        "of the power that is expected",
+        "a channel of coarse words that leaves less leaves noise",
+        "steps nearly in time with the samples: local power is 0.7 to 2.0 of the mean",
     )
     free_orders: int = criterion(
         12,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from sim_plant.refine.criteria.criterion import NOT_RECORDED, criterion
 
@@ -39,9 +39,46 @@ class ReportCriteria:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class GeneralCriteria:
+    """When a general effect is claimed, in records without a line declaration."""
+
+    blocks: int = criterion(
+        20,
+        "blocks",
+        "of all records fitted, each left out in turn",
+        "enough for a standard error; each is longer than the noise remembers",
+    )
+    fewest_blocks: int = criterion(6, "blocks", "of one record", "alternate ones judge each other")
+    least_share: float = criterion(
+        0.003,
+        "of the squared error left out",
+        "an effect that saves less is not claimed",
+        "decision: 0.15 % of the rms is worth no sentence",
+    )
+    least_t: float = criterion(
+        4.0,
+        "standard errors",
+        "what the blocks save on average, at least",
+        "Student's t of 20 blocks: 4e-4 by chance; some 50 candidates are tried, and each has to "
+        "save its share as well",
+    )
+    filter_share: float = criterion(
+        0.001,
+        "of the squared error left out",
+        "a longer filter that saves less is not taken",
+        "decision: a twentieth of a percent of the rms",
+    )
+    most_effects: int = criterion(6, "effects", "are added to a filter at most", "decision")
+    shift_reach: int = criterion(
+        200, "samples", "channels are not shifted by more", "2 s at 10 ms; and never the taps"
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class WithoutLineCriteria:
     """What is a line, and what a clock, in records without a line declaration."""
 
+    general: GeneralCriteria = field(default_factory=GeneralCriteria)
     rows_beyond_taps: int = criterion(
         100,
         "rows",
@@ -57,11 +94,20 @@ class WithoutLineCriteria:
     false_alarm: float = criterion(
         1e-4,
         "per record",
-        "probability that noise shows a line",
-        "one record in ten thousand, by chi-square theory",
+        "probability that noise shows a spectral line, before ``safety``",
+        "decision: one record in ten thousand, by chi-square theory",
     )
     safety: float = criterion(
         1.5, "of the theoretical threshold", "a line needs more", "residuals are not quite white"
+    )
+    bins: int = criterion(
+        5,
+        "independent coordinates",
+        "within the reach in which a spectral line is looked for in one record alone",
+        NOT_RECORDED,
+    )
+    speed_share: float = criterion(
+        3e-4, "of an order", "how exactly a mean speed turns Hz into 1/m", NOT_RECORDED
     )
     clock_safety: float = criterion(
         1.2, "of the theoretical threshold", "a clock in a raw output needs more", NOT_RECORDED
@@ -81,6 +127,36 @@ class WithoutLineCriteria:
         0.49, "of the sample rate", "a faster line is none", NOT_RECORDED
     )
     highest_travel_share: float = criterion(
-        0.25, "of samples per metre at the mean speed", "a finer line is none", NOT_RECORDED
+        0.49, "of samples per metre at the mean speed", "a finer line is none", NOT_RECORDED
     )
-    highest_wavenumber_1_m: float = criterion(12.0, "1/m", "nor is one above this", NOT_RECORDED)
+    highest_wavenumber_1_m: float = criterion(
+        48.0,
+        "1/m",
+        "nor is one above this",
+        "a speed column that counts turns has orders there: 24 and their doubles",
+    )
+    other_speed: float = criterion(
+        1.02, "1", "mean speeds whose ratio is larger are two speeds", "as one_speed_share"
+    )
+    kind_share: float = criterion(
+        0.1,
+        "of the drop",
+        "by how much a line has to be stronger in time than in travel, or the other way round, "
+        "for one record with a varying speed to prove which it is",
+        "decision: no line is that much stronger by chance",
+    )
+    highest_order: int = criterion(
+        40, "per turn", "a line is no higher multiple of a fundamental", "decision"
+    )
+    fewest_orders: int = criterion(
+        3, "lines", "that share a fundamental before they are orders of it", "decision"
+    )
+    order_share: float = criterion(
+        0.03, "of the fundamental", "an order is no further off a whole number", "decision"
+    )
+    chance: float = criterion(
+        0.02,
+        "1",
+        "lines at random are orders of one fundamental less often",
+        "decision: each has to be that close to a whole multiple, for all fundamentals tried",
+    )

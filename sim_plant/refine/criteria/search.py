@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from sim_plant.refine.criteria.criterion import DEVELOPMENT, NOT_RECORDED, criterion
+from sim_plant.refine.criteria.events import EventCriteria
 
 PAIRS_AND_CAMPAIGN = "ADR 0015, on the pairs of data/lines"
 
@@ -57,7 +58,7 @@ class ScreeningCriteria:
         0.85, "of the best score", "effects below this are not fitted", NOT_RECORDED
     )
     shortlist_share_curved: float = criterion(
-        0.25,
+        0.15,
         "of the best score",
         "the same for an effect whose response is not proportional to its size",
         "one linear step says little of it: a second chance",
@@ -66,7 +67,7 @@ class ScreeningCriteria:
         0.5, "of periodic_score", "nor is any effect below this", DEVELOPMENT
     )
     shortlist_places: int = criterion(3, "places", "of one effect are fitted", DEVELOPMENT)
-    shortlist_length: int = criterion(6, "effects", "are fitted in one round", DEVELOPMENT)
+    shortlist_length: int = criterion(8, "effects", "are fitted in one round", DEVELOPMENT)
     first_size: tuple[float, float] = criterion(
         (0.1, 3.0), "typical sizes", "where the fit of a curved effect may begin", NOT_RECORDED
     )
@@ -82,18 +83,25 @@ class AcceptanceCriteria:
         "least score of an effect without a line of its own",
         "healthy records of other code, and line01, reach 85 to 115",
     )
+    later_score: float = criterion(
+        400.0,
+        "chi2",
+        "the same beside an effect that was found already",
+        "what a right effect leaves, for its own model is not exact, imitations take up to 330",
+    )
     periodic_score: float = criterion(
         50.0,
         "chi2",
-        "least score of an effect with a coordinate of its own",
+        "least score of an effect at orders of a body; a line in time is chosen among thousands",
         "what a model lacks seldom has the same coordinate; the value: " + DEVELOPMENT,
     )
     beyond_doubt: float = criterion(
         3000.0,
         "chi2",
         "a score above needs no second look at the declared drive tick, nor for two places",
-        "coarse encoder words rest at speeds that depend on the tick (docs/refine.md); above, two "
-        "places only mend what the model has wrong (ADR 0016)",
+        "coarse encoder words rest at speeds that depend on the tick "
+        "(docs/engineer/refine-method.md); above, two places only mend what the model has wrong "
+        "(ADR 0016)",
     )
     weak: float = criterion(
         150.0,
@@ -107,9 +115,15 @@ class AcceptanceCriteria:
         "effects whose scores are closer than this cannot be told apart",
         "not recorded; it is 2 ln of a Bayes factor of 150, very strong [Kass, Raftery 1995]",
     )
-    most_looks: int = criterion(5, "effects", "are looked at again in one round", NOT_RECORDED)
+    certain_size: float = criterion(
+        14.0,
+        "chi2, two degrees of freedom",
+        "an effect whose strengths exceed nothing by less is no estimate",
+        "probability 0.001",
+    )
+    most_looks: int = criterion(3, "effects", "are looked at again in one round", NOT_RECORDED)
     explained_share: float = criterion(
-        0.006,
+        0.001,
         "of what was explained",
         "a further effect must explain more",
         "no model is exact; the value: " + DEVELOPMENT,
@@ -121,10 +135,16 @@ class AcceptanceCriteria:
         "they leave about this much, at coordinates of their own",
     )
     decisive_share: float = criterion(
-        0.3,
+        0.8,
         "of what is left",
         "an effect that explains more ends the look at further groups",
         NOT_RECORDED,
+    )
+    floor_share: float = criterion(
+        2e-4,
+        "of what was explained",
+        "the search ends when what is left is surely less",
+        "a share of 3e-3 hid a true second effect",
     )
     least_excess: float = criterion(
         225.0, "chi2", "what is left counts as no less for decisive_share", NOT_RECORDED
@@ -149,7 +169,7 @@ class CompletenessCriteria:
     fair_share: float = criterion(
         0.3,
         "of all that is left",
-        "an effect that is no line explains more",
+        "an effect that is no line explains more; so does a line beside something that is none",
         "the largest of up to three true ones does, an imitation of something else seldom",
     )
     sure_sd: float = criterion(
@@ -228,7 +248,10 @@ class UnexplainedCriteria:
         0.12, "of what is left", "a free spectral line above is what is left", DEVELOPMENT
     )
     remainder_share: float = criterion(
-        0.02, "of what was there", "beside effects less is nothing", NOT_RECORDED
+        0.04,
+        "of what was there",
+        "beside effects less is nothing",
+        "a law that is 20 % off in shape leaves as much; slip of other code leaves 0.03",
     )
     loud: float = criterion(
         1.12,
@@ -275,6 +298,34 @@ class FreeTermCriteria:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ExchangeCriteria:
+    """Where effects are tried when all others are there, and which are taken out."""
+
+    reach: int = criterion(2, "rollers", "how far an effect is moved to either side", DEVELOPMENT)
+    close: int = criterion(3, "places", "of those that came close are tried again", DEVELOPMENT)
+    rounds: int = criterion(4, "Gauss-Newton steps", "of a fit elsewhere", DEVELOPMENT)
+    bridle_share: float = criterion(
+        0.04,
+        "of what was explained",
+        "one effect on a bridle may leave so much more than one on each of its rollers",
+        "how much a roller slips wanders by as much (search.unexplained.remainder_share)",
+    )
+    missed: float = criterion(
+        40.0,
+        "chi2",
+        "an effect that is missed less, its numbers paid, is taken out",
+        "a search that looks everywhere finds 30 in noise; the value: " + DEVELOPMENT,
+    )
+    model_error: float = criterion(
+        0.005,
+        "1",
+        "how wrong a model's response may be, relative",
+        "0.3 to 1 % between two codes of one line; a rival behind by less than 4 e^2 of what was "
+        "explained may be the true one",
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SearchCriteria:
     """All criteria of the search."""
 
@@ -285,3 +336,5 @@ class SearchCriteria:
     degeneracy: DegeneracyCriteria = field(default_factory=DegeneracyCriteria)
     unexplained: UnexplainedCriteria = field(default_factory=UnexplainedCriteria)
     free_terms: FreeTermCriteria = field(default_factory=FreeTermCriteria)
+    events: EventCriteria = field(default_factory=EventCriteria)
+    exchange: ExchangeCriteria = field(default_factory=ExchangeCriteria)

@@ -1,4 +1,4 @@
-"""The line simulated at one anchor, and what declared numbers and free shapes change there."""
+"""The line simulated at one point, and what declared numbers and free shapes change there."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ Changes = tuple[Array, ...]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Linearisation:
-    """Simulations at an anchor and the responses taken there.
+    """Simulations at a linearisation point and the responses taken there.
 
     Attributes
     ----------
-    anchor : the simulation from which differences are taken, at the quick drive tick.
-    coarse, fine : its runs at the quick and at the declared drive tick, per record.
+    point : the simulation from which differences are taken, at the quick drive tick.
+    quick_tick, declared_tick : its runs at the quick and at the declared drive tick, per record.
     nuisance_changes : per declared number, the change of the channels per unit of it.
     free_bodies : bodies whose shape is free in its low orders.
     shape_changes : per free body, order and component (cos, sin), the change by a typical ripple.
     """
 
-    anchor: Case
-    coarse: Changes
-    fine: Changes
+    point: Case
+    quick_tick: Changes
+    declared_tick: Changes
     nuisance_changes: tuple[Changes, ...]
     free_bodies: tuple[int, ...] = ()
     shape_changes: tuple[Changes, ...] = ()
@@ -59,18 +59,18 @@ def linearised_at(
     PlantError
         When the line does not run at the end of a tolerance.
     """
-    anchor = replace(case, coarse=True)
-    coarse, fine = (tuple(run) for run in pool.run([anchor, replace(case, coarse=False)]))
+    point = replace(case, coarse=True)
+    quick, declared = (tuple(run) for run in pool.run([point, replace(case, coarse=False)]))
     if nuisance_changes is None:
-        nuisance_changes = changes_by_nuisances(pool, nuisances, anchor, coarse)
+        nuisance_changes = changes_by_nuisances(pool, nuisances, point, quick)
     bodies = tuple(sorted(set(free_bodies)))
     return Linearisation(
-        anchor=anchor,
-        coarse=coarse,
-        fine=fine,
+        point=point,
+        quick_tick=quick,
+        declared_tick=declared,
         nuisance_changes=nuisance_changes,
         free_bodies=bodies,
-        shape_changes=changes_by_shapes(pool, bodies, anchor, coarse),
+        shape_changes=changes_by_shapes(pool, bodies, point, quick),
     )
 
 
@@ -79,12 +79,12 @@ def with_free_bodies(
 ) -> Linearisation:
     """Return the linearisation with the shapes of ``bodies`` free, of no others."""
     free = tuple(sorted(set(bodies)))
-    changes = changes_by_shapes(pool, free, linearisation.anchor, linearisation.coarse)
+    changes = changes_by_shapes(pool, free, linearisation.point, linearisation.quick_tick)
     return replace(linearisation, free_bodies=free, shape_changes=changes)
 
 
 def changes_by_nuisances(
-    pool: SimulationPool, nuisances: Sequence[Nuisance], anchor: Case, coarse: Changes
+    pool: SimulationPool, nuisances: Sequence[Nuisance], point: Case, quick_tick: Changes
 ) -> tuple[Changes, ...]:
     """Simulate what a unit of every declared number changes, from a shift by its tolerance.
 
@@ -93,11 +93,13 @@ def changes_by_nuisances(
     PlantError
         When the line does not run at the end of a tolerance.
     """
-    put = dict(anchor.shifts)
+    shifts = dict(point.shifts)
     cases = [
         replace(
-            anchor,
-            shifts=tuple(sorted({**put, n.name: put.get(n.name, 0.0) + n.tolerance}.items())),
+            point,
+            shifts=tuple(
+                sorted({**shifts, n.name: shifts.get(n.name, 0.0) + n.tolerance}.items())
+            ),
         )
         for n in nuisances
     ]
@@ -110,19 +112,21 @@ def changes_by_nuisances(
                 f"number (0.02 is 2 %): give {n.name} a smaller one"
             )
     return tuple(
-        tuple((y - b) / n.tolerance for y, b in zip(run, coarse, strict=True))
+        tuple((y - b) / n.tolerance for y, b in zip(run, quick_tick, strict=True))
         for n, run in zip(nuisances, runs, strict=True)
     )
 
 
 def changes_by_shapes(
-    pool: SimulationPool, bodies: Sequence[int], anchor: Case, coarse: Changes
+    pool: SimulationPool, bodies: Sequence[int], point: Case, quick_tick: Changes
 ) -> tuple[Changes, ...]:
     """Simulate what one typical ripple of each order of each body does, cos and sin."""
     cases = [
-        replace(anchor, ripples=((body, n, RIPPLE_M * c / n, RIPPLE_M * s / n),))
+        replace(point, ripples=((body, n, RIPPLE_M * c / n, RIPPLE_M * s / n),))
         for body in bodies
         for n in range(1, CRITERIA.fit.free_orders + 1)
         for c, s in ((1.0, 0.0), (0.0, 1.0))
     ]
-    return tuple(tuple(y - b for y, b in zip(run, coarse, strict=True)) for run in pool.run(cases))
+    return tuple(
+        tuple(y - b for y, b in zip(run, quick_tick, strict=True)) for run in pool.run(cases)
+    )

@@ -59,12 +59,13 @@ class Objective:
 
     @property
     def expected_cost(self) -> float:
-        """Cost that a true model would leave: rows, channels of coarse words counted less."""
+        """Cost that a true model would leave: rows, quantised channels counted less."""
         total = 0.0
         for noise, measured in zip(self.whitening.noise, self.measured, strict=True):
-            share = np.minimum(1.0, (noise.floor / noise.sd) ** 2)
-            coarse = np.array([taps.size == 1 for taps in noise.filters])
-            total += float(np.where(coarse, share, 1.0).sum()) * (measured.shape[1] - noise.first)
+            quantised = np.array([taps.size == 1 for taps in noise.filters])
+            total += float(np.where(quantised, noise.share, 1.0).sum()) * (
+                measured.shape[1] - noise.first
+            )
         taken = [0 if q is None else q.shape[1] for q in self.whitening.basis]
         total -= 2.0 * CRITERIA.fit.free_orders * len(self.linearisation.free_bodies)
         terms = sum(m.shape[0] * k for m, k in zip(self.measured, taken, strict=True))
@@ -75,24 +76,46 @@ class Objective:
         """Standard deviation of the cost of a true model, that of chi-square."""
         return math.sqrt(2.0 * self.expected_cost)
 
+    def excess(self, cost: float, residual: Array) -> float:
+        """Return by how much a cost is more than noise; below zero where it is less.
+
+        How much the steps of a coarse word leave depends on the rate at which they pass, which
+        the speed of the true line decides: of a channel of such words only what is beyond
+        ``coarse_power`` of the expected counts.
+        """
+        unsure = 0.0
+        rows = zip(self.whitening.noise, self.split(residual), strict=True)
+        for noise, part in rows:
+            expected = noise.share * part.shape[1]
+            over = np.sum(part**2, axis=1) - expected
+            doubt = np.clip(over, 0.0, (CRITERIA.fit.coarse_power - 1.0) * expected)
+            unsure += float(np.sum(doubt[np.logical_not(noise.analogue)]))
+        return cost - self.expected_cost - unsure
+
     def residual(
         self, run: Sequence[Array], shifts: dict[str, float] | None = None, coarse: bool = True
     ) -> Array:
         """Return the residual vector of a run made with these nuisance shifts.
 
-        To a coarse run the difference fine - coarse at the anchor is added.
+        ``coarse``: the run is at the quick drive tick. The difference between the declared and
+        the quick tick, as it is at the linearisation point, is added to it.
         """
         here = self.linearisation
-        gone = [
-            m - (y + f - c) if coarse else m - y
-            for m, y, f, c in zip(self.measured, run, here.fine, here.coarse, strict=True)
+        residuals = [
+            m - (y + d - q) if coarse else m - y
+            for m, y, d, q in zip(
+                self.measured, run, here.declared_tick, here.quick_tick, strict=True
+            )
         ]
-        put = np.array([(shifts or {}).get(n.name, 0.0) for n in self.nuisances])
-        return np.concatenate([self.whitening.vector(gone), -put / self.prior_sd])
+        shift = np.array([(shifts or {}).get(n.name, 0.0) for n in self.nuisances])
+        return np.concatenate([self.whitening.vector(residuals), -shift / self.prior_sd])
 
     def column(self, run: Sequence[Array], base: Sequence[Array], increment: float) -> Array:
-        """Return the whitened derivative between two coarse runs, zero in rows of tolerances."""
-        change = [(y - b) / increment for y, b in zip(run, base, strict=True)]
+        """Return the whitened derivative between runs at the quick tick, zero for tolerances."""
+        return self.whitened([(y - b) / increment for y, b in zip(run, base, strict=True)])
+
+    def whitened(self, change: Sequence[Array]) -> Array:
+        """Return a per-record change (channels, samples) as a column, zero in tolerances' rows."""
         return _column(self.whitening, change, len(self.nuisances))
 
     def split(self, vector: Array) -> list[Array]:
@@ -115,16 +138,17 @@ def declared_objective(pool: SimulationPool, measured: Sequence[Array]) -> Objec
     """
     nuisances = tuple(declared_nuisances(pool.twins[0].declaration))
     here = linearised_at(pool, nuisances, Case())
-    whitening = declared_whitening(pool, here.anchor, here.fine)
+    whitening = declared_whitening(pool, here.point, here.declared_tick)
     return _weighed(pool, tuple(measured), nuisances, here, whitening)
 
 
 def relinearised_at(
     objective: Objective, case: Case, *, keep_nuisance_changes: bool = False
 ) -> Objective:
-    """Return the objective with coarse runs put right at ``case``, not at the declaration.
+    """Return the objective with runs at the quick tick put right at ``case``.
 
-    A coarse tick is some percent off in what an effect does; from here on only changes are.
+    Before that they were put right at the declaration. A quick tick is some percent off in what
+    an effect does; from here on only changes are.
     Responses to declared numbers are taken anew there unless those there are kept, and the noise
     as well where a delay, a filter or another web is there: the loops make other noise of it.
     Results of earlier simulations are dropped: a search does not come back to them.
@@ -140,7 +164,7 @@ def relinearised_at(
     )
     whitening = objective.whitening
     if any(not BY_NAME[added.effect].order_locked for added in case.effects):
-        fresh = declared_whitening(pool, here.anchor, here.fine)
+        fresh = declared_whitening(pool, here.point, here.declared_tick)
         whitening = replace(fresh, basis=whitening.basis)
     return _weighed(pool, objective.measured, objective.nuisances, here, whitening)
 
@@ -182,8 +206,8 @@ def _weighed(
     linearisation: Linearisation,
     whitening: Whitening,
 ) -> Objective:
-    """Return the objective with the declared noise put right by the data at the anchor."""
-    residuals = [m - y for m, y in zip(measured, linearisation.fine, strict=True)]
+    """Return the objective with declared noise put right by the data there."""
+    residuals = [m - y for m, y in zip(measured, linearisation.declared_tick, strict=True)]
     weighed = whitening.adjusted_to(residuals)
     return Objective(
         pool=pool,

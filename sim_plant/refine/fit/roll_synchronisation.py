@@ -1,7 +1,7 @@
 """Simulated rolls synchronised with the measured ones.
 
 A radius wrong by 0.05 % puts a roll a quarter radian out of step in 80 turns: enough to lose
-every harmonic. What an effect does at a roll's angle can only be told in step with that angle.
+every harmonic. What an effect does at a roll's angle can only be found in step with that angle.
 """
 
 from __future__ import annotations
@@ -58,6 +58,11 @@ def effective_radius_of(roller: str) -> str:
     return f"rollers.{roller}.effective_radius"
 
 
+def is_effective_radius(number: str) -> bool:
+    """Return whether a declared number of this name is a roller's effective radius."""
+    return number.endswith(".effective_radius")
+
+
 def recorded_angles(twin: Twin, channels: Array) -> dict[str, Array]:
     """Return the angle (samples,), rad, of every roller that is recorded, by its effective radius.
 
@@ -81,16 +86,16 @@ def _slope_errors(
     here = objective.linearisation
     known = {n.name for n in objective.nuisances}
     ahead: dict[str, list[float]] = {}
-    for run, fine, coarse, twin, theirs, noise in zip(
+    for run, declared, quick, twin, theirs, noise in zip(
         runs,
-        here.fine,
-        here.coarse,
+        here.declared_tick,
+        here.quick_tick,
         objective.pool.twins,
         measured,
         objective.whitening.noise,
         strict=True,
     ):
-        ours = recorded_angles(twin, run + fine - coarse)
+        ours = recorded_angles(twin, run + declared - quick)
         for name in known & set(ours):
             ahead.setdefault(name, []).append(
                 _slope_error(ours[name][noise.first :], theirs[name][noise.first :])

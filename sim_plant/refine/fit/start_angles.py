@@ -71,7 +71,7 @@ def phased(effect: Added) -> bool:
 def turned_effect(effect: Added, angle_rad: float) -> Added:
     """Return the effect with its body turned ``angle_rad`` further when the record begins."""
     values = turned(BY_NAME[effect.effect], dict(effect.parameters), angle_rad)
-    return Added(effect.effect, effect.location, tuple(values.items()))
+    return replace(effect, parameters=tuple(values.items()))
 
 
 def _with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) -> tuple[Added, ...]:

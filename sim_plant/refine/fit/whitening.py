@@ -42,20 +42,20 @@ class Whitening:
         return np.concatenate([_without(n.whiten(v), basis).ravel() for n, v, basis in rows])
 
 
-def declared_whitening(pool: SimulationPool, anchor: Case, fine: Sequence[Array]) -> Whitening:
-    """Simulate the noise that the declaration makes of the line at ``anchor``.
+def declared_whitening(pool: SimulationPool, point: Case, quiet: Sequence[Array]) -> Whitening:
+    """Simulate the noise that the declaration makes of the line at ``point``.
 
-    ``fine`` is the run without noise there, at the declared drive tick, per record.
+    ``quiet`` is the run without noise there, at the declared drive tick, per record.
 
     Raises
     ------
     PlantError
         When a channel has no noise at all.
     """
-    cases = [replace(anchor, coarse=False, seed=seed) for seed in range(CRITERIA.fit.noise_runs)]
+    cases = [replace(point, coarse=False, seed=seed) for seed in range(CRITERIA.fit.noise_runs)]
     runs = pool.run(cases, keep=False)
     noisy = [np.stack([run[t] for run in runs]) for t in range(len(pool.twins))]
-    realisations = tuple(noise - y[None] for noise, y in zip(noisy, fine, strict=True))
+    realisations = tuple(noise - y[None] for noise, y in zip(noisy, quiet, strict=True))
     declared = tuple(
         declared_noise(twin, noise) for twin, noise in zip(pool.twins, realisations, strict=True)
     )

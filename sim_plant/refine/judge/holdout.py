@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.optimize import minimize
@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.start_angles import costs_of, start_angles, turned_effect
+from sim_plant.refine.judge.moments import with_moments
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
@@ -36,6 +37,7 @@ class Evaluation:
     angles_rad, unwound_m : states of rolls estimated on this record, per location: start angles,
         and of a profile how much web has left the roll since it was formed; all else is as
         fitted.
+    moments : when its events begin, s or m of web, per effect and place.
     first : first judged sample.
     travel_m : length of web that has passed, from the speed reference (samples,).
     """
@@ -52,6 +54,7 @@ class Evaluation:
     unwound_m: dict[str, float]
     first: int
     travel_m: Array
+    moments: Mapping[str, float] = field(default_factory=dict)
 
 
 def rms(channels: Sequence[str], residual: Array, first: int) -> Array:
@@ -85,7 +88,9 @@ def evaluate(
     angles: dict[str, float] = {}
     unwound: dict[str, float] = {}
     final = tuple(effects)
+    moments: dict[str, float] = {}
     if find_angles:
+        final, moments = with_moments(pool, measured, Case(effects=final, shifts=shifts), model)
         final, angles = start_angles(pool, measured, Case(effects=final, shifts=shifts), model)
         final, unwound = with_unwound_lengths(
             pool, measured, Case(effects=final, shifts=shifts), model
@@ -103,6 +108,7 @@ def evaluate(
         effects=final,
         angles_rad=angles,
         unwound_m=unwound,
+        moments=moments,
         first=first,
         travel_m=np.cumsum(np.abs(twin.speed_m_s)) * twin.declaration.sample_time_s,
     )
@@ -134,9 +140,7 @@ def _with_best_age(
 
     def moved(x: Array) -> Added:
         more = {**values, age: 0.01 * float(x[1])}
-        return turned_effect(
-            Added(effect.effect, effect.location, tuple(more.items())), float(x[0])
-        )
+        return turned_effect(replace(effect, parameters=tuple(more.items())), float(x[0]))
 
     def cost(x: Array) -> float:
         there = replace(case, effects=(*others, moved(x)))

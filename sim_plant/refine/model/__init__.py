@@ -6,6 +6,8 @@ __all__ = [
     "parameter_effects",
     "place",
     "record_match",
+    "run_limits",
+    "run_match",
     "simulation_pool",
     "twin",
 ]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sim_plant.base.effects import Effect, Value
+from sim_plant.base.signatures import Frequency
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import Declaration
@@ -30,6 +31,7 @@ class Hypothesis:
     absent : values at which the effect is exactly absent.
     low, high : physical bounds, from the effect's own file and from the line.
     linear : per strength, whether the response is proportional to it in both directions.
+    record : the only record that it is in, by its number; None: in all.
     """
 
     effect: Effect
@@ -42,11 +44,18 @@ class Hypothesis:
     low: tuple[float, ...]
     high: tuple[float, ...]
     linear: tuple[bool, ...]
+    record: int | None = None
 
     @property
     def key(self) -> Place:
         """What it claims, by name."""
         return Place(self.effect.name, self.location)
+
+    @property
+    def moment(self) -> str:
+        """The parameter that says when it begins; empty where it lasts throughout."""
+        onset = self.effect.onset
+        return onset.moment if onset is not None and onset.moment in self.names else ""
 
     @property
     def at_start(self) -> dict[str, Value]:
@@ -61,7 +70,7 @@ class Hypothesis:
             for v, lo, hi in zip(values, self.low, self.high, strict=True)
         ]
         pairs = zip(self.names, clipped, strict=True)
-        return Added(self.effect.name, self.location, (*self.fixed, *pairs))
+        return Added(self.effect.name, self.location, (*self.fixed, *pairs), self.record)
 
     def within(self, values: Sequence[float]) -> bool:
         """Return whether all numbers are within their bounds."""
@@ -79,8 +88,19 @@ class Hypothesis:
             if math.isfinite(bound)
         )
 
+    @property
+    def curved(self) -> bool:
+        """Whether a slope at its absence says nothing of the effect at a size that matters."""
+        rows = [self.effect.accepts[name] for name in self.names[: self.strengths]]
+        return any(not row.linear for row in rows)
+
     def probes(self) -> list[Added]:
-        """Return one case per strength: that one at its typical size, the others absent."""
+        """Return one case per strength: that one at its typical size, the others absent.
+
+        Of a curved effect only one, the whole of it.
+        """
+        if self.curved:
+            return [self.added(self.start)]
         found = []
         for at in range(self.strengths):
             values = list(self.absent)
@@ -130,7 +150,11 @@ def hypothesis(
     With ``line`` the bounds are narrowed to what is possible at this place of this line.
     """
     picked = dict(choice)
-    names = [n for n in (traced or effect.traced) if effect.accepts[n].role != "option"]
+    wanted = list(traced or effect.traced)
+    if line is not None and not traced and effect.traced_per_place:
+        places = len(places_of(line, effect, location, effect.name))
+        wanted += [n.format(k=k) for k in range(1, places) for n in effect.traced_per_place]
+    names = [n for n in wanted if n in effect.accepts and effect.accepts[n].role != "option"]
     names.sort(key=lambda n: effect.accepts[n].role != "strength")
     fixed = tuple((n, v) for n, v in picked.items() if n not in names)
     rows = [effect.accepts[n] for n in names]
@@ -153,6 +177,29 @@ def hypothesis(
     )
 
 
+def onset_library(
+    line: Declaration, record: int, without: Collection[str] = ()
+) -> list[Hypothesis]:
+    """Return every effect that may begin at a moment of one record, each way and at each place."""
+    found = []
+    for effect in CATALOGUE:
+        onset = effect.onset
+        if onset is None or effect.name in without:
+            continue
+        shapes = tuple((name, values[0]) for name, values in onset.grid)
+        for form in onset.forms:
+            choice = (*onset.fixed, *((n, v) for n, v in shapes if n in form))
+            names = (*form, onset.moment)
+            found += [
+                replace(
+                    hypothesis(effect, location, (*choice, (onset.moment, 0.0)), names, line),
+                    record=record,
+                )
+                for location in candidate_locations(line, effect)
+            ]
+    return found
+
+
 def limits_at(line: Declaration, effect: Effect, location: str) -> dict[str, tuple[float, float]]:
     """Return the bounds that this place of this line sets, the tightest of all it names."""
     if effect.limits is None:
@@ -171,7 +218,7 @@ def library(line: Declaration, without: Collection[str] = ()) -> list[Hypothesis
     return [
         hypothesis(effect, location, choice, line=line)
         for effect in CATALOGUE
-        if effect.name not in without
+        if effect.name not in without and effect.traced
         for location in candidate_locations(line, effect)
         for choice in variants(effect)
     ]
@@ -181,11 +228,11 @@ def turned(effect: Effect, values: dict[str, Value], angle_rad: float) -> dict[s
     """Return parameters of the same effect with its body turned ``angle_rad`` further at start.
 
     Pairs are taken as orders 1, 2, 3 ... when there are several (or as the order they name), as
-    one free phase otherwise.
+    one free phase otherwise; those of a line in time as one.
     """
     found = dict(values)
     for place, pair in enumerate(effect.quadratures, start=1):
-        order = float(place)
+        order = 1.0 if isinstance(effect.shows, Frequency) else float(place)
         if pair.order:
             order = float(values.get(pair.order, effect.parameters[pair.order]))
         if pair.cos not in found and pair.sin not in found:

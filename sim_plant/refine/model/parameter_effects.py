@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from sim_plant.base.effects import Effect
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.line.build import build_arrays, cell_sensors, timing_of
+from sim_plant.line.corrections import declared_numbers
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.locations import candidate_locations, places_of
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
@@ -37,7 +38,8 @@ class Equivalent:
 def equivalents(line: Declaration) -> list[Equivalent]:
     """Return every number of an effect that a declared number of this line stands for."""
     arrays = build_arrays(line, timing_of(line, line.sample_time_s))
-    return [
+    known = {number.name for number in declared_numbers(line)}
+    found = [
         Equivalent(
             number=row.number.format(place=_named(line, effect, at)),
             effect=effect,
@@ -51,6 +53,7 @@ def equivalents(line: Declaration) -> list[Equivalent]:
         for location in candidate_locations(line, effect)
         for at in places_of(line, effect, location, effect.name)
     ]
+    return [e for e in found if e.number in known]
 
 
 def _named(line: Declaration, effect: Effect, at: int) -> str:
@@ -82,13 +85,14 @@ def within_tolerance(
     )
 
 
-def as_effect(
+def as_effects(
     line: Declaration, number: str, shift: float
-) -> tuple[Hypothesis, tuple[float, ...]] | None:
-    """Return the effect that says the same as a shift of a declared number, and its values.
+) -> list[tuple[Hypothesis, tuple[float, ...]]]:
+    """Return the effects that say the same as a shift of a declared number, and their values.
 
     None where no effect is proposed for that number, or where it cannot go that way.
     """
+    found = []
     for e in equivalents(line):
         if e.number != number or not e.proposed:
             continue
@@ -96,5 +100,6 @@ def as_effect(
         at = h.names.index(e.parameter)
         values = [*h.absent]
         values[at] += shift / e.scale
-        return (h, tuple(values)) if h.linear[at] or values[at] > h.absent[at] else None
-    return None
+        if h.linear[at] or values[at] > h.absent[at]:
+            found.append((h, tuple(values)))
+    return found

@@ -11,11 +11,15 @@ from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration, DriveSpeed, LoadCell, RollAngle, RollRadius
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.model.run_match import APPLIED
+from sim_plant.refine.model.run_state import at_run, word_steps
 from sim_plant.refine.model.twin import REFERENCES, Case, Twin, modelled_channels
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.records.sanity import place_of
 
 MATCH = CRITERIA.match
+UNWIND_CORRECTION = "aff_correction_m_s"
+"""A record's correction of the unwind; other rollers' are in ``applied_<roller>_m_s``."""
 
 
 def sidecar_of(path: Path) -> Path:
@@ -26,7 +30,7 @@ def sidecar_of(path: Path) -> Path:
     return path.with_name(name + ".yaml")
 
 
-def declaration_for(line: Declaration, record: Record) -> Declaration:
+def declaration_for(line: Declaration, record: Recording) -> Declaration:
     """Return the line as it was at the start of this record: its sidecar overrides.
 
     Raises
@@ -49,7 +53,7 @@ def declaration_for(line: Declaration, record: Record) -> Declaration:
     )
 
 
-def twin_of(line: Declaration, record: Record) -> Twin:
+def twin_of(line: Declaration, record: Recording) -> Twin:
     """Return the twin of one record after checking that both belong together.
 
     Raises
@@ -58,7 +62,7 @@ def twin_of(line: Declaration, record: Record) -> Twin:
         On a missing reference or channel, another sample time, or values that another unit
         would explain.
     """
-    own = declaration_for(line, record)
+    own = at_run(declaration_for(line, record), record)
     for name in REFERENCES:
         if name not in record.columns:
             raise PlantError(
@@ -66,7 +70,7 @@ def twin_of(line: Declaration, record: Record) -> Twin:
             )
     named = {s.channel for s in own.sensors}
     absent = sorted(n for n in named - set(record.columns))
-    if absent:
+    if absent and record.run is None:
         raise PlantError(
             f"{record.path}: declared channels are missing: {', '.join(absent)}; "
             "record them, or take them out of the declaration"
@@ -80,16 +84,15 @@ def twin_of(line: Declaration, record: Record) -> Twin:
             f"correct sample_time_s in {where}, or the unit of the time column"
         )
     _plausible(own, record)
-    aff = {}
-    for name, values in record.columns.items():
-        if name == "aff_correction_m_s" and np.any(values):
-            aff["unwind"] = values
+    channels = modelled_channels(own, list(record.columns))
     twin = Twin(
         declaration=own,
-        channels=modelled_channels(own, list(record.columns)),
+        channels=channels,
         speed_m_s=record.columns[REFERENCES[0]],
         tension_N=record.columns[REFERENCES[1]],
-        aff_m_s=aff,
+        aff_m_s=_acted(own, record, "_m_s"),
+        aff_N_m=_acted(own, record, "_N_m"),
+        word_steps=word_steps(record, channels),
     )
     try:
         twin.line(Case(coarse=False))
@@ -98,7 +101,34 @@ def twin_of(line: Declaration, record: Record) -> Twin:
     return twin
 
 
-def _plausible(line: Declaration, record: Record) -> None:
+def _acted(line: Declaration, record: Recording, unit: str) -> dict[str, Array]:
+    """Return the corrections that are not 0 throughout, by driven roller.
+
+    Raises
+    ------
+    PlantError
+        A column of corrections names a roller without a drive.
+    """
+    drives = [drive.roller for drive in line.control.drives]
+    found: dict[str, Array] = {}
+    for name, values in record.columns.items():
+        if not np.any(values):
+            continue
+        if name == UNWIND_CORRECTION and unit == "_m_s":
+            first = line.rollers[0].name
+            found[first] = found.get(first, 0.0) + values
+        elif name.startswith(APPLIED) and name.endswith(unit):
+            roller = name[len(APPLIED) : -len(unit)]
+            if roller not in drives:
+                raise PlantError(
+                    f"{record.path}: column {name}: {roller} has no drive in this line "
+                    f"({', '.join(drives)}); name the column after the drive's roller"
+                )
+            found[roller] = found.get(roller, 0.0) + values
+    return found
+
+
+def _plausible(line: Declaration, record: Recording) -> None:
     speed = record.columns["line_speed_ref_m_s"]
     tension = record.columns["tension_ref_N"]
     for name in REFERENCES:
@@ -115,10 +145,21 @@ def _plausible(line: Declaration, record: Record) -> None:
             "is wrong, or the line file is another line's"
         )
     _within(record, "tension_ref_N", 0.0, MATCH.highest_strain * line.web.EA_N)
-    if "aff_correction_m_s" in record.columns:
-        fastest = float(np.max(np.abs(speed)))
-        _within(record, "aff_correction_m_s", -fastest, fastest)
+    _corrections_within(record, float(np.max(np.abs(speed))))
+    _sensors_fit(line, record, speed, tension)
+
+
+def _corrections_within(record: Recording, fastest_m_s: float) -> None:
+    for name in record.columns:
+        if name == UNWIND_CORRECTION or (name.startswith(APPLIED) and name.endswith("_m_s")):
+            _within(record, name, -fastest_m_s, fastest_m_s)
+
+
+def _sensors_fit(line: Declaration, record: Recording, speed: Array, tension: Array) -> None:
+    """Refuse a channel that another unit, or another line, would explain."""
     for sensor in line.sensors:
+        if sensor.channel not in record.columns:
+            continue
         values = record.columns[sensor.channel]
         if isinstance(sensor, DriveSpeed) and sensor.scale_radius_m is not None:
             _compare(record.path, sensor.channel, values, speed, MATCH.speed_mismatch)
@@ -148,7 +189,7 @@ def _plausible(line: Declaration, record: Record) -> None:
                 )
 
 
-def _runs(record: Record, speed: Array) -> None:
+def _runs(record: Recording, speed: Array) -> None:
     """Refuse a line that hardly runs, or runs backwards."""
     fastest = float(np.max(np.abs(speed)))
     running = np.abs(speed) > MATCH.running_speed_share * fastest
@@ -165,7 +206,7 @@ def _runs(record: Record, speed: Array) -> None:
         )
 
 
-def _within(record: Record, name: str, low: float, high: float) -> None:
+def _within(record: Recording, name: str, low: float, high: float) -> None:
     """Refuse a value that this line cannot have: a marker of a lost reading, or another unit."""
     values = record.columns[name]
     bad = np.flatnonzero((values < low) | (values > high))
@@ -194,7 +235,7 @@ def _causes(path: Path) -> str:
     )
 
 
-def _compare_angle(record: Record, name: str, expected: Array) -> None:
+def _compare_angle(record: Recording, name: str, expected: Array) -> None:
     """Refuse an angle whose steps belong to another unit; steps back: the count starts over."""
     steps = np.diff(record.columns[name])
     onward = steps * np.sign(np.median(steps)) >= 0.0

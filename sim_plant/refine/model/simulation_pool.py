@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.base.worker_pool import WorkerPool
-from sim_plant.refine.model.twin import Case, Twin
+from sim_plant.refine.model.twin import Case, Twin, seen_by
 
 LIMIT_S = 900.0
 """For one simulation. The longest record that makes sense (an hour) takes 20 s of a core at the
@@ -24,7 +24,7 @@ def _adopt(twins: Sequence[Twin]) -> None:
 
 
 def _work(job: tuple[int, Case]) -> Array:
-    return attempt(_twins[job[0]], job[1])
+    return attempt(_twins[job[0]], seen_by(job[1], job[0]))
 
 
 def _name(job: tuple[int, Case]) -> str:
@@ -47,7 +47,9 @@ def attempt(twin: Twin, case: Case) -> Array:
 class SimulationPool:
     """Simulates cases on every twin, remembers results, uses ``workers`` processes.
 
-    Use as a context manager; one worker runs in this process. ``say`` is told of a simulation
+    ``responses`` is a shelf for what a search has learned of the line and needs again: what
+    effects change, by whatever names them, (channels, samples) per case and record.
+    Use as a context manager; one worker runs in this process. ``say`` reports a simulation
     that is repeated because its process was lost.
     """
 
@@ -60,6 +62,7 @@ class SimulationPool:
     ) -> None:
         self.twins = list(twins)
         self.simulations = 0
+        self.responses: dict[Hashable, list[list[Array]]] = {}
         self._known: dict[tuple[int, Case], Array] = {}
         self._pool: WorkerPool[tuple[int, Case], Array] | None = None
         if workers > 1:
@@ -94,7 +97,7 @@ class SimulationPool:
         if self._pool is not None:
             done = self._pool.map(fresh)
         else:
-            done = [attempt(self.twins[t], case) for t, case in fresh]
+            done = [attempt(self.twins[t], seen_by(case, t)) for t, case in fresh]
         found = {**self._known, **dict(zip(fresh, done, strict=True))}
         if keep:
             self._known = found

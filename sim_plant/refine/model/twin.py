@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -23,16 +23,22 @@ COARSE_TICK_S = 0.005
 COARSE_SETTLE_S = 10.0
 FINE_SETTLE_S = 20.0
 """How long a line runs before its record begins, at a quick and at the declared tick."""
+WORDS = 1
+"""Stream of random numbers that stands for the rounding of words."""
 REFERENCES = ("line_speed_ref_m_s", "tension_ref_N")
 
 
 @dataclass(frozen=True, slots=True)
 class Added:
-    """An effect put on the line: name, location and (key, value) parameters, hashable."""
+    """An effect put on the line: name, location and (key, value) parameters, hashable.
+
+    ``record`` : the only record that it is in, by its number; None: in all.
+    """
 
     effect: str
     location: str
     parameters: tuple[tuple[str, Value], ...]
+    record: int | None = None
 
     def entry(self) -> EffectEntry:
         """Return the declaration's entry."""
@@ -46,8 +52,8 @@ class Case:
     """One simulation: effects put on the line, declared numbers shifted, noise, step.
 
     ``shifts`` are (nuisance name, amount); ``ripples`` are (body, order, cos_m, sin_m) of the
-    support function, for shapes of any order. ``coarse`` takes a longer drive tick: only
-    differences between two coarse runs are used, never their level.
+    support function, for shapes of any order. ``coarse`` takes the quick drive tick, longer
+    than the declared one: only differences between two such runs are used, never their level.
     """
 
     effects: tuple[Added, ...] = ()
@@ -55,6 +61,12 @@ class Case:
     shifts: tuple[tuple[str, float], ...] = ()
     seed: int | None = None
     coarse: bool = True
+
+
+def seen_by(case: Case, record: int) -> Case:
+    """Return the case as the record of this number has it."""
+    effects = tuple(e for e in case.effects if e.record in (None, record))
+    return case if len(effects) == len(case.effects) else replace(case, effects=effects)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -65,7 +77,10 @@ class Twin:
     ----------
     channels : names of the recorded channels that the declaration explains, in report order.
     speed_m_s, tension_N : reference columns (samples,).
-    aff_m_s : recorded corrections per roller, (samples,) each.
+    aff_m_s : corrections per driven roller that acted after each row, (samples,) each.
+    aff_N_m : the same for those that add to the torque of its drive.
+    word_steps : per channel one count of the word that it was recorded in, SI; a sensor's own
+        resolution is its declaration's.
     """
 
     declaration: Declaration
@@ -73,6 +88,8 @@ class Twin:
     speed_m_s: Array
     tension_N: Array
     aff_m_s: dict[str, Array]
+    aff_N_m: dict[str, Array] = field(default_factory=dict)
+    word_steps: dict[str, float] = field(default_factory=dict)
 
     def simulate(self, case: Case) -> Array:
         """Return all channels (channels, samples) of one case.
@@ -130,8 +147,20 @@ class Twin:
         run = self.line(case)
         # a line that runs has its noise before a record begins as well
         run.settle(COARSE_SETTLE_S if case.coarse else FINE_SETTLE_S, quiet=case.seed is None)
-        out = run.simulate(self.speed_m_s, self.tension_N, self.aff_m_s)
+        out = run.simulate(self.speed_m_s, self.tension_N, self.aff_m_s, self.aff_N_m)
+        if case.seed is not None:
+            self._put_in_words(out, case.seed)
         return np.stack([out[name] for name in self.channels]), out["body_angle_rad"].T
+
+    def _put_in_words(self, out: dict[str, Array], seed: int) -> None:
+        """Add what the words leave of readings: as if each fell anywhere within its count.
+
+        What rounding really does depends on how a reading passes the counts, with an effect on
+        the line otherwise than without it; a noise that is there either way is on the safe side.
+        """
+        rng = np.random.default_rng([seed, WORDS])
+        for name, step in sorted(self.word_steps.items()):
+            out[name] = out[name] + step * (rng.random(out[name].size) - 0.5)
 
 
 def modelled_channels(line: Declaration, columns: Sequence[str]) -> tuple[str, ...]:

@@ -17,10 +17,6 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.noise.drift import drift_standard_deviations, drift_whitened
 
-AR_ORDER = 24
-"""Taps of the filter that makes declared noise white."""
-COLOUR_ORDER = 12
-"""Taps of the filter that puts its colour right."""
 NOISE = CRITERIA.noise
 
 
@@ -30,7 +26,7 @@ def first_judged(samples: int, sample_time_s: float) -> int:
 
 
 def whitening_filter(
-    noise: Array, order: int = AR_ORDER, white_share: float = 0.0
+    noise: Array, order: int = NOISE.whitening_taps, white_share: float = 0.0
 ) -> tuple[Array, float]:
     """Return prediction-error taps (order + 1,) and innovation sd of noise (runs, samples).
 
@@ -64,7 +60,8 @@ class NoiseModel:
     first : first judged sample.
     words : per channel, the filters to choose from by the data (taps, sd), where the noise is
         that of a coarse word alone: a sawtooth that late scans make white; else empty.
-    slow : sd of the slowest cosines of the innovations (channels, terms), see ``wander``.
+    slow : sd of the slowest cosines of the innovations (channels, terms), see
+        ``drift_standard_deviations``.
     """
 
     filters: tuple[Array, ...]
@@ -86,6 +83,11 @@ class NoiseModel:
             ]
         )
         return found if found.any() else np.ones(found.size, dtype=bool)
+
+    @property
+    def share(self) -> Array:
+        """Power of a channel's noise over that of its innovations (channels,), 1 at most."""
+        return np.minimum(1.0, (self.floor / self.sd) ** 2)
 
     def whiten(self, values: Array) -> Array:
         """Return unit-variance innovations (channels, judged) of (channels, samples)."""
@@ -120,7 +122,7 @@ class NoiseModel:
 def _unlikely(values: Array, taps: Array) -> float:
     """Return how badly noise of this colour explains the upper half band, its level free.
 
-    Equation: Whittle's likelihood, log(mean P/S) + mean log S with S = 1 / |A|^2.
+    Equation: Whittle's likelihood [Whittle 1953], log(mean P/S) + mean log S with S = 1 / |A|^2.
     """
     power = periodogram(values)
     upper = slice(power.size // 2, None)
@@ -177,6 +179,7 @@ def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
     line = twin.declaration
     steps = {s.channel: s.lsb_m for s in line.sensors if isinstance(s, RollRadius)}
     words = {s.channel for s in line.sensors if isinstance(s, RollAngle)}
+    words |= _rounded(twin, runs)
     found = noise_model(
         runs,
         first_judged(runs.shape[2], line.sample_time_s),
@@ -192,6 +195,19 @@ def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
     return replace(
         found, slow=drift_standard_deviations(np.stack([found.whiten(run) for run in runs]))
     )
+
+
+def _rounded(twin: Twin, runs: Array) -> set[str]:
+    """Return channels whose noise (runs, channels, samples) is mostly the rounding of their word.
+
+    A ripple of some counts comes out of the rounding with orders that no roll has.
+    """
+    rms = np.sqrt(np.mean(np.square(runs - runs.mean(axis=2, keepdims=True)), axis=(0, 2)))
+    return {
+        name
+        for name, size in zip(twin.channels, rms, strict=True)
+        if twin.word_steps.get(name, 0.0) ** 2 / 12.0 > NOISE.rounded_share * size**2
+    }
 
 
 def periodogram(values: Array) -> Array:
@@ -234,7 +250,7 @@ def colour_filter(power: Array) -> tuple[Array, float]:
     edges = np.array(NOISE.bands)
     grid = np.linspace(0.0, 1.0, 257)
     shape = np.interp(grid, 0.5 * (edges[1:] + edges[:-1]), power)
-    lags = np.fft.irfft(shape)[: COLOUR_ORDER + 1]
+    lags = np.fft.irfft(shape)[: NOISE.colour_taps + 1]
     weights = solve_toeplitz(lags[:-1], lags[1:])
     taps = np.concatenate(([1.0], -weights))
     return taps, float(np.sqrt(lags[0] - weights @ lags[1:]))

@@ -1,4 +1,4 @@
-"""How large a record may be, said before a library multiplies it, and what is told of it."""
+"""How large a record may be: checked before a library multiplies it, and reported."""
 
 from __future__ import annotations
 

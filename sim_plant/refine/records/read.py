@@ -1,4 +1,4 @@
-"""Read a record: CSV (also .gz), Parquet or MDF; say what is odd, refuse the rest."""
+"""Read a record: CSV (also .gz), Parquet, MDF or a run; say what is odd, refuse the rest."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
+from aff_runtime.base.run_window import names_a_run
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import read_plain
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.in_child import table_from_child
 from sim_plant.refine.records.limits import FILE_BYTES, check_name, shown
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
+from sim_plant.refine.records.run_record import read_run_record
 from sim_plant.refine.records.sanity import counted_on, even_grid, oddities, place_of
 from sim_plant.refine.records.text_table import text_table
 from sim_plant.refine.records.units import TO_SI, canonical, split_header
@@ -28,7 +30,7 @@ KINDS = {
 }
 
 
-def read_record(path: str | Path) -> Record:
+def read_record(path: str | Path) -> Recording:
     """Return the record in ``path``, SI, on an even grid.
 
     Parquet and MDF go through large libraries, one of which evaluates text: a child of its own
@@ -44,6 +46,8 @@ def read_record(path: str | Path) -> Record:
         stamps have gaps; the message names file, column and line.
     """
     path = Path(path)
+    if names_a_run(path):
+        return read_run_record(path)
     kind = kind_of(path)
     payload = read_plain(path, FILE_BYTES)
     said: list[str] = []
@@ -68,7 +72,7 @@ def read_record(path: str | Path) -> Record:
         _finite(path, name, values)
     columns, counted = counted_on(columns)
     sample_time_s, columns, findings = even_grid(path, time_s, columns)
-    return Record(
+    return Recording(
         path=path,
         sha256=hashlib.sha256(payload).hexdigest(),
         sample_time_s=sample_time_s,
@@ -83,7 +87,8 @@ def kind_of(path: Path) -> str:
         if path.name.lower().endswith(endings):
             return kind
     raise PlantError(
-        f"{shown(path)}: unknown kind of file; give .csv, .csv.gz, .parquet, .mf4 or .mdf"
+        f"{shown(path)}: unknown kind of file; give .csv, .csv.gz, .parquet, .mf4 or "
+        ".mdf, or the folder of a run (RUN_DIR or RUN_DIR@FROM..TO)"
     )
 
 

@@ -3,25 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.records.run_phases import Phases
+from sim_plant.refine.records.run_site import RunSite
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Record:
+class RunFacts:
+    """What is known of a record beside its columns when it is a part of a service's run.
+
+    Attributes
+    ----------
+    site : what the run's own site file says.
+    phases : what line and service did in it.
+    delivery_known : per actuator, whether the PLC says what it added and when.
+    """
+
+    site: RunSite
+    phases: Phases
+    delivery_known: Mapping[str, bool]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Recording:
     """Columns of one record on an even time grid, SI.
 
     Attributes
     ----------
-    path : the file.
-    sha256 : of its bytes.
+    path : the file, or the run folder with its times.
+    sha256 : of its bytes; of a run, of the values taken.
     sample_time_s : of the grid.
     columns : channel -> values (samples,), without the time.
     findings : sentences about what was odd and what was done.
+    zeros_rad : per angle channel, what was taken off it so that it begins at zero.
+    run : set where the record is a part of a run.
     """
 
     path: Path
@@ -29,6 +49,8 @@ class Record:
     sample_time_s: float
     columns: Mapping[str, Array]
     findings: tuple[str, ...] = ()
+    zeros_rad: Mapping[str, float] = field(default_factory=dict)
+    run: RunFacts | None = None
 
     @property
     def samples(self) -> int:

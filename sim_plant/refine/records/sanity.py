@@ -124,14 +124,21 @@ def oddities(columns: Mapping[str, Array]) -> list[str]:
                 and "_ref_" not in name
             ):
                 found.append(f"{name} sits at its {side} {level:g} for {100 * stuck:.0f} %")
-        spikes = count_spikes(values)
+        spikes = count_spikes(values, smallest if levels.size > RECORDS.stuck_levels else 0.0)
         if spikes:
             found.append(f"{name} has {spikes} spike{'s' * (spikes > 1)}")
     return found
 
 
-def count_spikes(values: Array) -> int:
-    """Return how many single samples stand far off their neighbours (Hampel)."""
+def count_spikes(values: Array, count: float = 0.0) -> int:
+    """Return how many single samples stand far off their neighbours (Hampel).
+
+    One ``count`` of a coarse word to or fro is no spike.
+    """
     off = (values - median_filter(values, 7))[3:-3]  # at its ends a ramp looks like a spike
     spread = max(1.4826 * float(np.median(np.abs(off - np.median(off)))), 0.5 * float(np.std(off)))
-    return 0 if spread == 0.0 else int(np.sum(np.abs(off) > RECORDS.spike_sigma * spread))
+    return (
+        0
+        if spread == 0.0
+        else int(np.sum(np.abs(off) > max(RECORDS.spike_sigma * spread, 1.5 * count)))
+    )

@@ -1,4 +1,4 @@
-"""CSV records, packed or not: columns of numbers under one line of names."""
+"""CSV records, gzip or plain: columns of numbers under one line of names."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def text_table(path: Path, payload: bytes) -> dict[str, Array]:
     Raises
     ------
     PlantError
-        With file, line and column: torn or no text, too large, a row of another length, a cell
-        that is no number.
+        With file, line and column: truncated or no text, too large, fewer than two rows, a row of
+        another length, a cell that is no number.
     """
     try:
         with text_stream(path, payload, TEXT_BYTES) as stream:
@@ -83,7 +83,8 @@ def _columns(path: Path, lines: Iterator[str]) -> dict[str, Array]:
             raise PlantError(_no_number(path, number, header, cells)) from error
         check_size(path, len(header), len(values))
     if number < 3:
-        raise PlantError(f"{shown(path)}: holds no rows")
+        held = "no rows" if number < 2 else "one row"
+        raise PlantError(f"{shown(path)}: holds {held}; a record needs two or more")
     if len(set(header)) < len(header):
         raise PlantError(f"{shown(path)}: line 1: a column name appears twice")
     rows = np.array(values).reshape(-1, len(header))
@@ -117,7 +118,7 @@ def _no_number(path: Path, number: int, header: list[str], cells: list[str]) -> 
     """Return what is wrong in a row with a cell that is no number."""
     for name, cell in zip(header, cells, strict=True):
         try:
-            float(cell or "nan")
+            float(cell.strip() or "nan")
         except ValueError:
             return (
                 f"{shown(path)}: line {number}: column {printable(name, _CELL_SHOWN)}: "

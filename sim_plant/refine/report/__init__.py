@@ -9,6 +9,7 @@ __all__ = [
     "outcome",
     "page",
     "plain",
+    "site_edit",
     "verdict",
     "wording",
 ]

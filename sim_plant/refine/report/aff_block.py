@@ -14,7 +14,7 @@ from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.plain import plain
 from sim_plant.refine.report.start_values import StartValue, start_values
 from sim_plant.refine.report.verdict import EffectFinding
@@ -66,23 +66,33 @@ def write_block(
     out: Path,
     findings: Sequence[EffectFinding],
     declaration: Declaration | None = None,
-    record: Record | None = None,
+    record: Recording | None = None,
 ) -> Path | None:
     """Write the AFF blocks to paste under an actuator of the site file; None without any.
 
     With the ``declaration`` the block of a driven roller carries the deviations that law shape
     may start from, for every order that has one; their angles count from ``record``'s channel.
     """
-    blocks = aff_blocks(findings)
+    blocks = started_blocks(findings, declaration, record)
     if not blocks:
         return None
-    if declaration is not None:
-        blocks = [with_start(block, findings, declaration, record) for block in blocks]
     path = out / FILE
     head = HEAD + "".join(_as_roll(block.roll, declaration) for block in blocks)
     entries = "".join(_text(block) for block in blocks)
     path.write_text(f"{head}    blocks:\n{entries}", encoding="utf-8")
     return path
+
+
+def started_blocks(
+    findings: Sequence[EffectFinding],
+    declaration: Declaration | None = None,
+    record: Recording | None = None,
+) -> list[AffBlock]:
+    """Return the blocks with what law shape may start from, as `write_block` writes them."""
+    blocks = aff_blocks(findings)
+    if declaration is None:
+        return blocks
+    return [with_start(block, findings, declaration, record) for block in blocks]
 
 
 def _text(block: AffBlock) -> str:
@@ -121,7 +131,7 @@ def with_start(
     block: AffBlock,
     findings: Iterable[EffectFinding],
     declaration: Declaration,
-    record: Record | None,
+    record: Recording | None,
 ) -> AffBlock:
     """Return the block with start values where a drive turns its roller."""
     if block.roll not in {drive.roller for drive in declaration.control.drives}:

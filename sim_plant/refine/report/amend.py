@@ -10,7 +10,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import LineFile, load_declaration
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.plain import plain
 from sim_plant.refine.report.verdict import Verdict, rms_rows
 from sim_plant.refine.report.yaml_edit import with_keys
@@ -29,7 +29,7 @@ def write_amended(
     line: LineFile,
     out: Path,
     selection: Selection,
-    records: Sequence[Record],
+    records: Sequence[Recording],
     command: str,
     verdict: Verdict,
     stated: Sequence[EffectEntry] | None = None,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 
 
-def holdout_limits(held: Sequence[Record]) -> list[str]:
+def holdout_limits(held: Sequence[Recording]) -> list[str]:
     """Return what the number of held-out records keeps from being claimed, as sentences."""
     if not held:
         return ["no held-out record: the error after is that of the record fitted"]
@@ -17,7 +17,7 @@ def holdout_limits(held: Sequence[Record]) -> list[str]:
 
 
 def announce(
-    limits: Iterable[str], records: Iterable[Record], progress: Callable[[str], None]
+    limits: Iterable[str], records: Iterable[Recording], progress: Callable[[str], None]
 ) -> None:
     """Say what cannot be claimed and what was found about every record."""
     for text in limits:

@@ -16,11 +16,17 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.refine.model.record_match import sidecar_of
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.outcome import Plan
 
 FRESH = ".refine-"
-FILES = ("verdict.json", "report.html", "line_amended.yaml", "aff_block.yaml")
+FILES = (
+    "verdict.json",
+    "report.html",
+    "line_amended.yaml",
+    "aff_block.yaml",
+    "site_proposed.yaml",
+)
 
 
 def check_folder(plan: Plan) -> None:
@@ -45,12 +51,18 @@ def check_folder(plan: Plan) -> None:
             )
     ours = {os.path.realpath(plan.out / name) for name in FILES}
     records = (*plan.records, *plan.holdout)
-    for path in (plan.line, *records, *(sidecar_of(path) for path in records if path.name)):
+    given = () if plan.site is None else (plan.site,)
+    for path in (
+        plan.line,
+        *given,
+        *records,
+        *(sidecar_of(path) for path in records if path.name),
+    ):
         if os.path.realpath(path) in ours:  # unlike resolve, no error on links in a circle
             raise PlantError(f"{path}: would be overwritten; choose another --out")
 
 
-def check_apart(records: Sequence[Record], held: Sequence[Record]) -> None:
+def check_apart(records: Sequence[Recording], held: Sequence[Recording]) -> None:
     """Refuse a record that is given twice: an error on what was fitted proves nothing.
 
     Raises
@@ -66,7 +78,7 @@ def check_apart(records: Sequence[Record], held: Sequence[Record]) -> None:
             )
 
 
-def _same(first: Record, second: Record) -> bool:
+def _same(first: Recording, second: Recording) -> bool:
     if first.sha256 == second.sha256:
         return True
     return first.columns.keys() == second.columns.keys() and all(
@@ -88,9 +100,9 @@ def _alone(folder: Path) -> Iterator[None]:
 
 
 def publish(plan: Plan, write: Callable[[Plan], None]) -> None:
-    """Let ``write`` fill a folder beside the results, then put them in place together.
+    """Let ``write`` fill a folder next to the results, then put them in place together.
 
-    A result of an earlier run that this one does not have is taken away: an old AFF block beside
+    A result of an earlier run that this one does not have is removed: an old AFF block with
     a new verdict would be pasted.
 
     Raises

@@ -9,7 +9,8 @@ from pathlib import Path
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.load import LineFile
 from sim_plant.refine.judge.holdout import Evaluation
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
+from sim_plant.refine.report.site_edit import Proposal
 from sim_plant.refine.report.verdict import Verdict
 from sim_plant.refine.search.selection import Selection
 
@@ -26,6 +27,7 @@ class Plan:
     out : folder to write.
     without : effects left out of the library.
     workers : processes.
+    site : site file that the AFF block is to go into; None: none.
     """
 
     line: Path
@@ -34,6 +36,7 @@ class Plan:
     out: Path
     without: tuple[str, ...] = ()
     workers: int = 2
+    site: Path | None = None
 
     @property
     def command(self) -> str:
@@ -43,6 +46,8 @@ class Plan:
             parts += ["--holdout", str(path)]
         for name in self.without:
             parts += ["--without", name]
+        if self.site is not None:
+            parts += ["--site", str(self.site)]
         return shlex.join([*parts, "--out", str(self.out)])
 
 
@@ -55,13 +60,15 @@ class Outcome:
     line : the line file.
     declared : the line as it was when the first record fitted began: its effects as they stood.
     limits : what cannot be claimed, as sentences.
+    proposal : the site file with the AFF blocks, where one was given and there are any.
     """
 
     plan: Plan
     line: LineFile
     declared: Declaration
-    records: tuple[Record, ...]
+    records: tuple[Recording, ...]
     limits: tuple[str, ...]
     selection: Selection
     evaluation: Evaluation
     verdict: Verdict
+    proposal: Proposal | None = None

@@ -85,8 +85,8 @@ def _left(judged: Evaluation, ranked: Sequence[int]) -> str:
     above = above_noise(judged, ranked)
     if not above:
         return "As amended, all tensions and speeds are within 10 % of noise."
-    told = ", ".join(f"{name} (x {ratio:.2f})" for name, ratio in above.items())
-    return f"As amended, more than 10 % above noise: {told}."
+    named = ", ".join(f"{name} (x {ratio:.2f})" for name, ratio in above.items())
+    return f"As amended, more than 10 % above noise: {named}."
 
 
 def above_noise(judged: Evaluation, ranked: Sequence[int]) -> dict[str, float]:

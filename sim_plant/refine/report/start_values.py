@@ -16,7 +16,7 @@ from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.with_effects import apply_effects
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 
 POINTS = 1024
 
@@ -35,7 +35,7 @@ def start_values(
     effects: Sequence[EffectEntry],
     roller: str,
     orders: Sequence[int],
-    record: Record | None,
+    record: Recording | None,
 ) -> list[StartValue]:
     """Return the start values of an AFF block.
 
@@ -51,7 +51,8 @@ def start_values(
     spectrum = np.fft.rfft(arm_m) * (2.0 / arm_m.size)
     first_rad = 0.0
     if record is not None and f"{roller}_angle_rad" in record.columns:
-        first_rad = float(record.columns[f"{roller}_angle_rad"][0])
+        name = f"{roller}_angle_rad"
+        first_rad = float(record.columns[name][0]) + record.zeros_rad.get(name, 0.0)
     rows = []
     for order in orders:
         w = complex(spectrum[order]) * cmath.exp(-1j * order * first_rad)

@@ -47,7 +47,7 @@ class UnknownFinding:
 
     Attributes
     ----------
-    kind : ``time``, ``travel``, ``angle``, ``state`` or ``broadband``.
+    kind : ``time``, ``travel``, ``angle``, ``event``, ``state`` or ``broadband``.
     coordinate : where it is, by name.
     strength : chi-square that a free term would explain.
     """

@@ -41,12 +41,12 @@ def label(parameter: str, unit: str) -> str:
 
 
 def place_of(location: str) -> str:
-    """Return a location as words."""
+    """Return a location as text."""
     return "all load cells" if location == "all" else location
 
 
 def place_words(place: Place) -> str:
-    """Return ``effect at place`` as words."""
+    """Return ``effect at place`` as text."""
     return f"{place.effect.replace('_', ' ')} at {place_of(place.location)}"
 
 
@@ -57,7 +57,7 @@ def remedy(effect: str, place: str) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NumberRow:
-    """One parameter of a finding as words; ``low`` and ``high`` (95 %) are empty where assumed."""
+    """One parameter of a finding as text; ``low`` and ``high`` (95 %) are empty where assumed."""
 
     key: str
     name: str
@@ -68,7 +68,7 @@ class NumberRow:
 
 
 def number_rows(finding: EffectFinding) -> list[NumberRow]:
-    """Return the parameters of an effect as words."""
+    """Return the parameters of an effect as text."""
     return [
         _number_row(finding.place.effect, key, value, finding.interval95.get(key))
         for key, value in finding.parameters.items()
@@ -123,17 +123,14 @@ def size_of(finding: EffectFinding) -> str:
 
 
 def coordinate_text(kind: str, where: Mapping[str, float | str]) -> str:
-    """Return what is known of an unknown as words."""
-    if kind == "time":
-        return f"something that repeats in time, {where['frequency_Hz']:.4g} Hz at every speed"
-    if kind == "travel":
-        wavenumber = float(where["wavenumber_1_m"])
+    """Return what is known of an unknown as text."""
+    if kind in ("time", "travel", "angle"):
+        return _rhythm_text(kind, where)
+    if kind == "event":
         return (
-            f"something that repeats every {1e3 / wavenumber:.4g} mm of web ({wavenumber:.5g} "
-            f"1/m); a roller of {1e3 * float(where['equivalent_radius_m']):.4g} mm radius turns so"
+            f"an event at {float(where['from_s']):.2f} s in {where['zone']}, first seen in "
+            f"{where['channel']}; ask what was done on the line then"
         )
-    if kind == "angle":
-        return f"something that repeats {where['order']:.4g} times per turn of {where['roll']}"
     if kind == "state":
         return (
             f"declared number {where['declared']} fits only {where['standard_deviations']:+.3g} "
@@ -146,3 +143,15 @@ def coordinate_text(kind: str, where: Mapping[str, float | str]) -> str:
             "together as the declared noise does; look at the drive and the web between them"
         )
     return "noise above the line's own, at no frequency in particular"
+
+
+def _rhythm_text(kind: str, where: Mapping[str, float | str]) -> str:
+    if kind == "time":
+        return f"something that repeats in time, {where['frequency_Hz']:.4g} Hz at every speed"
+    if kind == "angle":
+        return f"something that repeats {where['order']:.4g} times per turn of {where['roll']}"
+    wavenumber = float(where["wavenumber_1_m"])
+    return (
+        f"something that repeats every {1e3 / wavenumber:.4g} mm of web ({wavenumber:.5g} "
+        f"1/m); a roller of {1e3 * float(where['equivalent_radius_m']):.4g} mm radius turns so"
+    )

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import difflib
 import io
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -23,6 +24,9 @@ from ruamel.yaml.tokens import CommentToken
 from ruamel.yaml.util import load_yaml_guess_indent
 
 WIDTH = 110
+MOST_ALIKE = 2_000_000
+"""Pairs of equal lines in a text; their number is what comparing it with another one costs. A
+declaration of 600 lines has some thousands, 10 000 empty comments took 50 s."""
 
 
 class SpelledFloat(float):
@@ -55,26 +59,38 @@ Constructor.add_constructor("tag:yaml.org,2002:float", SpelledFloat.read)
 Representer.add_representer(SpelledFloat, SpelledFloat.write)
 
 
-def with_keys(text: str, changes: Mapping[str, Any]) -> str:
+class RoundTrip(YAML):
+    """Reader and writer of one text; ``short`` writes new lists of plain values on one line."""
+
+    short: bool = False
+
+
+def with_keys(text: str, changes: Mapping[str, Any], *, short: bool = False) -> str:
     """Return a YAML mapping with these keys of its top level at these values.
 
     Values are plain (numbers, texts, lists, mappings). What a value has in common with the one
     that is there keeps its comments; new keys come last. Where ruamel cannot read a text that
-    YAML 1.1 allows, or would render a comment into a value, values come first: the comments are
-    lost then.
+    YAML 1.1 allows, or would render a comment into a value, or where too many lines are alike to
+    compare them, values come first: the comments are lost then. ``short`` puts what is new and
+    holds plain values only on one line, as in ``orders: [1, 2]``.
     """
     wanted = {**yaml.safe_load(text), **changes}
     try:
-        found = _edited(text, changes)
+        found = "" if _is_too_alike(text) else _edited(text, changes, short=short)
         faithful = yaml.safe_load(found) == wanted
     except (YAMLError, yaml.YAMLError):
         faithful = False
     return found if faithful else yaml.safe_dump(wanted, sort_keys=False, width=WIDTH)
 
 
-def _edited(text: str, changes: Mapping[str, Any]) -> str:
+def _is_too_alike(text: str) -> bool:
+    return sum(count * count for count in Counter(text.splitlines()).values()) > MOST_ALIKE
+
+
+def _edited(text: str, changes: Mapping[str, Any], *, short: bool) -> str:
     """Return the owner's lines with those that the change makes other."""
     round_trip = _round_trip(text)
+    round_trip.short = short
     data = round_trip.load(text)
     before = _rendered(round_trip, data)
     for key, value in changes.items():
@@ -90,10 +106,10 @@ def _edited(text: str, changes: Mapping[str, Any]) -> str:
     return "".join(_spelled_as(text.splitlines(keepends=True), before, after))
 
 
-def _round_trip(text: str) -> YAML:
+def _round_trip(text: str) -> RoundTrip:
     """Return a reader and writer that indents as ``text`` does."""
     _, indent, offset = load_yaml_guess_indent(text)
-    found = YAML()
+    found = RoundTrip()
     found.Constructor, found.Representer = Constructor, Representer
     found.preserve_quotes = True
     found.width = WIDTH
@@ -101,75 +117,107 @@ def _round_trip(text: str) -> YAML:
     return found
 
 
-def _rendered(round_trip: YAML, data: CommentedMap) -> list[str]:
+def _rendered(round_trip: RoundTrip, data: CommentedMap) -> list[str]:
     out = io.StringIO()
     round_trip.dump(data, out)
     return out.getvalue().splitlines(keepends=True)
 
 
-def _put(round_trip: YAML, node: Any, value: Any) -> Any:
+def _put(round_trip: RoundTrip, node: Any, value: Any) -> Any:
     """Return ``node`` with this value; parts that are as they were keep comments and spelling."""
     if isinstance(node, CommentedMap | CommentedSeq) and (
         node.anchor.value or not node or not value
     ):
         return _new(round_trip, value)  # what is named elsewhere too stays as it is there
     if isinstance(node, CommentedMap) and isinstance(value, Mapping):
-        for key in [key for key in node if key not in value]:
-            del node[key]
-        for key, item in value.items():
-            if key in node:
-                node[key] = _put(round_trip, node[key], item)
-            else:
-                _add(round_trip, node, key, item)
-        return node
+        return _put_mapping(round_trip, node, value)
     if isinstance(node, CommentedSeq) and isinstance(value, list):
         del node[len(value) :]
-        for k, item in enumerate(value):
-            if k < len(node):
-                node[k] = _put(round_trip, node[k], item)
-            else:
-                node.append(_new(round_trip, item))
+        for k, item in enumerate(node):
+            node[k] = _put(round_trip, item, value[k])
+        if len(value) > len(node):
+            below = _taken_from_below(node, len(node) - 1)
+            node.extend(_new(round_trip, item) for item in value[len(node) :])
+            _put_below(node, len(node) - 1, below)
         return node
     same = type(value) in (int, float, str) and not isinstance(node, bool) and node == value
     return node if same else _new(round_trip, value)
 
 
-def _add(round_trip: YAML, node: CommentedMap, key: str, value: Any) -> None:
+def _put_mapping(round_trip: RoundTrip, node: CommentedMap, value: Any) -> Any:
+    """Return a mapping with these values; new keys come last, before the comments below."""
+    for key in [key for key in node if key not in value]:
+        del node[key]
+    for key in node:
+        node[key] = _put(round_trip, node[key], value[key])
+    fresh = {key: item for key, item in value.items() if key not in node}
+    if not node:
+        return _new(round_trip, value)
+    if fresh:
+        last = list(node)[-1]
+        below = _taken_from_below(node, last)
+        for key, item in fresh.items():
+            _add(round_trip, node, key, item)
+        _put_below(node, list(node)[-1], below)
+    return node
+
+
+def _add(round_trip: RoundTrip, node: CommentedMap, key: str, value: Any) -> None:
     """Put a new key into a mapping, the key spelled for YAML 1.1 too."""
     for spelled, item in _new(round_trip, {key: value}).items():
         node[spelled] = item
 
 
-def _new(round_trip: YAML, value: Any) -> Any:
+def _new(round_trip: RoundTrip, value: Any) -> Any:
     """Return a value spelled so that a reader of YAML 1.1 takes it for what it is: 1.0e-05."""
-    return round_trip.load(yaml.safe_dump(value, sort_keys=False, width=WIDTH))
+    style = None if round_trip.short else False
+    text = yaml.safe_dump(value, sort_keys=False, width=WIDTH, default_flow_style=style)
+    return round_trip.load(text)
 
 
-def _end_of(data: CommentedMap, key: str) -> tuple[Any, Any, int]:
+def _end_of(data: CommentedMap | CommentedSeq, key: Any) -> tuple[Any, Any, int]:
     """Return where the last comment of a value hangs: node, its key or index, and the slot."""
     node: Any = data
     last: Any = key
     while isinstance(node[last], CommentedMap | CommentedSeq) and node[last]:
+        if node[last].fa.flow_style():
+            break  # what follows a value in braces hangs outside of them
         node = node[last]
         last = len(node) - 1 if isinstance(node, CommentedSeq) else list(node)[-1]
     return node, last, 0 if isinstance(node, CommentedSeq) else 2
 
 
-def _taken_from_below(data: CommentedMap, key: str) -> CommentToken | None:
-    """Take the lines of comment below a value off it, if any; what is beside its end stays."""
+def _taken_from_below(data: CommentedMap | CommentedSeq, key: Any) -> CommentToken | None:
+    """Remove the comment lines below a value, if any, that are said of what follows.
+
+    One on the value's own line stays, and so do those that stand further in than the keys of
+    ``data``: they are said of the value.
+    """
     node, last, slot = _end_of(data, key)
     token = (node.ca.items.get(last) or [None] * 4)[slot]
-    beside, _, below = token.value.partition("\n") if token is not None else ("", "", "")
+    same_line, _, below = token.value.partition("\n") if token is not None else ("", "", "")
+    own, below = _own_lines(below, data.lc.col or 0)
     if not below:
         return None
-    if beside:
-        token.value = f"{beside}\n"
+    if same_line or own:
+        token.value = f"{same_line}\n{own}"
     else:
         node.ca.items[last][slot] = None
     return CommentToken(f"\n{below}", token.start_mark, None)
 
 
-def _put_below(data: CommentedMap, key: str, below: CommentToken | None) -> None:
+def _own_lines(text: str, column: int) -> tuple[str, str]:
+    """Return the first lines of comment that stand further in than ``column``, and the others."""
+    lines = text.splitlines(keepends=True)
+    own = 0
+    for k, line in enumerate(lines):
+        if line.strip() and len(line) - len(line.lstrip()) <= column:
+            break
+        own = k + 1 if line.strip() else own
+    return "".join(lines[:own]), "".join(lines[own:])
+
+
+def _put_below(data: CommentedMap | CommentedSeq, key: Any, below: CommentToken | None) -> None:
     """Hang lines of comment below a value."""
     if below is None:
         return

@@ -47,7 +47,7 @@ def explains_own_lines(
     fresh = fit.hypotheses[len(base.hypotheses) :]
     periodic = [h for h in fresh if periodic_support(h, travels[0], before[0]) is not None]
     if not periodic:
-        sure = base.cost - objective.expected_cost - sure_excess(objective)
+        sure = objective.excess(base.cost, base.residual) - sure_excess(objective)
         peak = strongest_peak(before)[2] - NOISE_PEAK
         share = max(COMPLETENESS.explained_share * peak, COMPLETENESS.fair_share * sure)
         return chi2_reduction > share

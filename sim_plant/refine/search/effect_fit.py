@@ -1,4 +1,4 @@
-"""One effect fitted beside those that are there already, by its profiles where it has some."""
+"""One effect fitted with those accepted already, by its profiles where it has some."""
 
 from __future__ import annotations
 
@@ -11,7 +11,11 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
-from sim_plant.refine.fit.roll_synchronisation import effective_radius_of, synchronising_shifts
+from sim_plant.refine.fit.roll_synchronisation import (
+    effective_radius_of,
+    is_effective_radius,
+    synchronising_shifts,
+)
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.model.parameter_effects import within_tolerance
 from sim_plant.refine.search.candidate import (
@@ -26,7 +30,7 @@ from sim_plant.refine.search.candidate import (
 def fit_candidates(
     objective: Objective, base: Fit, candidates: Sequence[Candidate], progress: Progress
 ) -> list[FittedCandidate]:
-    """Return ``base`` with each candidate fitted beside it, unless it is no estimate."""
+    """Return ``base`` with each candidate fitted in addition, unless it is no estimate."""
     found = []
     for candidate in candidates:
         fit = fit_candidate(objective, base, candidate)
@@ -41,7 +45,8 @@ def fit_candidate(objective: Objective, base: Fit, candidate: Candidate) -> Fit 
     """Return ``base`` with one more effect, None where its numbers are no estimate."""
     h = candidate.hypothesis
     if h.effect.profiles is None:
-        return with_effect(objective, base, h, candidate.start, base.shifts)
+        shifts = base.shifts if h.effect.order_locked else rolling_only(base.shifts)
+        return with_effect(objective, base, h, candidate.start, shifts)
     shifts = _without_radius(base.shifts, h.location)
     fits = []
     for profile, start in _profile_starts(objective, base, h):
@@ -57,6 +62,15 @@ def fit_candidate(objective: Objective, base: Fit, candidate: Candidate) -> Fit 
     return best
 
 
+def rolling_only(shifts: dict[str, float]) -> dict[str, float]:
+    """Return shifts of effective radii alone.
+
+    Without the effect, other declared numbers have moved to imitate it; from there a fit would
+    not find back.
+    """
+    return {name: value for name, value in shifts.items() if is_effective_radius(name)}
+
+
 def with_effect(
     objective: Objective,
     base: Fit,
@@ -70,13 +84,29 @@ def with_effect(
         objective, (*base.hypotheses, h), (*base.values, tuple(start)), shifts, rounds=rounds
     )
     found, line = fit.values[-1], objective.pool.twins[0].declaration
-    if not np.isfinite(fit.cost) or h.at_bound(found):
+    if not np.isfinite(fit.cost) or h.at_bound(found) or not certain_size(fit):
         return None
     return None if within_tolerance(line, objective.nuisances, h, found) else fit
 
 
+def certain_size(fit: Fit) -> bool:
+    """Return whether the last effect's strengths, all else free, are known to be something.
+
+    Equation: a' C^-1 a > chi-square of certain_size  [Wald]. A line whose frequency and size can
+    be traded for drift fits well and says nothing of how large it is.
+    """
+    h, values = fit.hypotheses[-1], fit.values[-1]
+    if h.curved or not fit.covariance.size:
+        return True
+    at = fit.covariance.shape[0] - len(values)
+    inside = slice(at, at + h.strengths)
+    size = np.subtract(values[: h.strengths], h.absent[: h.strengths])
+    known = np.linalg.lstsq(fit.covariance[inside, inside], size, rcond=None)[0]
+    return bool(size @ known > CRITERIA.search.acceptance.certain_size)
+
+
 def profile_reinitialised(objective: Objective, fit: Fit) -> Fit:
-    """Return the fit with its profiles found anew beside all else, where that explains more.
+    """Return the fit with its profiles found anew with all else, where that explains more.
 
     A second effect (a delay, a filter) changes how the line answers a shape: angles that were
     found without it are off by its phase, more than a step can mend.
@@ -118,7 +148,7 @@ def _without_radius(shifts: dict[str, float], roll: str) -> dict[str, float]:
 def _profile_starts(
     objective: Objective, fit: Fit, h: Hypothesis
 ) -> list[tuple[Hypothesis, tuple[float, ...]]]:
-    """Return named profiles where ``h`` (free orders) is that explain most beside ``fit``."""
+    """Return the named profiles that explain most in addition to ``fit``, for ``h`` (free)."""
     profiles = h.effect.profiles
     if profiles is None:
         return []

@@ -5,7 +5,7 @@ One round is screen -> fit -> score -> accept (`best_of`); every step is a funct
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from sim_plant.refine.criteria.criteria import CRITERIA
@@ -13,10 +13,12 @@ from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, nominal_fit
 from sim_plant.refine.fit.objective import Objective, conditioned_on
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.search.candidate import FittedCandidate, Progress
+from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
 from sim_plant.refine.search.completeness import explains_own_lines, remaining_spectra, sure_excess
 from sim_plant.refine.search.degenerate_pair import better_pair
-from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised
+from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised, rolling_only
+from sim_plant.refine.search.events import event_candidates
+from sim_plant.refine.search.exchange import exchanged, joined, pruned
 from sim_plant.refine.search.free_terms import (
     PERIODIC_KINDS,
     explained_by_free_term,
@@ -33,23 +35,28 @@ from sim_plant.refine.search.selection import (
     at_noise_floor,
     preferred,
     score,
+    standing,
 )
 from sim_plant.refine.search.unexplained import Unknown, unexplained_parts
+from sim_plant.refine.spectra.aliases import with_aliases, with_orders
 from sim_plant.refine.spectra.coordinates import is_periodic, travel_of
 
 ACCEPTANCE = CRITERIA.search.acceptance
 
 
 def forward_selection(
-    objective: Objective, library: Sequence[Hypothesis], progress: Progress
+    objective: Objective,
+    library: Sequence[Hypothesis],
+    progress: Progress,
+    without: Collection[str] = (),
 ) -> Selection:
     """Return effects that explain the records, and what remains unexplained.
 
     Where a line remains that no effect explains, it becomes a free term, and the whole search is
-    made again beside it: an effect is claimed only for what that term cannot explain, and none
-    at the coordinate of the term itself.
+    made again given it: an effect is claimed only for what that term cannot explain, and none
+    at the coordinate of the term itself. ``without`` are effects that ``library`` leaves out.
     """
-    first = selection = select(objective, library, progress)
+    first = selection = select(objective, library, progress, without)
     free_terms: tuple[Unknown, ...] = ()
     for _ in range(ACCEPTANCE.most_free_terms):
         fresh = [u for u in selection.unknown if u.kind in PERIODIC_KINDS and u not in free_terms]
@@ -59,10 +66,10 @@ def forward_selection(
         named = ", ".join(u.text for u in fresh)
         progress(f"no effect explains {named}: searching beside a free term")
         travels = selection.travels
-        beside = conditioned_on(objective, [free_term_basis(free_terms, t) for t in travels])
+        conditioned = conditioned_on(objective, [free_term_basis(free_terms, t) for t in travels])
         rest = [h for h in library if not explained_by_free_term(h, free_terms, travels[0])]
         taken_up = sum(term.strength for term in free_terms)
-        found = select(beside, rest, progress, chi2_of_free_terms=taken_up)
+        found = select(conditioned, rest, progress, without, chi2_of_free_terms=taken_up)
         more = [u for u in found.unknown if not any(u.same_roll_as(t) for t in free_terms)]
         # before: with the lines that are now free terms, for the report
         selection = replace(found, unknown=(*free_terms, *more), before=first.before)
@@ -73,6 +80,7 @@ def select(
     objective: Objective,
     library: Sequence[Hypothesis],
     progress: Progress,
+    without: Collection[str] = (),
     chi2_of_free_terms: float = 0.0,
 ) -> Selection:
     """Return the effects found one after another, and what is left then."""
@@ -80,7 +88,7 @@ def select(
     objective, nominal = joint_refit(objective, start)
     selection = _nothing_yet(objective, synchronised(objective, nominal), chi2_of_free_terms)
     for _ in range(ACCEPTANCE.most_effects):
-        extensions = next_extensions(objective, selection, library, progress)
+        extensions = next_extensions(objective, selection, library, progress, without)
         if not extensions:
             break
         progress("all numbers together, at the declared drive tick")
@@ -93,7 +101,22 @@ def select(
         )
         if at_noise_floor(selection, objective.expected_cost, sure_excess(objective)):
             break
+    selection = looked_over(objective, selection, progress)
     return _with_remainder(objective, selection, progress)
+
+
+def looked_over(objective: Objective, selection: Selection, progress: Progress) -> Selection:
+    """Return the selection with its effects at their best places, without those not missed."""
+    if len(selection.accepted) < 2:
+        return selection
+    progress("every effect elsewhere, and without it, beside the others")
+    before = selection.fit.hypotheses
+    selection = joined(objective, selection, progress)
+    selection = pruned(objective, exchanged(objective, selection, progress), progress)
+    if selection.fit.hypotheses == before:
+        return selection
+    near, fit = joint_refit(objective, selection.fit)
+    return replace(selection, fit=fit, after=remaining_spectra(near, fit, selection.travels))
 
 
 def _nothing_yet(objective: Objective, nominal: Fit, chi2_of_free_terms: float) -> Selection:
@@ -116,7 +139,8 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
 
     Effects that are not periodic are taken back when structure is left that is no line either.
     Without a coordinate of its own such an effect is known only by how well it fits: one that
-    leaves more than noise has at best imitated the cause.
+    leaves more than noise has at best imitated the cause. So are periodic ones that explain little
+    of what is left then: what is irregular has a share at every line.
     """
     selection = _classified(objective, selection)
     if all(u.kind in PERIODIC_KINDS for u in selection.unknown):
@@ -124,7 +148,7 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
             return selection
         return replace(selection, corrections=total_shifts(objective, selection.fit))
     fit = selection.fit
-    kept = [k for k, h in enumerate(fit.hypotheses) if is_periodic(h)]
+    kept = standing(selection.accepted, objective.excess(fit.cost, fit.residual))
     if len(kept) == len(fit.hypotheses):
         return selection
     progress("structure is left that is no line: effects that are none are taken back")
@@ -151,14 +175,21 @@ def _classified(objective: Objective, selection: Selection) -> Selection:
 
 
 def next_extensions(
-    objective: Objective, selection: Selection, library: Sequence[Hypothesis], progress: Progress
+    objective: Objective,
+    selection: Selection,
+    library: Sequence[Hypothesis],
+    progress: Progress,
+    without: Collection[str] = (),
 ) -> tuple[Extension, ...]:
     """Return the next effect, or two that belong together, or none; the last has the fit of all.
 
-    Periodic effects are looked at first where there is a line, then those that are not. An
-    effect that leaves much of its own line may be half of a pair: a second effect that is not
-    periodic (a delay, a filter) can have changed how the line answers the first.
+    Periodic effects are looked at first where there is a line, then those that are not; a
+    resonance, broad enough, imitates what is no line, and ends no look. An effect that leaves
+    much of its own line may be half of a pair: a second effect that is not periodic (a delay, a
+    filter) can have changed how the line answers the first.
     """
+    library = with_aliases(library, selection.travels, selection.after)
+    library = with_orders(library, selection.travels, selection.after)
     periodic, others = by_periodic_support(library, selection.travels, selection.after)
     resonant = [h for h in periodic if h.effect.resonant]
     plain = [h for h in periodic if not h.effect.resonant]
@@ -170,13 +201,18 @@ def next_extensions(
     complete: list[Extension] = []
     partial: list[Extension] = []
     for group in (plain, resonant, others):
-        rivals = conflicts if group is others else ()
-        extension = best_of(objective, selection, group, progress, rivals)
+        if group is others:
+            undisturbed = replace(selection.fit, shifts=rolling_only(selection.fit.shifts))
+            events = event_candidates(objective, undisturbed, without, progress)
+            extension = best_of(objective, selection, group, progress, conflicts, events)
+        else:
+            extension = best_of(objective, selection, group, progress)
         if extension is None:
             continue
         if _explains_own_lines(objective, selection, extension.fit):
             complete.append(extension)
-            if cost - extension.fit.cost > ACCEPTANCE.decisive_share * left:
+            explained = cost - extension.fit.cost
+            if group is plain and explained > ACCEPTANCE.decisive_share * left:
                 break
         else:
             progress("  leaves too much: not accepted alone")
@@ -197,16 +233,17 @@ def _second_of_pair(
     periodic: Sequence[Hypothesis],
     progress: Progress,
 ) -> Extension | None:
-    """Return the effect that, beside ``half``, leaves nothing of its line.
+    """Return the effect that, given ``half``, leaves nothing of its spectral line.
 
-    One that is not periodic, or the same at another place: hum on two cells is one line in time.
+    One that is not periodic, or the same at another place: hum on two cells is one spectral
+    line in time.
     """
     name = half.hypothesis.effect.name
     progress(f"trying a second effect beside {name}")
     after = remaining_spectra(objective, half.fit, selection.travels)
-    beside = replace(selection, fit=half.fit, after=after)
+    with_half = replace(selection, fit=half.fit, after=after)
     for group in (others, [h for h in periodic if h.effect.name == name]):
-        second = best_of(objective, beside, group, progress)
+        second = best_of(objective, with_half, group, progress)
         if second is None:
             continue
         fit = profile_reinitialised(objective, second.fit)
@@ -221,13 +258,18 @@ def best_of(
     group: Sequence[Hypothesis],
     progress: Progress,
     rivals: Sequence[FittedCandidate] = (),
+    events: Sequence[Candidate] = (),
 ) -> Extension | None:
-    """Return the effect of a group that is accepted beside those found, or None.
+    """Return the effect of a group that is accepted in addition to those found, or None.
 
-    ``rivals`` are fits made already that compete with the group.
+    ``rivals`` are fits made already that compete with the group, ``events`` further first looks.
     """
     base = selection.fit
-    candidates = screen(objective, base, group, progress)
+    lasting = base
+    if group and not is_periodic(group[0]):
+        lasting = replace(base, shifts=rolling_only(base.shifts))
+    candidates = [*screen(objective, lasting, group, progress), *events]
+    candidates.sort(key=lambda c: -c.score)
     fitted = fit_candidates(objective, base, shortlist(candidates), progress)
     scored = score(
         selection, [*rivals, *fitted], lambda fit: chi2_without_last(objective, fit), progress
@@ -249,10 +291,10 @@ def chi2_without_last(objective: Objective, fit: Fit) -> float:
     those shares are not the effect's.
     """
     there = gauss_newton_fit(
-        objective, fit.hypotheses, fit.values, fit.shifts, rounds=4, coarse=False
+        objective, fit.hypotheses, fit.values, fit.shifts, rounds=2, coarse=False
     )
     without = gauss_newton_fit(
-        objective, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=4, coarse=False
+        objective, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=2, coarse=False
     )
     return without.cost - there.cost
 

@@ -1,4 +1,4 @@
-"""A free term for what the library does not explain, so that the search can go on beside it."""
+"""A free term for what the library does not explain, so that the search can go on given it."""
 
 from __future__ import annotations
 

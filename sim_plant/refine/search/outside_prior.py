@@ -15,9 +15,9 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.model.parameter_effects import as_effect
+from sim_plant.refine.model.parameter_effects import as_effects
 from sim_plant.refine.search.candidate import FittedCandidate, Progress, fitted_candidate
-from sim_plant.refine.search.effect_fit import with_effect
+from sim_plant.refine.search.effect_fit import rolling_only, with_effect
 
 DEGENERACY = CRITERIA.search.degeneracy
 
@@ -58,7 +58,7 @@ def fit_conflicts(
     """
     found: list[FittedCandidate] = []
     for h, start, shifts in starts_outside_prior(objective, base, effects):
-        if h.key in {k.key for k in base.hypotheses}:
+        if h.key in {k.key for k in base.hypotheses} | {c.hypothesis.key for c in found}:
             continue
         fit = with_effect(objective, base, h, start, shifts)
         if fit is None:
@@ -84,11 +84,9 @@ def starts_outside_prior(
     for name in sorted(z, key=lambda k: -abs(z[k])):
         if abs(z[name]) < DEGENERACY.outside_prior_sd or len(found) == DEGENERACY.most_outside:
             break
-        pair = as_effect(line, name, total[name])
-        if pair is None or pair[0].effect.name not in effects:
-            continue
-        rest = {k: v for k, v in fit.shifts.items() if k != name}
-        found.append((*pair, rest))
+        rest = {k: v for k, v in rolling_only(fit.shifts).items() if k != name}
+        pairs = as_effects(line, name, total[name])
+        found += [(*pair, rest) for pair in pairs if pair[0].effect.name in effects]
     return found
 
 

@@ -79,16 +79,35 @@ def _screened(
 
 
 def sensitivities(objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesis]) -> list[Array]:
-    """Return, per hypothesis, what its probes change at ``fit`` (rows, numbers), whitened."""
+    """Return, per hypothesis, what its probes change at ``fit`` (rows, numbers), whitened.
+
+    What does not turn with a roll is taken from the first fit of the search that it was
+    simulated at: for a first look the line answers alike.
+    """
+    shelf = objective.pool.responses
+    fresh = [h for h in hypotheses if h.effect.order_locked or _name(h) not in shelf]
     case = fit.case
-    probes = [added for h in hypotheses for added in h.probes()]
-    cases = [replace(case, effects=(*case.effects, added)) for added in probes]
-    start, *runs = objective.pool.run([case, *cases])
+    cases = [replace(case, effects=(*case.effects, added)) for h in fresh for added in h.probes()]
+    start, *runs = objective.pool.run([case, *cases], keep=False)
     rest = iter(runs)
+    for h in fresh:
+        shelf[_name(h)] = [
+            [(y - b).astype(np.float32) for y, b in zip(next(rest), start, strict=True)]
+            for _ in h.probes()
+        ]
     return [
-        np.stack([objective.column(next(rest), start, 1.0) for _ in h.probes()], axis=1)
+        np.stack([objective.whitened(change) for change in shelf[_name(h)]], axis=1)
         for h in hypotheses
     ]
+
+
+def responses_of(objective: Objective, h: Hypothesis) -> list[list[Array]]:
+    """Return what each probe of ``h`` changed per record, of ``sensitivities`` taken before."""
+    return list(objective.pool.responses[_name(h)])
+
+
+def _name(h: Hypothesis) -> tuple[object, ...]:
+    return (h.key, h.fixed, h.names, h.start, h.record)
 
 
 def every_third_idler(hypotheses: Sequence[Hypothesis], idlers: Sequence[str]) -> list[Hypothesis]:
@@ -133,7 +152,7 @@ def shortlist(candidates: Sequence[Candidate]) -> list[Candidate]:
     floor = SCREENING.shortlist_floor * CRITERIA.search.acceptance.periodic_score
     kept: list[Candidate] = []
     for c in candidates:
-        curved = not all(c.hypothesis.linear)
+        curved = not all(c.hypothesis.linear) or bool(c.hypothesis.moment)
         share = SCREENING.shortlist_share_curved if curved else SCREENING.shortlist_share
         if c.score < max(floor, share * best):
             continue
@@ -148,12 +167,18 @@ def shortlist(candidates: Sequence[Candidate]) -> list[Candidate]:
 def linear_candidate(
     objective: Objective, h: Hypothesis, residual: Array, columns: Array
 ) -> Candidate:
-    """Return a hypothesis with what one linear step explains.
+    """Return a hypothesis with what one linear step explains, a curved one at its size.
 
     ``columns`` (rows, strengths) are whole probes, so 1 is the typical size.
     """
     if not np.isfinite(columns).all():
         return Candidate(hypothesis=h, chi2_reduction=-np.inf, penalty=0.0, start=h.start)
+    if h.curved:
+        saved = objective.projector.cost(residual) - objective.projector.cost(
+            residual - columns[:, 0]
+        )
+        price = bic_penalty(objective, h.strengths)
+        return Candidate(hypothesis=h, chi2_reduction=saved, penalty=price, start=h.start)
     use = list(range(columns.shape[1]))
     if len(h.effect.quadratures) > SCREENING.profile_pairs:
         use = paying_orders(objective, h, residual, columns)

@@ -14,7 +14,7 @@ from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
 from sim_plant.refine.search.completeness import Spectra
 from sim_plant.refine.search.unexplained import Unknown
-from sim_plant.refine.spectra.coordinates import Travel, is_periodic
+from sim_plant.refine.spectra.coordinates import Travel, is_periodic, orders_of
 
 ACCEPTANCE = CRITERIA.search.acceptance
 
@@ -79,14 +79,26 @@ class Selection:
     chi2_of_free_terms: float = 0.0
 
 
+def alike_margin(explained: float) -> float:
+    """Return by how much (chi2) a rival may be behind and be the true one for all one knows.
+
+    Equation: max(margin, 4 e^2 X): a response that is wrong by the share e can shift the
+    difference of two candidates that explain X by 2 e sqrt(X dX)  [own].
+    """
+    error = CRITERIA.search.exchange.model_error
+    return max(ACCEPTANCE.margin, 4.0 * error**2 * explained)
+
+
 def least_score(selection: Selection, h: Hypothesis) -> float:
-    """Return the score that ``h`` needs beside what was found."""
+    """Return the score that ``h`` needs given what was found, and what that leaves by nature."""
     explained = selection.nominal.cost - selection.fit.cost
-    least = ACCEPTANCE.periodic_score if is_periodic(h) else ACCEPTANCE.score
+    lasting = ACCEPTANCE.later_score if selection.accepted else ACCEPTANCE.score
+    least = ACCEPTANCE.periodic_score if orders_of(h, 1.0) else lasting
     return max(
         least,
         ACCEPTANCE.explained_share * explained,
         ACCEPTANCE.free_term_share * selection.chi2_of_free_terms,
+        sum(found.hypothesis.effect.wander * found.score for found in selection.accepted),
     )
 
 
@@ -161,7 +173,8 @@ def accept(
         progress(f"  {h.key}: weak, and not to be told from {runner_up}")
         return None
     progress(f"  best: {h.key}, score {best.score:.0f}")
-    alike = [place for place, value in others if best.score - value < ACCEPTANCE.margin]
+    margin = alike_margin(best.chi2_reduction)
+    alike = [place for place, value in others if best.score - value < margin]
     accepted = AcceptedEffect(
         hypothesis=h,
         score=best.score,
@@ -197,12 +210,22 @@ def preferred(
 def at_noise_floor(selection: Selection, expected_cost: float, sure_excess: float) -> bool:
     """Return whether what is left is surely less than a further effect would have to explain.
 
-    That is a share of what strong effects explained, for no model is exact; beside weak ones it
+    That is a share of what strong effects explained, for no model is exact; with weak ones it
     is less than what noise is known to (``sure_excess``).
     """
     excess = selection.fit.cost - expected_cost
     explained = selection.nominal.cost - selection.fit.cost
-    return excess + sure_excess < ACCEPTANCE.explained_share * explained
+    return excess + sure_excess < ACCEPTANCE.floor_share * explained
+
+
+def standing(found: Sequence[AcceptedEffect], excess: float) -> list[int]:
+    """Return which effects may be claimed where ``excess`` (chi2) is left that is no line.
+
+    Those at a coordinate of their own that explain a good part of it: what is irregular has a
+    share at every line.
+    """
+    least = CRITERIA.search.completeness.fair_share * excess
+    return [k for k, e in enumerate(found) if is_periodic(e.hypothesis) and e.score > least]
 
 
 def _others(

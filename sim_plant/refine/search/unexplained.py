@@ -14,6 +14,7 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.noise.innovations import NoiseModel
 from sim_plant.refine.search.coherence import Coupling, least_likely_coupling
 from sim_plant.refine.search.outside_prior import PriorConflict, joint_conflict
+from sim_plant.refine.search.unknown_event import event_left
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
 UNEXPLAINED = CRITERIA.search.unexplained
@@ -25,7 +26,8 @@ class Unknown:
 
     Attributes
     ----------
-    kind : ``time``, ``travel`` or ``angle`` of a spectral line; ``state`` or ``broadband``.
+    kind : ``time``, ``travel`` or ``angle`` of a spectral line; ``event``, ``state`` or
+        ``broadband``.
     coordinate : where it is, by name.
     strength : what a free term would explain, chi-square.
     """
@@ -62,13 +64,13 @@ def unexplained_parts(
 
     ``after`` are the free-line spectra of what it leaves.
     """
-    expected = objective.expected_cost
-    excess = fit.cost - expected
-    if fit.hypotheses and excess < UNEXPLAINED.remainder_share * (nominal.cost - expected):
+    excess = objective.excess(fit.cost, fit.residual)
+    there = nominal.cost - objective.expected_cost
+    if fit.hypotheses and excess < UNEXPLAINED.remainder_share * there:
         return []
-    periodic = periodic_left(after, excess)
-    if periodic is not None:
-        return [periodic]
+    located = event_or_line(objective, fit, after, excess)
+    if located is not None:
+        return [located]
     conflict = joint_conflict(objective, fit)
     if conflict is not None:
         return [outside_tolerance(conflict)]
@@ -78,6 +80,16 @@ def unexplained_parts(
         return []  # what free terms leave of a line is coupled as the line is
     coupling = least_likely_coupling(objective, fit)
     return [pushed(coupling)] if coupling.score > UNEXPLAINED.coupled else []
+
+
+def event_or_line(
+    objective: Objective, fit: Fit, after: Sequence[Sequence[LineSpectrum]], excess: float
+) -> Unknown | None:
+    """Return what has a coordinate: a moment first, for a step looks like a slow rhythm."""
+    event = event_left(objective, fit)
+    if event is not None:
+        return Unknown(kind="event", coordinate=event[0], strength=event[1])
+    return periodic_left(after, excess)
 
 
 def periodic_left(after: Sequence[Sequence[LineSpectrum]], excess: float) -> Unknown | None:

@@ -149,20 +149,45 @@ def _radius_m(h: Hypothesis, travel: Travel) -> float:
     return travel.declaration.rollers[travel.declaration.body(h.location)].radius_m
 
 
+def line_at_body(
+    h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]
+) -> tuple[float, float] | None:
+    """Return the strongest line over the turns of the hypothesis' body, and a bin; in orders."""
+    seen = _over_turns(h, travel, found) if h.location != "all" else None
+    if seen is None:
+        return None
+    spectrum, orders = seen
+    bin_width = float(spectrum.coordinate[1] - spectrum.coordinate[0])
+    return spectrum.peak[0] * orders, bin_width * orders
+
+
+def _over_turns(
+    h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]
+) -> tuple[LineSpectrum, float] | None:
+    """Return the spectrum in which orders of a body show, and orders per unit of its coordinate.
+
+    That of the body's own angle where there is one, else the travel's.
+    """
+    by_kind = {(s.kind, s.roll): s for s in found}
+    own = by_kind.get(("angle", h.location))
+    if own is not None:
+        return own, 1.0
+    shared = by_kind.get(("travel", ""))
+    return None if shared is None else (shared, TWO_PI * _radius_m(h, travel))
+
+
 def periodic_support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float | None:
     """Return how strong the free lines are where this hypothesis would show; None: not a line."""
-    by_kind = {(s.kind, s.roll): s for s in found}
     if not is_periodic(h):
         return None
     frequency_Hz = shown_Hz(h, travel)
     if frequency_Hz is not None:
-        return near(by_kind["time", ""], frequency_Hz, SPECTRA.same_frequency_share)
+        in_time = next(s for s in found if s.kind == "time")
+        return near(in_time, frequency_Hz, SPECTRA.same_frequency_share)
     if h.location == "all":
         return max(s.peak[1] for s in found if s.kind == "travel") if found else 0.0
-    spectrum = by_kind.get(("angle", h.location))
-    if spectrum is not None:
-        return max(near(spectrum, n) for n in orders_of(h, _radius_m(h, travel)))
-    spectrum = by_kind.get(("travel", ""))
-    if spectrum is None:
+    seen = _over_turns(h, travel, found)
+    if seen is None:
         return 0.0
-    return max(near(spectrum, at) for at in wavenumbers_1_m(h, travel))
+    spectrum, orders = seen
+    return max(near(spectrum, n / orders) for n in orders_of(h, _radius_m(h, travel)))

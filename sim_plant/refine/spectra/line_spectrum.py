@@ -34,8 +34,13 @@ class LineSpectrum:
     @property
     def peak(self) -> tuple[float, float]:
         """Coordinate and drop of the strongest line."""
-        at = int(np.argmax(self.chi2_reduction))
-        return float(self.coordinate[at]), float(self.chi2_reduction[at])
+        return self.peak_from(0.0)
+
+    def peak_from(self, lowest: float) -> tuple[float, float]:
+        """Coordinate and drop of the strongest line at no less than ``lowest``."""
+        within = np.where(self.coordinate >= lowest, self.chi2_reduction, -np.inf)
+        at = int(np.argmax(within))
+        return float(self.coordinate[at]), float(within[at])
 
 
 def speed_weights(speed_m_s: Array, count: int = 3) -> Array:

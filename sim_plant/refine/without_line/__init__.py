@@ -1,3 +1,3 @@
 """Records without a line declaration: a filter, then free lines."""
 
-__all__ = ["pipeline", "record_filter", "verdict"]
+__all__ = ["pipeline", "record_filter", "verdict", "wording"]

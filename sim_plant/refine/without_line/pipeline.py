@@ -1,37 +1,40 @@
-"""Refine records without a line declaration: declared filter, then lines; judged held out."""
+"""Records without a line declaration: filter, general effects and spectral lines, judged."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from jinja2 import Environment, PackageLoader
-from numpy.typing import NDArray
-from scipy.signal import lfilter
+from scipy.interpolate import make_interp_spline
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.noise.innovations import whitening_filter
 from sim_plant.refine.report.announce import announce, holdout_limits
 from sim_plant.refine.report.folder import check_apart, check_folder, publish
 from sim_plant.refine.report.verdict import ChannelError
 from sim_plant.refine.search.candidate import Progress
-from sim_plant.refine.without_line.free_lines import (
+from sim_plant.refine.without_line.free_spectral_lines import (
     SpectralLine,
-    basis,
     clocks,
     find_spectral_lines,
-    sharpest,
 )
+from sim_plant.refine.without_line.general.effect import View
+from sim_plant.refine.without_line.general.findings import Finding, delays_of, findings, pruned
+from sim_plant.refine.without_line.general.judging import Judged, explained_by, judge, rms
+from sim_plant.refine.without_line.general.least_squares import parts_of
+from sim_plant.refine.without_line.general.search import CONSTANT, GAIN_ALONE, Search, search
+from sim_plant.refine.without_line.judged_spectral_lines import without_spectral_lines
 from sim_plant.refine.without_line.record_filter import (
-    Explained,
     RecordDeclaration,
-    explain,
-    fit_filter,
-    read_for,
+    left_of,
+    read_stamped,
+    view_of,
 )
-from sim_plant.refine.without_line.verdict import RecordVerdict, headline, next_step
+from sim_plant.refine.without_line.stamps import Stamped
+from sim_plant.refine.without_line.verdict import OutputModel, RecordVerdict, headline, next_step
+from sim_plant.refine.without_line.wording import effect_text, line_text
 
 if TYPE_CHECKING:
     from sim_plant.refine.report.outcome import Plan
@@ -40,6 +43,7 @@ NO_TRAVEL = (
     "no column is an absolute speed or angle: a frequency cannot be tied to a roller, no roller "
     "is claimed"
 )
+NO_INPUTS = "no inputs are declared: nothing is explained but zero, drift and lines"
 
 
 def limits_of(declaration: RecordDeclaration) -> list[str]:
@@ -47,13 +51,28 @@ def limits_of(declaration: RecordDeclaration) -> list[str]:
     found = ["no line declaration: no place can be named, a line is named by its coordinate"]
     if declaration.travel_speed is None:
         found.append(NO_TRAVEL)
+    if not declaration.inputs:
+        found.append(NO_INPUTS)
     return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Output:
+    """One output explained: search, what it gives on the record judged, what is claimed."""
+
+    name: str
+    search: Search
+    judged: Judged
+    fitted: tuple[Array, ...]
+    found: tuple[Finding, ...]
+    refused: tuple[str, ...]
+    delays: dict[str, tuple[float, float, float]]
 
 
 def refine_records(
     plan: Plan, declaration: RecordDeclaration, progress: Progress
 ) -> RecordVerdict:
-    """Run filter and lines, write verdict and report, return the verdict.
+    """Run filter, general effects and spectral lines; write verdict and report, return it.
 
     ``declaration`` is in the file that the plan names as its line.
 
@@ -63,93 +82,144 @@ def refine_records(
         On any input that cannot be judged; nothing is written then.
     """
     check_folder(plan)
-    records = [read_for(declaration, p) for p in plan.records]
-    held = [read_for(declaration, p) for p in plan.holdout]
+    stamped = [read_stamped(declaration, p) for p in (*plan.records, *plan.holdout)]
+    everything = [s.record for s in stamped]
+    records, held = everything[: len(plan.records)], everything[len(plan.records) :]
     check_apart(records, held)
     cannot = [*limits_of(declaration), *holdout_limits(held)]
-    announce(cannot, (*records, *held), progress)
-    weights = fit_filter(declaration, records)
-    items = [explain(declaration, r, weights) for r in records]
-    progress("searching lines in time and travel")
+    announce(cannot, everything, progress)
+    at = len(records) if held else 0
+    outputs = [
+        _output(declaration, name, stamped[: len(records)], stamped[at], progress)
+        for name in declaration.outputs
+    ]
+    items = [
+        left_of(declaration, r, np.stack([o.fitted[k] for o in outputs]))
+        for k, r in enumerate(records)
+    ]
+    judged = left_of(
+        declaration, stamped[at].record, np.stack([o.judged.explained for o in outputs])
+    )
+    progress("searching spectral lines in time and travel")
     found = find_spectral_lines(items)
     machine = [x for x in found if not x.clock]
     for x in found:
-        progress(f"  {x.kind} {x.coordinate:.5g}{': ' + x.clock if x.clock else ''}")
-    judged = explain(declaration, held[0], weights) if held else items[0]
+        progress(f"  {line_text(x)}{': ' + x.clock if x.clock else ''}")
+    left_over = without_spectral_lines(items, machine, judged, own=not held)
     verdict = RecordVerdict(
         unknown=tuple(machine),
         clocks=(*(x for x in found if x.clock), *clocks(items)),
-        not_claimed=tuple(cannot),
-        residual_rms=errors_with_lines(declaration, items, machine, judged, own=not held),
+        not_claimed=(*cannot, *(text for o in outputs for text in o.refused)),
         holdout=str((plan.holdout or plan.records)[0]),
+        general=tuple(x for o in outputs for x in o.found),
+        residual_rms={o.name: _error(o, left) for o, left in zip(outputs, left_over, strict=True)},
+        models={
+            o.name: _model(o, declaration, stamped[at], left, machine)
+            for o, left in zip(outputs, left_over, strict=True)
+        },
     )
-    hashes = [(r.path.name, r.sha256) for r in (*records, *held)]
+    hashes = [(r.path.name, r.sha256) for r in everything]
     publish(plan, lambda into: _write(into, declaration, verdict, hashes, plan.command))
     return verdict
 
 
-def _fit(item: Explained, rows: Array, spectral: SpectralLine) -> Array:
-    """Return weighted least squares of a line: residual and basis through the same whitening."""
-    b = basis(item, spectral.kind, spectral.coordinate)
-    columns = []
-    for row in rows:
-        taps, _ = whitening_filter(row[None, :])
-        white = lfilter(taps, [1.0], np.column_stack([b, row]), axis=0)[taps.size :]
-        columns.append(np.linalg.lstsq(white[:, :-1], white[:, -1], rcond=None)[0])
-    return np.stack(columns, axis=1)
-
-
-def errors_with_lines(
+def _output(
     declaration: RecordDeclaration,
-    items: Sequence[Explained],
-    spectral_lines: Sequence[SpectralLine],
-    judged: Explained,
-    *,
-    own: bool,
-) -> dict[str, ChannelError]:
-    """Return rms of outputs: declared filter alone, and with lines.
-
-    Sizes come from the fitted records. A record's own start phase and travel scale (two numbers a
-    line) are found on the record judged: by chance that saves 2 / samples of its power per line.
-    """
-    gone = judged.residual.copy()
-    white = judged.whitened
-    for spectral in spectral_lines:
-        here = spectral
-        if not own:
-            at = sharpest(judged, white, spectral.kind, spectral.coordinate)
-            here = replace(spectral, coordinate=at)
-        fitted = _fit(judged, gone, here)
-        if not own:
-            fitted = _known_size(items, spectral, fitted)
-        gone = gone - (basis(judged, here.kind, here.coordinate) @ fitted).T
-    noise = [float(np.std(row)) for row in gone]
-    return {
-        name: ChannelError(
-            before=float(np.sqrt(np.mean(judged.residual[k] ** 2))),
-            after=float(np.sqrt(np.mean(gone[k] ** 2))),
-            noise_floor=noise[k],
+    name: str,
+    fitted: Sequence[Stamped],
+    held: Stamped,
+    progress: Progress,
+) -> _Output:
+    """Return one output with its filter and general effects."""
+    views = [view_of(declaration, s.record, name) for s in fitted]
+    view = view_of(declaration, held.record, name)
+    progress(f"{name}: trying filters and general effects")
+    found = search(views, progress)
+    refused: list[str] = []
+    if held not in fitted:
+        found, refused = pruned(found, views, view)
+    judged = judge(found, view)
+    if judged.fell_back:
+        refused.append(
+            f"{name}: what was chosen leaves {judged.chosen_rms:.5g} on the record held out, more "
+            f"than plain least squares; that is used, and no general effect is claimed"
         )
-        for k, name in enumerate(declaration.outputs)
+    if view.standardised:
+        refused.append(
+            f"{name}: the inputs have mean 0 and variance 1, no zero and no unit of them is left: "
+            "no sign, band, limit or curve is looked for"
+        )
+    names = (name, [s.record.path.name for s in fitted], held.record.path.name)
+    claimed = findings(found, judged, views, view, names)
+    for x in claimed:
+        progress(f"  {effect_text(x)}")
+    parts = parts_of(judged.used.model, views)
+    alone = found.gain_alone
+    return _Output(
+        name=name,
+        search=found,
+        judged=judged,
+        fitted=tuple(a @ judged.used.weights for a in parts),
+        found=tuple(claimed),
+        refused=tuple(refused),
+        delays=delays_of(alone, views) if alone is not None else {},
+    )
+
+
+def _error(o: _Output, left: Array) -> ChannelError:
+    """Return the error of an output: lines count only where they make it smaller."""
+    plain = min(o.judged.chosen_rms, o.judged.plain_rms, o.judged.declared_rms)
+    return ChannelError(
+        before=o.judged.declared_rms, after=min(rms(left), plain), noise_floor=float(np.std(left))
+    )
+
+
+def _model(
+    o: _Output,
+    declaration: RecordDeclaration,
+    held: Stamped,
+    left: Array,
+    machine: Sequence[SpectralLine],
+) -> OutputModel:
+    model = o.judged.used.model
+    taps = model.ahead + model.back + 1
+    text = f"{taps} taps, {model.ahead} ahead and {model.back} back"
+    if model.delays:
+        text = GAIN_ALONE
+    if model.back < 0:
+        text = CONSTANT
+    plain = min(o.judged.chosen_rms, o.judged.plain_rms, o.judged.declared_rms)
+    return OutputModel(
+        filter=text,
+        fell_back=o.judged.fell_back,
+        plain_rms=o.judged.plain_rms,
+        chosen_rms=o.judged.chosen_rms,
+        with_lines=bool(machine) and rms(left) <= plain,
+        tried=o.judged.rows,
+        delays=o.delays,
+        at_stamps=_at_stamps(o, view_of(declaration, held.record, o.name), held),
+    )
+
+
+def _at_stamps(o: _Output, view: View, held: Stamped) -> dict[str, float]:
+    """Return the error on the readings as they came, none of them put on a grid."""
+    if held.time_s is None:
+        return {}
+    stamps_s = held.time_s
+    first = view.margin * view.step_s
+    grid = first + view.step_s * np.arange(view.judged.size)
+    use = (stamps_s >= grid[0]) & (stamps_s <= grid[-1])
+    readings = held.readings[o.name][use]
+
+    def error(explained: Array) -> float:
+        smooth = make_interp_spline(grid, explained, k=3)
+        return rms(readings - smooth(stamps_s[use]))
+
+    return {
+        "declared": error(explained_by(o.search.declared, view, shift=False, own=False)),
+        "plain": error(explained_by(o.search.plain, view, shift=False, own=False)),
+        "chosen": error(o.judged.explained),
     }
-
-
-def _known_size(items: Sequence[Explained], spectral: SpectralLine, fitted: Array) -> Array:
-    """Return this record's phase with the size that the fitted records agree on."""
-    sizes = []
-    for item, own in zip(items, spectral.per_record, strict=True):
-        alone = _fit(item, item.residual, replace(spectral, coordinate=own))
-        sizes.append(np.abs(_complex(alone)[0]))
-    here = _complex(fitted)[0]
-    size = np.mean(sizes, axis=0)
-    turned = here / np.maximum(np.abs(here), 1e-300) * size
-    found = np.zeros_like(fitted)
-    found[0], found[1] = turned.real, turned.imag
-    return found
-
-
-def _complex(fitted: Array) -> NDArray[np.complex128]:
-    return np.stack([fitted[k] + 1j * fitted[k + 1] for k in range(0, fitted.shape[0], 2)])
 
 
 def _write(
@@ -170,6 +240,7 @@ def _write(
         command=command,
         headline=headline(verdict),
         held=bool(plan.holdout),
+        line_text=line_text,
         next_step=next_step(verdict, travel=declaration.travel_speed is not None),
     )
     (plan.out / "report.html").write_text(page, encoding="utf-8")

@@ -1,9 +1,8 @@
-"""Records without a line declaration: a filter explains outputs from inputs, lines the rest."""
+"""Records without a line declaration: what is declared of them, and how they are read."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -21,11 +20,16 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.noise.innovations import whitening_filter
 from sim_plant.refine.records.limits import FILE_BYTES
 from sim_plant.refine.records.read import read_record
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.records.sanity import oddities
 from sim_plant.refine.records.text_table import number_table
+from sim_plant.refine.without_line.general.effect import View
+from sim_plant.refine.without_line.stamps import Stamped, on_declared_grid
 
 SCHEMA = "record-declaration/1"
+MOST_FILTER_VALUES = 100_000_000
+"""Rows times shifted inputs: 0.8 GB as doubles, held twice. An hour at 10 Hz has 4 million with
+one input and 60 taps on either side."""
 WITHOUT_LINE = CRITERIA.without_line
 
 
@@ -39,7 +43,7 @@ class RecordDeclaration(BaseModel):
     columns: tuple[Name, ...] | None = Field(default=None, description="names, without a header")
     sample_time_s: Annotated[float, Field(gt=0, allow_inf_nan=False)]
     outputs: tuple[Name, ...] = Field(min_length=1)
-    inputs: tuple[Name, ...] = Field(min_length=1)
+    inputs: tuple[Name, ...] = Field(default=(), description="none: outputs alone")
     derivative_of_inputs: bool = False
     taps: Annotated[int, Field(ge=1, le=500)] = 40
     travel_speed: Name | None = Field(
@@ -49,19 +53,19 @@ class RecordDeclaration(BaseModel):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Explained:
-    """A record after its declared filter.
+    """A record after what inputs and general effects explain.
 
     Attributes
     ----------
     record : what was read.
-    residual : outputs less filtered inputs (outputs, samples).
+    residual : outputs less what is explained (outputs, samples).
     outputs : as measured (outputs, samples).
     inputs : as used (inputs, samples).
     travel_m : integral of the absolute speed, or None.
     speed_m_s : the absolute speed, or None.
     """
 
-    record: Record
+    record: Recording
     residual: Array
     outputs: Array
     inputs: Array
@@ -103,7 +107,12 @@ def record_declaration_in(source: Source) -> RecordDeclaration:
         raise PlantError("\n".join(lines)) from error
 
 
-def read_for(declaration: RecordDeclaration, path: Path) -> Record:
+def read_for(declaration: RecordDeclaration, path: Path) -> Recording:
+    """Return a record under this declaration, see ``read_stamped``."""
+    return read_stamped(declaration, path).record
+
+
+def read_stamped(declaration: RecordDeclaration, path: Path) -> Stamped:
     """Return a record under this declaration; headerless files take its column names.
 
     Raises
@@ -127,6 +136,13 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
             f"{path}: {record.samples} rows are too few for a filter of {declaration.taps} taps "
             f"on both sides; give at least {least}, or fewer taps"
         )
+    width = 1 + len(declaration.inputs) * (2 * declaration.taps + 1)
+    if record.samples * width > MOST_FILTER_VALUES:
+        raise PlantError(
+            f"{path}: {record.samples} rows under a filter of {width} weights are "
+            f"{record.samples * width} values, more than {MOST_FILTER_VALUES}; declare fewer taps "
+            "or inputs, or cut the record"
+        )
     if declaration.travel_speed:
         onward = float(np.mean(record.columns[declaration.travel_speed] > 0.0))
         if onward < WITHOUT_LINE.onward_share:
@@ -143,10 +159,12 @@ def read_for(declaration: RecordDeclaration, path: Path) -> Record:
             f"{path}: sampled every {record.sample_time_s:.5g} s, declared "
             f"{declaration.sample_time_s} s; correct sample_time_s"
         )
-    return record
+    if not plain:
+        return Stamped(record=record, time_s=None, readings={})
+    return on_declared_grid(record, declaration.sample_time_s)
 
 
-def _headerless(declaration: RecordDeclaration, path: Path) -> Record:
+def _headerless(declaration: RecordDeclaration, path: Path) -> Recording:
     names = declaration.columns or ()
     payload = read_plain(path, FILE_BYTES)
     table = number_table(path, payload, len(names))
@@ -154,7 +172,7 @@ def _headerless(declaration: RecordDeclaration, path: Path) -> Record:
     if bad.size:
         raise PlantError(f"{path}: column {names[bad[0][1]]}: no reading in line {bad[0][0] + 1}")
     columns = {n: table[:, k].copy() for k, n in enumerate(names)}
-    return Record(
+    return Recording(
         path=path,
         sha256=hashlib.sha256(payload).hexdigest(),
         sample_time_s=declaration.sample_time_s,
@@ -163,49 +181,33 @@ def _headerless(declaration: RecordDeclaration, path: Path) -> Record:
     )
 
 
-def regressors(declaration: RecordDeclaration, record: Record) -> Array:
-    """Return shifted inputs (samples, columns): a two-sided filter, and a constant."""
-    columns = [np.ones(record.samples)]
-    for name in declaration.inputs:
-        series = record.columns[name]
-        if declaration.derivative_of_inputs:
-            series = np.gradient(series, record.sample_time_s)
-        for shift in range(-declaration.taps, declaration.taps + 1):
-            columns.append(np.roll(series, shift))
-    return np.stack(columns, axis=1)
+def view_of(declaration: RecordDeclaration, record: Recording, output: str) -> View:
+    """Return one output of a record with all inputs."""
+    speed = declaration.travel_speed
+    return View(
+        output=record.columns[output],
+        inputs={name: record.columns[name] for name in declaration.inputs},
+        speed_m_s=record.columns[speed] if speed else None,
+        step_s=record.sample_time_s,
+        rates=declaration.derivative_of_inputs,
+        margin=declaration.taps,
+    )
 
 
-def fit_filter(declaration: RecordDeclaration, records: Sequence[Record]) -> Array:
-    """Return filter weights (columns, outputs) by ridge regression over all records."""
-    normal: Array | float = 0.0
-    against: Array | float = 0.0
-    for record in records:
-        a = regressors(declaration, record)
-        y = np.stack([record.columns[n] for n in declaration.outputs], axis=1)
-        edge = slice(declaration.taps, record.samples - declaration.taps)
-        normal = normal + a[edge].T @ a[edge]
-        against = against + a[edge].T @ y[edge]
-    matrix = np.asarray(normal)
-    ridge = 1e-6 * float(np.trace(matrix)) / matrix.shape[0]
-    found: Array = np.linalg.solve(matrix + ridge * np.eye(matrix.shape[0]), np.asarray(against))
-    return found
-
-
-def explain(declaration: RecordDeclaration, record: Record, weights: Array) -> Explained:
-    """Return what the declared filter leaves of a record, its ends cut off."""
+def left_of(declaration: RecordDeclaration, record: Recording, explained: Array) -> Explained:
+    """Return what is left of a record when ``explained`` (outputs, judged) is taken out."""
     keep = slice(declaration.taps, record.samples - declaration.taps)
     outputs = np.stack([record.columns[n] for n in declaration.outputs])[:, keep]
-    inputs = np.stack([record.columns[n] for n in declaration.inputs])[:, keep]
-    predicted = (regressors(declaration, record)[keep] @ weights).T
+    inputs = [record.columns[n][keep] for n in declaration.inputs]
     speed = travel = None
     if declaration.travel_speed:
         speed = record.columns[declaration.travel_speed][keep]
         travel = np.cumsum(speed) * record.sample_time_s
     return Explained(
         record=record,
-        residual=outputs - predicted,
+        residual=outputs - explained,
         outputs=outputs,
-        inputs=inputs,
+        inputs=np.stack(inputs) if inputs else np.zeros((0, outputs.shape[1])),
         travel_m=travel,
         speed_m_s=speed,
     )

@@ -4,25 +4,59 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from sim_plant.refine.report.plain import plain
 from sim_plant.refine.report.verdict import VERSION, ChannelError, rms_rows
-from sim_plant.refine.report.wording import coordinate_text
-from sim_plant.refine.without_line.free_lines import SpectralLine
+from sim_plant.refine.without_line.free_spectral_lines import SpectralLine
+from sim_plant.refine.without_line.general.findings import Finding
+from sim_plant.refine.without_line.general.judging import Row
+from sim_plant.refine.without_line.wording import effect_text, line_text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputModel:
+    """What explains one output in the end, and what else was tried.
+
+    Attributes
+    ----------
+    filter : as text.
+    fell_back : plain least squares took the place of the model chosen.
+    plain_rms, chosen_rms : of plain least squares and of the model chosen, spectral lines
+        left out.
+    with_lines : the share of spectral lines is in the error after; it is not where it would make
+        that larger.
+    tried : everything that was tried, with what it gave.
+    delays : by input, s and interval: how far the output is behind it by a gain alone.
+    at_stamps : rms on the readings as they came, where stamps are uneven: ``declared``,
+        ``plain``, ``chosen``.
+    """
+
+    filter: str
+    fell_back: bool
+    plain_rms: float
+    chosen_rms: float
+    with_lines: bool
+    tried: tuple[Row, ...]
+    delays: Mapping[str, tuple[float, float, float]]
+    at_stamps: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordVerdict:
-    """What lines the records hold.
+    """What the records hold beyond their declared filter.
 
     Attributes
     ----------
-    unknown : lines that the machine may make, strongest first.
-    clocks : lines of the recording, the excitation or the mains.
+    unknown : spectral lines that the machine may make, strongest first.
+    clocks : spectral lines of the recording, the excitation or the mains.
     not_claimed : what cannot be claimed, as sentences.
-    residual_rms : error by output on ``holdout``, the path of a record.
+    residual_rms : error by output on ``holdout``, the path of a record: of the declared filter
+        and of all that is used in the end.
+    holdout : the record judged.
+    general : effects of the general catalogue that are claimed.
+    models : by output.
     """
 
     unknown: tuple[SpectralLine, ...]
@@ -30,11 +64,15 @@ class RecordVerdict:
     not_claimed: tuple[str, ...]
     residual_rms: Mapping[str, ChannelError]
     holdout: str
+    general: tuple[Finding, ...] = ()
+    models: Mapping[str, OutputModel] = field(default_factory=dict)
 
     @property
     def word(self) -> str:
-        """Whether there is a line that nothing explains: ``unknown``, else ``nothing``."""
-        return "unknown" if self.unknown else "nothing"
+        """``unknown`` with a spectral line left, else ``traced`` with a general effect."""
+        if self.unknown:
+            return "unknown"
+        return "traced" if self.general else "nothing"
 
     def to_json(self) -> str:
         """Return version 1, one key a line."""
@@ -47,33 +85,107 @@ class RecordVerdict:
             "not_claimed": self.not_claimed,
             "residual_rms": rms_rows(self.residual_rms),
             "holdout": self.holdout,
+            "general_effects": [_finding(x) for x in self.general],
+            "models": {name: _model(x) for name, x in self.models.items()},
         }
         return json.dumps(plain(data), indent=1) + "\n"
 
 
 def _row(spectral: SpectralLine) -> dict[str, Any]:
-    return {
+    found: dict[str, Any] = {
         "class": spectral.kind,
         "coordinate": spectral.where,
         "per_record": spectral.per_record,
         "strength": spectral.strength,
     }
+    where = spectral.seen
+    if where is not None:
+        found["seen_at"] = where.scope
+        found["present"] = where.present
+        found["speeds_m_s"] = where.speeds_m_s
+        if where.other:
+            found["or_else"] = (
+                {"wavenumber_1_m": where.other}
+                if spectral.kind == "time"
+                else {"frequency_Hz": where.other}
+            )
+        if where.order:
+            found["order"] = where.order
+            found["fundamental_1_m"] = where.fundamental
+    return found
+
+
+def _finding(x: Finding) -> dict[str, Any]:
+    return {
+        "effect": x.effect,
+        "output": x.output,
+        "place": x.place,
+        "numbers": x.numbers,
+        "interval95": x.interval95,
+        "rms_without": x.before_rms,
+        "rms_with": x.after_rms,
+        "text": x.text,
+    }
+
+
+def _model(x: OutputModel) -> dict[str, Any]:
+    return {
+        "filter": x.filter,
+        "fell_back": x.fell_back,
+        "plain_least_squares_rms": x.plain_rms,
+        "chosen_rms": x.chosen_rms,
+        "with_lines": x.with_lines,
+        "delay_s": {
+            name: {"value": v, "interval95": (a, b)} for name, (v, a, b) in x.delays.items()
+        },
+        "rms_at_stamps": x.at_stamps,
+        "tried": [
+            {
+                "effect": row.effect,
+                "what": row.what,
+                "left_out_rms": row.left_out_rms,
+                "held_out_rms": row.held_out_rms,
+                "taken": row.taken,
+            }
+            for row in x.tried
+        ],
+    }
 
 
 def headline(verdict: RecordVerdict) -> str:
     """Return the verdict as sentences."""
-    if not verdict.unknown:
-        return "Nothing found: what the declared filter leaves of the outputs holds no line."
-    said = [coordinate_text(x.kind, x.where) for x in verdict.unknown]
-    return f"Unknown, strongest first: {'; '.join(said)}."
+    said = ""
+    if verdict.general:
+        said = f"Traced: {'; '.join(effect_text(x) for x in verdict.general)}."
+    if verdict.unknown:
+        lines = "; ".join(line_text(x) for x in verdict.unknown)
+        said = f"{said} Unknown, strongest first: {lines}.".strip()
+    return (
+        said
+        or "Nothing found: what the declared filter leaves of the outputs holds no spectral line."
+    )
 
 
 def next_step(verdict: RecordVerdict, *, travel: bool) -> str:
     """Return what the reader may do now; ``travel``: a column is the web's absolute speed."""
+    said = []
+    if any(x.effect == "channel_shift" for x in verdict.general):
+        said.append(
+            "Give all channels one clock, or take the shift out before anything else is fitted."
+        )
+    if any(x.seen and x.seen.scope == "one speed" for x in verdict.unknown):
+        said.append(
+            "Record at another speed: what was seen at one speed only may be a frequency or a "
+            "part that turns."
+        )
     if verdict.unknown:
-        return (
+        said.append(
             "Look for what turns or swings so; the rms below says what it is worth. A line "
             "declaration (config/lines/euclid.yaml) would name the place."
         )
+    elif verdict.general and not said:
+        said.append("Look for it at the place named; the rms below says what it is worth.")
+    if said:
+        return " ".join(said)
     more = "" if travel else "a column with the web's absolute speed (travel_speed), or "
     return f"Nothing to do. To have rollers looked for, give {more}a line declaration."

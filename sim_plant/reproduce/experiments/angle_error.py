@@ -6,7 +6,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array, LineArrays
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Experiment, Result, judge
+from sim_plant.reproduce.entry import Experiment, Result, row_of_claim
 from sim_plant.reproduce.euclid import (
     FPM_M_S,
     INCH_M,
@@ -68,7 +68,7 @@ def run() -> Result:
     peak, drift = float(np.max(np.abs(e_lead))), abs(float(e_roll[-1]))
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "largest e_theta of the S-wrap lead",
                 "0.004 rad, << 1",
                 peak,
@@ -76,7 +76,7 @@ def run() -> Result:
                 peak < 0.05,
                 "a speed loop holds it; 0.5 mm off centre, 30 kg",
             ),
-            judge(
+            row_of_claim(
                 "unwind: drift of theta from v/R in 60 s",
                 "e_theta << 1 (5.3)",
                 drift,

@@ -11,7 +11,7 @@ from sim_plant.geometry.shapes import circle, ellipse
 from sim_plant.geometry.source_convex import ConvexLine, convex_span, penalised_cost, tangent_slope
 from sim_plant.geometry.tangent import Body, common_tangent
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, judge
+from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, row_of_claim
 
 A_M, B_M, IDLER_M, DISTANCE_M = 0.2062, 0.2002, 0.0381, 1.2
 THETA = np.linspace(0.0, 2.0 * np.pi, 61)
@@ -78,7 +78,7 @@ def run() -> Result:
     )
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "slope at the maximum with the last row of (4.17) = 1",
                 "r'(1) = 0",
                 cubic_one,
@@ -87,7 +87,7 @@ def run() -> Result:
                 "the row must read 2 a2 + 3 a3 = 0; (4.18)-(4.20) "
                 f"use it and give {cubic_zero:.0f}",
             ),
-            judge(
+            row_of_claim(
                 "tangent slope by (4.25) as printed",
                 "m = n/d",
                 printed,
@@ -95,7 +95,7 @@ def run() -> Result:
                 abs(printed - right) < 1e-9,
                 f"m = -d/n with + beta sin in d_0: {right:.4f}",
             ),
-            judge(
+            row_of_claim(
                 "time of one solution by penalty minimisation",
                 "suits off-line tables",
                 1e6 * each,

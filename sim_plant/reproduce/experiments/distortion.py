@@ -9,7 +9,7 @@ from sim_plant.identify.driven_roller import Run, response, viscous_only
 from sim_plant.identify.roller_run import simulate_roller, with_sensor
 from sim_plant.identify.validation import model_distortion, norms
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Experiment, Result, beyond, judge
+from sim_plant.reproduce.entry import Experiment, Result, beyond, row_of_claim
 from sim_plant.reproduce.euclid import times
 
 J, C, B = 0.35, 0.15, 0.01
@@ -72,7 +72,7 @@ def run() -> Result:
         curves[name], drifts[name] = (time, plain), (edges, 100.0 * found.drift[:, 0])
         good = name.startswith("c")
         rows += [
-            judge(
+            row_of_claim(
                 f"{name}: rms drift of b that explains the record",
                 "needs less distortion if the model is close",
                 100.0 * found.rms_drift[0],

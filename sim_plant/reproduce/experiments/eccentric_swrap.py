@@ -8,7 +8,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array, LineArrays
 from sim_plant.reproduce.drawing import Panel, bars, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, judge
+from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, row_of_claim
 from sim_plant.reproduce.euclid import (
     FPM_M_S,
     INCH_M,
@@ -42,7 +42,7 @@ def stiff_lead(arrays: LineArrays) -> LineArrays:
     """
     arrays = exact_sensors(arrays)
     arrays.bodies["inertia_kg_m2"][LEAD] *= 1e4
-    arrays.bodies["heavy_N_m"][LEAD] *= 1e4
+    arrays.bodies["gravity_moment_N_m"][LEAD] *= 1e4
     arrays.drives["limit_N_m"][:] = 1e9
     return arrays
 
@@ -111,7 +111,7 @@ def run(fpm: float) -> Result:
         log=True,
     )
     rows = [
-        judge(
+        row_of_claim(
             "fundamental of the S-wrap",
             "1.06 Hz" if fpm == 200.0 else "v / (2 pi R_S)",
             found,
@@ -120,7 +120,7 @@ def run(fpm: float) -> Result:
             f"(3.24) with 6.05 in gives {formula:.4f} Hz",
         ),
         beyond("H1", sizes[0], "N", "0.5 mm off centre, 30 kg", claim="comparable amplitudes"),
-        judge(
+        row_of_claim(
             "H2 over H1",
             "visible harmonics from coupling",
             ratio,
@@ -128,7 +128,7 @@ def run(fpm: float) -> Result:
             ratio > 5.0,
             "second order in the offset: far below what Fig. 3.6-3.8 show",
         ),
-        judge(
+        row_of_claim(
             "H3 over H1",
             "visible harmonics from coupling",
             100.0 * float(sizes[2] / sizes[0]),
@@ -136,7 +136,7 @@ def run(fpm: float) -> Result:
             bool(sizes[2] / sizes[0] > 0.05),
             "third order in the offset",
         ),
-        judge(
+        row_of_claim(
             "H2 without coupling over H2 with",
             "coupling creates the harmonics",
             float(abs(without[1]) / sizes[1]),

@@ -13,7 +13,7 @@ from sim_plant.geometry.shapes import circle, ellipse
 from sim_plant.geometry.source_ellipse import EllipseLine, ellipse_span, signed_distance_m
 from sim_plant.geometry.tangent import Body, common_tangent
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, judge
+from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, row_of_claim
 
 A_M, B_M, IDLER_M, X_M, Y_M = 0.2062, 0.2002, 0.0381, 1.2, -0.2
 THETA = np.linspace(0.0, 2.0 * np.pi, 73)
@@ -100,7 +100,7 @@ def run() -> Result:
     right, printed, slope_gap = printed_formulas()
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "distance of (0.2, 0.5) from a tangent, (4.3) as printed",
                 "(4.3), (4.5)",
                 printed,
@@ -108,7 +108,7 @@ def run() -> Result:
                 abs(printed - right) < 1e-9,
                 f"the root covers the denominator only: {right:.4f} m",
             ),
-            judge(
+            row_of_claim(
                 "tangent angle atan2(beta, -alpha) of Algorithm 1, error",
                 "Algorithm 1",
                 slope_gap,
@@ -116,7 +116,7 @@ def run() -> Result:
                 abs(slope_gap) < 1e-6,
                 "atan2(-alpha, beta) is right",
             ),
-            judge(
+            row_of_claim(
                 "time of one solution by minimisation",
                 "efficient",
                 1e6 * each,

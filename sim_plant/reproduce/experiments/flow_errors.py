@@ -7,7 +7,7 @@ import numpy as np
 from sim_plant.geometry.roll_profiles import flat_spot
 from sim_plant.geometry.shapes import Shape, eccentric, ellipse
 from sim_plant.reproduce.drawing import bars
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, judge
+from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, row_of_claim
 from sim_plant.reproduce.euclid import INCH_M
 from sim_plant.reproduce.experiments.supply import supply_of
 
@@ -40,7 +40,7 @@ def run() -> Result:
         )
         groups[name] = [100.0 * e for e in found] + [0.0] * (4 - len(found))
         rows.append(
-            judge(
+            row_of_claim(
                 f"{name}: error of (4.46), first harmonic",
                 "appropriate",
                 100.0 * found[0],
@@ -52,7 +52,7 @@ def run() -> Result:
     flat = supply_of(cases[0][1], IDLER_M, 1.2)
     oval = supply_of(ellipse(0.2062, 0.2002), IDLER_M, 0.9)
     rows += [
-        judge(
+        row_of_claim(
             "flat 12 mm: error of peripheral speed with dL/dt",
             "wrong (section 4.4)",
             100.0 * flat.total_error(flat.peripheral),
@@ -60,7 +60,7 @@ def run() -> Result:
             flat.total_error(flat.peripheral) > 1.0,
             "the source's own finding",
         ),
-        judge(
+        row_of_claim(
             "ellipse +-3 mm: error of peripheral speed with dL/dt",
             "wrong (section 4.4)",
             100.0 * oval.total_error(oval.peripheral),
@@ -68,7 +68,7 @@ def run() -> Result:
             oval.total_error(oval.peripheral) > 1.0,
             "the source's own finding",
         ),
-        judge(
+        row_of_claim(
             "ellipse +-3 mm: error of (4.46), all harmonics",
             "appropriate",
             100.0 * oval.total_error(oval.arc_length),
@@ -89,7 +89,7 @@ def run() -> Result:
             "-",
             "tables of dl/dt and dL/dt cancel each other: noise of (4.36), (4.50)",
         ),
-        judge(
+        row_of_claim(
             "(4.50) at (0.25, 0.5), plane through (0,0,0.5), (1,0,0.75), (1,1,1)",
             "the plane's height",
             printed_plane(),

@@ -11,7 +11,7 @@ from sim_plant.effects.shape_rows import add_shape
 from sim_plant.geometry.roll_profiles import wooden_insert
 from sim_plant.geometry.shapes import Shape
 from sim_plant.reproduce.drawing import Panel, bars, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, judge
+from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, row_of_claim
 from sim_plant.reproduce.euclid import (
     FPM_M_S,
     INCH_M,
@@ -145,7 +145,7 @@ def run() -> Result:
     ]
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "peripheral speed: H1-H4 over exact, largest",
                 "larger oscillations (Fig. 4.11)",
                 float(np.max(np.array(spectra["peripheral speed (4.11)"]) / exact)),
@@ -153,7 +153,7 @@ def run() -> Result:
                 bool(np.max(outer) > 1.0),
                 "length variation that nothing compensates; the web even goes slack",
             ),
-            judge(
+            row_of_claim(
                 "arc length: error of H1",
                 "better correlation (Fig. 4.17)",
                 100.0 * float(arc[0]),
@@ -161,7 +161,7 @@ def run() -> Result:
                 bool(arc[0] < outer[0]),
                 "better than peripheral speed, yet not exact",
             ),
-            judge(
+            row_of_claim(
                 "arc length: error of H4",
                 "appropriate simulation",
                 100.0 * float(arc[3]),

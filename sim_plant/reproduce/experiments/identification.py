@@ -13,7 +13,7 @@ from sim_plant.identify.idler_friction import (
 )
 from sim_plant.identify.roller_run import run_up_and_coast, simulate_roller, with_sensor
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, judge
+from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, row_of_claim
 from sim_plant.reproduce.euclid import (
     FPM_M_S,
     LBF_FT_N_M,
@@ -65,7 +65,7 @@ def driven() -> Result:
     )
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "J by tau_n t_n / w_n (2.29), error",
                 "gives the inertia",
                 100.0 * off,
@@ -79,7 +79,7 @@ def driven() -> Result:
                 "%",
                 fit.inertia_kg_m2.text(),
             ),
-            judge(
+            row_of_claim(
                 "fit error of b alone over c and b",
                 "visible improvement",
                 gain,
@@ -135,7 +135,7 @@ def table() -> Result:
     )
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "c, divisor 7 as printed",
                 "0.0127 lbf ft",
                 in_lbf[7][0],
@@ -143,7 +143,7 @@ def table() -> Result:
                 abs(in_lbf[7][0] - 0.0127) < 1e-4,
                 "regression of the printed table",
             ),
-            judge(
+            row_of_claim(
                 "b, divisor 7 as printed",
                 "1.054e-4 lbf ft s",
                 in_lbf[7][1],
@@ -151,7 +151,7 @@ def table() -> Result:
                 abs(in_lbf[7][1] - 1.054e-4) < 1e-6,
                 "the printed b is 4 % high",
             ),
-            judge(
+            row_of_claim(
                 "c, divisor 6 as derived",
                 "0.0127 lbf ft",
                 in_lbf[6][0],
@@ -159,7 +159,7 @@ def table() -> Result:
                 abs(in_lbf[6][0] - 0.0127) < 1e-4,
                 "cells read means of their spans: 1/2 + 5 + 1/2 = 6 rollers lie between",
             ),
-            judge(
+            row_of_claim(
                 "b, divisor 6 as derived",
                 "1.054e-4 lbf ft s",
                 in_lbf[6][1],
@@ -220,7 +220,7 @@ def idlers() -> Result:
     )
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "c with divisor 7, error",
                 "average friction torque (2.43)",
                 errors[7.0][0],
@@ -230,7 +230,7 @@ def idlers() -> Result:
             ),
             beyond("c with divisor 6, error", errors[6.0][0], "%", fits[6.0].constant_N_m.text()),
             beyond("b with divisor 6, error", errors[6.0][1], "%", fits[6.0].viscous_N_m_s.text()),
-            judge(
+            row_of_claim(
                 "tension downstream minus upstream at 200 FPM",
                 "T1 - T2 > 0, 1 upstream (2.41)",
                 points[2].tension_drop_N,

@@ -11,7 +11,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.line.frequency import response as frequency_response
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, bars, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, Row, beyond, judge
+from sim_plant.reproduce.entry import Disagreement, Experiment, Result, Row, beyond, row_of_claim
 from sim_plant.reproduce.euclid import (
     FPM_M_S,
     INCH_M,
@@ -172,7 +172,7 @@ def _rows(
     wrong = gains["printed, radius +1 %"]
     phases = " ".join(f"{e:+.0f}" for e in errors)
     rows = [
-        judge(
+        row_of_claim(
             f"printed law: H{n}",
             "very well",
             printed[n - 1],
@@ -183,7 +183,7 @@ def _rows(
         for n in (1, 2)
     ]
     rows += [
-        judge(
+        row_of_claim(
             "printed law: H3",
             "not as good, its frequency moves faster",
             printed[2],
@@ -192,7 +192,7 @@ def _rows(
             f"a radius tag 1 % off gives {wrong[0]:.0f} {wrong[1]:.0f} {wrong[2]:.0f} dB, this "
             "picture; else it is the phase of P, not the changing frequency",
         ),
-        judge(
+        row_of_claim(
             "printed law: H4",
             "stable with small gain, no retuning",
             printed[3],

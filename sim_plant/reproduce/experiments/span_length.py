@@ -15,7 +15,7 @@ from sim_plant.geometry.source_eccentric import (
 )
 from sim_plant.geometry.tangent import Body, Tangent, common_tangent
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, judge
+from sim_plant.reproduce.entry import Disagreement, Experiment, Result, row_of_claim
 from sim_plant.reproduce.euclid import SWRAP_RADIUS_M
 
 D0_M, E_M, R1_M, R2_M = 0.8, 0.002, 0.0381, SWRAP_RADIUS_M
@@ -128,7 +128,7 @@ def run() -> Result:
     unsigned = _unsigned_arm_error_m()
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "largest error of (3.10), (3.16)",
                 "closed form",
                 worst,
@@ -136,7 +136,7 @@ def run() -> Result:
                 worst < 1e-8,
                 "right as printed",
             ),
-            judge(
+            row_of_claim(
                 "over-wrap: angle ACD - BAE",
                 "ACD equals BAE (text after 3.14)",
                 text,
@@ -144,7 +144,7 @@ def run() -> Result:
                 abs(text) < 1e-6,
                 "the triangles give ACD = ABE = 90 deg - BAE",
             ),
-            judge(
+            row_of_claim(
                 "arm error with cos(alpha) alone",
                 "(3.21) suffices",
                 unsigned,

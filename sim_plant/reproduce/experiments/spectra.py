@@ -9,7 +9,7 @@ from sim_plant.effects.shape_rows import add_shape
 from sim_plant.geometry.shapes import orders
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, Row, judge
+from sim_plant.reproduce.entry import Disagreement, Experiment, Result, Row, row_of_claim
 from sim_plant.reproduce.euclid import (
     FPM_M_S,
     INCH_M,
@@ -75,7 +75,7 @@ def one_speed() -> Result:
     )
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "turning frequency by (2.47)",
                 "0.97 Hz",
                 formula,
@@ -83,7 +83,7 @@ def one_speed() -> Result:
                 abs(formula - 0.97) < 0.005,
                 "0.97 Hz needs a radius of 6.563 in",
             ),
-            judge(
+            row_of_claim(
                 "turning frequency from the second peak of the record",
                 "0.97 Hz",
                 found,
@@ -91,7 +91,7 @@ def one_speed() -> Result:
                 abs(found - 0.97) < 0.005,
                 "the record follows the formula, not the print",
             ),
-            judge(
+            row_of_claim(
                 "weakest of harmonics 1-4 over the median",
                 "f and its harmonics are contained",
                 min(ratios),
@@ -125,7 +125,7 @@ def three_speeds() -> Result:
         keep = frequency < 2.0
         curves[f"{speed:.0f} FPM"] = (frequency[keep], amplitude[keep])
         rows.append(
-            judge(
+            row_of_claim(
                 f"first peak at {speed:.0f} FPM",
                 f"{printed} Hz",
                 found,
@@ -137,7 +137,7 @@ def three_speeds() -> Result:
         )
     slope = rows[2].ours / rows[0].ours
     rows.append(
-        judge(
+        row_of_claim(
             "peak at 300 over peak at 100 FPM",
             "proportional to speed: 3",
             slope,
@@ -163,7 +163,7 @@ def three_radii() -> Result:
         fourth.append(peak_near(frequency, amplitude, 4.0 * swrap, 0.01))
         curves[f"{radius} in"] = (frequency, amplitude)
         rows.append(
-            judge(
+            row_of_claim(
                 f"roll peak at {radius} in",
                 f"{printed} Hz",
                 found,
@@ -174,7 +174,7 @@ def three_radii() -> Result:
         )
     drift = float(np.ptp(still))
     rows += [
-        judge(
+        row_of_claim(
             "S-wrap peak, mean",
             "1.05 Hz",
             float(np.mean(still)),
@@ -182,7 +182,7 @@ def three_radii() -> Result:
             abs(float(np.mean(still)) - 1.05) < 0.01,
             "v / (2 pi 6.05 in) = 1.0523 Hz (2.48)",
         ),
-        judge(
+        row_of_claim(
             "S-wrap peak, largest shift between radii",
             "does not move",
             drift,
@@ -190,7 +190,7 @@ def three_radii() -> Result:
             drift < 0.01,
             "its radius does not change",
         ),
-        judge(
+        row_of_claim(
             "fourth S-wrap harmonic",
             "4.23 Hz",
             float(np.mean(fourth)),

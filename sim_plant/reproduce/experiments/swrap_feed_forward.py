@@ -9,7 +9,7 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, Row, beyond, judge
+from sim_plant.reproduce.entry import Disagreement, Experiment, Result, Row, beyond, row_of_claim
 from sim_plant.reproduce.euclid import (
     FPM_M_S,
     INCH_M,
@@ -120,7 +120,7 @@ def on_speed(kind: str) -> Result:
     number = "(5.8)" if kind == "torque" else "(5.10)"
     rise = rest_of_spectrum(kind, -1.0, SPEED)
     rows: list[Row] = [
-        judge(
+        row_of_claim(
             f"{number} as printed: speed ripple, H1 attenuation",
             "practically eliminated",
             printed[0],
@@ -128,7 +128,7 @@ def on_speed(kind: str) -> Result:
             printed[0] > 20.0,
             "e = v_r - v and Re P > 0 need g1 < 0: the printed sign runs to the clamp",
         ),
-        judge(
+        row_of_claim(
             f"{number} with g1 < 0: speed ripple, H1 attenuation",
             "practically eliminated",
             turned[0],
@@ -139,7 +139,7 @@ def on_speed(kind: str) -> Result:
     ]
     if kind == "torque":
         rows.append(
-            judge(
+            row_of_claim(
                 "median spectrum outside H1 over PI alone",
                 "slight increase over the whole spectrum",
                 rise,
@@ -150,7 +150,7 @@ def on_speed(kind: str) -> Result:
         )
     else:
         rows.append(
-            judge(
+            row_of_claim(
                 "median spectrum outside H1 over PI alone",
                 "no increase",
                 rise,
@@ -167,7 +167,7 @@ def effect_on_tension() -> Result:
     turned, before = attenuation("velocity", -1.0, TENSION)
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "pull-roll tension H1 while speed is compensated",
                 "little effect",
                 turned[0],
@@ -175,7 +175,7 @@ def effect_on_tension() -> Result:
                 abs(turned[0]) < 6.0,
                 f"of {before[0]:.3g} N; speed and tension ripple are different objectives",
             ),
-            judge(
+            row_of_claim(
                 "H2 while speed is compensated",
                 "only the second harmonic is attenuated",
                 turned[1],
@@ -209,7 +209,7 @@ def on_tension() -> Result:
     measured = _decay_rate(record)
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "(5.13) as printed: tension H1 attenuation",
                 "very good",
                 printed[0],
@@ -223,7 +223,7 @@ def on_tension() -> Result:
                 "dB",
                 "turned, it diverges to the clamp: speed and tension loops need unlike signs",
             ),
-            judge(
+            row_of_claim(
                 "H2 while tension is compensated",
                 "second and third attenuated too",
                 printed[1],

@@ -8,7 +8,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.identify.validation import norms
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, judge
+from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, row_of_claim
 from sim_plant.reproduce.euclid import FPM_M_S, INCH_M, LBF_N, effect, open_euclid, times
 
 STEP_S, START_N, STEP_N = 5.0, 10.0 * LBF_N, 20.0 * LBF_N
@@ -46,7 +46,7 @@ def at_rest() -> Result:
     offset = abs(float(np.mean(tension[late])) - START_N - STEP_N)
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "steady error after the step",
                 "simulated data follow closely",
                 offset,
@@ -54,7 +54,7 @@ def at_rest() -> Result:
                 offset < 0.2,
                 "the tension PI removes it",
             ),
-            judge(
+            row_of_claim(
                 "ripple at rest, rms",
                 "no speed-induced disturbance",
                 ripple,
@@ -106,7 +106,7 @@ def under_way() -> Result:
     error = norms(real, ideal, time[1] - time[0])
     return Result(
         rows=(
-            judge(
+            row_of_claim(
                 "mean tension, ideal against the line with faults",
                 "follows the average value",
                 mean_gap,
@@ -114,7 +114,7 @@ def under_way() -> Result:
                 mean_gap < 0.5,
                 "loops hold the mean; faults add ripple only",
             ),
-            judge(
+            row_of_claim(
                 "ripple of the ideal model, rms",
                 "does not reproduce the oscillations",
                 ripples[0],

@@ -11,7 +11,7 @@ from sim_plant.geometry.convex_hull import Points, shape_of_points
 from sim_plant.geometry.extrema import radius_cubic
 from sim_plant.geometry.roll_profiles import insert_outline
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Experiment, Result, Row, beyond, judge
+from sim_plant.reproduce.entry import Experiment, Result, Row, beyond, row_of_claim
 from sim_plant.reproduce.euclid import INCH_M
 
 R_IN, FLAT_IN, THICK_IN = 5.5, 3.0, 0.5
@@ -98,7 +98,7 @@ def _rows(
     edge = float(printed_y_in(np.array([1.5 + 1e-9]))[0])
     feature = read[1] - R_IN
     return (
-        judge(
+        row_of_claim(
             "y at the edge of the flat by (4.40) as printed",
             "6.0 in",
             edge,
@@ -108,7 +108,7 @@ def _rows(
             "at x = -r the printed root has no real value",
         ),
         *(
-            judge(
+            row_of_claim(
                 f"cubic against profile, largest error on the {part}",
                 "closely approximates",
                 misses["profile", part],
@@ -130,7 +130,7 @@ def _rows(
             )
             for part in ("flat", "sides")
         ),
-        judge(
+        row_of_claim(
             "least curvature of the cubic profile times R",
             "convex shaped roll",
             bend,

@@ -12,7 +12,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.geometry.shapes import eccentric, ellipse
 from sim_plant.geometry.wound_mass import WoundMass, wound_mass
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, judge
+from sim_plant.reproduce.entry import Disagreement, Experiment, Result, row_of_claim
 
 Profile = Callable[[float], float]
 CORE_M, DENSITY, WIDTH_M, RADIUS_M, OFFSET_M = 0.04445, 395.0, 0.1524, 0.2032, 0.003
@@ -77,7 +77,7 @@ def run() -> Result:
             )
         ]
         rows.append(
-            judge(
+            row_of_claim(
                 f"{name}: inertia",
                 "(4.39)",
                 ours.inertia_kg_m2,
@@ -99,7 +99,7 @@ def run() -> Result:
         )
     mass, offset, _ = polar_mass(polar_offset)
     rows.append(
-        judge(
+        row_of_claim(
             "off-centre circle: offset from (4.38) as printed, without width",
             "x_bar = integral over rho dA / m",
             offset / WIDTH_M,

@@ -22,6 +22,7 @@ from aff_runtime.core.controller import Controller
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.core.shape.law import ShapeLaw
 from aff_runtime.safety.limits import Limiter, makes_sense
+from tests.parameter_records import record_of
 
 SITE = Path(__file__).parents[3] / "config" / "euclid.yaml"
 EUCLID = load_site(SITE)
@@ -51,7 +52,8 @@ def response(actuator: str, relative_error: float = 0.02) -> Response:
 
 
 RESPONSES = {name: response(name).to_json() for name in EUCLID.actuators}
-RECORD = {"responses": RESPONSES, "loops": loop_rows(EUCLID, RESPONSES)}
+LOOPS = loop_rows(EUCLID, RESPONSES)
+RECORD = record_of(EUCLID, responses=RESPONSES, loops=LOOPS)
 OPEN = Permission(adapt=True, applied_ratio=(1.0, 1.0), limit_ratio=(1.0, 1.0))
 SHUT = Permission(adapt=False, applied_ratio=(0.0, 0.0), limit_ratio=(1.0, 1.0))
 
@@ -59,8 +61,8 @@ SHUT = Permission(adapt=False, applied_ratio=(0.0, 0.0), limit_ratio=(1.0, 1.0))
 class Line:
     """A line that turns and ripples, as the law reads it; nothing comes back from its output."""
 
-    def __init__(self, record=None) -> None:
-        self.law = controller_of(EUCLID, record or RECORD)
+    def __init__(self) -> None:
+        self.law = controller_of(EUCLID, RESPONSES, LOOPS)
         self.tick = 0
 
     def values(self, ripple_N: float = 1.0, **spoilt: float) -> tuple[float, ...]:
@@ -109,7 +111,7 @@ def test_the_unwind_runs_the_shape_law_and_the_follower_its_blocks():
 
 
 def test_without_a_response_the_blocks_stand_in_and_nothing_arms():
-    law = controller_of(EUCLID, {"responses": {}})
+    law = controller_of(EUCLID, {}, {})
     assert not law.shape_laws()
     assert "no measured response" in law.arming_objections()["unwind"][0]
 
@@ -127,7 +129,7 @@ def test_the_loop_is_worked_out_by_the_check_and_not_by_the_cycle(monkeypatch):
         raise AssertionError("worked out between two ticks")
 
     monkeypatch.setattr("aff_runtime.core.laws.from_response", too_slow)
-    assert controller_of(EUCLID, RECORD).shape_laws()
+    assert controller_of(EUCLID, RESPONSES, LOOPS).shape_laws()
 
 
 def test_the_probe_plays_up_to_where_orders_fade_and_clear_of_all_ripple():
@@ -216,7 +218,7 @@ def test_a_missing_sample_teaches_nothing():
 def unsure() -> Controller:
     """Return the law with a response that knows nothing above 9 Hz: 5 * 0.15 is 90 degrees."""
     loose = {"unwind": response("unwind", 0.15).to_json()}
-    return controller_of(EUCLID, {"responses": loose, "loops": RECORD["loops"]})
+    return controller_of(EUCLID, loose, LOOPS)
 
 
 def test_an_order_whose_response_is_unsure_stays_held_and_stands_against_nothing():
@@ -256,7 +258,8 @@ def test_new_settings_go_on_without_a_bump():
                 }
             }
         ),
-        RECORD,
+        RESPONSES,
+        LOOPS,
     )
     after.adopt(line.law)
     line.law = after

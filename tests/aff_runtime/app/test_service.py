@@ -12,8 +12,11 @@ from typing import Any
 
 import pytest
 
+from aff_runtime.app.door.client import DoorClient
+from aff_runtime.app.door.messages import DoorMessage, Facts, RingPassed
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
+from aff_runtime.telemetry.ring import RingReader
 from aff_runtime.telemetry.run_files import read_run
 from tests.aff_runtime.app.fake_plc import GAIN_N_PER_M_S, READY_STATUS
 from tests.aff_runtime.app.service_run import ServiceRun
@@ -66,6 +69,29 @@ def test_the_watchdog_goes_hungry_when_the_control_process_hangs(service: Servic
         assert service.notifications() == []
     finally:
         os.kill(control, signal.SIGCONT)
+
+
+def test_who_looks_through_the_door_sees_every_tick_and_the_facts(service: ServiceRun) -> None:
+    door = DoorClient(service.runtime_dir / "door.sock")
+    heard: list[DoorMessage] = []
+
+    def is_told() -> bool:
+        heard.extend(filter(None, [door.receive()]))
+        return any(isinstance(one, Facts) and one.blocked for one in heard)
+
+    until("the facts, with what blocks", is_told)
+    (passed,) = [one for one in heard if isinstance(one, RingPassed)]
+    facts = [one for one in heard if isinstance(one, Facts)][-1]
+    ring = RingReader(passed.descriptor)
+    first = ring.signals.written_count()
+    until("ticks", lambda: ring.signals.written_count() > first + 20)
+    assert ring.writer_alive()
+    assert facts.status.line == service.status()["line"]
+    assert facts.blocked.startswith("unwind: no measured response")
+    assert facts.status.facts is not None
+    assert facts.status.facts.outputs[0].limit == 0.05
+    ring.close()
+    door.close()
 
 
 def test_arming_without_a_measured_response_is_refused_by_name(service: ServiceRun) -> None:
@@ -168,7 +194,8 @@ def test_stop_ends_everything_and_leaves_a_readable_run(own: ServiceRun) -> None
     assert not (own.runtime_dir / "control.sock").exists()
     (folder,) = (own.folder / "runs").iterdir()
     run = read_run(folder)
-    assert run.summary["rows"] == len(run.columns["time_s"]) > 10
+    assert run.summary is not None
+    assert run.summary.statistics.rows == len(run.columns["time_s"]) > 10
     assert {event["name"] for event in run.events} >= {"POWER_UP", "OPERATOR"}
     assert (folder / "site.yaml").read_text() == own.site.read_text()
 
@@ -211,7 +238,7 @@ def probed(run: ServiceRun, actuator: str) -> list[dict[str, Any]]:
 
 
 def test_probe_arm_and_bypass_from_end_to_end(own: ServiceRun) -> None:
-    (own.folder / "learned").mkdir()
+    (own.folder / "learned").mkdir(exist_ok=True)
     other = own.folder / "learned" / "euclid_swrap_follower.json"
     other.write_text(known_response("swrap_follower"))
     until("the file is applied", lambda: own.said("swrap_follower: response"))

@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
+from aff_runtime.app.link.answers import Answer, ProbeDone
 from aff_runtime.app.link.messages import Probed, ProbeResult
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.request_socket import RequestSocket
 from aff_runtime.app.supervisor.probe_session import ProbeSession
 from aff_runtime.cli.probe import table
 from tests.aff_runtime.core.plants import measured
+from tests.parameter_records import record_of
 
 
 def test_a_result_passes_the_socket_and_is_shown_as_measured(tmp_path: Path) -> None:
@@ -20,9 +21,9 @@ def test_a_result_passes_the_socket_and_is_shown_as_measured(tmp_path: Path) -> 
     result = ProbeResult(
         actuator="unwind", sign=1, remarks=("short",), delay_s=0.05, text=response.to_json()
     )
-    answers: list[dict[str, Any]] = []
+    answers: list[Answer] = []
     processes = SimpleNamespace(
-        record={"response_files": {"unwind": str(tmp_path / "unwind.json")}},
+        record=record_of(response_files={"unwind": tmp_path / "unwind.json"}),
         probed=SimpleNamespace(add=lambda *_: None),
         note=lambda *_: None,
     )
@@ -37,7 +38,8 @@ def test_a_result_passes_the_socket_and_is_shown_as_measured(tmp_path: Path) -> 
     caller = service.accept()
     assert caller is not None
     caller.send(answers[0])
-    (told,) = client.ask("probe")["results"]
+    said = client.ask("probe")
+    (told,) = ProbeDone.from_json(said).results
     client.close()
     service.close()
 
@@ -48,4 +50,4 @@ def test_a_result_passes_the_socket_and_is_shown_as_measured(tmp_path: Path) -> 
         ["1.000", "250", "0.0"],
     ]
     assert rows[4:] == ["  remark: short", f"  kept in {tmp_path / 'unwind.json'}"]
-    assert json.loads((tmp_path / "unwind.json").read_text()) == told["response"]
+    assert json.loads((tmp_path / "unwind.json").read_text()) == said["results"][0]["response"]

@@ -9,7 +9,19 @@ CASES = {
     "unknown key": (
         ("  cycle_ms: 5", "  zzz: 5"),
         "zzz",
-        "line.zzz: unknown key. Known here: name, cycle_ms, speed, speed_max_m_s.",
+        "line.zzz: unknown key. Known here: name, cycle_ms, speed, speed_reference, "
+        "speed_max_m_s.",
+    ),
+    "reference that is no channel": (
+        ("  cycle_ms: 5", "  cycle_ms: 5\n  speed_reference: line_sped_m_s"),
+        "line_sped_m_s",
+        "line.speed_reference: line_sped_m_s is no channel of gateway.read. Did you mean "
+        "line_speed_m_s?",
+    ),
+    "reference in another unit": (
+        ("  cycle_ms: 5", "  cycle_ms: 5\n  speed_reference: tension_ref_N"),
+        "tension_ref_N",
+        "line.speed_reference: tension_ref_N is in N. Name a channel in m/s.",
     ),
     "duplicate key": (
         ("  cycle_ms: 5", "  name: again"),

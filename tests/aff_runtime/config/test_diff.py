@@ -72,14 +72,32 @@ def test_change_is_one_readable_line(edit, line, tmp_path):
     assert may_apply_while_active((change,)) is line.endswith("(applies at once)")
 
 
-def test_block_that_appears_and_goes_waits_for_bypass(tmp_path):
-    block = "      - { roll: swrap_follower, orders: [1], settle_s: 10, amp_limit_m_s: 0.01 }\n"
-    gone = changes(tmp_path, (block, ""))
+BLOCK = "      - { roll: swrap_follower, orders: [1], settle_s: 10, amp_limit_m_s: 0.01 }\n"
+
+
+def test_a_whole_block_that_appears_or_goes_applies_at_once(tmp_path):
+    gone = changes(tmp_path, (BLOCK, ""))
     assert {change.new for change in gone} == {"(absent)"}
-    assert not may_apply_while_active(gone)
-    back = diff_sites(load_site(edited(tmp_path, (block, ""))), load_site(EUCLID))
+    assert may_apply_while_active(gone)
+    back = diff_sites(load_site(edited(tmp_path, (BLOCK, ""))), load_site(EUCLID))
     assert {change.old for change in back} == {"(absent)"}
-    assert not may_apply_while_active(back)
+    assert may_apply_while_active(back)
+
+
+def test_a_whole_roll_that_appears_or_goes_applies_at_once_and_its_keys_do_not(tmp_path):
+    last = "    radius_m: 0.15367\n"
+    more = (last, f"{last}  r5: {{ radius_m: 0.0381 }}\n")
+    with_roll = changes(tmp_path, more)
+    assert "rolls.r5.radius_m" in {change.path for change in with_roll}
+    assert may_apply_while_active(with_roll)
+    with_speed = (last, f"{last}    line_speed: swrap_follower_speed_m_s\n")
+    assert not may_apply_while_active(changes(tmp_path, with_speed))
+
+
+def test_a_block_of_another_roll_in_the_place_of_one_waits_for_bypass(tmp_path):
+    assert not may_apply_while_active(
+        changes(tmp_path, (BLOCK, BLOCK.replace("swrap_follower", "unwind").replace("[1]", "[9]")))
+    )
 
 
 def test_another_order_of_channels_is_a_difference_that_waits(tmp_path):

@@ -11,6 +11,7 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.can_wire import can_map_of, load_share, wire_files
 from aff_runtime.config.check import check_site
 from aff_runtime.config.loader import load_site
+from aff_runtime.config.models.gateway import WIRES
 from aff_runtime.config.plain_file import MAX_BYTES
 from aff_runtime.config.wire_table import wire_lines
 from tests.aff_runtime.config.shipped import EUCLID
@@ -58,7 +59,7 @@ def test_two_wires_are_one_too_many(folder: Path) -> None:
         "  address_base: 0\n",
         "  can_dbc: { channel: can0, dbc: euclid.dbc }\n  address_base: 0\n",
     )
-    assert "give exactly one of modbus_tcp, modbus_rtu, can_dbc, canopen_402" in said
+    assert f"give exactly one of {', '.join(WIRES)}" in said
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ class FakeWire:
         self.state = Connecting.UP
         self.takes_bytes = True
         self.why_closed = ""
+        self.lossy = False
         self._arrivals: list[tuple[int, bytes | None]] = []
 
     def start_connect(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
-from aff_runtime.fieldbus.modbus.tcp import ModbusTcpTransport
+from aff_runtime.fieldbus.modbus.transport import ModbusTransport
 from tests.aff_runtime.fieldbus.fake_wire import Arrivals, FakeWire
 from tests.aff_runtime.fieldbus.modbus_bytes import (
     function_of,
@@ -39,7 +39,7 @@ class Rig:
         frames = ModbusFrames(
             device_id=1, read_start=0, read_count=READ_COUNT, write_start=100, write_count=2
         )
-        self.transport = ModbusTcpTransport(
+        self.transport = ModbusTransport(
             frames=frames,
             wire=self.wire,
             clock=self.clock,

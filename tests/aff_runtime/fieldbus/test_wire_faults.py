@@ -12,8 +12,8 @@ import pytest
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
-from aff_runtime.fieldbus.modbus.tcp import ModbusTcpTransport
 from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire
+from aff_runtime.fieldbus.modbus.transport import ModbusTransport
 from tests.aff_runtime.fieldbus.modbus_bytes import (
     exception_reply,
     function_of,
@@ -54,7 +54,7 @@ class Rig:
         )
         self.clock = MonotonicClock()
         self.wire = TcpWire("127.0.0.1", port)
-        self.transport = ModbusTcpTransport(
+        self.transport = ModbusTransport(
             frames=frames,
             wire=self.wire,
             clock=self.clock,

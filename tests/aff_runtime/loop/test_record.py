@@ -1,10 +1,11 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from math import isnan
 
 import pytest
 
-from aff_runtime.base.signals import Outcome, Permission, Snapshot, State
+from aff_runtime.base.signals import NO_ECHO, Outcome, Permission, Snapshot, State
 from aff_runtime.loop.record import TickTiming, build_record, record_columns
 
 SNAPSHOT = Snapshot(
@@ -17,16 +18,18 @@ SNAPSHOT = Snapshot(
     status=63,
     roll_id=2,
     values=(90.0, 1.5),
+    echo_age=2,
+    applied=(0.004,),
 )
 TIMING = TickTiming(
     tick=4, time_s=0.02, periods=1, wake_ns=1500, io_ns=200_000, tick_ns=300_000, missed=3
 )
 
 
-def row(law_values: tuple[float, ...]) -> dict[str, float]:
+def row(law_values: tuple[float, ...], snapshot: Snapshot = SNAPSHOT) -> dict[str, float]:
     names = record_columns(("tension_N", "speed_m_s"), ("unwind_m_s",), ("a", "b"))
     values = build_record(
-        snapshot=SNAPSHOT,
+        snapshot=snapshot,
         state=State.ACTIVE,
         state_bits=5,
         alarm=0,
@@ -52,6 +55,8 @@ def test_every_number_stands_under_its_name() -> None:
         "speed_m_s": 1.5,
         "wanted_unwind_m_s": 0.01,
         "correction_unwind_m_s": 0.005,
+        "plc_applied_unwind_m_s": 0.004,
+        "echo_age": 2,
         "applied_ratio_unwind_m_s": 0.5,
         "limit_ratio_unwind_m_s": 0.9,
         "wake_us": 1.5,
@@ -67,3 +72,10 @@ def test_every_number_stands_under_its_name() -> None:
 def test_the_row_keeps_its_width_when_another_law_tells_more_or_less() -> None:
     assert row((7.0, 8.0, 9.0))["b"] == 8.0
     assert isnan(row((7.0,))["b"])
+
+
+def test_what_no_plc_word_shows_is_no_number() -> None:
+    record = row((), replace(SNAPSHOT, applied=(), echo_age=NO_ECHO))
+    assert isnan(record["plc_applied_unwind_m_s"])
+    assert record["echo_age"] == -1
+    assert record["applied_ratio_unwind_m_s"] == 0.5  # what stands behind it stays in its place

@@ -5,11 +5,11 @@ from math import inf, nan
 import pytest
 
 from aff_runtime.safety.params import ChannelParams, RadiusParams
-from aff_runtime.safety.plausibility import ChannelJudge, RadiusJudge
+from aff_runtime.safety.plausibility import ChannelCheck, RadiusCheck
 
 
-def channel(**settings: float) -> ChannelJudge:
-    return ChannelJudge(ChannelParams(channel=0, name="tension_N", **settings))  # type: ignore[arg-type]
+def channel(**settings: float) -> ChannelCheck:
+    return ChannelCheck(ChannelParams(channel=0, name="tension_N", **settings))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("value", [nan, inf, -inf])
@@ -50,7 +50,7 @@ def test_a_jump_faster_than_the_rate_is_implausible() -> None:
 
 @pytest.mark.parametrize("shrinks", [True, False])
 def test_a_roll_goes_one_way_within_tolerance_until_the_next_roll(shrinks: bool) -> None:
-    judge = RadiusJudge(RadiusParams(channel=0, name="r", tolerance_m=0.005, shrinks=shrinks))
+    judge = RadiusCheck(RadiusParams(channel=0, name="r", tolerance_m=0.005, shrinks=shrinks))
     way = -1.0 if shrinks else 1.0
     assert all(judge.is_plausible(0.2 + way * 0.001 * step) for step in range(50))
     assert judge.is_plausible(0.2 + way * 0.0445)  # noise against the direction
@@ -61,6 +61,6 @@ def test_a_roll_goes_one_way_within_tolerance_until_the_next_roll(shrinks: bool)
 
 @pytest.mark.parametrize("radius_m", [nan, inf, 0.0, -0.1, 0.19, 0.21])
 def test_a_jump_or_no_radius_at_all_is_implausible(radius_m: float) -> None:
-    judge = RadiusJudge(RadiusParams(channel=0, name="r", tolerance_m=0.005))
+    judge = RadiusCheck(RadiusParams(channel=0, name="r", tolerance_m=0.005))
     assert judge.is_plausible(0.2)
     assert not judge.is_plausible(radius_m)

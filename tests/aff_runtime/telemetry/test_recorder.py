@@ -13,6 +13,7 @@ import pytest
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
+from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.ring import RingWriter
 from aff_runtime.telemetry.run_files import Run, read_run
 
@@ -36,11 +37,11 @@ def start(ring: RingWriter, runs: Path) -> subprocess.Popen[bytes]:
         os.close(descriptor)
 
 
-def record(tmp_path: Path, rows: list[tuple[float, ...]], **context: object) -> Run:
-    ring = RingWriter(COLUMNS, meta={"start_ns": 1000, "config_hash": "3f9a"})
+def record(tmp_path: Path, rows: list[tuple[float, ...]], segment_s: float = 60.0) -> Run:
+    ring = RingWriter(COLUMNS, meta=RunMeta(start_ns=1000, config_hash="3f9a"))
     process = start(ring, tmp_path / "runs")
     assert process.stdin is not None
-    context = {"name": "Line 1", "site_text": "version: 1\n", **context}
+    context = {"name": "Line 1", "site_text": "version: 1\n", "segment_s": segment_s}
     process.stdin.write(json.dumps(context).encode() + b"\n")
     process.stdin.flush()
     for row in rows:
@@ -62,11 +63,12 @@ def test_a_run_comes_back_as_it_was_written(tmp_path: Path) -> None:
     table = np.array(rows)
     for i, name in enumerate(COLUMNS):
         np.testing.assert_allclose(run.columns[name], table[:, i], rtol=1e-9)
-    assert run.about["config_hash"] == "3f9a"
-    assert run.about["columns"] == COLUMNS
-    assert run.summary["rows_by_state"] == {"ACTIVE": 1000}
-    assert run.summary["timing_us"]["wake_latency_us"]["p50"] == 20.0
-    assert run.summary["ring_overruns"] == 0
+    assert run.about.meta.config_hash == "3f9a"
+    assert run.about.columns == tuple(COLUMNS)
+    assert run.summary is not None
+    assert run.summary.statistics.rows_by_state == {"ACTIVE": 1000}
+    assert run.summary.statistics.timing_us["wake_latency_us"]["p50"] == 20.0
+    assert run.summary.ring_overruns == 0
     spoken = {event["name"]: event for event in run.events}
     assert spoken["SPLICE"]["time_s"] == "0.0100"
     assert spoken["EDIT"]["text"] == "settle_s: 6 -> 9"
@@ -90,7 +92,7 @@ def test_a_run_cut_short_is_readable_up_to_its_last_whole_row(tmp_path: Path) ->
     ticks = run.columns["tick"]
     assert 0 < len(ticks) < 1000
     np.testing.assert_array_equal(ticks, np.arange(len(ticks)))
-    assert run.summary == {}
+    assert run.summary is None
 
 
 def test_a_folder_that_is_no_run_is_refused_by_name(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.base.errors import AffError
+from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.ring import RingReader, RingWriter
 
 
@@ -24,10 +25,10 @@ def reader_of(writer: RingWriter) -> RingReader:
 
 
 def test_columns_meta_records_and_events_pass_through_the_ring() -> None:
-    writer = RingWriter(["time_s", "unwind_tension_N"], meta={"config_hash": "3f9a"})
+    writer = RingWriter(["time_s", "unwind_tension_N"], meta=RunMeta(config_hash="3f9a"))
     reader = reader_of(writer)
     assert reader.columns == ("time_s", "unwind_tension_N")
-    assert reader.header["meta"] == {"config_hash": "3f9a"}
+    assert reader.header.meta == RunMeta(config_hash="3f9a")
     assert reader.status() is None
     writer.write((0.005, 88.9))
     writer.event(1, 5_000_000, 15)
@@ -39,7 +40,7 @@ def test_columns_meta_records_and_events_pass_through_the_ring() -> None:
 
 def test_the_ring_has_no_name_and_is_private_to_its_user() -> None:
     before = set(os.listdir("/dev/shm"))
-    writer = RingWriter(["time_s"], meta={})
+    writer = RingWriter(["time_s"], meta=RunMeta())
     assert set(os.listdir("/dev/shm")) == before
     reader = reader_of(writer)
     found = os.fstat(reader.fileno())
@@ -49,7 +50,7 @@ def test_the_ring_has_no_name_and_is_private_to_its_user() -> None:
 
 
 def test_a_reader_cannot_write() -> None:
-    writer = RingWriter(["time_s"], meta={})
+    writer = RingWriter(["time_s"], meta=RunMeta())
     descriptor = writer.open_for_readers()
     with pytest.raises(OSError, match="Bad file descriptor"):
         os.write(descriptor, b"x")
@@ -58,7 +59,7 @@ def test_a_reader_cannot_write() -> None:
 
 
 def test_the_writer_counts_as_gone_after_close() -> None:
-    writer = RingWriter(["time_s"], meta={})
+    writer = RingWriter(["time_s"], meta=RunMeta())
     reader = reader_of(writer)
     assert reader.writer_alive()
     writer.close()
@@ -68,8 +69,9 @@ def test_the_writer_counts_as_gone_after_close() -> None:
 def test_the_writer_counts_as_gone_after_sigkill() -> None:
     code = (
         "import sys\n"
+        "from aff_runtime.telemetry.header import RunMeta\n"
         "from aff_runtime.telemetry.ring import RingWriter\n"
-        "ring = RingWriter(['time_s'], meta={})\n"
+        "ring = RingWriter(['time_s'], meta=RunMeta())\n"
         "print(ring.open_for_readers(), flush=True)\n"
         "sys.stdin.read()\n"
     )
@@ -95,10 +97,10 @@ def test_a_foreign_file_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_second_ring_leaves_the_first_readers_mapping_intact() -> None:
-    first = RingWriter(["time_s"], meta={})
+    first = RingWriter(["time_s"], meta=RunMeta())
     first.write((1.0,))
     reader = reader_of(first)
-    second = RingWriter(["time_s"], meta={})
+    second = RingWriter(["time_s"], meta=RunMeta())
     second.write((2.0,))
     first.close()
     assert reader.status() == {"time_s": 1.0}
@@ -115,12 +117,12 @@ def test_too_little_memory_refuses_the_ring_instead_of_killing_its_writer_later(
     before = set(os.listdir("/proc/self/fd"))
     monkeypatch.setattr(os, "posix_fallocate", full)
     with pytest.raises(AffError, match=r"no memory for a ring of .* MB \(No space left"):
-        RingWriter(["time_s"], meta={})
+        RingWriter(["time_s"], meta=RunMeta())
     assert set(os.listdir("/proc/self/fd")) == before
 
 
 def test_every_page_of_the_ring_is_there_from_the_start() -> None:
-    writer = RingWriter(["time_s"] * 50, meta={})
+    writer = RingWriter(["time_s"] * 50, meta=RunMeta())
     found = os.fstat(reader_of(writer).fileno())
     assert found.st_blocks * 512 >= found.st_size
     writer.close()

@@ -25,16 +25,16 @@ def test_rows_are_grouped_by_the_name_of_their_state() -> None:
     summary = RunSummary(["time_s", "state", "tension_N"], ["FAULT", "OFF"])
     summary.add([(0.0, 0.0, 5.0), (0.1, 1.0, 7.0), (0.2, 1.0, 9.0)])
     result = summary.result()
-    assert result["rows_by_state"] == {"FAULT": 1, "OFF": 2}
-    assert result["columns_by_state"]["OFF"]["tension_N"]["mean"] == 8.0
-    assert result["columns_by_state"]["FAULT"]["tension_N"]["mean"] == 5.0
+    assert result.rows_by_state == {"FAULT": 1, "OFF": 2}
+    assert result.columns_by_state["OFF"]["tension_N"]["mean"] == 8.0
+    assert result.columns_by_state["FAULT"]["tension_N"]["mean"] == 5.0
 
 
 def test_percentiles_of_timing_are_within_one_bin_of_exact() -> None:
     values = np.random.default_rng(4).lognormal(4.0, 1.0, 5000)
     summary = RunSummary(["time_s", "wake_us"], [])
     summary.add([(0.0, float(v)) for v in values])
-    timing = summary.result()["timing_us"]["wake_us"]
+    timing = summary.result().timing_us["wake_us"]
     assert timing["p50"] == pytest.approx(np.percentile(values, 50), rel=0.06)
     assert timing["p99"] == pytest.approx(np.percentile(values, 99), rel=0.06)
     assert timing["max"] == pytest.approx(values.max(), rel=1e-6)
@@ -43,4 +43,4 @@ def test_percentiles_of_timing_are_within_one_bin_of_exact() -> None:
 def test_a_column_that_never_had_a_number_is_left_out() -> None:
     summary = RunSummary(["time_s", "x_N"], [])
     summary.add([(0.0, float("nan"))])
-    assert "x_N" not in summary.result()["columns_by_state"]["ALL"]
+    assert "x_N" not in summary.result().columns_by_state["ALL"]

@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from benchmarks.campaign.cases import GROUPS, case_number
+from benchmarks.campaign.cases import GROUPS, case_number, numbers_of
 from benchmarks.campaign.effect_table import EFFECTS
 from benchmarks.campaign.effects import flat_outline, outline
 from benchmarks.campaign.make import floors, write_case
@@ -103,3 +103,11 @@ def test_a_line_is_sought_where_the_fault_makes_it():
     assert coordinate_of(ecc)["wavenumber_1_m"] == pytest.approx(1.0 / (2 * np.pi * 0.0381))
     gear = {"shape": 6.0, "effect": "torque_ripple", "kind": "angle", "location": "unwind"}
     assert coordinate_of(gear) == {"order": 6.0}
+
+
+def test_one_group_alone_keeps_the_numbers_that_its_cases_have_among_all():
+    assert numbers_of(20) == list(range(20))
+    healthy = numbers_of(364, "no effect")
+    assert len(healthy) == 78
+    assert {case_number(102, n).group for n in healthy[:6]} == {"no effect"}
+    assert [n for n in healthy if n < 90] == numbers_of(90, "no effect")

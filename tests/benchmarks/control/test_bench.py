@@ -14,7 +14,6 @@ from benchmarks.control import store
 from benchmarks.control.__main__ import SECTIONS, chosen_jobs, only
 from benchmarks.control.cases import ON_S, constant_cases, mismatch_cases, roll_duration_s
 from benchmarks.control.jobs import Job
-from benchmarks.control.judge import judge_transient, order_amplitudes, ratio_dB
 from benchmarks.control.laws import (
     OWN,
     RIVALS,
@@ -25,9 +24,10 @@ from benchmarks.control.laws import (
     web_leaves_rad,
 )
 from benchmarks.control.lines import ALL_FIVE, INCH_M, Hidden, nominal, spoilt, with_hidden
-from benchmarks.control.lockstep import Record, run
+from benchmarks.control.lockstep import Recording, run
 from benchmarks.control.memory import ROUND_TICKS, Eventful, footprint
 from benchmarks.control.report import page
+from benchmarks.control.scores import order_amplitudes, ratio_dB, score_transient
 from benchmarks.control.verdicts import beaten, targets
 from sim_plant.geometry.wound_mass import WoundMass, gravity_torque_N_m
 from sim_plant.line.declaration import LoadCell
@@ -206,7 +206,7 @@ def test_back_after_a_transient_is_counted_in_turns():
     blank = np.zeros_like(time_s)
 
     def record(tension):
-        return Record(
+        return Recording(
             time_s=time_s,
             tension_N=tension,
             pullroll_N=blank,
@@ -219,7 +219,7 @@ def test_back_after_a_transient_is_counted_in_turns():
         )
 
     left = ripple * np.where((time_s > 30.0) & (time_s < 36.0), 1.0, 0.05)
-    found = judge_transient(record(left), record(ripple), 30.0, 30.0)
+    found = score_transient(record(left), record(ripple), 30.0, 30.0)
     assert found["before"] == pytest.approx(0.05, rel=0.01)
     assert found["worst_2s"] == pytest.approx(1.0, rel=0.01)
     assert found["back_turns"] == pytest.approx(4.0)  # the window from 6 to 10 s, at its middle

@@ -3,13 +3,16 @@ from __future__ import annotations
 import pytest
 
 from sim_plant.demo.pace import Pace, pace_of
+from sim_plant.demo.runtime_status import RuntimeStatus
+from sim_plant.servers.answers import PlantStatus
+from tests.sim_plant.servers.test_answers import STATUS
 
 BEFORE = Pace(missed_ticks=30, skipped_samples=2)
 
 
 def test_the_counts_are_those_of_the_two_status_answers() -> None:
-    runtime = {"signals": {"missed_count": 31.0, "age_s": 0.001}}
-    plant = {"counts": {"skipped_samples": 7, "late_samples": 90}}
+    runtime = RuntimeStatus.from_json({"signals": {"missed_count": 31.0, "age_s": 0.001}})
+    plant = PlantStatus.from_json(STATUS)
     assert pace_of(runtime, plant) == Pace(missed_ticks=31, skipped_samples=7)
 
 

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from sim_plant.demo.judge import Row
+from sim_plant.demo.evaluation import Row
 from sim_plant.demo.picture import write_picture
 from sim_plant.demo.session import Plan, Session
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim_plant.demo.judge import more_orders
+from sim_plant.demo.evaluation import more_orders
 from sim_plant.demo.roll_figure import LearnedOrder, deviation_mm, learned_orders, roll_figure
 
 TIME_S = np.arange(0.0, 20.0, 0.005)

@@ -8,7 +8,7 @@ import pytest
 import sim_plant.effects
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.effects import Effect, Parameter
-from sim_plant.base.signatures import Frequency, Onset, Orders
+from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.line.corrections import declared_numbers
 from sim_plant.line.locations import candidate_locations
@@ -16,12 +16,14 @@ from sim_plant.refine.model.parameter_effects import equivalents
 from tests.sim_plant.effects.running import effect, euclid, run
 
 WAVE_M_S = 0.005 * np.sin(2.0 * np.pi * 1.5 * 0.005 * np.arange(200))
+PASSING = {"seconds": 3.0, "settle_s": 4.0}
+"""Long enough for what begins at the start to reach the first rollers."""
 SHORT = {"seconds": 1.0, "settle_s": 2.0, "aff": {"unwind": WAVE_M_S}}
 LINEAR = [
     (row, name)
     for row in CATALOGUE
     for name, parameter in row.accepts.items()
-    if parameter.linear and parameter.role == "strength"
+    if parameter.linear and parameter.role == "strength" and not parameter.detail
 ]
 
 
@@ -68,8 +70,12 @@ def test_a_location_that_does_not_exist_is_refused(row: Effect) -> None:
 
 @pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
 def test_what_tracing_reads_is_consistent(row: Effect) -> None:
-    assert set(row.traced) <= set(row.accepts)
-    assert row.traced
+    forms = row.onset.forms if row.onset is not None else ()
+    assert {*row.traced, *(name for form in forms for name in form)} <= set(row.accepts)
+    assert row.traced or forms
+    if row.onset is not None:
+        assert row.onset.moment in row.accepts
+        assert {name for name, _ in (*row.onset.fixed, *row.onset.grid)} <= set(row.accepts)
     for pair in row.quadratures:
         assert {pair.cos, pair.sin} <= set(row.accepts)
         assert {pair.amplitude, pair.angle} - {""} <= set(row.accepts)
@@ -93,7 +99,7 @@ def test_what_shows_as_a_line_has_coordinates(row: Effect) -> None:
     if isinstance(row.shows, Orders):
         at = row.shows.at(row.parameters, 0.1)
         assert at
-    elif isinstance(row.shows, Frequency | Onset):
+    elif isinstance(row.shows, Frequency):
         at = (row.shows.at(row.parameters),)
     else:
         return
@@ -142,13 +148,16 @@ def test_a_parameter_called_linear_moves_the_record_in_proportion(
     place = candidate_locations(euclid(), row)[-1]
     parameter = row.accepts[name]
     beside = {k: p.tries[0] for k, p in row.accepts.items() if p.tries and p.role != "strength"}
-    reference = run(effect(row.name, place, **beside), **SHORT) if beside else bare
+    short = SHORT if row.traced else PASSING
+    reference = (
+        run(effect(row.name, place, **beside), **short) if beside or short != SHORT else bare
+    )
     default = float(parameter.default)
     step = 0.2 * (parameter.typical - default)
 
     def change(factor: float):  # type: ignore[no-untyped-def]
         given = {**beside, name: default + factor * step}
-        moved = run(effect(row.name, place, **given), **SHORT)
+        moved = run(effect(row.name, place, **given), **short)
         return np.concatenate(
             [moved[c] - reference[c] for c in reference if reference[c].ndim == 1]
         )

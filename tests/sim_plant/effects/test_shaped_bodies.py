@@ -8,7 +8,7 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.effects import eccentric_roller, out_of_round_roll, unbalanced_roller
 from sim_plant.effects.out_of_round_roll import KINDS, named
-from sim_plant.effects.shape_rows import add_heavy
+from sim_plant.effects.shape_rows import add_gravity_moment
 from sim_plant.elements.contact import body_at
 from sim_plant.geometry.roll_profiles import flat_spot
 from sim_plant.line.build import build_arrays, timing_of
@@ -63,21 +63,21 @@ def test_eccentric_mass_makes_the_gravity_torque_of_its_offset(arrays):
     shaped = put(
         eccentric_roller, arrays, FOLLOWER, eccentricity_m=5e-4, angle_rad=0.3, mass_kg=20.0
     )
-    assert shaped.bodies["heavy_N_m"][FOLLOWER] == pytest.approx(20.0 * 9.80665 * 5e-4)
-    assert shaped.bodies["heavy_angle_rad"][FOLLOWER] == pytest.approx(0.3)
+    assert shaped.bodies["gravity_moment_N_m"][FOLLOWER] == pytest.approx(20.0 * 9.80665 * 5e-4)
+    assert shaped.bodies["gravity_moment_angle_rad"][FOLLOWER] == pytest.approx(0.3)
 
 
 def test_unbalance_is_gravity_alone(arrays):
     heavy = put(unbalanced_roller, arrays, 6, unbalance_kg_m=0.01, angle_rad=-2.0)
-    assert heavy.bodies["heavy_N_m"][6] == pytest.approx(0.0980665)
-    assert heavy.bodies["heavy_angle_rad"][6] == pytest.approx(-2.0)
+    assert heavy.bodies["gravity_moment_N_m"][6] == pytest.approx(0.0980665)
+    assert heavy.bodies["gravity_moment_angle_rad"][6] == pytest.approx(-2.0)
     assert heavy.bodies["shape_row"][6] == -1
 
 
 def test_opposite_imbalances_cancel(arrays):
-    add_heavy(arrays, 6, 0.1, 0.5)
-    add_heavy(arrays, 6, 0.1, 0.5 + math.pi)
-    assert arrays.bodies["heavy_N_m"][6] == pytest.approx(0.0, abs=1e-16)
+    add_gravity_moment(arrays, 6, 0.1, 0.5)
+    add_gravity_moment(arrays, 6, 0.1, 0.5 + math.pi)
+    assert arrays.bodies["gravity_moment_N_m"][6] == pytest.approx(0.0, abs=1e-16)
 
 
 @pytest.mark.parametrize("angle_rad", [0.0, 0.7])
@@ -91,17 +91,17 @@ def test_a_flat_spot_lacks_web_so_the_roll_is_heavy_opposite(arrays, angle_rad):
     moment_m3 = abs(np.sum((z + after) * (z.conj() * after).imag)) / 6.0
     segment_m3 = 2.0 / 3.0 * (radius * math.sin(math.acos(1.0 - depth / radius))) ** 3
     expected = web.density_kg_m3 * web.width_m * moment_m3 * 9.80665
-    assert shaped.bodies["heavy_N_m"][0] == pytest.approx(expected, rel=1e-4)
+    assert shaped.bodies["gravity_moment_N_m"][0] == pytest.approx(expected, rel=1e-4)
     assert moment_m3 == pytest.approx(segment_m3, rel=0.07)
-    turned = (shaped.bodies["heavy_angle_rad"][0] - angle_rad - math.pi) % (2.0 * math.pi)
+    turned = (shaped.bodies["gravity_moment_angle_rad"][0] - angle_rad - math.pi) % (2.0 * math.pi)
     assert min(turned, 2.0 * math.pi - turned) < 1e-6
 
 
 def test_gravity_can_be_left_out_and_belongs_to_rolls_only(arrays):
     off = put(out_of_round_roll, arrays, 0, size_m=0.012, gravity=0.0)
-    assert off.bodies["heavy_N_m"][0] == 0.0
+    assert off.bodies["gravity_moment_N_m"][0] == 0.0
     idler = put(out_of_round_roll, off, 3, size_m=1e-4)
-    assert idler.bodies["heavy_N_m"][3] == 0.0
+    assert idler.bodies["gravity_moment_N_m"][3] == 0.0
     assert idler.bodies["shape_row"][3] == 1
 
 

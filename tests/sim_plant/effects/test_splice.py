@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from sim_plant.line.derivative import on_wrap
 from tests.sim_plant.effects.running import (
     SPEED_M_S,
     at_rest,
@@ -13,6 +14,7 @@ from tests.sim_plant.effects.running import (
     mean_tension_N,
     nominal,
     run,
+    span,
 )
 
 
@@ -69,3 +71,29 @@ def test_thickness_changes_at_the_unwind_at_once_and_at_the_rewind_one_path_late
     rate = np.diff(radii)
     jump_s = 0.1 * (1 + int(np.argmax(rate > 1.15 * rate[0])))
     assert jump_s == pytest.approx(arrival_s, abs=0.25)
+
+
+def test_a_seam_lifts_the_web_off_a_roller_while_a_part_of_it_is_on_the_wrap() -> None:
+    piece_m, wrap_m = 0.08, 0.3
+    past_m = np.arange(-0.1, 0.6, 0.001)
+    lifted = np.array([on_wrap(piece_m, float(past), wrap_m) for past in past_m])
+    assert np.trapezoid(lifted, past_m) == pytest.approx(wrap_m + piece_m, abs=2e-3)
+    assert lifted.max() == 1.0
+    assert not lifted[past_m < 0.0].any()
+    assert on_wrap(piece_m, 0.1, 0.0) == 0.0
+
+
+def test_a_seam_on_the_follower_feeds_the_draw_zone_and_one_on_the_pull_roll_empties_it() -> None:
+    seam = effect("splice", "web", step_m=3e-4, piece_m=0.08, at_length_m=0.5)
+    made, plain = run(seam, seconds=30.0), run(seconds=30.0)
+    change = made["span_tension_N"] - plain["span_tension_N"]
+    zone = change[:, span("R13-R14")]
+    assert zone.min() < -0.5
+    assert zone.max() > 0.5
+    assert np.argmin(zone) < np.argmax(zone)
+
+
+def test_a_seam_leaves_nothing_behind_when_it_is_on_the_roll() -> None:
+    made = at_rest(effect("splice", "web", step_m=3e-4, at_length_m=0.5), seconds=80.0)
+    plain = at_rest(seconds=80.0)
+    assert made["span_tension_N"] == pytest.approx(plain["span_tension_N"], abs=0.02)

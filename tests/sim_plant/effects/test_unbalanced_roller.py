@@ -11,5 +11,5 @@ def test_two_unbalances_add_as_phasors() -> None:
         settle_s=1.0,
     )
     body = made.arrays.bodies[6]
-    assert body["heavy_N_m"] == pytest.approx(0.005 * 9.80665)
-    assert body["heavy_angle_rad"] == pytest.approx(np.arctan2(4.0, 3.0))
+    assert body["gravity_moment_N_m"] == pytest.approx(0.005 * 9.80665)
+    assert body["gravity_moment_angle_rad"] == pytest.approx(np.arctan2(4.0, 3.0))

@@ -4,7 +4,7 @@ from tests.sim_plant.effects.running import at_rest, effect, euclid, mean_tensio
 
 
 def test_a_tighter_roll_turns_faster_by_its_strain() -> None:
-    changed = at_rest(effect("wound_in_strain", "web", strain=0.001))
+    changed = at_rest(effect("wound_in_strain", "unwind", strain=0.001))
 
     def stretch(channels):  # type: ignore[no-untyped-def]
         surface = channels["unwind_speed_rad_s"] * channels["true_unwind_radius_m"]

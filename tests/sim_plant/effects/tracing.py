@@ -15,7 +15,7 @@ from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.place import Place
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.simulation_pool import SimulationPool
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.search.forward_selection import forward_selection
 from tests.sim_plant.line.lines import declared
 
@@ -45,7 +45,7 @@ def traced(hidden: EffectEntry) -> Traced:
     out = run.simulate(SPEED_M_S, np.full(SAMPLES, TENSION_N))
     columns = {"line_speed_ref_m_s": SPEED_M_S, "tension_ref_N": np.full(SAMPLES, TENSION_N)}
     columns |= {s.channel: out[s.channel] for s in line.sensors}
-    record = Record(path=Path("short.csv"), sha256="", sample_time_s=STEP_S, columns=columns)
+    record = Recording(path=Path("short.csv"), sha256="", sample_time_s=STEP_S, columns=columns)
     twin = twin_of(line, record)
     measured = np.stack([columns[name] for name in twin.channels])
     with SimulationPool([twin], workers=1) as pool:

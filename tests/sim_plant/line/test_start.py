@@ -15,7 +15,7 @@ STANDING = [
     ("thermal_strain", "pull_roll_zone", {"strain": 7e-4}),
     ("thermal_strain", "unwind_zone", {"strain": -3e-4}),
     ("web_modulus", "web", {"factor": 0.7}),
-    ("wound_in_strain", "web", {"strain": 1e-3}),
+    ("wound_in_strain", "unwind", {"strain": 1e-3}),
     ("bearing_drag", "R5", {"constant_N_m": 0.05}),
     ("load_cell_calibration", "R9", {"gain": 1.05, "offset_N": 3.0}),
     ("radius_error", "pull_roll", {"ratio": 1.0004}),

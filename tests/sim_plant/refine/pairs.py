@@ -9,6 +9,7 @@ Results are kept in DIR, one folder a run; a run that is there is not made again
 
 import argparse
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +49,7 @@ class Run:
         )
 
 
+@cache
 def labels():
     """Return the effects (name, location) of every pair."""
     cases = yaml.safe_load((FOLDER / "labels.yaml").read_text())["cases"]

@@ -81,7 +81,7 @@ def test_a_roll_that_unwinds_was_never_smaller_and_one_that_winds_up_never_large
 
 
 def test_a_roll_is_not_wound_with_less_than_no_strain():
-    h = hypothesis(BY_NAME["wound_in_strain"], "web", line=LINE)
+    h = hypothesis(BY_NAME["wound_in_strain"], "unwind", line=LINE)
     strain = LINE.web.wound_in_tension_N / LINE.web.EA_N
     assert h.low[0] == pytest.approx(-strain)
 

@@ -17,7 +17,7 @@ from sim_plant.refine.judge.holdout import evaluate
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.simulation_pool import SimulationPool
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.aff_block import write_block
 from sim_plant.refine.report.amend import write_amended
 from sim_plant.refine.report.findings import verdict_of
@@ -50,7 +50,7 @@ def record(line):
     out = run.simulate(speed, tension)
     columns = {"line_speed_ref_m_s": speed, "tension_ref_N": tension}
     columns |= {s.channel: out[s.channel] for s in line.sensors}
-    return Record(path=Path("short.csv"), sha256="abc", sample_time_s=STEP_S, columns=columns)
+    return Recording(path=Path("short.csv"), sha256="abc", sample_time_s=STEP_S, columns=columns)
 
 
 @pytest.fixture(scope="module")

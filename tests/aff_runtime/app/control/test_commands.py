@@ -17,6 +17,7 @@ from aff_runtime.app.link.messages import (
     Stop,
 )
 from aff_runtime.app.link.packets import Link, link_pair
+from tests.parameter_records import record_of
 
 
 @pytest.fixture
@@ -46,7 +47,7 @@ def test_without_a_bypass_commands_come_in_order(ends: tuple[Link, Link]) -> Non
 
 
 def test_a_queue_of_arms_does_not_undo_the_bypass_behind_it(ends: tuple[Link, Link]) -> None:
-    edit = Parameters(id=3, record={})
+    edit = Parameters(id=3, record=record_of())
     commands = _said(ends, Arm(id=0), Arm(id=1), MeasureResponse(id=2), edit, Bypass())
     assert [said.id for said in commands.overtake()] == [0, 1, 2]
     assert _rest(commands) == [edit, Bypass()]

@@ -8,7 +8,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 from aff_runtime.app.control.law_watch import STEADY_ASKS, HeldBlocks, LawWatch
-from aff_runtime.app.wiring.recorded_law import RecordedLaw
+from aff_runtime.app.wiring.law_slot import LawSlot
 from aff_runtime.base.signals import State, Status
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.monitor import Trend
@@ -78,7 +78,7 @@ class Loop:
         ripple = {("unwind", 1): 2.0 + 0j, ("unwind", 2): 1.0j}
         self.line = Line(true, ripple, omega=OMEGA, seed_noise=lambda: noise.gauss(0.0, 0.3))
         response = measured(lambda f: sign * true.at(f), [0.3, 0.8, 1.6, 3.0])
-        self.law = RecordedLaw(Controller(site(ACTUATOR), {"unwind": response}))
+        self.law = LawSlot(Controller(site(ACTUATOR), {"unwind": response}))
         self.guard = Guard(
             GuardParams(
                 actuators=(ActuatorLimits(name="unwind", limit=0.05, slew_limit=2.0),),

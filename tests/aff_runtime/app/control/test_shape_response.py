@@ -55,17 +55,9 @@ def listened(text: str) -> tuple[list[str], Line]:
     """Return what a service says of a saved shape while the roll turns that it belongs to."""
     said: list[str] = []
     line = Line()
-    record = {
-        **RECORD,
-        "versions": {},
-        "config_hash": "abc",
-        "site": EUCLID.model_dump(mode="json", by_alias=True),
-        "shapes": {"unwind": text},
-    }
-    keeper = ShapeKeeper(
-        record, EUCLID, tell=lambda _, text: said.append(text), keep=lambda *_: None
-    )
-    keeper.follow(record, EUCLID)  # an edit in between: nothing is said twice
+    record = RECORD.starting_from({"unwind": text})
+    keeper = ShapeKeeper(record, tell=lambda _, text: said.append(text), keep=lambda *_: None)
+    keeper.follow(record)  # an edit in between: nothing is said twice
     law = line.shape
     for _ in range(round(LISTEN_S / CYCLE_S)):
         origin = line.law.phases.by_name["unwind"].origin_rad

@@ -6,16 +6,17 @@ import pytest
 
 from aff_runtime.app.link import messages
 from aff_runtime.app.link.messages import MessageError, decode, encode
+from tests.parameter_records import record_of
 
 SAID = [
     messages.Start(
-        record={"site": {"line": {"name": "L"}}, "loops": {"u": [1.0, None]}}, shadow=True
+        record=record_of(loops={"unwind": (1.0, 1.5e-17)}, shapes={"unwind": "{}"}), shadow=True
     ),
     messages.Arm(id=1),
     messages.Bypass(),
     messages.Shadow(id=2, on=False),
     messages.MeasureResponse(id=3, actuators=("unwind", "swrap")),
-    messages.Parameters(id=4, record={}),
+    messages.Parameters(id=4, record=record_of()),
     messages.Forget(id=5),
     messages.ConfigDiffers(),
     messages.Stop(),

@@ -8,6 +8,7 @@ import pytest
 
 from aff_runtime.app.link.messages import Arm, Bypass, LogLine, RingMade, Start, Stop
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES, Link, LinkClosedError, link_pair
+from tests.parameter_records import record_of
 
 
 def test_messages_keep_their_borders_and_silence_is_none() -> None:
@@ -21,7 +22,7 @@ def test_messages_keep_their_borders_and_silence_is_none() -> None:
 
 def test_a_parameter_record_of_100_kB_passes_in_one_packet() -> None:
     a, b = (Link(end) for end in link_pair())
-    record = Start(record={"text": "x" * 100_000})
+    record = Start(record=record_of(site_text="x" * 100_000))
     assert a.send(record)
     assert b.receive() == record
     a.close()

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from aff_runtime.app.link.answers import Done
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.request_socket import (
     MAX_CALLERS,
@@ -20,6 +21,7 @@ from aff_runtime.app.link.request_socket import (
 )
 from aff_runtime.app.link.requests import Request, read_request
 from aff_runtime.base.errors import RefusedError, WireError
+from tests.aff_runtime.app.link.left_behind import put
 
 
 def accept(server: RequestSocket) -> Caller:
@@ -73,8 +75,8 @@ def test_a_request_and_its_answer_pass_as_lines(tmp_path: Path) -> None:
         asked = Asked(caller, read_request(line))
         assert asked.request == Request(do="status", ident=7)
         assert caller.owed == 1
-        asked.answer({"ok": True})
-        asked.answer({"ok": False})  # one request, one answer
+        asked.answer(Done())
+        asked.answer(Done(ok=False))  # one request, one answer
         assert json.loads(caller_socket.recv(100)) == {"ok": True, "id": 7}
         assert caller.owed == 0
     server.close()
@@ -115,6 +117,27 @@ def test_a_directory_in_place_of_socket_or_lock_is_refused_in_words(
     (tmp_path / "run" / name).mkdir()
     with pytest.raises(RefusedError, match=rf"{name}: .*name another --runtime-dir"):
         RequestSocket(tmp_path / "run" / "control.sock")
+
+
+@pytest.mark.parametrize("kind", ["file", "link", "pipe"])
+def test_what_is_no_socket_stays_where_it_is(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "run" / "control.sock"
+    path.parent.mkdir(mode=0o700)
+    before = put(kind, path)
+    with pytest.raises(RefusedError, match=r"is no socket and stays; .*--runtime-dir"):
+        RequestSocket(path)
+    assert path.lstat() == before
+
+
+def test_a_socket_that_was_left_over_is_replaced_and_one_of_others_stays(tmp_path: Path) -> None:
+    path = tmp_path / "run" / "control.sock"
+    path.parent.mkdir(mode=0o700)
+    put("socket", path)
+    server = RequestSocket(path)
+    path.unlink()
+    before = put("socket", path)  # of somebody who came after us
+    server.close()
+    assert path.lstat() == before
 
 
 def test_a_name_too_long_for_a_socket_is_refused_in_words(tmp_path: Path) -> None:

@@ -11,10 +11,12 @@ import pytest
 
 from aff_runtime.app.report.block_status import blocks
 from aff_runtime.app.report.roll_page import CENTRE, ROOM, ROUND, outline_mm, page, plot
-from aff_runtime.app.report.status_answer import read_answer
+from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
+from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.cli.roll import ATTEMPTS, at_the_encoders_zero
 from aff_runtime.core.phase import Source
 from tests.aff_runtime.cli.test_screens import answer, shape_block, shown
+from tests.parameter_records import EUCLID
 
 
 def order(n: int, mm: float, deg: float, **more: Any) -> dict[str, Any]:
@@ -60,11 +62,10 @@ def test_the_angle_at_the_encoders_zero_is_that_of_the_law_turned_by_its_origin(
         "unwind.unwind_3x.phase_deg": 100.0,
         "unwind.unwind_3x.shape_mm": 0.3,
     }
-    site = {"rolls": {"unwind": {"angle": "unwind_angle_rad"}}}
-    (row,) = blocks(record, site)
+    (row,) = blocks(TickRow(record), EUCLID)
     assert row.encoder_deg == pytest.approx(-140.0)
     for lost in ({"fresh": 0.0}, {"unwind.source": float(Source.LINE_SPEED)}):
-        (row,) = blocks(record | lost, site)
+        (row,) = blocks(TickRow(record | lost), EUCLID)
         assert row.encoder_deg is None
 
 
@@ -104,10 +105,10 @@ def test_a_line_without_a_shape_says_so() -> None:
 def test_a_tick_without_a_fresh_reading_is_asked_again_and_not_for_ever() -> None:
     asked: list[str] = []
 
-    def ask(word: str) -> dict[str, Any]:
-        asked.append(word)
+    def ask() -> StatusAnswer:
+        asked.append("status")
         block = shape_block(1, encoder_deg=12.0 if len(asked) == 3 else None)
-        return {**answer(0), "blocks": [block]}
+        return read_answer({**answer(0), "blocks": [block]})
 
     assert at_the_encoders_zero(ask).blocks[0].encoder_deg == 12.0
     assert len(asked) == 3

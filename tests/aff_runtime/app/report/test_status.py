@@ -16,9 +16,12 @@ from aff_runtime.app.report.status import (
     not_armed,
 )
 from aff_runtime.app.report.status_answer import StatusAnswer
+from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State, Status
+from aff_runtime.config.models import Block, Site
 from aff_runtime.core.monitor import Trend
+from tests.parameter_records import EUCLID
 
 NEED = ["LINE_RUN", "WEB_INTACT", "AFF_ENABLE_REQUEST"]
 
@@ -47,7 +50,7 @@ def test_the_first_missing_permissive_is_named(status: int, missing: str) -> Non
 
 
 def test_a_record_is_told_in_words_and_nan_becomes_nothing() -> None:
-    state, live = live_status(record(State.FAULT, 0, 15), NEED)
+    state, live = live_status(TickRow(record(State.FAULT, 0, 15)), NEED, EUCLID)
     assert state is State.FAULT
     assert live.alarm.name == "POWER_UP"
     assert live.comm == "TIMEOUT"
@@ -57,7 +60,7 @@ def test_a_record_is_told_in_words_and_nan_becomes_nothing() -> None:
 def told(
     state: State, alarm: str = "NONE", blocked: str = "", differs: tuple[str, ...] = ()
 ) -> str:
-    _, live = live_status(record(state, 0, BY_NAME[alarm].code), NEED)
+    _, live = live_status(TickRow(record(state, 0, BY_NAME[alarm].code)), NEED, EUCLID)
     live = replace(live, blocked_by=blocked)
     return headline(StatusAnswer(line="L", state=state.name, config_differs=differs, live=live))
 
@@ -125,17 +128,16 @@ def test_an_objection_of_the_law_is_told_as_it_is() -> None:
     assert explain(text) == text
 
 
-SITE = {
-    "actuators": {
-        "unwind": {
-            "error": {"signal": "unwind_tension_N"},
-            "blocks": [
-                {"roll": "swrap", "orders": [1], "settle_s": 10, "amp_limit_m_s": 0.01},
-                {"roll": "unwind", "orders": [1, 2], "settle_s": 6, "amp_limit_m_s": 0.02},
-            ],
-        }
-    }
-}
+def site_with(*blocks: Block, **given: object) -> Site:
+    """Return Euclid with one actuator, the unwind, and these blocks on it."""
+    unwind = EUCLID.actuators["unwind"].model_copy(update={"blocks": blocks, **given})
+    return EUCLID.model_copy(update={"actuators": {"unwind": unwind}})
+
+
+SITE = site_with(
+    Block(roll="swrap", orders=(1,), settle_s=10, amp_limit_m_s=0.01),
+    Block(roll="unwind", orders=(1, 2), settle_s=6, amp_limit_m_s=0.02),
+)
 
 
 def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
@@ -149,7 +151,7 @@ def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
         "unwind.unwind_2x.ripple_before": 1.5,
         "unwind.unwind_2x.ripple": math.nan,
     }
-    (shown,) = live_status(row, NEED, SITE)[1].blocks
+    (shown,) = live_status(TickRow(row), NEED, SITE)[1].blocks
     block = asdict(shown)
     assert block.pop("frequency_Hz") == pytest.approx(1.6)
     assert block == {
@@ -176,20 +178,12 @@ def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
     }
 
 
-SHAPE_SITE = {
-    "actuators": {
-        "unwind": {
-            "error": {"signal": "unwind_tension_N"},
-            "memory_turns": 6.0,
-            "shape_limit_m": 0.015,
-            "drive": {"roll": "unwind"},
-            "blocks": [
-                {"roll": "unwind", "orders": [1, 3], "settle_s": 6, "amp_limit_m_s": 0.02},
-                {"roll": "swrap", "orders": [1], "settle_s": 6, "amp_limit_m_s": 0.02},
-            ],
-        }
-    }
-}
+SHAPE_SITE = site_with(
+    Block(roll="unwind", orders=(1, 3), settle_s=6, amp_limit_m_s=0.02),
+    Block(roll="swrap", orders=(1,), settle_s=6, amp_limit_m_s=0.02),
+    memory_turns=6.0,
+    shape_limit_m=0.015,
+)
 
 
 def shape_record(name: str, state: Trend, **more: float) -> dict[str, float]:
@@ -205,7 +199,7 @@ def shapes(*rows: dict[str, float], swrap_Hz: float = 1.05) -> dict[str, dict[st
     }
     for more in rows:
         row |= more
-    return {b.name: asdict(b) for b in live_status(row, NEED, SHAPE_SITE)[1].blocks}
+    return {b.name: asdict(b) for b in live_status(TickRow(row), NEED, SHAPE_SITE)[1].blocks}
 
 
 def test_an_order_of_a_shape_is_told_in_mm_with_its_benefit() -> None:

@@ -7,20 +7,18 @@ import json
 import pytest
 
 from aff_runtime.app.report.status import live_status
-from aff_runtime.app.report.status_answer import (
-    Alarm,
-    Live,
-    RecorderReport,
-    StatusAnswer,
-    read_answer,
-)
+from aff_runtime.app.report.status_answer import Alarm, Live, StatusAnswer, read_answer
+from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.signals import State
 from aff_runtime.core.monitor import Trend
+from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_runtime.app.report.test_status import SHAPE_SITE, record, shape_record
 
 RECORDER = RecorderReport(folder="/r/x", rows=10, rows_lost=2, ring_overruns=1, alive=True)
 LIVE = live_status(
-    record(State.FAULT, 0, 15) | shape_record("unwind_3x", Trend.SETTLED), ["LINE_RUN"], SHAPE_SITE
+    TickRow(record(State.FAULT, 0, 15) | shape_record("unwind_3x", Trend.SETTLED)),
+    ["LINE_RUN"],
+    SHAPE_SITE,
 )[1]
 
 

@@ -6,13 +6,14 @@ import logging
 
 import pytest
 
+from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.state_log import StateLog
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 
 
-def record(state: State, alarm: str = "NONE") -> dict[str, float]:
-    return {"state": float(state), "alarm": float(BY_NAME[alarm].code)}
+def record(state: State, alarm: str = "NONE") -> TickRow:
+    return TickRow({"state": float(state), "alarm": float(BY_NAME[alarm].code)})
 
 
 def test_a_fault_is_a_warning_with_what_to_do(caplog: pytest.LogCaptureFixture) -> None:

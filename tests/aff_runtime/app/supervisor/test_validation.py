@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 from aff_runtime.app.check.validate import MAX_RESPONSE_BYTES, verdict
+from aff_runtime.app.link.messages import Parameters, encode
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES
 from aff_runtime.app.supervisor.validation import load_record
-from aff_runtime.app.wiring.assemble import controller_of, revision_of, site_of
-from aff_runtime.app.wiring.parameter_record import for_control
+from aff_runtime.app.wiring.assemble import controller_of
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.revision import revision_hash
@@ -31,7 +31,7 @@ def checked(path: Path) -> dict[str, Any]:
     ConfigError
         As ``load_record``: the file is not good.
     """
-    said: dict[str, Any] = json.loads(json.dumps(verdict(path)))
+    said: dict[str, Any] = json.loads(json.dumps(verdict(path).to_json()))
     if said["record"] is None:
         raise ConfigError("\n".join(said["findings"]))
     return said
@@ -40,7 +40,7 @@ def checked(path: Path) -> dict[str, Any]:
 def test_the_process_of_the_check_says_what_the_check_says(tmp_path: Path) -> None:
     path, learned = _learned(tmp_path)
     good = load_record(path)
-    assert {"record": good.record, "findings": list(good.findings)} == checked(path)
+    assert json.loads(json.dumps(good.to_json())) == checked(path)
     learned.write_text("{}")
     with pytest.raises(ConfigError) as here:
         checked(path)
@@ -53,12 +53,12 @@ def test_the_record_of_a_good_file_carries_the_whole_site() -> None:
     verdict = load_record(SITE)
     record = verdict.record
     assert record is not None
-    assert site_of(record) == load_site(SITE)
-    assert record["site_text"] == SITE.read_text()
+    assert record.site == load_site(SITE)
+    assert record.site_text == SITE.read_text()
     digest = revision_hash(load_site(SITE))
     assert len(digest) == 64
-    assert revision_of(record) == int(digest, 16) % 65536
-    assert controller_of(site_of(record), record).arming_objections()
+    assert record.revision_word == int(digest, 16) % 65536
+    assert controller_of(record.site, {}, {}).arming_objections()
 
 
 @pytest.mark.parametrize(
@@ -155,7 +155,7 @@ def test_a_long_comment_does_not_keep_a_site_from_running(tmp_path: Path) -> Non
     path.write_text(SITE.read_text() + "# " + "ü" * 100_000 + "\n")
     record = load_record(path).record
     assert record is not None
-    assert len(json.dumps(for_control(record))) < MAX_PACKET_BYTES
+    assert len(encode(Parameters(id=1, record=record.for_control()))) < MAX_PACKET_BYTES
 
 
 @pytest.mark.parametrize(("cycle_s", "counts"), [(0.005, True), (0.01, False), (math.nan, True)])

@@ -10,10 +10,12 @@ from typing import Any
 
 import pytest
 
+from aff_runtime.app.link.answers import Answer
 from aff_runtime.app.link.messages import LogLine, Reply, ShapeLearned, ShapeNews
+from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import Peer
 from aff_runtime.app.link.request_socket import Asked, Caller
-from aff_runtime.app.link.requests import Request
+from aff_runtime.app.link.requests import Ident, Request
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
 from aff_runtime.app.supervisor.supervisor import Supervisor
@@ -28,6 +30,7 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.site_paths import shape_path
 from aff_runtime.core.shape.profile import ShapeProfile
+from tests.parameter_records import record_of
 
 SITE = Path(__file__).parents[4] / "config" / "euclid.yaml"
 WEIGHT = {("unwind", 1): 0.0009 - 0.0003j, ("unwind", 3): 1e-4j, ("swrap_follower", 1): 2e-4 + 0j}
@@ -51,12 +54,8 @@ def file(**more: Any) -> ShapeFile:
     return ShapeFile(**{**known, **more})
 
 
-def record(folder: Path) -> dict[str, Any]:
-    site = load_site(SITE)
-    return {
-        "site": site.model_dump(mode="json", by_alias=True),
-        "shape_files": {"unwind": str(folder / "x.shape.json")},
-    }
+def record(folder: Path) -> ParameterRecord:
+    return record_of(load_site(SITE), shape_files={"unwind": folder / "x.shape.json"})
 
 
 def test_what_is_written_is_read_back() -> None:
@@ -101,7 +100,7 @@ def test_spoilt_files_are_left_out_with_a_reason(tmp_path: Path) -> None:
     (tmp_path / "b.shape.json").write_bytes(b"\xff\xfe")
     (tmp_path / "c.shape.json").mkdir()
     (tmp_path / "d.shape.json").write_text(file().to_json())
-    paths = {name: str(tmp_path / f"{name}.shape.json") for name in "abcde"}
+    paths = {name: tmp_path / f"{name}.shape.json" for name in "abcde"}
     texts, faults = read_shapes(paths)
     assert set(texts) == {"d"}  # e is not there, which is no fault
     assert len(faults) == 3
@@ -148,9 +147,9 @@ def test_forgetting_takes_the_exchanged_roll_and_keeps_the_roller(tmp_path: Path
 def test_the_shelf_hears_of_shapes_only(tmp_path: Path) -> None:
     shelf = ShapeShelf(lambda *_: None)
     shelf.hear(record(tmp_path), LogLine(text="x"))
-    assert shelf.words == []
+    assert shelf.sentences == []
     shelf.hear(record(tmp_path), ShapeNews(actuator="unwind", text="kept"))
-    assert shelf.words == ["unwind: kept"]
+    assert shelf.sentences == ["unwind: kept"]
 
 
 def test_a_shape_that_waits_is_no_longer_said_to_wait_when_something_became_of_it(
@@ -161,14 +160,13 @@ def test_a_shape_that_waits_is_no_longer_said_to_wait_when_something_became_of_i
         waits = ShapeNews(actuator=actuator, text="x waits for its trial: 4 s")
         shelf.hear(about, waits)
     shelf.hear(about, ShapeNews(actuator="unwind", text="starts from x"))
-    assert shelf.words == ["rewind: x waits for its trial: 4 s", "unwind: starts from x"]
+    assert shelf.sentences == ["rewind: x waits for its trial: 4 s", "unwind: starts from x"]
 
 
 def test_a_folder_that_cannot_be_written_is_said_and_ends_nothing(tmp_path: Path) -> None:
     said: list[str] = []
-    about = record(tmp_path)
     (tmp_path / "file").write_text("")
-    about["shape_files"]["unwind"] = str(tmp_path / "file" / "x.shape.json")
+    about = record(tmp_path / "file")
     shelf = ShapeShelf(lambda _, text: said.append(text))
     shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
     assert "not kept" in said[0]
@@ -182,8 +180,7 @@ def test_start_values_are_deviations_at_the_encoders_zero(tmp_path: Path) -> Non
             old, "start: [{ order: 2, deviation_m: 0.5 mm, angle_rad: 90 deg }]"
         )
     )
-    site = load_site(path).model_dump(mode="json", by_alias=True)
-    assert start_values(site, "unwind") == {("unwind", 2): pytest.approx(0.0005j)}
+    assert start_values(load_site(path), "unwind") == {("unwind", 2): pytest.approx(0.0005j)}
 
 
 @pytest.mark.parametrize(
@@ -210,13 +207,13 @@ def test_a_folder_that_may_not_be_read_is_said_and_ends_nothing(
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(Path, "stat", denied)  # root may read everything
-    texts, (fault,) = read_shapes({"unwind": str(tmp_path / "x.shape.json")})
+    texts, (fault,) = read_shapes({"unwind": tmp_path / "x.shape.json"})
     assert not texts
     assert fault.endswith("x.shape.json: Permission denied; the roll is learned anew")
 
 
 def test_a_folder_in_the_place_of_a_shape_is_called_one(tmp_path: Path) -> None:
-    _, (fault,) = read_shapes({"unwind": str(tmp_path)})
+    _, (fault,) = read_shapes({"unwind": tmp_path})
     assert "not a file at all" in fault
 
 
@@ -227,8 +224,8 @@ class Answered(Caller):
         self.peer, self.owed = Peer(uid=1000, pid=7), 0
         self.said: list[Any] = []
 
-    def send(self, answer: Any) -> None:
-        self.said.append(answer)
+    def send(self, answer: Answer, ident: Ident = None) -> None:
+        self.said.append(answer.to_json())
 
 
 @pytest.mark.parametrize("quiet", [True, False])
@@ -243,8 +240,8 @@ def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) ->
         record=about, shapes=shelf, control=SimpleNamespace(link=link), note=lambda *_: None
     )
     caller = Answered()
-    made._do(Asked(caller, Request(do="forget")))
-    path = Path(about["shape_files"]["unwind"])
+    made._serve_request(Asked(caller, Request(do="forget")))
+    path = about.shape_files["unwind"]
     before = path.read_text()
     made._pending.resolve(Reply(id=sent[0].id, ok=quiet))
     assert caller.said == [{"ok": quiet}]
@@ -263,5 +260,5 @@ def test_a_file_that_cannot_be_forgotten_is_said_to_the_operator(
     made = Supervisor.__new__(Supervisor)
     made._processes = SimpleNamespace(record=about, shapes=shelf)  # type: ignore[assignment]
     said = made._forget_files(Reply(id=1, ok=True))
-    assert (said["ok"], said["exit_code"]) == (False, 2)
-    assert "is not forgotten" in said["message"]
+    assert (said.ok, said.exit_code) == (False, 2)
+    assert "is not forgotten" in said.message

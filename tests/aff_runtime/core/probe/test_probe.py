@@ -12,7 +12,7 @@ import pytest
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import Permission
 from aff_runtime.core.params import BlockParams, ProbeParams
-from aff_runtime.core.probe.estimate import Tone, fit_tones
+from aff_runtime.core.probe.estimate import Tone, fit_delay, fit_tones
 from aff_runtime.core.probe.excitation import Waveform, log_grid, spread
 from aff_runtime.core.probe.probe import Probe, Stage
 from aff_runtime.core.response import Provenance, Response
@@ -198,12 +198,92 @@ def test_a_ripple_that_grows_does_not_spoil_the_tone_beside_it():
         (P * t.amplitude * np.exp(1j * (t.omega_rad_s * time_s + t.phase_rad))).real for t in tones
     )
     signal = signal + (1.0 + 0.01 * time_s) * (3.0 * np.cos(theta) + np.sin(2.0 * theta))
-    points = fit_tones(
+    fit = fit_tones(
         time_s=time_s, signal=signal, angles_rad=[theta], nuisance_orders=2, own=tones, foreign=[]
     )
-    for point in points:
+    assert fit.strange == ()
+    for point in fit.points:
         assert cmath.rect(point.gain, point.phase_rad) == pytest.approx(P, rel=1e-6)
         assert point.relative_error < 1e-6
+
+
+def strange(idler_N, idler_Hz=3.55, sigma=0.25, wander_rad=0.0, seed=3):
+    """Return the fit of 28 tones of 0.05 N under an idler that nobody declared, and the true P."""
+    rng = np.random.default_rng(seed)
+    time_s = np.arange(4000) * CYCLE_S
+    theta = math.tau * 0.88 * time_s  # its order 4 is at 3.52 Hz, half a bin from the idler
+    P = LagDelay(-400.0, 12, 0.96)
+    tones = [
+        Tone(omega_rad_s=math.tau * f, phase_rad=0.7 * k * k, amplitude=0.05 / abs(P.at(f)))
+        for k, f in enumerate(
+            spread(log_grid(0.5, 8.0, 28), [0.88 * n for n in range(1, 10)], 0.075)
+        )
+    ]
+    signal = rng.normal(0.0, sigma, time_s.size) + 2.0 * np.cos(theta + 0.4)
+    slow = wander_rad * np.cos(math.tau * 0.11 * time_s)
+    signal += idler_N * np.cos(math.tau * idler_Hz * time_s + 1.0 + slow)
+    for t in tones:
+        sent = t.amplitude * np.exp(1j * (t.omega_rad_s * time_s + t.phase_rad))
+        signal += (P.at(t.omega_rad_s / math.tau) * sent).real
+    fit = fit_tones(
+        time_s=time_s, signal=signal, angles_rad=[theta], nuisance_orders=9, own=tones, foreign=[]
+    )
+    return fit, P
+
+
+def misses(fit, P):
+    """Return |error of P| over its standard error, by frequency."""
+    return {
+        p.frequency_Hz: abs(cmath.rect(p.gain, p.phase_rad) / P.at(p.frequency_Hz) - 1)
+        / p.relative_error
+        for p in fit.points
+    }
+
+
+@pytest.mark.parametrize("wander_rad", [0.0, 0.1])
+def test_ripple_of_a_roll_that_nobody_declared_does_not_spoil_the_tones_around_it(wander_rad):
+    fit, P = strange(1.0, wander_rad=wander_rad)
+    quiet, _ = strange(0.0)
+    assert any(abs(line.frequency_Hz - 3.55) < 0.2 for line in fit.strange)
+    near = [p for p in fit.points if 2.0 < p.frequency_Hz < 5.0]
+    usual = [p.relative_error for p in quiet.points]
+    assert len(near) >= 4
+    assert max(p.relative_error for p in near) < 2.5 * max(usual)
+    bound = Response(points=fit.points, delay_s=fit_delay(fit.points), provenance=ORIGIN["unwind"])
+    assert bound.phase_error_bound_rad(3.55) < math.radians(60.0)
+    assert abs(cmath.phase(bound.at(3.55) / P.at(3.55))) < bound.phase_error_bound_rad(3.55)
+
+
+@pytest.mark.parametrize("wander_rad", [0.0, 0.1])
+def test_standard_errors_are_as_honest_beside_ripple_that_nobody_declared(wander_rad):
+    beside, without = (
+        [m for s in range(6) for m in misses(*strange(N, wander_rad=wander_rad, seed=s)).values()]
+        for N in (1.0, 0.0)
+    )
+    rms, usual = (math.sqrt(sum(m * m for m in found) / len(found)) for found in (beside, without))
+    assert rms < 1.1 * usual
+
+
+def test_a_tone_right_beside_strange_ripple_is_left_out():
+    fit, _ = strange(1.0)
+    frequencies = [p.frequency_Hz for p in strange(0.0)[0].points]
+    lost = set(frequencies) - {p.frequency_Hz for p in fit.points}
+    assert lost
+    assert all(abs(f - 3.55) < 0.5 for f in lost)
+
+
+def test_noise_alone_is_no_strange_ripple():
+    assert all(strange(0.0, seed=s)[0].strange == () for s in range(6))
+
+
+def test_a_technician_hears_of_ripple_that_no_roll_of_the_site_has():
+    line = Line(LagDelay(-400.0, 12, 0.96), RIPPLE, seed_noise=noise(0.05))
+    alone = replace(site(with_blocks(BLOCKS)), rolls=site().rolls[:1])
+    probe = Probe(alone, PARAMS)
+    line.run(probe, 32.0)
+    (result,) = probe.result(ORIGIN)
+    (remark,) = result.remarks
+    assert "belongs to no roll of the site file; declare that roll and probe again" in remark
 
 
 @pytest.mark.parametrize(("every", "begins"), [(10, True), (1, False)])

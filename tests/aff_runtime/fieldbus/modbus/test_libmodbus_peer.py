@@ -16,7 +16,7 @@ import pytest
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.ports import WordTransport
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.modbus.connections import modbus_rtu, modbus_tcp
+from aff_runtime.fieldbus.modbus.connections import modbus, rtu_wire, tcp_wire
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from tests.aff_runtime.fieldbus.euclid_map import euclid_map
 
@@ -146,9 +146,8 @@ FUNCTIONS = [WireFunction.FC23, WireFunction.FC3_FC16]
 
 
 def over_tcp(peer: Peer, function: WireFunction, **changes: object) -> WordTransport:
-    return modbus_tcp(
-        host="127.0.0.1",
-        port=peer.port,
+    return modbus(
+        tcp_wire("127.0.0.1", peer.port),
         device_id=1,
         register_map=euclid_map(**changes),
         clock=MonotonicClock(),
@@ -166,11 +165,8 @@ def test_words_go_both_ways_over_a_serial_line(
     rtu: tuple[Peer, str], function: WireFunction
 ) -> None:
     peer, path = rtu
-    transport = modbus_rtu(
-        device=path,
-        baud=115_200,
-        parity="N",
-        stop_bits=1,
+    transport = modbus(
+        rtu_wire(path, baud=115_200, parity="none", stop_bits=1),
         device_id=1,
         register_map=euclid_map(),
         clock=MonotonicClock(),

@@ -2,39 +2,36 @@
 
 from __future__ import annotations
 
-import asyncio
-import threading
 import time
+from functools import partial
+from typing import Any
 
 import pytest
 from pymodbus.server import ModbusTcpServer
-from pymodbus.simulator import DataType, SimData, SimDevice
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.modbus.codec import WordCodec
-from aff_runtime.fieldbus.modbus.connections import modbus_tcp
+from aff_runtime.fieldbus.modbus.connections import modbus, tcp_wire
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus.probe_map import open_read_only, probe_map
 from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire
 from tests.aff_runtime.fieldbus.euclid_map import command, euclid_map
+from tests.aff_runtime.fieldbus.modbus.strange_server import StrangeServer
 
 pytestmark = pytest.mark.wire
 
 
-class Peer:
-    """The server in its own thread: holding registers 0..199, whatever was written stays."""
+class Peer(StrangeServer):
+    """Holding registers over TCP, whatever was written stays."""
 
     def __init__(self) -> None:
+        super().__init__(partial(ModbusTcpServer, address=("127.0.0.1", 0)), [0] * 200)
         self.registers = [0] * 200
         self.writes: list[tuple[int, list[int]]] = []
-        self.port = 0
-        self._loop = asyncio.new_event_loop()
-        self._ready = threading.Event()
-        self._thread = threading.Thread(target=self._loop.run_until_complete, args=(self._run(),))
 
-    async def _act(
+    async def act(
         self,
         function: int,
         start: int,
@@ -49,26 +46,8 @@ class Peer:
             current[address - start : address - start + 99] = self.registers[:99]
             self.registers[0] = (self.registers[0] + 1) & 0xFFFF
 
-    async def _run(self) -> None:
-        data = SimData(address=0, values=[0] * 200, datatype=DataType.REGISTERS)
-        device = SimDevice(id=1, simdata=[data], action=self._act)
-        server = ModbusTcpServer(device, address=("127.0.0.1", 0))
-        await server.serve_forever(background=True)
-        self.port = server.transport.sockets[0].getsockname()[1]
-        self._stop = asyncio.Event()
-        self._ready.set()
-        await self._stop.wait()
-        await server.shutdown()
-
-    def __enter__(self) -> Peer:
-        self._thread.start()
-        assert self._ready.wait(10.0)
-        return self
-
-    def __exit__(self, *_error: object) -> None:
-        self._loop.call_soon_threadsafe(self._stop.set)
-        self._thread.join(10.0)
-        self._loop.close()
+    def port_of(self, transport: Any) -> int:
+        return int(transport.sockets[0].getsockname()[1])
 
 
 @pytest.mark.parametrize("function", [WireFunction.FC23, WireFunction.FC3_FC16])
@@ -76,9 +55,8 @@ def test_a_strange_server_understands_us_and_we_it(function: WireFunction) -> No
     clock = MonotonicClock()
     with Peer() as peer:
         peer.registers[1:9] = [45, 1, 24464, 9000, 1000, 10000, 64520, 12]
-        transport = modbus_tcp(
-            host="localhost",
-            port=peer.port,
+        transport = modbus(
+            tcp_wire("localhost", peer.port),
             device_id=1,
             register_map=euclid_map(),
             clock=clock,
@@ -105,9 +83,8 @@ def test_a_strange_server_understands_us_and_we_it(function: WireFunction) -> No
 def test_an_unknown_device_is_an_exception_not_a_number() -> None:
     clock = MonotonicClock()
     with Peer() as peer:
-        transport = modbus_tcp(
-            host="127.0.0.1",
-            port=peer.port,
+        transport = modbus(
+            tcp_wire("127.0.0.1", peer.port),
             device_id=1,
             clock=clock,
             register_map=euclid_map(status=500, plc_heartbeat=501, roll_id=502, channels=()),

@@ -13,7 +13,7 @@ from pyModbusTCP.server import DataBank, ModbusServer
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.modbus.codec import WordCodec
-from aff_runtime.fieldbus.modbus.connections import modbus_tcp
+from aff_runtime.fieldbus.modbus.connections import modbus, tcp_wire
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from sim_plant.servers.serve import PlantService, ServeOptions
@@ -55,9 +55,8 @@ def test_the_runtime_understands_it_and_it_the_runtime(
 ) -> None:
     clock = MonotonicClock()
     server.data_bank.set_holding_registers(1, [45, 1, 24464, 9000, 1000, 10000, 64520, 12])
-    transport = modbus_tcp(
-        host="127.0.0.1",
-        port=server.port,
+    transport = modbus(
+        tcp_wire("127.0.0.1", server.port),
         device_id=1,
         register_map=euclid_map(),
         clock=clock,
@@ -82,8 +81,8 @@ def test_the_runtime_understands_it_and_it_the_runtime(
 def test_a_register_it_does_not_have_is_an_exception(server: ModbusServer) -> None:
     clock = MonotonicClock()
     absent = euclid_map(plc_heartbeat=500, status=501, roll_id=502, channels=())
-    transport = modbus_tcp(
-        host="127.0.0.1", port=server.port, device_id=1, clock=clock, register_map=absent
+    transport = modbus(
+        tcp_wire("127.0.0.1", server.port), device_id=1, clock=clock, register_map=absent
     )
     seen = set()
     for _ in range(10):

@@ -10,7 +10,7 @@ import pytest
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.modbus.codec import WordCodec
-from aff_runtime.fieldbus.modbus.connections import modbus_rtu
+from aff_runtime.fieldbus.modbus.connections import modbus, rtu_wire
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus.rtu_wire import crc16, reply_length, rtu_of
@@ -90,11 +90,8 @@ def slave() -> Iterator[Slave]:
 def exchange(
     slave: Slave, function: WireFunction, ticks: int = 4
 ) -> list[tuple[Outcome, list[int]]]:
-    transport = modbus_rtu(
-        device=slave.path,
-        baud=115_200,
-        parity="N",
-        stop_bits=1,
+    transport = modbus(
+        rtu_wire(slave.path, baud=115_200, parity="none", stop_bits=1),
         device_id=1,
         register_map=euclid_map(),
         clock=MonotonicClock(),
@@ -138,11 +135,8 @@ def test_an_answer_of_another_device_is_a_bad_reply(slave: Slave) -> None:
 def test_a_line_that_does_not_open_is_named_until_it_does(slave: Slave, tmp_path: Path) -> None:
     device = tmp_path / "tty"
     clock = MonotonicClock()
-    transport = modbus_rtu(
-        device=str(device),
-        baud=115_200,
-        parity="N",
-        stop_bits=1,
+    transport = modbus(
+        rtu_wire(str(device), baud=115_200, parity="none", stop_bits=1),
         device_id=1,
         register_map=euclid_map(),
         clock=clock,

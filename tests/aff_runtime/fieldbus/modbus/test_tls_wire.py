@@ -15,8 +15,8 @@ import pytest
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.modbus.connections import modbus_tcp
-from aff_runtime.fieldbus.modbus.tls_wire import client_context
+from aff_runtime.fieldbus.modbus.connections import modbus
+from aff_runtime.fieldbus.modbus.tls_wire import TlsWire, client_context
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.registers import Registers
 from tests.aff_runtime.fieldbus.euclid_map import euclid_map
@@ -109,14 +109,11 @@ def outcomes(
     server: TlsServer, context: ssl.SSLContext, name: str = "plc", said: list[str] | None = None
 ) -> list[Outcome]:
     clock = MonotonicClock()
-    transport = modbus_tcp(
-        host="127.0.0.1",
-        port=server.port,
+    transport = modbus(
+        TlsWire("127.0.0.1", server.port, context, name),
         device_id=1,
         register_map=euclid_map(),
         clock=clock,
-        tls=context,
-        server_name=name,
     )
     seen = []
     for _ in range(60):

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -133,4 +135,21 @@ def test_the_zero_of_an_angle_is_free():
     plain = objective.residual([np.zeros((1, SAMPLES))])
     assert objective.projector.cost(shifted) == pytest.approx(
         objective.projector.cost(plain), rel=1e-6
+    )
+
+
+def test_beyond_noise_a_channel_of_coarse_words_counts_above_its_doubt_only(objective):
+    """Twice the expected power in both channels: half of it is doubt in the coarse one."""
+    rows = objective.rows
+    residual = np.full(rows + len(objective.nuisances), np.sqrt(2.0))
+    residual[rows:] = 0.0
+    cost = float(residual @ residual)
+    plain = objective.excess(cost, residual)
+    assert plain == pytest.approx(cost - objective.expected_cost)
+    (noise,) = objective.whitening.noise
+    coarse = replace(noise, filters=(np.ones(1), np.array([1.0, 0.0])))
+    worded = replace(objective, whitening=replace(objective.whitening, noise=(coarse,)))
+    doubt = 0.5 * np.minimum(1.0, (noise.floor[0] / noise.sd[0]) ** 2) * (rows / 2)
+    assert worded.excess(cost, residual) == pytest.approx(
+        cost - worded.expected_cost - doubt, rel=1e-9
     )

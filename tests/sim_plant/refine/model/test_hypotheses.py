@@ -5,15 +5,23 @@ import pytest
 
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.model.hypotheses import hypothesis, library, turned
+from sim_plant.refine.model.hypotheses import hypothesis, library, onset_library, turned
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
 
 
 def test_every_effect_is_tried_and_one_can_be_left_out():
     names = {h.effect.name for h in library(LINE)}
-    assert names == {effect.name for effect in CATALOGUE}
+    assert names == {effect.name for effect in CATALOGUE if effect.traced}
     assert "slip" not in {h.effect.name for h in library(LINE, ["slip"])}
+
+
+def test_what_begins_at_a_moment_is_tried_in_every_form_and_in_one_record_only():
+    found = onset_library(LINE, 1)
+    assert {h.effect.name for h in found} == {e.name for e in CATALOGUE if e.onset is not None}
+    assert {h.record for h in found} == {1}
+    assert all(h.moment in h.names for h in found)
+    assert not [h for h in onset_library(LINE, 0, ["splice"]) if h.effect.name == "splice"]
 
 
 def test_every_idler_may_be_eccentric():

@@ -3,7 +3,7 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.nuisances import declared_nuisances
-from sim_plant.refine.model.parameter_effects import as_effect, within_tolerance
+from sim_plant.refine.model.parameter_effects import as_effects, within_tolerance
 from sim_plant.refine.model.place import Place
 from tests.sim_plant.line.lines import declared
 
@@ -28,7 +28,7 @@ STRAIN = LINE.web.wound_in_tension_N / LINE.web.EA_N
     [
         ("radius_error", "swrap_follower", ("ratio",), (1.0 - 0.9e-4,), (1.0 - 1.1e-4,)),
         ("web_modulus", "web", ("factor",), (1.019,), (0.85,)),
-        ("wound_in_strain", "web", ("strain",), (0.009 * STRAIN,), (-0.011 * STRAIN,)),
+        ("wound_in_strain", "unwind", ("strain",), (0.009 * STRAIN,), (-0.011 * STRAIN,)),
         ("bearing_drag", "R6", ("constant_N_m",), (0.049 * DRAG_N_M,), (0.051 * DRAG_N_M,)),
         ("load_cell_calibration", "R9", ("gain", "offset_N"), (1.0009, 0.09), (1.0009, 0.11)),
         ("load_cell_calibration", "R9", ("gain", "offset_N"), (0.9991, 0.0), (0.9989, 0.0)),
@@ -54,7 +54,7 @@ def test_an_effect_that_is_no_declared_number_counts_however_small(effect):
     ("number", "shift", "effect", "place", "expected"),
     [
         ("web.EA_N", -0.1, "web_modulus", "web", {"factor": 0.9}),
-        ("web.wound_in_tension_N", 0.1, "wound_in_strain", "web", {"strain": 0.1 * STRAIN}),
+        ("web.wound_in_tension_N", 0.1, "wound_in_strain", "unwind", {"strain": 0.1 * STRAIN}),
         (
             "rollers.R6.friction_constant_N_m",
             0.5,
@@ -74,11 +74,14 @@ def test_an_effect_that_is_no_declared_number_counts_however_small(effect):
 def test_a_shifted_number_is_said_as_the_effect_that_changes_it(
     number, shift, effect, place, expected
 ):
-    found = as_effect(LINE, number, shift)
-    assert found is not None
-    h, values = found
-    assert h.key == Place(effect, place)
+    found = {h.key: (h, values) for h, values in as_effects(LINE, number, shift)}
+    h, values = found[Place(effect, place)]
     assert dict(zip(h.names, values, strict=True)) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_roll_that_turns_faster_is_said_as_a_radius_believed_wrong_or_as_strain_wound_in():
+    keys = {h.key for h, _ in as_effects(LINE, "rollers.unwind.effective_radius", -0.005)}
+    assert keys == {Place("radius_error", "unwind"), Place("wound_in_strain", "unwind")}
 
 
 @pytest.mark.parametrize(
@@ -90,4 +93,4 @@ def test_a_shifted_number_is_said_as_the_effect_that_changes_it(
     ],
 )
 def test_a_shift_that_no_effect_can_be_is_none(number, shift):
-    assert as_effect(LINE, number, shift) is None
+    assert not as_effects(LINE, number, shift)

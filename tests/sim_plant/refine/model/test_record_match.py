@@ -10,7 +10,7 @@ from sim_plant.cli.main import main
 from sim_plant.line.declaration import DriveSpeed, RollAngle, RollRadius
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.model.record_match import declaration_for, limits, sidecar_of, twin_of
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 
 LINE_FILE = Path(__file__).parents[4] / "config/lines/euclid.yaml"
 LINE = load_declaration(LINE_FILE)
@@ -38,7 +38,7 @@ def columns():
 def record(changed=None, dropped=None, sample_time_s=LINE.sample_time_s):
     found = columns() | (changed or {})
     found = {name: values for name, values in found.items() if name != dropped}
-    return Record(path=Path("r.csv"), sha256="0", sample_time_s=sample_time_s, columns=found)
+    return Recording(path=Path("r.csv"), sha256="0", sample_time_s=sample_time_s, columns=found)
 
 
 def test_a_record_of_this_line_is_accepted():

@@ -7,7 +7,7 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.refine.noise.innovations import declared_noise
 from sim_plant.refine.pipeline import check_runs
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 from tests.orphans import outlived
 from tests.sim_plant.refine.small import formula_twin, pool_of
 
@@ -40,7 +40,7 @@ def test_a_declared_line_that_does_not_run_is_refused_with_its_record():
     good = formula_twin(lambda _: np.zeros((1, 5)), ["unwind_tension_N"], 5)
     bad = formula_twin(coarse_only, ["unwind_tension_N"], 5)
     records = [
-        Record(path=Path(name), sha256=name, sample_time_s=0.01, columns={})
+        Recording(path=Path(name), sha256=name, sample_time_s=0.01, columns={})
         for name in ("a.csv", "b.csv")
     ]
     with pytest.raises(PlantError, match=r"b\.csv: the declared line does not run"):

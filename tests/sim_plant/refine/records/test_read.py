@@ -25,7 +25,7 @@ def test_a_plain_file_comes_back_as_it_is(tmp_path):
     assert record.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def test_packed_and_plain_files_read_alike(tmp_path):
+def test_gzip_and_plain_files_read_alike(tmp_path):
     (tmp_path / "r.csv").write_text(text())
     (tmp_path / "r.csv.gz").write_bytes(gzip.compress(text().encode()))
     plain, packed = read_record(tmp_path / "r.csv"), read_record(tmp_path / "r.csv.gz")
@@ -54,6 +54,10 @@ def word(k, row):
     return [row[0], row[1], "open"] if k == 30 else row
 
 
+def word_behind_a_blank(k, row):
+    return [row[0], "  ", "open"] if k == 30 else row
+
+
 def ragged(k, row):
     return row[:2] if k == 30 else row
 
@@ -71,6 +75,7 @@ def backwards(k, row):
             "column unwind_tension_N: 1 values are missing or not numbers, the first in line 32",
         ),
         (word, "line 32: column unwind_tension_N: read 'open'"),
+        (word_behind_a_blank, "line 32: column unwind_tension_N: read 'open'"),
         (ragged, "line 32: 2 values under 3 columns"),
         (backwards, "time does not go on"),
     ],
@@ -124,7 +129,7 @@ def test_a_value_without_end_is_refused(tmp_path, spoil):
         read_record(path)
 
 
-def test_every_flipped_bit_of_a_packed_file_is_refused(tmp_path):
+def test_every_flipped_bit_of_a_gzip_file_is_refused(tmp_path):
     """Some end in the checksum, some in the unpacking itself: two kinds of error."""
     path = tmp_path / "r.csv.gz"
     whole = gzip.compress(text().encode())

@@ -12,7 +12,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.line.load import load_line
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.amend import HEAD, write_amended
 from sim_plant.refine.search.selection import Selection
 from tests.sim_plant.refine.small import LINE_FILE, fit_of, verdict_with
@@ -26,7 +26,9 @@ FOUND = Selection(
     after=(),
     corrections={"web.EA_N": 1.2345678901234567e-05},
 )
-RECORD = Record(path=Path("a.csv"), sha256="abc", sample_time_s=0.01, columns={"x_N": np.ones(9)})
+RECORD = Recording(
+    path=Path("a.csv"), sha256="abc", sample_time_s=0.01, columns={"x_N": np.ones(9)}
+)
 
 
 def amended(line, folder, found=FOUND, stated=None):

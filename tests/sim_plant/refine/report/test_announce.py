@@ -3,13 +3,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.announce import announce, holdout_limits
 
 
 def record(name, *findings):
     columns = {"x_N": np.ones(9)}
-    return Record(
+    return Recording(
         path=Path(name), sha256=name, sample_time_s=0.01, columns=columns, findings=findings
     )
 

@@ -8,7 +8,7 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import main
 from sim_plant.refine.records.read import read_record
-from sim_plant.refine.records.recording import Record
+from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.folder import FILES, check_apart, check_folder, publish
 from sim_plant.refine.report.outcome import Plan
 
@@ -98,7 +98,7 @@ def test_a_sidecar_that_would_be_overwritten_is_refused(tmp_path):
 
 def test_the_same_readings_packed_are_the_same_record():
     first, second = (
-        Record(path=tmp, sha256=str(tmp), sample_time_s=0.01, columns={"x_N": np.arange(9.0)})
+        Recording(path=tmp, sha256=str(tmp), sample_time_s=0.01, columns={"x_N": np.arange(9.0)})
         for tmp in (Path("r.csv"), Path("r.csv.gz"))
     )
     with pytest.raises(PlantError, match=r"r\.csv\.gz: is the same record as r\.csv"):

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -24,7 +26,8 @@ NOISE = OBJECTIVE.expected_cost
 
 
 def claimed(before, after, line=0.0):
-    base, fit = fit_of(cost=before), fit_of(DELAY, cost=after)
+    residual = np.full(4 * 20_000 + 1, np.sqrt(before / (4 * 20_000)))
+    base, fit = replace(fit_of(cost=before), residual=residual), fit_of(DELAY, cost=after)
     return explains_own_lines(OBJECTIVE, base, one_peak(line), [travel_at(np.ones(9))], fit)
 
 

@@ -8,7 +8,7 @@ from sim_plant.effects.out_of_round_roll import profile
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.candidate import Candidate
-from sim_plant.refine.search.effect_fit import fit_candidate, profile_reinitialised
+from sim_plant.refine.search.effect_fit import certain_size, fit_candidate, profile_reinitialised
 from tests.sim_plant.refine.small import LINE, fit_of, formula_twin, objective_of, white
 
 ROLL = BY_NAME["out_of_round_roll"]
@@ -83,3 +83,13 @@ def test_a_roll_out_of_round_is_located_by_its_orders_and_fitted_as_a_profile(ob
     assert values["size_m"] == pytest.approx(0.012, rel=0.1)
     seen = TRUE_RAD + SPEED_RAD_S.mean() * DELAY_S  # the delay is not known yet
     assert values["angle_rad"] == pytest.approx(seen, abs=0.1)
+
+
+@pytest.mark.parametrize(("spread_N", "known"), [(0.01, True), (2.0, False)])
+def test_a_size_that_may_as_well_be_nothing_is_no_estimate(spread_N, known):
+    """At 0.03 N, known to 0.01 N, it is three times its spread in one of two components."""
+    hum = hypothesis(BY_NAME["mains_hum"], "R9")
+    values = tuple({"cos_N": 0.03, "sin_N": 0.03}.get(name, 299.5) for name in hum.names)
+    covariance = np.diag([spread_N**2] * len(values))
+    fit = replace(fit_of(hum), values=(values,), covariance=covariance)
+    assert certain_size(fit) == known

@@ -103,7 +103,7 @@ R6_1_M = 1.0 / (2.0 * np.pi * LINE.rollers[LINE.body("R6")].radius_m)
         ("mains_hum", "R9", {"frequency_Hz": 60.0}, ("time", "frequency_Hz", 40.01), True),
         ("mains_hum", "R9", {"frequency_Hz": 60.0}, ("time", "frequency_Hz", 37.0), False),
         # hum stands in time: the turn of the roller under its cell says nothing of it
-        ("mains_hum", "R6", {"frequency_Hz": 60.0}, ("travel", "wavenumber_1_m", R6_1_M), False),
+        ("mains_hum", "R15", {"frequency_Hz": 60.0}, ("travel", "wavenumber_1_m", R6_1_M), False),
         ("unbalanced_roller", "R6", {}, ("time", "frequency_Hz", 4.0), False),
     ],
 )

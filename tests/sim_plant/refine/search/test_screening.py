@@ -79,7 +79,7 @@ def test_an_effect_is_fitted_at_three_places_at_most_and_a_curved_one_gets_a_sec
     found += [
         candidate("bearing_drag", "R6", 300.0),  # drags one way only
         candidate("unbalanced_roller", "R6", 299.0),
-        candidate("bearing_drag", "R7", 200.0),
+        candidate("bearing_drag", "R7", 140.0),
     ]
     kept = [c.hypothesis.key for c in shortlist(found)]
     assert kept == [

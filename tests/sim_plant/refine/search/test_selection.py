@@ -15,6 +15,7 @@ from sim_plant.refine.search.selection import (
     at_noise_floor,
     preferred,
     score,
+    standing,
 )
 from tests.sim_plant.refine.small import fit_of, one_peak, quiet
 
@@ -82,7 +83,7 @@ def test_what_has_no_line_of_its_own_needs_more():
 
 
 def test_the_least_of_a_large_explanation_grows_with_it():
-    large = selection(nominal=COST + 1e5)
+    large = selection(nominal=COST + 1e6)
     assert claimed([rival(DRAG, 500.0)], {DRAG.key: 500.0}, large) is None
 
 
@@ -103,8 +104,8 @@ def test_a_score_beyond_doubt_is_not_looked_at_again():
     ("explained", "left", "ended"),
     [
         (649.0, -470.0, False),  # noise of 40 000 rows is known to 283: a weak line may be left
-        (1e6, 3000.0, True),  # 0.6 % of what a strong effect explained
-        (1e6, 7000.0, False),
+        (1e7, 1000.0, True),  # 2e-4 of what a strong effect explained
+        (1e7, 1500.0, False),
     ],
 )
 def test_the_search_ends_when_what_is_left_is_surely_no_effect(explained, left, ended):
@@ -127,3 +128,31 @@ def test_an_effect_that_explains_less_than_half_of_a_pair_does_not_take_its_plac
     cheaper = replace(bounce, fit=replace(bounce.fit, cost=1e5))
     assert preferred([bounce, cheaper], [flat]) == (cheaper, True)
     assert preferred([], []) == (None, False)
+
+
+@pytest.mark.parametrize(("worth", "taken"), [(900.0, False), (1100.0, True)])
+def test_beside_slip_of_50000_an_effect_explains_more_than_slip_leaves_by_nature(worth, taken):
+    """Slip wanders by 2 % of what it explains: 1000."""
+    slip = hypothesis(BY_NAME["slip"], "swrap_lead")
+    there = AcceptedEffect(
+        hypothesis=slip, score=50_000.0, runner_up=None, margin=1e3, rejected=()
+    )
+    found = claimed(
+        [rival(DRAG, worth)],
+        {DRAG.key: worth},
+        selection(nominal=COST + 50_000.0, accepted=(there,)),
+    )
+    assert (found is not None) == taken
+
+
+def test_beside_something_that_is_no_line_only_strong_periodic_effects_are_claimed():
+    eccentric = hypothesis(BY_NAME["eccentric_roller"], "R3")
+    hum = hypothesis(BY_NAME["mains_hum"], "R9")
+
+    def found(h, worth):
+        return AcceptedEffect(hypothesis=h, score=worth, runner_up=None, margin=worth, rejected=())
+
+    effects = [found(eccentric, 9000.0), found(DRAG, 8000.0), found(hum, 1100.0)]
+    assert standing(effects, 5000.0) == [0]
+    assert standing(effects, 1000.0) == [0, 2]
+    assert standing(effects, 0.0) == [0, 2]

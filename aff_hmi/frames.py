@@ -1,0 +1,42 @@
+"""What goes to a browser: whole frames, ten a second; nothing is merged, nothing left over."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict
+
+from aff_hmi.view import View
+
+MAX_SAID_BYTES = 256
+
+
+def encode(view: View, *, number: int, boot: str) -> str:
+    """Return a frame without the part that is each browser's own; begin it with ``opened``."""
+    said = {"q": number, "boot": boot, **asdict(view)}
+    return json.dumps(said, ensure_ascii=False, allow_nan=False, separators=(",", ":"))[1:]
+
+
+def opened(frame: str, echo_ms: float) -> str:
+    """Return a frame for one browser, with the newest of its own stamps that it answers.
+
+    The age of that stamp bounds the age of the frame, whatever held it up on its way, and needs
+    no common clock.
+    """
+    return f'{{"echo":{json.dumps(echo_ms)},{frame}'
+
+
+def said_by(text: str) -> tuple[int, float] | None:
+    """Return (number of the frame shown, the browser's stamp in ms); None for anything else."""
+    if len(text) > MAX_SAID_BYTES:
+        return None
+    try:
+        said = json.loads(text)
+        number, stamp_ms = said["a"], said["t"]
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return None
+    is_number = isinstance(number, int) and not isinstance(number, bool) and 0 <= number < 2**53
+    is_stamp = isinstance(stamp_ms, int | float) and not isinstance(stamp_ms, bool)
+    if not (is_number and is_stamp and abs(stamp_ms) < 2**53 and math.isfinite(stamp_ms)):
+        return None
+    return number, float(stamp_ms)

@@ -1,0 +1,118 @@
+"""What every request passes before a route sees it: rate, name of the host, method, origin.
+
+The gate looks at headers and addresses only, never at a path: which route there is, the routes
+say, and what is none is 404.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterable
+
+from starlette.responses import PlainTextResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from aff_runtime.base.ports import Clock
+
+PER_SECOND, BURST = 50.0, 100.0
+MAX_ADDRESSES = 1024
+METHODS = ("GET", "HEAD")
+REFUSED_SOCKET = 1008
+HEADERS = {
+    "content-security-policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+        "connect-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'; "
+        "require-trusted-types-for 'script'; trusted-types 'none'"
+    ),
+    "x-content-type-options": "nosniff",
+    "x-frame-options": "DENY",
+    "referrer-policy": "no-referrer",
+    "cross-origin-opener-policy": "same-origin",
+    "cross-origin-resource-policy": "same-origin",
+    "permissions-policy": "camera=(), microphone=(), geolocation=(), usb=(), serial=()",
+    "cache-control": "no-store",
+}
+HSTS = "max-age=31536000"
+
+
+class Rates:
+    """A bucket of requests per address; the oldest address is forgotten when there are many."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._buckets: OrderedDict[str, tuple[float, int]] = OrderedDict()
+
+    def allows(self, address: str) -> bool:
+        """Return whether one more request of an address is answered."""
+        now_ns = self._clock.now_ns()
+        left, since_ns = self._buckets.pop(address, (BURST, now_ns))
+        left = min(BURST, left + PER_SECOND * (now_ns - since_ns) * 1e-9)
+        allowed = left >= 1.0
+        self._buckets[address] = (left - 1.0 if allowed else left, now_ns)
+        if len(self._buckets) > MAX_ADDRESSES:
+            self._buckets.popitem(last=False)
+        return allowed
+
+
+class Gate:
+    """Stands in front of all routes.
+
+    Parameters
+    ----------
+    hosts : ``name:port`` that a browser may have in its address line, lower case.
+    is_tls : whether browsers come by https.
+    """
+
+    def __init__(self, app: ASGIApp, hosts: Iterable[str], rates: Rates, *, is_tls: bool) -> None:
+        self._app = app
+        self._hosts = frozenset(host.lower() for host in hosts)
+        self._rates = rates
+        self._scheme = "https" if is_tls else "http"
+        self._headers = [(k.encode(), v.encode()) for k, v in HEADERS.items()]
+        if is_tls:
+            self._headers.append((b"strict-transport-security", HSTS.encode()))
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Refuse, or pass on with the headers that every answer has."""
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+            return
+
+        async def with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                own = [one for one in message["headers"] if one[0].lower() != b"cache-control"]
+                message = {**message, "headers": [*own, *self._headers]}
+            await send(message)
+
+        refusal = self._refusal(scope)
+        if refusal is None:
+            await self._app(scope, receive, with_headers)
+        elif scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": REFUSED_SOCKET})
+        else:
+            status, words = refusal
+            await PlainTextResponse(words + "\n", status)(scope, receive, with_headers)
+
+    def _refusal(self, scope: Scope) -> tuple[int, str] | None:
+        """Return why a request is not answered; None when it is."""
+        client = scope.get("client")
+        if not self._rates.allows(client[0] if client else ""):
+            return 429, "too many requests; wait a second"
+        host = _one(scope, b"host").lower()
+        if host not in self._hosts:
+            return (
+                421,
+                "this screen is not known by that name; start aff-hmi with --host NAME:PORT",
+            )
+        if scope["type"] == "websocket":
+            own = _one(scope, b"origin").lower() == f"{self._scheme}://{host}"
+            return None if own else (403, "a page of somebody else")
+        if scope["method"] not in METHODS:
+            return 405, "this screen is for looking"
+        return None
+
+
+def _one(scope: Scope, name: bytes) -> str:
+    """Return the one header of a name; empty when there is none, or more than one."""
+    found = [value for key, value in scope["headers"] if key.lower() == name]
+    return found[0].decode("latin-1") if len(found) == 1 else ""

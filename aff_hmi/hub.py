@@ -1,0 +1,156 @@
+"""Every browser that looks on: the newest frame to each, and never a queue."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import secrets
+from collections.abc import Callable
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from aff_hmi import frames
+from aff_hmi.layout import Layout, layout_of
+from aff_hmi.metrics import Metrics
+from aff_hmi.view import view_of
+from aff_hmi.watch import Seen, Watch
+from aff_hmi.words import say_in
+from aff_runtime.base.ports import Clock
+
+FRAME_S = 0.1
+POLLS_PER_FRAME = 2
+MAX_SOCKETS = 32
+MAX_IN_FLIGHT = 2
+MAX_SAID_PER_S = 20
+PATIENCE_S = 10.0
+POLICY, TRY_LATER = 1008, 1013
+
+
+class Viewer:
+    """One socket.
+
+    Attributes
+    ----------
+    shown : number of the newest frame that it has shown. ``echo_ms`` : its newest stamp.
+    """
+
+    def __init__(self, language: str) -> None:
+        self.language = language
+        self.shown = 0
+        self.sent = 0
+        self.in_flight: list[int] = []
+        self.echo_ms: float | None = None
+        self.heard_ns = 0
+        self.frame: asyncio.Event = asyncio.Event()
+
+    def heard(self, number: int, stamp_ms: float, now_ns: int) -> None:
+        """Take a receipt."""
+        self.in_flight = [sent for sent in self.in_flight if sent > number]
+        self.echo_ms, self.heard_ns = stamp_ms, now_ns
+
+
+class Hub:
+    """Polls the watch and hands out frames.
+
+    Parameters
+    ----------
+    watch : of the service.
+
+    Attributes
+    ----------
+    boot : changes with every start; a page of an earlier one begins anew.
+    """
+
+    def __init__(self, watch: Watch, clock: Clock) -> None:
+        self._watch = watch
+        self._clock = clock
+        self._viewers: set[Viewer] = set()
+        self._frames: dict[str, str] = {}
+        self._metrics = Metrics(clock)
+        self._number = 0
+        self.boot = secrets.token_hex(8)
+        self.layout = Layout()
+
+    async def run(self, alive: Callable[[], None] = lambda: None) -> None:
+        """Poll for ever; a frame for those who look on every ``FRAME_S``, then ``alive``."""
+        period_ns = round(1e9 * FRAME_S / POLLS_PER_FRAME)
+        due_ns = self._clock.now_ns()
+        while True:
+            for _ in range(POLLS_PER_FRAME):
+                due_ns = max(due_ns + period_ns, self._clock.now_ns())
+                await asyncio.sleep((due_ns - self._clock.now_ns()) * 1e-9)
+                self._watch.poll()
+            self.make_frames(self._watch.seen())
+            alive()
+
+    def make_frames(self, seen: Seen) -> None:
+        """Work out one frame per language that is looked at."""
+        row = seen.row
+        channels = tuple(channel.name for channel in row.channels) if row is not None else ()
+        if seen.facts is not None and channels:
+            self.layout = layout_of(seen.facts, channels)
+        self._number += 1
+        self._frames = {
+            language: frames.encode(
+                view_of(seen, self.layout, say_in(language)), number=self._number, boot=self.boot
+            )
+            for language in {viewer.language for viewer in self._viewers}
+        }
+        for viewer in self._viewers:
+            viewer.frame.set()
+
+    def metrics(self) -> str:
+        """Return what is seen now in the text format of Prometheus."""
+        return self._metrics.text(self._watch.seen())
+
+    async def serve(self, socket: WebSocket, language: str) -> None:
+        """Look after one socket until it ends."""
+        if len(self._viewers) >= MAX_SOCKETS:
+            await socket.close(TRY_LATER)
+            return
+        await socket.accept()
+        viewer = Viewer(language)
+        viewer.heard_ns = self._clock.now_ns()
+        self._viewers.add(viewer)
+        tasks = [
+            asyncio.create_task(self._listen(socket, viewer)),
+            asyncio.create_task(self._send(socket, viewer)),
+        ]
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            self._viewers.discard(viewer)
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+        with contextlib.suppress(RuntimeError, WebSocketDisconnect):
+            await socket.close(POLICY)
+
+    async def _listen(self, socket: WebSocket, viewer: Viewer) -> None:
+        """Take receipts; who says anything else, or too much, is let go."""
+        allowance, since_ns = float(MAX_SAID_PER_S), self._clock.now_ns()
+        while True:
+            message = await socket.receive()
+            if message["type"] != "websocket.receive":
+                return
+            now_ns = self._clock.now_ns()
+            refill = MAX_SAID_PER_S * (now_ns - since_ns) * 1e-9
+            allowance, since_ns = min(MAX_SAID_PER_S, allowance + refill) - 1.0, now_ns
+            said = frames.said_by(message.get("text") or "")
+            if said is None or allowance < 0.0:
+                return
+            viewer.heard(*said, now_ns)
+
+    async def _send(self, socket: WebSocket, viewer: Viewer) -> None:
+        """Send the newest frame to who keeps up; ends with who does not."""
+        while True:
+            await viewer.frame.wait()
+            viewer.frame.clear()
+            if self._clock.now_ns() - viewer.heard_ns > PATIENCE_S * 1e9:
+                return
+            frame = self._frames.get(viewer.language)
+            if frame is None or viewer.echo_ms is None or len(viewer.in_flight) >= MAX_IN_FLIGHT:
+                continue
+            viewer.in_flight.append(self._number)
+            async with asyncio.timeout(PATIENCE_S):
+                await socket.send_text(frames.opened(frame, viewer.echo_ms))

@@ -1,0 +1,132 @@
+"""``aff-hmi``: the screen. Exit codes: 0 ok, 2 configuration, 3 the address is taken."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import os
+import socket
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from aff_hmi.listening import PORT, Listening, listening
+from aff_hmi.words import LANGUAGES
+from aff_runtime import __version__
+from aff_runtime.app.link.runtime_directory import default_directory, runtime_paths
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import AffError, ConfigError, WireError
+from aff_runtime.base.printable import printable
+from aff_runtime.loop.watchdog import ServiceNotifier
+
+INSTALLED_DOOR = Path("/run/aff-door/door.sock")
+FRAMES_PER_NOTE = 10  # of a living screen, to the service manager
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser."""
+    parser = argparse.ArgumentParser(
+        prog="aff-hmi", description="The screen of AFF Runtime, for looking only."
+    )
+    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    parser.add_argument(
+        "--door",
+        type=Path,
+        default=default_door(),
+        metavar="SOCKET",
+        help="door of the service (default %(default)s)",
+    )
+    parser.add_argument(
+        "--listen",
+        default=f"127.0.0.1:{PORT}",
+        metavar="ADDRESS:PORT",
+        help="one of this machine; without TLS it must be loopback (default %(default)s)",
+    )
+    parser.add_argument(
+        "--host",
+        action="append",
+        default=[],
+        metavar="NAME[:PORT]",
+        help="a name that browsers use for this screen; may be given again",
+    )
+    for option, text in (
+        ("--certificate", "certificate with its chain, PEM"),
+        ("--private-key", "its key, PEM"),
+        ("--client-ca", "let in only browsers with a certificate of this authority, PEM"),
+    ):
+        parser.add_argument(option, type=Path, metavar="FILE", help=text)
+    parser.add_argument("--language", choices=LANGUAGES, default="en", help="where none is asked")
+    return parser
+
+
+def default_door() -> Path:
+    """Return the door of the installed service where there is one, else of our own user's."""
+    if os.path.lexists(INSTALLED_DOOR):
+        return INSTALLED_DOOR
+    return runtime_paths(default_directory()).door
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the screen; return the exit code."""
+    options = build_parser().parse_args(arguments)
+    try:
+        place = listening(
+            options.listen,
+            tuple(options.host),
+            options.certificate,
+            options.private_key,
+            options.client_ca,
+        )
+        _check_free(place)
+        return _run(options.door, place, options.language)
+    except AffError as error:
+        _say(f"aff-hmi: {error}", sys.stderr.fileno())
+        return error.exit_code
+    except KeyboardInterrupt:
+        return 0
+
+
+def _run(door: Path, place: Listening, language: str) -> int:
+    try:
+        from aff_hmi.server import serve  # noqa: PLC0415  heavy, and `--help` is quick without it
+    except ImportError as error:
+        raise ConfigError(f"{error.name} is needed: install aff-runtime[hmi]") from None
+    from aff_hmi.watch import Watch  # noqa: PLC0415
+
+    watch = Watch(door, MonotonicClock())
+    notifier = ServiceNotifier(os.environ, every_ticks=FRAMES_PER_NOTE)
+
+    def ready() -> None:
+        _say(f"look: {place.url}", sys.stdout.fileno())
+        notifier.tick_done(True)
+
+    def alive() -> None:
+        notifier.tick_done(False)
+
+    try:
+        asyncio.run(serve(watch, place, language, ready, alive))
+    finally:
+        watch.close()
+        notifier.close()
+    return 0
+
+
+def _check_free(place: Listening) -> None:
+    """Refuse an address that cannot be had, before anything is started."""
+    family = socket.AF_INET6 if ":" in place.address else socket.AF_INET
+    with socket.socket(family) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((place.address, place.port))
+        except OSError as error:
+            raise WireError(
+                f"--listen {place.address}:{place.port}: {error.strerror}; name another one"
+            ) from None
+
+
+def _say(line: str, descriptor: int) -> None:
+    os.write(descriptor, f"{printable(line)}\n".encode())
+
+
+if __name__ == "__main__":
+    sys.exit(main())

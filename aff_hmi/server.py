@@ -1,0 +1,108 @@
+"""uvicorn, told what it is not to do."""
+
+from __future__ import annotations
+
+import asyncio
+import ssl
+from collections.abc import Callable
+
+import h11
+import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from aff_hmi.gate import Gate, Rates
+from aff_hmi.hub import Hub
+from aff_hmi.listening import Listening
+from aff_hmi.pages import Pages
+from aff_hmi.watch import Watch
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import ConfigError
+
+MAX_CONNECTIONS = 64
+HEADER_PATIENCE_S = 5.0
+READY_LOOK_S = 0.02
+MAX_HEADER_BYTES = 16_384
+MAX_SOCKET_BYTES = 1024
+
+
+class PatientOnce(H11Protocol):
+    """HTTP/1.1 that waits for the head of a first request for a while, and not for ever."""
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Begin to wait."""
+        super().connection_made(transport)
+        self.loop.call_later(HEADER_PATIENCE_S, self._is_late, transport)
+
+    def _is_late(self, transport: asyncio.Transport) -> None:
+        has_spoken = self.conn.their_state is not h11.IDLE or transport.get_protocol() is not self
+        if not has_spoken and not transport.is_closing():
+            transport.close()
+
+
+def config_of(listening: Listening, hub: Hub, language: str) -> uvicorn.Config:
+    """Return uvicorn's settings.
+
+    Raises
+    ------
+    ConfigError
+        When certificate or key cannot be used.
+    """
+    clock, authority = MonotonicClock(), listening.client_ca
+    app = Gate(Pages(hub, language).app(), listening.hosts, Rates(clock), is_tls=listening.is_tls)
+    config = uvicorn.Config(
+        app,
+        host=listening.address,
+        port=listening.port,
+        http=PatientOnce,
+        ws="websockets-sansio",
+        loop="asyncio",
+        lifespan="off",
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+        limit_concurrency=MAX_CONNECTIONS,
+        timeout_keep_alive=5,
+        timeout_graceful_shutdown=1,
+        h11_max_incomplete_event_size=MAX_HEADER_BYTES,
+        ws_max_size=MAX_SOCKET_BYTES,
+        ws_per_message_deflate=False,
+        ssl_certfile=listening.certificate,
+        ssl_keyfile=listening.private_key,
+        ssl_ca_certs=None if authority is None else str(authority),
+        ssl_cert_reqs=ssl.CERT_NONE if authority is None else ssl.CERT_REQUIRED,
+    )
+    try:
+        config.load()
+    except (OSError, ssl.SSLError) as error:
+        raise ConfigError(f"{listening.certificate}: cannot be used for TLS ({error})") from None
+    if config.ssl is not None:
+        config.ssl.minimum_version = ssl.TLSVersion.TLSv1_2
+    return config
+
+
+async def serve(
+    watch: Watch,
+    listening: Listening,
+    language: str,
+    ready: Callable[[], None],
+    alive: Callable[[], None],
+) -> None:
+    """Poll and serve until a signal.
+
+    ``ready`` is called once browsers are heard, ``alive`` with every frame.
+    """
+    hub = Hub(watch, MonotonicClock())
+    server = uvicorn.Server(config_of(listening, hub, language))
+    polling = asyncio.create_task(hub.run(alive))
+    serving = asyncio.create_task(server.serve())
+    while not (server.started or serving.done()):
+        await asyncio.sleep(READY_LOOK_S)
+    if server.started:
+        ready()
+    done, _ = await asyncio.wait({polling, serving}, return_when=asyncio.FIRST_COMPLETED)
+    if polling in done:  # it never ends by itself: whatever ended it is the error
+        server.should_exit = True
+        await serving
+    polling.cancel()
+    await asyncio.gather(polling, return_exceptions=serving in done)

@@ -1,0 +1,255 @@
+// Fills the overview from whole frames. Text goes in as text, never as markup.
+import { broken, isDead, judge } from "/static/freshness.js";
+
+const LOOK_MS = 100;
+const RETRY_MS = [250, 500, 1000, 2000];
+const SILENT_MS = 3000;
+const root = document.documentElement;
+const language = root.lang;
+const words = document.getElementById("words").dataset;
+const byId = (name) => document.getElementById(name);
+
+let frame = null;
+let arrived_ms = 0;
+let lost_ms = null;
+let socket = null;
+let tries = 0;
+let beat = 0;
+let opened_ms = 0;
+const shownLists = new Map();
+
+// --- numbers and ages --------------------------------------------------------------------------
+
+const formats = new Map();
+function number(value, digits) {
+  if (value === null || value === undefined) return words.none;
+  if (!formats.has(digits)) {
+    const both = { minimumFractionDigits: digits, maximumFractionDigits: digits };
+    formats.set(digits, new Intl.NumberFormat(language, both));
+  }
+  return formats.get(digits).format(value);
+}
+
+function age(ms) {
+  if (ms === null) return words.none;
+  const s = ms / 1000;
+  return s < 100 ? `${number(s, s < 10 ? 1 : 0)} s` : `${number(s / 60, 0)} min`;
+}
+
+function put(element, text) {
+  if (element && element.textContent !== text) element.textContent = text;
+}
+
+// --- what is new -------------------------------------------------------------------------------
+
+function showFrame() {
+  for (const slot of document.querySelectorAll("[data-slot]")) {
+    put(slot, number(frame.values[slot.dataset.slot], Number(slot.dataset.digits)));
+  }
+  for (const note of document.querySelectorAll("[data-note]")) {
+    put(note, frame.notes[note.dataset.note] ?? "");
+  }
+  for (const bar of document.querySelectorAll("[data-bar]")) {
+    const share = Math.min(1, frame.values[bar.dataset.bar] ?? 0);
+    bar.setAttribute("width", String(100 * share));
+    bar.classList.toggle("full", share > 0.95);
+  }
+  put(byId("why"), frame.why);
+  put(byId("to-do"), frame.to_do);
+  put(byId("config"), frame.config || words.none);
+  root.dataset.state = frame.state;
+  fill("alarms", frame.alarms, alarmItem, words.noAlarm);
+  fill("coming", frame.coming, (text) => item([["span", "", text]]), words.nothing);
+}
+
+function fill(name, entries, make, empty) {
+  const said = JSON.stringify(entries);
+  if (shownLists.get(name) === said) return;
+  shownLists.set(name, said);
+  const items = entries.map(make);
+  byId(name).replaceChildren(...(items.length ? items : [item([["span", "", empty]])]));
+}
+
+function item(parts) {
+  const line = document.createElement("li");
+  for (const [tag, kind, text] of parts) {
+    const part = document.createElement(tag);
+    if (kind) part.className = kind;
+    part.textContent = text;
+    part.dir = "auto";
+    line.append(part, " ");
+  }
+  return line;
+}
+
+function alarmItem(alarm) {
+  const line = item([
+    ["span", "mark", `${["■", "▲", "●"][alarm.rank - 1]}${alarm.rank}`],
+    ["strong", "", alarm.name],
+    ["span", "", alarm.text],
+    ["span", "do", `${words.todo}: ${alarm.to_do}`],
+  ]);
+  line.dataset.rank = String(alarm.rank);
+  return line;
+}
+
+function showEvents(since_ms) {
+  const entries = frame.events.map((one) => [one, age(1000 * one.ago_s + since_ms)]);
+  const make = ([one, ago]) =>
+    item([["strong", "", one.name], ["span", "", one.text], ["span", "ago", words.ago.replace("{age}", ago)]]);
+  fill("events", entries, make, words.noEvent);
+}
+
+// --- what is old -------------------------------------------------------------------------------
+
+function look() {
+  const now_ms = performance.now();
+  const links = judge(frame, arrived_ms, now_ms);
+  for (const node of document.querySelectorAll("[data-node]")) {
+    const link = links[node.dataset.node];
+    node.dataset.quality = link.quality;
+    put(node.querySelector(".age"), age(link.age_ms));
+  }
+  const name = frame === null ? "" : broken(links);
+  const since_ms = now_ms - arrived_ms;
+  const old_ms = name === "" ? null : ageOf(name, links, now_ms);
+  for (const part of document.querySelectorAll(".live")) {
+    const dead = frame !== null && isDead(part.dataset.from, links);
+    part.classList.toggle("dead", dead);
+    const stale = part.querySelector(":scope > .stale");
+    put(stale, dead ? words.old.replace("{age}", age(old_ms)) : "");
+  }
+  const gone = frame !== null && isDead("service", links);
+  put(byId("state"), frame === null || gone ? words.unknown : frame.word);
+  put(byId("shape"), frame === null || gone ? "?" : frame.shape);
+  put(byId("was"), gone ? `${words.was} ${frame.word}` : "");
+  root.dataset.broken = frame === null ? "waiting" : name;
+  const texts = { hmi: words.deadHmi, service: words.deadService, plc: words.deadPlc };
+  const steps = { hmi: words.todoHmi, service: words.todoService, plc: words.todoPlc };
+  const sentence = name ? `${texts[name].replace("{age}", age(old_ms))} ${steps[name]}` : "";
+  put(byId("broken"), frame === null ? words.waiting : sentence);
+  root.classList.toggle("waiting", frame === null);
+  if (frame !== null && !gone) showEvents(since_ms);
+  if (socket && now_ms - Math.max(arrived_ms, opened_ms) > SILENT_MS) socket.close();
+}
+
+/** How long ago the link stopped; a service that was gone from the start has no age. */
+function ageOf(name, links, now_ms) {
+  const known_ms = name === "hmi" ? links.browser.age_ms : links[name].age_ms;
+  if (known_ms !== null) {
+    lost_ms = now_ms - known_ms;
+    return known_ms;
+  }
+  return lost_ms === null ? null : now_ms - lost_ms;
+}
+
+// --- the socket --------------------------------------------------------------------------------
+
+function connect() {
+  if (socket !== null || document.hidden) return;
+  const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+  const own = new WebSocket(`${scheme}//${location.host}/live?lang=${language}`);
+  socket = own;
+  opened_ms = performance.now();
+  const answer = (shown) => own.send(JSON.stringify({ a: shown, t: performance.now() }));
+  own.onopen = () => answer(0);
+  own.onmessage = (message) => {
+    if (own !== socket) return;
+    const fresh = JSON.parse(message.data);
+    if (fresh.boot !== root.dataset.boot || fresh.layout !== root.dataset.layout) {
+      location.reload();
+      return;
+    }
+    tries = 0;
+    if (frame !== null && fresh.heart !== frame.heart) beat = (beat + 1) % 8;
+    frame = fresh;
+    arrived_ms = performance.now();
+    byId("heart").dataset.beat = String(beat);
+    showFrame();
+    look();
+    root.dataset.seq = String(frame.q);
+    answer(frame.q);
+  };
+  own.onclose = () => {
+    if (own !== socket) return;
+    socket = null;
+    setTimeout(connect, RETRY_MS[Math.min(tries++, RETRY_MS.length - 1)]);
+  };
+}
+
+/** Nothing that was shown before a pause is shown after it. */
+function blank() {
+  frame = null;
+  lost_ms = null;
+  for (const slot of document.querySelectorAll("[data-slot]")) put(slot, words.none);
+  for (const name of ["alarms", "coming", "events"]) {
+    shownLists.delete(name);
+    fill(name, [], item, words.none);
+    shownLists.delete(name);
+  }
+  for (const name of ["why", "to-do", "was"]) put(byId(name), "");
+  look();
+}
+
+document.addEventListener("visibilitychange", () => {
+  blank();
+  const left = socket;
+  socket = null;
+  left?.close();
+  connect();
+});
+window.addEventListener("pageshow", (event) => event.persisted && location.reload());
+window.addEventListener("online", connect);
+
+// --- keys and colours --------------------------------------------------------------------------
+
+function keep(name, value) {
+  try {
+    localStorage.setItem(name, value);
+  } catch {
+    // a browser that keeps nothing shows the machine's own colours again
+  }
+}
+
+function kept(name) {
+  try {
+    return localStorage.getItem(name);
+  } catch {
+    return null;
+  }
+}
+
+function otherTheme() {
+  const dark = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
+  root.dataset.theme = (root.dataset.theme ?? dark) === "dark" ? "light" : "dark";
+  keep("theme", root.dataset.theme);
+}
+
+const actions = {
+  t: otherTheme,
+  l: () => byId("language").click(),
+  a: () => {
+    byId("alarms").tabIndex = -1;
+    byId("alarms").focus();
+  },
+  "?": () => byId("help").showModal(),
+};
+document.addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.altKey || event.metaKey) return;
+  const action = actions[event.key];
+  if (action && !byId("help").open) {
+    event.preventDefault();
+    action();
+  }
+});
+byId("theme").onclick = otherTheme;
+byId("keys").onclick = actions["?"];
+byId("close").onclick = () => byId("help").close();
+if (["light", "dark"].includes(kept("theme"))) root.dataset.theme = kept("theme");
+for (const limit of document.querySelectorAll(".limit")) {
+  put(limit, number(Number(limit.dataset.number), Number(limit.dataset.digits)));
+}
+
+blank();
+setInterval(look, LOOK_MS);
+connect();

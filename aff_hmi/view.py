@@ -1,0 +1,281 @@
+"""One moment of the line as the overview shows it: pure, from what was seen.
+
+A number that is not known is None, never 0. Ages go with everything; whether they are too old for
+a number to be shown is decided where it is shown, for there the last link ends.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import groupby
+
+from aff_hmi.layout import Layout
+from aff_hmi.notices import Notice, is_probing, notices_of
+from aff_hmi.reason import N_, SHAPES, STARTING, reason_of
+from aff_hmi.watch import Seen
+from aff_hmi.window import WINDOW_S
+from aff_hmi.words import Say
+from aff_runtime.app.report.block_status import SHAPE
+from aff_runtime.app.report.status_answer import Meeting
+from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.base.events import BY_CODE
+from aff_runtime.base.printable import printable
+from aff_runtime.base.signals import State
+from aff_runtime.core.order_status import OrderStatus
+
+SHOWN_EVENTS = 6
+TURNS = 2.0  # over which a law listens to one order
+GONE = "GONE"
+GOES_OUT = (State.ACTIVE, State.FADING)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Happened:
+    """One event of the log; ``ago_s`` at the moment of the view."""
+
+    name: str
+    text: str
+    ago_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class View:
+    """Everything that changes on the overview.
+
+    Attributes
+    ----------
+    plc_age_s : of the PLC's data in the newest tick. ``tick_age_s`` : since a tick arrived.
+    plc_late_s, plc_dead_s : ages at which the service holds, and gives up.
+    state, word, shape, why, to_do : the guard's state, in words; ``word`` is translated.
+    heart : heartbeat value of the PLC; what moves on the screen moves by it.
+    values : numbers by slot. ``notes`` : words beside numbers, by slot.
+    """
+
+    layout: str
+    plc_age_s: float | None = None
+    tick_age_s: float | None = None
+    plc_late_s: float = 0.0
+    plc_dead_s: float = 0.0
+    state: str = STARTING
+    word: str = ""
+    shape: str = ""
+    why: str = ""
+    to_do: str = ""
+    heart: int = 0
+    config: str = ""
+    values: dict[str, float | None] = field(default_factory=dict)
+    notes: dict[str, str] = field(default_factory=dict)
+    coming: tuple[str, ...] = ()
+    alarms: tuple[Notice, ...] = ()
+    events: tuple[Happened, ...] = ()
+
+
+def view_of(seen: Seen, layout: Layout, say: Say) -> View:
+    """Return the view of one moment.
+
+    Parameters
+    ----------
+    seen : what the watch knows. ``say`` : the reader's language.
+    """
+    facts, row = seen.facts, seen.row
+    site = facts.status.facts if facts is not None else None
+    blocked = printable(facts.blocked, 200) if facts is not None else ""
+    state = _state(seen)
+    why, to_do = _why(seen, state, blocked, say)
+    notes: dict[str, str] = {}
+    values: dict[str, float | None] = {}
+    if row is not None:
+        values = {slot: _known(value) for slot, value in _values(seen, row, layout)}
+        notes = dict(_notes(seen, row, layout, values, say))
+    return View(
+        layout=layout.ident,
+        plc_age_s=_known(row.number("age_s")) if row is not None else None,
+        tick_age_s=seen.tick_age_s if seen.writer_lives else None,
+        plc_late_s=site.hold_after_s if site is not None else 0.0,
+        plc_dead_s=site.fault_after_s if site is not None else 0.0,
+        state=state,
+        word=say(WORDS[state]),
+        shape=SHAPES.get(state, "?"),
+        why=why,
+        to_do=to_do,
+        heart=int(_finite(row.number("plc_heartbeat"))) if row is not None else 0,
+        config=facts.status.config_hash[:8] if facts is not None else "",
+        values=values,
+        notes=notes,
+        coming=tuple(_coming(one, say) for one in facts.status.meetings) if facts else (),
+        alarms=notices_of(seen, state, say),
+        events=tuple(_events(seen, say)),
+    )
+
+
+WORDS = {
+    State.FAULT.name: N_("FAULT"),
+    State.OFF.name: N_("OFF"),
+    State.READY.name: N_("READY"),
+    State.ARMED.name: N_("ARMED"),
+    State.ACTIVE.name: N_("ACTIVE"),
+    State.FADING.name: N_("FADING"),
+    State.BYPASS.name: N_("BYPASS"),
+    State.SHADOW.name: N_("SHADOW"),
+    STARTING: N_("STARTING"),
+    GONE: N_("NO SERVICE"),
+}
+
+
+def _state(seen: Seen) -> str:
+    """Return the guard's state, or what is there instead of one."""
+    if seen.row is not None and seen.writer_lives:
+        return seen.row.state.name
+    return STARTING if seen.facts is not None and not seen.trouble else GONE
+
+
+def _why(seen: Seen, state: str, blocked: str, say: Say) -> tuple[str, str]:
+    if state == GONE:
+        why = say(N_("no service answers; the PI drives carry on alone"))
+        return why, say(N_("start it, or see its log: journalctl -u aff-runtime"))
+    if state == STARTING and seen.facts is not None and not seen.facts.status.control_pid:
+        why = say(N_("the control process has ended; it comes back idle"))
+        return why, say(N_("see the log; then arm again"))
+    if is_probing(seen):
+        why = say(N_("the response is being measured: a small excitation goes out"))
+        return why, say(N_("wait; bypass ends it"))
+    reason = reason_of(state, seen.row.alarm if seen.row is not None else 0, blocked, say)
+    return reason.why, reason.to_do
+
+
+def _values(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, float]]:
+    """Yield every number by its slot, in the unit of the screen."""
+    window = seen.window
+    for tension in layout.tensions:
+        mean = window.mean_now(tension.channel) if window is not None else math.nan
+        yield f"tension:{tension.channel}", mean
+        yield f"rms:{tension.channel}", window.rms(tension.channel) if window else math.nan
+        yield f"reference:{tension.channel}", row.number(tension.reference or None)
+    yield "speed", 60.0 * row.number(layout.speed or None)
+    facts = seen.facts.status.facts if seen.facts is not None else None
+    channels = {roll.name: roll.radius_channel for roll in facts.rolls} if facts else {}
+    for name, _ in layout.rolls:
+        yield f"radius:{name}", 1e3 * row.number(channels.get(name))
+    for output in facts.outputs if facts is not None else ():
+        factor = 1e3 if output.unit == "m/s" else 1.0
+        column = f"correction_{output.column}"
+        peak = factor * (window.peak(column) if window is not None else math.nan)
+        yield f"correction:{output.actuator}", factor * row.number(column)
+        yield f"peak:{output.actuator}", peak
+        limit = factor * output.limit
+        yield f"share:{output.actuator}", peak / limit if limit > 0.0 else math.nan
+        yield f"let_out:{output.actuator}", 100.0 * row.number(f"applied_ratio_{output.column}")
+        ripple_factor = 1e3 if output.signal.endswith("_m_s") else 1.0
+        compared = row.state in GOES_OUT and not is_probing(seen)
+        yield from _ripple(row, output.actuator, ripple_factor, compared=compared)
+
+
+def _ripple(
+    row: TickRow, actuator: str, factor: float, *, compared: bool
+) -> Iterator[tuple[str, float]]:
+    """Yield the ripple of the followed orders, rms, now and, where ``compared``, without AFF.
+
+    Sinusoids of other frequencies add by their squares: rms^2 = sum of a^2 / 2.
+    """
+    orders = _told_apart(row, [one for one in row.orders() if one.actuator == actuator])
+    now = [order.ripple for order in orders if math.isfinite(order.ripple)]
+    both = [o for o in orders if math.isfinite(o.ripple) and math.isfinite(o.ripple_before)]
+    now_rms = math.sqrt(sum(a * a for a in now) / 2.0) if now else math.nan
+    yield f"now:{actuator}", factor * now_rms
+    if not compared or not both:
+        return
+    without = math.sqrt(sum(order.ripple_before**2 for order in both) / 2.0)
+    left = math.sqrt(sum(order.ripple**2 for order in both) / 2.0)
+    yield f"without:{actuator}", factor * without
+    if without > 0.0 and left > 0.0:
+        yield f"reduction:{actuator}", 20.0 * math.log10(left / without)
+
+
+def _told_apart(row: TickRow, orders: list[OrderStatus]) -> list[OrderStatus]:
+    """Return the orders without those that hear what a larger one hears already.
+
+    A lock-in over two turns does not tell frequencies apart that differ by less than half of the
+    slower roll's turn: there two orders show one and the same ripple.
+    """
+    kept: list[tuple[float, float]] = []
+    found = []
+    for order in sorted(orders, key=lambda one: -_finite(one.ripple)):
+        turn = abs(row.roll(order.roll).omega_rad_s)
+        frequency = order.order * turn
+        if any(abs(frequency - f) * TURNS < min(turn, t) for f, t in kept if t != turn):
+            continue
+        kept.append((frequency, turn))
+        found.append(order)
+    return found
+
+
+def _notes(
+    seen: Seen, row: TickRow, layout: Layout, values: dict[str, float | None], say: Say
+) -> Iterator[tuple[str, str]]:
+    """Yield what a number of the ripple means now, and why there is none."""
+    orders = row.orders()
+    for output in layout.outputs:
+        of_it = [order for order in orders if order.actuator == output.actuator]
+        slot = f"without:{output.actuator}"
+        if not of_it:
+            yield slot, say(N_("no order is followed"))
+        elif is_probing(seen):
+            yield slot, say(N_("not compared while the response is measured"))
+        elif row.state not in GOES_OUT:
+            yield slot, say(N_("nothing goes out: this is the ripple without AFF"))
+        elif values.get(slot) is None:
+            yield slot, say(N_("not known: the orders were not heard for two turns yet"))
+        elif any(order.law == SHAPE for order in of_it):
+            yield slot, say(N_("without: the law's estimate, of the orders that it follows"))
+        else:
+            yield slot, say(N_("without: as it was before arming, of the orders followed"))
+    for tension in layout.tensions:
+        slot = f"rms:{tension.channel}"
+        if values.get(slot) is None:
+            yield slot, say(N_("ten seconds without a hole are needed"))
+        else:
+            yield (
+                slot,
+                say(N_("measured, all that moves in {seconds} s")).format(seconds=round(WINDOW_S)),
+            )
+
+
+def _coming(meeting: Meeting, say: Say) -> str:
+    return say(
+        N_("{actuator}: {roll} {order}x meets {other} {other_order}x in {time}, at {radius} mm")
+    ).format(
+        actuator=printable(meeting.actuator, 60),
+        roll=printable(meeting.roll, 60),
+        order=meeting.order,
+        other=printable(meeting.other_roll, 60),
+        other_order=meeting.other_order,
+        time=_duration(meeting.time_s),
+        radius=round(1e3 * meeting.radius_m),
+    )
+
+
+def _duration(time_s: float) -> str:
+    return f"{max(1, round(time_s / 10)) * 10} s" if time_s < 90.0 else f"{time_s / 60.0:.0f} min"
+
+
+def _events(seen: Seen, say: Say) -> Iterator[Happened]:
+    """Yield the newest events, those of one kind in a row as one."""
+    for shown, (code, group) in enumerate(groupby(seen.events, lambda one: one[0])):
+        if shown == SHOWN_EVENTS:
+            return
+        ages_s = [ago_s for _, _, ago_s in group]
+        event = BY_CODE.get(code)
+        name = event.name if event is not None else f"CODE {code}"
+        times = f" ×{len(ages_s)}" if len(ages_s) > 1 else ""
+        text = say(event.text) if event else ""
+        yield Happened(name=name + times, text=text, ago_s=round(ages_s[0], 2))
+
+
+def _known(value: float) -> float | None:
+    return float(f"{value:.6g}") if math.isfinite(value) else None
+
+
+def _finite(value: float) -> float:
+    return value if math.isfinite(value) else 0.0

@@ -1,0 +1,178 @@
+"""Follows the service through its door: every tick of the ring, and the facts beside it."""
+
+from __future__ import annotations
+
+import contextlib
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from aff_hmi.window import Window
+from aff_runtime.app.door.client import DoorClient
+from aff_runtime.app.door.messages import PROTOCOL, Facts, Hello, RingGone, RingPassed, SentAway
+from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.base.errors import AffError, WireError
+from aff_runtime.base.ports import Clock
+from aff_runtime.telemetry.header import RunMeta
+from aff_runtime.telemetry.ring import RingReader
+
+RETRY_NS = 500_000_000
+KEPT_EVENTS = 50
+_S = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seen:
+    """What is known at one moment; ages in s, None where nothing was ever seen.
+
+    Attributes
+    ----------
+    tick_age_s : since a tick was last seen to arrive. ``facts_age_s`` : since the facts were told.
+    writer_lives : whether the control process exists. ``meta`` : what it says of itself.
+    events : (code, argument, age in s), the newest first.
+    trouble : why there is no door, in words.
+    """
+
+    facts: Facts | None = None
+    facts_age_s: float | None = None
+    row: TickRow | None = None
+    tick_age_s: float | None = None
+    writer_lives: bool = False
+    meta: RunMeta | None = None
+    window: Window | None = None
+    events: tuple[tuple[int, float, float], ...] = ()
+    trouble: str = ""
+
+
+class Watch:
+    """The only part that touches the door.
+
+    A ring says nothing of its age until a tick is seen to arrive: one that is found standing
+    still has no age, and is not taken for a live one.
+    """
+
+    def __init__(self, door: Path, clock: Clock) -> None:
+        self._path = door
+        self._clock = clock
+        self._door: DoorClient | None = None
+        self._retry_ns = 0
+        self._trouble = ""
+        self._facts: Facts | None = None
+        self._facts_ns = 0
+        self._ring: RingReader | None = None
+        self._window: Window | None = None
+        self._row: TickRow | None = None
+        self._written = 0
+        self._tick_ns: int | None = None
+        self._events: deque[tuple[int, float, int]] = deque(maxlen=KEPT_EVENTS)
+
+    def poll(self) -> None:
+        """Hear the door and read what is new in the ring; returns at once."""
+        now_ns = self._clock.now_ns()
+        if self._door is None and now_ns >= self._retry_ns:
+            self._knock(now_ns)
+        if self._door is not None:
+            try:
+                self._hear(self._door, now_ns)
+            except AffError as error:
+                self._leave(str(error), now_ns)
+        self._follow(now_ns)
+
+    def seen(self) -> Seen:
+        """Return what is known now."""
+        now_ns = self._clock.now_ns()
+        facts = self._facts
+        return Seen(
+            facts=facts,
+            facts_age_s=None if facts is None else (now_ns - self._facts_ns) * _S,
+            row=self._row,
+            tick_age_s=None if self._tick_ns is None else (now_ns - self._tick_ns) * _S,
+            writer_lives=self._ring is not None and self._ring.writer_alive(),
+            meta=self._ring.header.meta if self._ring is not None else None,
+            window=self._window,
+            events=tuple(
+                (code, argument, (now_ns - t_ns) * _S)
+                for code, argument, t_ns in reversed(self._events)
+            ),
+            trouble=self._trouble,
+        )
+
+    def close(self) -> None:
+        """Leave the door and let go of the ring."""
+        if self._door is not None:
+            self._door.close()
+            self._door = None
+        self._drop_ring()
+
+    def _knock(self, now_ns: int) -> None:
+        self._retry_ns = now_ns + RETRY_NS
+        try:
+            self._door = DoorClient(self._path)
+        except AffError as error:
+            self._trouble = str(error)
+
+    def _hear(self, door: DoorClient, now_ns: int) -> None:
+        while (message := door.receive()) is not None:
+            match message:
+                case Hello(protocol=protocol):
+                    if protocol != PROTOCOL:
+                        raise WireError(f"the service speaks protocol {protocol}, not {PROTOCOL}")
+                    self._trouble = ""
+                case RingPassed(descriptor=descriptor):
+                    self._drop_ring()
+                    with contextlib.suppress(ValueError, OSError):  # none: as if none had come
+                        self._ring = RingReader(descriptor)
+                case RingGone():
+                    self._drop_ring()
+                case Facts():
+                    self._facts, self._facts_ns = message, now_ns
+                case SentAway(message=why):
+                    raise WireError(why)
+
+    def _leave(self, why: str, now_ns: int) -> None:
+        """Let go of a door that has closed; the ring stays while its writer lives."""
+        assert self._door is not None
+        self._door.close()
+        self._door = None
+        self._trouble = why
+        self._retry_ns = now_ns + RETRY_NS
+
+    def _follow(self, now_ns: int) -> None:
+        """Read new ticks and events of the ring."""
+        ring = self._ring
+        if ring is None:
+            return
+        records = ring.signals.read_new()
+        written = ring.signals.written_count()
+        if self._window is None and self._facts is not None and self._facts.status.facts:
+            self._window = self._new_window(ring)
+        if records:
+            if self._written:
+                self._tick_ns = now_ns
+            self._row = TickRow(dict(zip(ring.columns, records[-1], strict=True)))
+            if self._window is not None:
+                self._window.add(records)
+        self._written = written
+        for _, t_ns, code, argument in ring.events.read_new():
+            self._events.append((int(code), argument, int(t_ns)))
+
+    def _new_window(self, ring: RingReader) -> Window:
+        assert self._facts is not None
+        assert self._facts.status.facts is not None
+        facts = self._facts.status.facts
+        kept = _measured(ring.columns)
+        kept += [f"correction_{output.column}" for output in facts.outputs]
+        return Window(ring.columns, kept, facts.cycle_s)
+
+    def _drop_ring(self) -> None:
+        if self._ring is not None:
+            self._ring.close()
+        self._ring, self._window, self._row, self._tick_ns = None, None, None, None
+        self._written = 0
+        self._events.clear()
+
+
+def _measured(columns: Sequence[str]) -> list[str]:
+    """Return the channels among the columns of a ring."""
+    return [channel.name for channel in TickRow(dict.fromkeys(columns)).channels]

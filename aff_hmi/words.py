@@ -1,0 +1,44 @@
+"""Words of the screen in the reader's language, by gettext.
+
+English is in the code. What the service says in its own tables (events, permissives, states of an
+order) is translated by the same catalogue, as a whole sentence; names of the site file never are.
+"""
+
+from __future__ import annotations
+
+import gettext
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+LOCALE = Path(__file__).parent / "locale"
+DOMAIN = "aff_hmi"
+LANGUAGES = ("en", "de")
+NAMES = {"en": "English", "de": "Deutsch"}
+Say = Callable[[str], str]
+
+
+@cache
+def say_in(language: str) -> Say:
+    """Return the translation of one of ``LANGUAGES``; English for any other."""
+    if language not in LANGUAGES or language == "en":
+        return gettext.NullTranslations().gettext
+    return gettext.translation(DOMAIN, LOCALE, [language]).gettext
+
+
+def language_of(wanted: str, accepted: str, default: str) -> str:
+    """Return the language of a page.
+
+    Parameters
+    ----------
+    wanted : chosen by the reader; empty when nothing is.
+    accepted : the browser's ``Accept-Language``.
+    default : of this screen.
+    """
+    if wanted in LANGUAGES:
+        return wanted
+    for part in accepted[:200].split(","):
+        code = part.split(";")[0].strip().lower()[:2]
+        if code in LANGUAGES:
+            return code
+    return default

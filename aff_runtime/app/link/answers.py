@@ -1,0 +1,118 @@
+"""What the service answers to a request, as frozen records; `to_json` is their one encode."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from aff_runtime.app.link.messages import ProbeResult, Reply
+from aff_runtime.base.errors import AffError
+
+
+class Answer(Protocol):
+    """One answer of the request socket."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain values for JSON."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Done:
+    """Yes or no; what is left open is left out of the JSON.
+
+    Attributes
+    ----------
+    message : why not. ``exit_code`` : what a command ends with.
+    state : of the guard. ``duration_s`` : how long it will take.
+    """
+
+    ok: bool = True
+    message: str = ""
+    state: str = ""
+    duration_s: float | None = None
+    exit_code: int | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain values for JSON."""
+        said: dict[str, Any] = {"ok": self.ok}
+        if self.message:
+            said["message"] = self.message
+        if self.state:
+            said["state"] = self.state
+        if self.duration_s is not None:
+            said["duration_s"] = self.duration_s
+        if self.exit_code is not None:
+            said["exit_code"] = self.exit_code
+        return said
+
+    @classmethod
+    def from_json(cls, said: Any) -> Done:
+        """Read ``to_json``'s values back; what is not said is as by default."""
+        code = said.get("exit_code")
+        return cls(
+            ok=said.get("ok") is True,
+            message=str(said.get("message", "")),
+            state=str(said.get("state", "")),
+            duration_s=said.get("duration_s"),
+            exit_code=code if isinstance(code, int) else None,
+        )
+
+
+def refusal(error: AffError) -> Done:
+    """Return the answer that says no."""
+    return Done(ok=False, message=str(error), exit_code=error.exit_code)
+
+
+def as_answer(reply: Reply) -> Done:
+    """Return a reply of the control process as the answer to who asked."""
+    return Done(ok=reply.ok, message=reply.message, state=reply.state, duration_s=reply.duration_s)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeptResponse:
+    """One measured response and the file that it is kept in."""
+
+    result: ProbeResult
+    file: Path
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain values for JSON; the response as its own file has it."""
+        result = self.result
+        return {
+            "actuator": result.actuator,
+            "sign": result.sign,
+            "remarks": list(result.remarks),
+            "delay_s": result.delay_s,
+            "response": json.loads(result.text),
+            "file": str(self.file),
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProbeDone:
+    """What a probe has measured."""
+
+    results: tuple[KeptResponse, ...]
+    ok: bool = True
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain values for JSON."""
+        return {"ok": self.ok, "results": [one.to_json() for one in self.results]}
+
+    @classmethod
+    def from_json(cls, said: Any) -> ProbeDone:
+        """Read ``to_json``'s values back."""
+        return cls(results=tuple(_kept(row) for row in said["results"]))
+
+
+def _kept(row: Any) -> KeptResponse:
+    result = ProbeResult(
+        actuator=row["actuator"],
+        sign=row["sign"],
+        remarks=tuple(row["remarks"]),
+        delay_s=row["delay_s"],
+        text=json.dumps(row["response"]),
+    )
+    return KeptResponse(result=result, file=Path(row["file"]))

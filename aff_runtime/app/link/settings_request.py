@@ -1,0 +1,83 @@
+"""What a caller may ask about settings: to compare, try, keep, undo them, or to see what was."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from aff_runtime.base.errors import RefusedError
+
+ACTS = ("state", "diff", "try", "keep", "undo", "history")
+KEYS = ("act", "text", "seconds", "why", "version")
+START = b'{"do": "settings"'
+"""How a line begins that may hold a whole site file."""
+MAX_BYTES = 1 << 19
+LEAST_S, MOST_S = 5.0, 3600.0
+LEAST_WHY, MOST_WHY = 8, 400
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SettingsRequest:
+    """One request about settings.
+
+    Attributes
+    ----------
+    act : one of ``ACTS``.
+    text : of a whole site file, for ``diff`` and ``try``.
+    seconds : of a try, until the former settings return.
+    why : the caller's reason, for ``try``, ``keep`` and ``undo``.
+    version : of the history, for ``undo`` and ``history``; 0: the one before, or all.
+    """
+
+    act: str
+    text: str = ""
+    seconds: float = 0.0
+    why: str = ""
+    version: int = 0
+
+
+def settings_request(said: Any) -> SettingsRequest:
+    """Return what the keys of a request ask.
+
+    Raises
+    ------
+    RefusedError
+        When one of them is none that there is, or is missing.
+    """
+    act = said.get("act")
+    if act not in ACTS:
+        raise RefusedError(f"act: one of {', '.join(ACTS)} is needed")
+    needs_text, needs_why = act in ("diff", "try"), act in ("try", "keep", "undo")
+    return SettingsRequest(
+        act=act,
+        text=_text(said.get("text")) if needs_text else "",
+        seconds=_seconds(said.get("seconds")) if act == "try" else 0.0,
+        why=_why(said.get("why")) if needs_why else "",
+        version=_version(said.get("version", 0)),
+    )
+
+
+def _text(given: object) -> str:
+    if not isinstance(given, str) or not given:
+        raise RefusedError("text: the text of a whole site file is needed")
+    return given
+
+
+def _seconds(given: object) -> float:
+    right = isinstance(given, int | float) and not isinstance(given, bool)
+    if not right or not math.isfinite(given) or not LEAST_S <= given <= MOST_S:  # type: ignore[arg-type,operator]
+        raise RefusedError(f"seconds: {LEAST_S:g} to {MOST_S:g} are needed")
+    return float(given)  # type: ignore[arg-type]
+
+
+def _why(given: object) -> str:
+    if not isinstance(given, str) or not LEAST_WHY <= len(given.strip()) <= MOST_WHY:
+        raise RefusedError(f"why: a reason of {LEAST_WHY} to {MOST_WHY} characters is needed")
+    return given.strip()
+
+
+def _version(given: object) -> int:
+    if not isinstance(given, int) or isinstance(given, bool) or not 0 <= given < 1 << 31:
+        raise RefusedError("version: a number of the history is needed")
+    return given

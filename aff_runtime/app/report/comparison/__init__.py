@@ -1,0 +1,3 @@
+"""Two windows of runs, before and after."""
+
+__all__ = ["comparing", "page"]

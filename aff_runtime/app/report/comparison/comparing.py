@@ -1,0 +1,330 @@
+"""Two windows side by side: ripple per roll and order, and what else differs between them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from aff_runtime.app.report.comparison.turns import (
+    FEWEST_SAMPLES,
+    FEWEST_TURNS,
+    Change,
+    Estimate,
+    change,
+    estimate,
+    order_per_turn,
+)
+from aff_runtime.app.report.comparison.window import (
+    RollAngle,
+    Window,
+    load_window,
+    number,
+    orders_of,
+    roll_angle,
+)
+from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.printable import printable, word
+from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.signals import State
+from aff_runtime.base.yaml_section import Section
+from aff_runtime.config.diff import diff_sites
+from aff_runtime.config.loader import load_recorded_site
+
+LIKE_SPEED, LIKE_RADIUS, LIKE_TENSION = 0.05, 0.02, 0.03
+"""Windows that differ by more are not compared without a label."""
+SITE = "site.yaml"
+MOST_LEAVES = 20_000
+"""Of a site file that this version cannot read."""
+LONGEST_KEY = 60
+TIMES = ("wake_us", "io_us", "tick_us")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OrderRow:
+    """One order of one roll in one signal, in both windows.
+
+    Attributes
+    ----------
+    frequency_Hz : in the one and the other; NaN where the roll's angle is not known.
+    labels : why the two may not be compared; empty where they may.
+    """
+
+    signal: str
+    roll: str
+    order: int
+    frequency_Hz: tuple[float, float]
+    before: Estimate
+    after: Estimate
+    change: Change
+    labels: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Facts:
+    """What is said of a window beside its ripple; numbers SI, times as their names say.
+
+    Attributes
+    ----------
+    name : the window.
+    seconds : between its first and last row.
+    speed_m_s : mean, lowest, highest line speed.
+    radius_m : per roll, at start and end.
+    mean_N : per tension, its mean.
+    corrections : per output, rms and largest size, and the share of its limit the latter is.
+    states : share of the rows per state.
+    times_us : per timing, median, 99 %, 99.9 % and largest.
+    missed : ticks.
+    labels : sentences.
+    """
+
+    name: str
+    seconds: float
+    speed_m_s: tuple[float, float, float]
+    radius_m: Mapping[str, tuple[float, float]]
+    mean_N: Mapping[str, float]
+    corrections: Mapping[str, tuple[float, float, float]]
+    states: Mapping[str, float]
+    times_us: Mapping[str, tuple[float, float, float, float]]
+    missed: int
+    labels: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Comparison:
+    """Everything that the page shows.
+
+    Attributes
+    ----------
+    line : name of the line of the first window.
+    windows : before and after.
+    rows : orders, grouped by signal and roll.
+    differences : of the site files, one sentence each.
+    labels : what keeps the whole from being compared.
+    """
+
+    line: str
+    windows: tuple[Facts, Facts]
+    rows: tuple[OrderRow, ...]
+    differences: tuple[str, ...]
+    labels: tuple[str, ...]
+
+
+def compare(before: RunWindow, after: RunWindow) -> Comparison:
+    """Return two windows of the same run or of two.
+
+    Raises
+    ------
+    AffError
+        One is no run, or holds no rows.
+    """
+    pair = (load_window(before), load_window(after))
+    angles = (dict(_angles(*pair)), dict(_angles(pair[1], pair[0])))
+    facts = (_facts(pair[0], angles[0]), _facts(pair[1], angles[1]))
+    differences, said = _site_differences(*pair)
+    return Comparison(
+        line=pair[0].line,
+        windows=facts,
+        rows=tuple(_rows(pair, angles, facts)),
+        differences=tuple(differences),
+        labels=(*said, *_unlike(pair, facts)),
+    )
+
+
+def _angles(window: Window, other: Window) -> Iterator[tuple[str, RollAngle]]:
+    """Yield the rolls of both site files: one that was declared in between turned before, too."""
+    declared = {**dict(other.section("rolls").items()), **dict(window.section("rolls").items())}
+    for name, given in declared.items():
+        found = roll_angle(window, Section.of(given))
+        if found is not None:
+            yield str(name), found
+
+
+def _facts(window: Window, angles: Mapping[str, RollAngle]) -> Facts:
+    columns, speed = window.table.columns, window.speed
+    time_s = columns["time_s"]
+    missed = np.maximum(np.diff(time_s) / max(_cycle_s(time_s), 1e-9) - 1.0, 0.0)
+    return Facts(
+        name=printable(str(window.table.window)),
+        seconds=float(time_s[-1] - time_s[0]),
+        speed_m_s=_three(speed),
+        radius_m={name: a.radius_m for name, a in angles.items()},
+        mean_N={n: float(np.nanmean(v)) for n, v in _tensions(window)},
+        corrections=dict(_corrections(window)),
+        states={s.name: share for s in State if (share := window.in_state(s)) > 0.0},
+        times_us={n: _times(columns[n]) for n in TIMES if n in columns},
+        missed=round(float(np.sum(missed))),
+        labels=tuple(window.labels),
+    )
+
+
+def _cycle_s(time_s: Any) -> float:
+    return float(np.median(np.diff(time_s))) if time_s.size > 1 else 1.0
+
+
+def _three(values: Any) -> tuple[float, float, float]:
+    if values is None:
+        return math.nan, math.nan, math.nan
+    return float(np.nanmean(values)), float(np.nanmin(values)), float(np.nanmax(values))
+
+
+def _times(values: Any) -> tuple[float, float, float, float]:
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return math.nan, math.nan, math.nan, math.nan
+    a, b, c, d = np.percentile(finite, (50.0, 99.0, 99.9, 100.0))
+    return float(a), float(b), float(c), float(d)
+
+
+def _tensions(window: Window) -> Iterator[tuple[str, Any]]:
+    """Yield every measured tension; set points are none."""
+    references = {
+        word(actuator.section("error").get("reference"))
+        for actuator in window.section("actuators").sections()
+    }
+    for name, _ in window.section("gateway").section("read").section("channels").items():
+        if str(name).endswith("_N") and str(name) not in references and "_ref_" not in str(name):
+            values = window.readings(str(name))
+            if values is not None:
+                yield str(name), values
+
+
+def _corrections(window: Window) -> Iterator[tuple[str, tuple[float, float, float]]]:
+    for column, values in window.table.columns.items():
+        if not column.startswith("correction_"):
+            continue
+        output = column.removeprefix("correction_")
+        sent = np.nan_to_num(values)
+        largest = float(np.max(np.abs(sent)))
+        limit = math.nan
+        for end, unit in (("_m_s", "m/s"), ("_N_m", "N m")):
+            given = window.section("actuators").section(output.removesuffix(end))
+            if output.endswith(end) and given:
+                limit = number(given.get(f"limit{end}"), unit)
+        share = largest / limit if limit else math.nan
+        yield output, (float(np.sqrt(np.mean(sent**2))), largest, share)
+
+
+def _rows(
+    pair: tuple[Window, Window],
+    angles: tuple[Mapping[str, RollAngle], ...],
+    facts: tuple[Facts, Facts],
+) -> Iterator[OrderRow]:
+    """Yield every order of every roll in every tension that both windows have."""
+    signals = [dict(_tensions(window)) for window in pair]
+    for roll in angles[0]:
+        if roll not in angles[1]:
+            continue
+        orders = sorted({n for window in pair for n in orders_of(window.site, roll)})
+        for signal in signals[0]:
+            if signal not in signals[1]:
+                continue
+            ends = [
+                _estimates(angles[k][roll], signals[k][signal], pair[k], orders) for k in (0, 1)
+            ]
+            for order in orders:
+                if order in ends[0] and order in ends[1]:
+                    (first, f0), (last, f1) = ends[0][order], ends[1][order]
+                    yield OrderRow(
+                        signal=signal,
+                        roll=roll,
+                        order=order,
+                        frequency_Hz=(f0, f1),
+                        before=first,
+                        after=last,
+                        change=change(first, last),
+                        labels=tuple(_row_labels(roll, (first, last), facts, angles)),
+                    )
+
+
+def _estimates(
+    angle: RollAngle, values: Any, window: Window, orders: Sequence[int]
+) -> dict[int, tuple[Estimate, float]]:
+    """Return estimate and mean frequency per order; orders with too few samples are left out."""
+    good = angle.good & np.isfinite(values)
+    turns, samples = order_per_turn(angle.angle_rad, np.nan_to_num(values), good, orders)
+    seconds = float(window.time_s[-1] - window.time_s[0])
+    rate = float(angle.angle_rad[-1] - angle.angle_rad[0]) / math.tau / max(seconds, 1e-9)
+    per_turn = float(np.median(samples)) if samples.size else 0.0
+    return {
+        order: (estimate(turns[:, k], encoder=angle.encoder), order * rate)
+        for k, order in enumerate(orders)
+        if not samples.size or per_turn / order >= FEWEST_SAMPLES
+    }
+
+
+def _row_labels(
+    roll: str,
+    ends: tuple[Estimate, Estimate],
+    facts: tuple[Facts, Facts],
+    angles: tuple[Mapping[str, RollAngle], ...],
+) -> Iterator[str]:
+    if min(end.turns for end in ends) < FEWEST_TURNS:
+        yield f"fewer than {FEWEST_TURNS} whole turns: no interval"
+    if not all(a[roll].encoder for a in angles):
+        yield "no encoder: size only, its phase is not followed"
+    first, last = (float(np.mean(f.radius_m[roll])) for f in facts)
+    if _apart(first, last) > LIKE_RADIUS:  # false where it is not known
+        yield f"radius {1e3 * first:.1f} and {1e3 * last:.1f} mm"
+
+
+def _unlike(pair: tuple[Window, Window], facts: tuple[Facts, Facts]) -> Iterator[str]:
+    """Yield why the two windows as a whole are not alike."""
+    if pair[0].line != pair[1].line:
+        yield f"runs of two lines: {pair[0].line} and {pair[1].line}"
+    speeds = [f.speed_m_s[0] for f in facts]
+    if not _apart(*speeds) <= LIKE_SPEED:
+        yield (
+            f"line speed {speeds[0]:.4g} and {speeds[1]:.4g} m/s: ripple and response are others"
+        )
+    for name, first in facts[0].mean_N.items():
+        last = facts[1].mean_N.get(name)
+        if last is not None and _apart(first, last) > LIKE_TENSION:
+            yield f"{name}: {first:.4g} and {last:.4g} N in the mean"
+    for name in sorted(set(facts[0].mean_N) ^ set(facts[1].mean_N)):
+        yield f"{name} is recorded in one of them only"
+    first_run, last_run = (w.table.window for w in pair)
+    if first_run.folder.resolve() == last_run.folder.resolve() and (
+        first_run.from_s < last_run.to_s and last_run.from_s < first_run.to_s
+    ):
+        yield "the two windows overlap: what they share does not count twice"
+
+
+def _apart(first: float, last: float) -> float:
+    return abs(first - last) / max(abs(first), abs(last), 1e-12)
+
+
+def _site_differences(before: Window, after: Window) -> tuple[list[str], list[str]]:
+    """Return what differs in the site files, and what keeps that from being said."""
+    if before.table.site_text == after.table.site_text:
+        return [], []
+    try:
+        old, new = (load_recorded_site(w.table.site_text, SITE) for w in (before, after))
+    except ConfigError:
+        flat = [
+            dict(itertools.islice(_leaves(window.site.data, ""), MOST_LEAVES))
+            for window in (before, after)
+        ]
+        paths = dict.fromkeys([*flat[1], *flat[0]])
+        return [
+            f"{path}: {flat[0].get(path, '(absent)')} -> {flat[1].get(path, '(absent)')}"
+            for path in paths
+            if flat[0].get(path) != flat[1].get(path)
+        ], ["a site file is of another version: its values are compared as they are written"]
+    return [f"{c.path}: {c.old} -> {c.new}" for c in diff_sites(old, new)], []
+
+
+def _leaves(value: object, path: str) -> Iterator[tuple[str, str]]:
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            shown = printable(str(key), LONGEST_KEY)
+            yield from _leaves(inner, f"{path}.{shown}" if path else shown)
+    elif isinstance(value, list):
+        for index, inner in enumerate(value):
+            yield from _leaves(inner, f"{path}[{index}]")
+    else:
+        yield path, printable(str(value), 200)

@@ -1,0 +1,221 @@
+"""A comparison as one self-contained page, as JSON and as a few lines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from html import escape
+from typing import Any
+
+from aff_runtime.app.report.comparison.comparing import Comparison, Facts, OrderRow
+from aff_runtime.app.report.comparison.turns import Change, Estimate
+from aff_runtime.base.printable import printable
+
+VERSION = 1
+STYLE = (
+    "body{font:15px sans-serif;margin:1.5em}table{border-collapse:collapse;margin:1em 0}"
+    "td,th{padding:.15em .7em;text-align:right;border-bottom:1px solid #ddd;white-space:nowrap}"
+    "td:first-child,th:first-child,td:last-child{text-align:left}.odd{color:#a40}"
+    "td:last-child{white-space:normal}"
+)
+HEAD = (
+    *("order", "Hz", "before N", "95 %", "after N", "95 %", "change dB", "95 %"),
+    *("noise N", "turns", ""),
+)
+BAR, HIGH = 14, 120
+
+
+def _shown(text: str) -> str:
+    """Return text of a run as HTML; none of them turns or hides what stands beside it."""
+    return escape(printable(text))
+
+
+def as_json(found: Comparison) -> dict[str, Any]:
+    """Return the comparison for programs, SI; what is not known is null."""
+    return {"version": VERSION, **dict(_plain(asdict(found)))}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(inner) for inner in value]
+    if isinstance(value, float):
+        return float(f"{value:.7g}") if math.isfinite(value) else None
+    return value
+
+
+def page(found: Comparison) -> str:
+    """Return a self-contained HTML page."""
+    parts = [f"<h1>{_shown(found.line)}: before and after</h1>", _warnings(found.labels)]
+    parts += [_facts(found.windows), _differences(found.differences)]
+    parts += [
+        f"<h2>{_shown(signal)}, orders of {_shown(roll)}</h2>{_chart(rows)}{_table(rows)}"
+        for (signal, roll), rows in _groups(found.rows).items()
+    ]
+    if not found.rows:
+        parts.append("<p>No roll and tension is known in both windows.</p>")
+    parts.append(
+        "<p>Amplitudes are means over whole turns; intervals come from how turns differ, taken "
+        "together in batches. Noise: what chance alone exceeds once in 20 windows. A change "
+        "with &le; or &ge; is a bound: one of the two is in the noise.</p>"
+    )
+    body = "\n".join(part for part in parts if part)
+    return (
+        f'<!doctype html><meta charset="utf-8"><title>{_shown(found.line)}: compare</title>'
+        f"<style>{STYLE}</style>\n{body}\n"
+    )
+
+
+def lines(found: Comparison) -> Iterator[str]:
+    """Yield the comparison for a terminal."""
+    for label in found.labels:
+        yield f"not comparable: {label}"
+    for which, window in zip(("before", "after"), found.windows, strict=True):
+        for label in window.labels:
+            yield f"{which}: {label}"
+    for row in found.rows:
+        yield (
+            f"{row.signal} {row.roll} {row.order}x: {_size(row.before)} -> {_size(row.after)} N, "
+            f"{change_text(row.change)}" + "".join(f" ({label})" for label in row.labels)
+        )
+    for text in found.differences:
+        yield f"site file: {text}"
+
+
+def change_text(found: Change) -> str:
+    """Return a change with its interval, or the bound that it is."""
+    if found.bound == "none":
+        return "both in the noise"
+    if found.bound:
+        return f"{'<=' if found.bound == 'at_most' else '>='} {found.value_dB:+.1f} dB"
+    if math.isnan(found.low_dB):
+        return f"{found.value_dB:+.1f} dB"
+    return f"{found.value_dB:+.1f} dB ({found.low_dB:+.1f} to {found.high_dB:+.1f})"
+
+
+def _size(found: Estimate) -> str:
+    return f"{found.amplitude:.3g}"
+
+
+def _warnings(labels: Sequence[str]) -> str:
+    return "".join(f'<p class="odd">Not comparable: {_shown(text)}.</p>' for text in labels)
+
+
+def _groups(rows: Sequence[OrderRow]) -> dict[tuple[str, str], list[OrderRow]]:
+    found: dict[tuple[str, str], list[OrderRow]] = {}
+    for row in rows:
+        found.setdefault((row.signal, row.roll), []).append(row)
+    return found
+
+
+def _table(rows: Sequence[OrderRow]) -> str:
+    head = "".join(f"<th>{_shown(text)}</th>" for text in HEAD)
+    return f"<table><tr>{head}</tr>{''.join(map(_row, rows))}</table>"
+
+
+def _row(row: OrderRow) -> str:
+    f0, f1 = row.frequency_Hz
+    cells = [
+        f"{row.order}x",
+        f"{f0:.3g}" if abs(f0 - f1) < 0.02 * max(f0, f1) else f"{f0:.3g}, {f1:.3g}",
+        _size(row.before),
+        _span(row.before.low, row.before.high),
+        _size(row.after),
+        _span(row.after.low, row.after.high),
+        *_change_cells(row.change),
+        f"{row.before.floor:.2g}, {row.after.floor:.2g}",
+        f"{row.before.turns}, {row.after.turns}",
+    ]
+    told = "".join(f"<td>{_shown(cell)}</td>" for cell in cells)
+    return f'<tr>{told}<td class="odd">{_shown("; ".join(row.labels))}</td></tr>'
+
+
+def _change_cells(found: Change) -> tuple[str, str]:
+    if found.bound == "none":
+        return "in the noise", ""
+    sign = {"at_most": "\u2264 ", "at_least": "\u2265 "}.get(found.bound, "")
+    return f"{sign}{found.value_dB:+.1f}", _span(found.low_dB, found.high_dB)
+
+
+def _span(low: float, high: float) -> str:
+    return "" if math.isnan(low) else f"{low:.3g} to {high:.3g}"
+
+
+def _chart(rows: Sequence[OrderRow]) -> str:
+    """Return bars of both windows with their intervals, one pair per order."""
+    sizes = [e.high if math.isfinite(e.high) else e.amplitude for r in rows for e in _pair(r)]
+    top = max([size for size in sizes if math.isfinite(size)], default=0.0)
+    if top <= 0.0:
+        return ""
+    parts = []
+    for k, row in enumerate(rows):
+        for side, (end, colour) in enumerate(zip(_pair(row), ("#999", "#06c"), strict=True)):
+            x = 30 + k * 3 * BAR + side * BAR
+            high = HIGH * (end.amplitude if math.isfinite(end.amplitude) else 0.0) / top
+            parts.append(
+                f'<rect x="{x}" y="{HIGH - high + 10:.1f}" width="{BAR - 2}" '
+                f'height="{high:.1f}" fill="{colour}"/>'
+            )
+            if math.isfinite(end.low):
+                y = [HIGH * (1.0 - value / top) + 10 for value in (end.low, end.high)]
+                middle = x + BAR / 2 - 1
+                parts.append(
+                    f'<path d="M{middle} {y[0]:.1f}V{y[1]:.1f}" stroke="#000" fill="none"/>'
+                )
+        parts.append(f'<text x="{30 + k * 3 * BAR}" y="{HIGH + 24}">{row.order}x</text>')
+    width = 40 + len(rows) * 3 * BAR
+    return (
+        f'<svg width="{width}" height="{HIGH + 30}" font-size="12">{"".join(parts)}</svg>'
+        f"<p>grey: before, blue: after; the highest is {top:.3g} N</p>"
+    )
+
+
+def _pair(row: OrderRow) -> tuple[Estimate, Estimate]:
+    return row.before, row.after
+
+
+def _facts(windows: tuple[Facts, Facts]) -> str:
+    rows = [("", [_shown(w.name) for w in windows])]
+    rows.append(("length", [f"{w.seconds:.1f} s" for w in windows]))
+    rows.append(
+        ("line speed", ["{:.4g} m/s ({:.4g} to {:.4g})".format(*w.speed_m_s) for w in windows])
+    )
+    for roll in _names(windows, "radius_m"):
+        ends = [w.radius_m.get(roll, (math.nan, math.nan)) for w in windows]
+        rows.append((f"radius of {roll}", [f"{1e3 * a:.2f} to {1e3 * b:.2f} mm" for a, b in ends]))
+    for name in _names(windows, "mean_N"):
+        rows.append((f"mean {name}", [f"{w.mean_N.get(name, math.nan):.4g} N" for w in windows]))
+    for name in _names(windows, "corrections"):
+        rows.append((f"correction {name}", [_used(w, name) for w in windows]))
+    states = [", ".join(f"{s} {100 * x:.1f} %" for s, x in w.states.items()) for w in windows]
+    rows.append(("states", states))
+    for name in _names(windows, "times_us"):
+        times = [w.times_us.get(name, (math.nan,) * 4) for w in windows]
+        text = ["{:.0f}, {:.0f}, {:.0f}, {:.0f}".format(*t) for t in times]
+        rows.append((f"{name}: median, 99 %, 99.9 %, largest", text))
+    rows.append(("ticks missed", [str(w.missed) for w in windows]))
+    rows.append(("", ["<br>".join(_shown(x) for x in w.labels) for w in windows]))
+    told = "".join(
+        f"<tr><td>{_shown(name)}</td>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
+        for name, cells in rows
+    )
+    return f"<table><tr><th></th><th>before</th><th>after</th></tr>{told}</table>"
+
+
+def _names(windows: tuple[Facts, Facts], part: str) -> list[str]:
+    return list(dict.fromkeys(name for w in windows for name in getattr(w, part)))
+
+
+def _used(window: Facts, name: str) -> str:
+    rms, largest, share = window.corrections.get(name, (math.nan,) * 3)
+    unit = "N m" if name.endswith("_N_m") else "m/s"
+    of_limit = "" if math.isnan(share) else f", {100 * share:.0f} % of its limit"
+    return f"rms {rms:.3g}, largest {largest:.3g} {unit}{of_limit}"
+
+
+def _differences(texts: Sequence[str]) -> str:
+    if not texts:
+        return "<p>The site files say the same.</p>"
+    return "<h2>Site file</h2><ul>" + "".join(f"<li>{_shown(t)}</li>" for t in texts) + "</ul>"

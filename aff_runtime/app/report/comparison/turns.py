@@ -1,0 +1,190 @@
+"""Amplitude of a roll's orders turn by turn, and what the turns say of its uncertainty."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Flags = NDArray[np.bool_]
+
+FEWEST_TURNS = 8
+"""Of fewer turns nothing is said about an uncertainty."""
+BATCHES = 20
+"""Turns are taken together in so many batches: neighbours are not independent."""
+BLOCK_TURNS = 20
+"""Of a roll without encoder: turns in which its angle is taken to keep its zero."""
+FEWEST_SAMPLES = 8
+"""Samples a turn of the highest order needs per period, less is left out."""
+NOISE_LIMIT = math.sqrt(math.log(20.0))
+"""Noise alone is larger once in 20 times: exp(-a^2 / sigma^2) = 0.05."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Estimate:
+    """Amplitude of one order in one window.
+
+    Attributes
+    ----------
+    amplitude : in the signal's unit.
+    low, high : 95 % interval; NaN below ``FEWEST_TURNS``.
+    floor : amplitude that noise alone exceeds once in 20 windows.
+    turns : that it rests on.
+    """
+
+    amplitude: float
+    low: float
+    high: float
+    floor: float
+    turns: int
+
+    @property
+    def stands_out(self) -> bool:
+        """Return whether it is more than noise."""
+        return self.amplitude > self.floor
+
+
+def order_per_turn(
+    angle_rad: Array, signal: Array, good: Flags, orders: Sequence[int]
+) -> tuple[Complex, Array]:
+    """Return complex amplitudes (turns, orders), and the samples per turn (turns,).
+
+    Equation: c_n = (2 / 2 pi) integral (x - mean x) e^{-j n theta} d theta over one turn, by the
+    trapezoid rule on the samples' own angles. A turn with a sample that is not ``good`` is left
+    out, as are the broken ones at both ends; ``angle_rad`` rises.
+    """
+    turn = np.floor((angle_rad - angle_rad[0]) / math.tau).astype(np.int64)
+    starts = np.flatnonzero(np.diff(turn, prepend=turn[0] - 1))
+    width = np.gradient(angle_rad)
+    covered = np.add.reduceat(width, starts)
+    bad = np.add.reduceat((~good).astype(np.float64), starts) > 0.0
+    usable = ~bad & (np.abs(covered / math.tau - 1.0) < 0.2)
+    usable[0] = usable[-1] = False
+    mean = np.add.reduceat(signal * width, starts) / covered
+    swing = (signal - mean[turn_number(starts, signal.size)]) * width
+    once = np.exp(-1j * np.mod(angle_rad, math.tau))
+    samples = np.diff(np.append(starts, signal.size)).astype(np.float64)
+    found = np.empty((int(usable.sum()), len(orders)), dtype=np.complex128)
+    for k, order in enumerate(orders):
+        whole = np.add.reduceat(swing * once**order, starts)
+        found[:, k] = (2.0 * whole / covered)[usable]
+    return found, samples[usable]
+
+
+def turn_number(starts: NDArray[np.intp], size: int) -> NDArray[np.intp]:
+    """Return for every sample the number of its turn, from where turns start."""
+    found = np.zeros(size, dtype=np.intp)
+    found[starts[1:]] = 1
+    return np.cumsum(found)
+
+
+def estimate(per_turn: Complex, *, encoder: bool) -> Estimate:
+    """Return what the turns (turns,) say of one order.
+
+    With an ``encoder`` the mean is that of the complex amplitudes. Without, the zero of the angle
+    wanders: means of ``BLOCK_TURNS`` turns count by their size, what differs from one to the next,
+    an even running on of the phase taken out, is taken for noise.
+    """
+    turns = per_turn.size
+    if turns < FEWEST_TURNS:
+        size = float(abs(per_turn.mean())) if turns else math.nan
+        return Estimate(amplitude=size, low=math.nan, high=math.nan, floor=math.nan, turns=turns)
+    if encoder:
+        return _coherent(_batches(per_turn, min(BATCHES, turns // 2)), turns)
+    blocks = _batches(per_turn, max(4, turns // BLOCK_TURNS))
+    return _by_size(blocks, turns)
+
+
+def _batches(values: Complex, count: int) -> Complex:
+    """Return the means of ``count`` equal parts; a rest at the end is left out."""
+    length = values.size // count
+    found: Complex = values[: count * length].reshape(count, length).mean(axis=1)
+    return found
+
+
+def _coherent(batches: Complex, turns: int) -> Estimate:
+    count, mean = batches.size, complex(batches.mean())
+    size = abs(mean)
+    along = np.real(batches * np.conj(mean)) / size if size > 0.0 else np.abs(batches)
+    half = student_t(count - 1) * float(np.std(along, ddof=1)) / math.sqrt(count)
+    spread = float(np.sum(np.abs(batches - mean) ** 2)) / (count * (count - 1))
+    return Estimate(
+        amplitude=size,
+        low=max(0.0, size - half),
+        high=size + half,
+        floor=NOISE_LIMIT * math.sqrt(spread),
+        turns=turns,
+    )
+
+
+def _by_size(blocks: Complex, turns: int) -> Estimate:
+    """Return the size of blocks whose phase runs on evenly, as a wrong radius makes it."""
+    count = blocks.size
+    onward = float(np.angle(np.sum(blocks[1:] * np.conj(blocks[:-1]))))
+    lost = float(np.sinc(onward / math.tau))  # of a block's mean while its phase runs on
+    even = blocks * np.exp(-1j * onward * np.arange(count)) / lost
+    noise = 0.5 * float(np.mean(np.abs(np.diff(even)) ** 2))
+    power = np.abs(even) ** 2
+    size = math.sqrt(max(0.0, float(power.mean()) - noise))
+    half_power = student_t(count - 1) * float(np.std(power, ddof=1)) / math.sqrt(count)
+    return Estimate(
+        amplitude=size,
+        low=math.sqrt(max(0.0, size**2 - half_power)),
+        high=math.sqrt(size**2 + half_power),
+        floor=math.sqrt(1.645 * noise / math.sqrt(count)),  # what is left of noise less its mean
+        turns=turns,
+    )
+
+
+def student_t(freedom: int) -> float:
+    """Return the 97.5 % point of Student's distribution, from its expansion in 1 / freedom."""
+    z, v = 1.959963985, float(max(1, freedom))
+    return (
+        z
+        + (z**3 + z) / (4.0 * v)
+        + (5.0 * z**5 + 16.0 * z**3 + 3.0 * z) / (96.0 * v**2)
+        + (3.0 * z**7 + 19.0 * z**5 + 17.0 * z**3 - 15.0 * z) / (384.0 * v**3)
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """From one amplitude to another, dB; NaN where nothing can be told.
+
+    Attributes
+    ----------
+    value_dB : after over before.
+    low_dB, high_dB : 95 % interval.
+    bound : ``at_most``: the amplitude after is in the noise, the change is that or less;
+        ``at_least``: that before is; ``none``: both are; else empty.
+    """
+
+    value_dB: float
+    low_dB: float
+    high_dB: float
+    bound: str
+
+
+def _log10(size: float) -> float:
+    """Return the logarithm of a size; of none at all minus infinity."""
+    return math.log10(size) if size else -math.inf
+
+
+def change(before: Estimate, after: Estimate) -> Change:
+    """Return the change between two windows."""
+    there, here = before.stands_out, after.stands_out
+    if not there and not here:
+        return Change(value_dB=math.nan, low_dB=math.nan, high_dB=math.nan, bound="none")
+    first, last = (e.amplitude if e.stands_out else e.floor for e in (before, after))
+    value = 20.0 * (_log10(last) - _log10(first))
+    if not there or not here:
+        bound = "at_most" if there else "at_least"
+        return Change(value_dB=value, low_dB=math.nan, high_dB=math.nan, bound=bound)
+    shares = ((e.high - e.low) / (2.0 * e.amplitude) for e in (before, after))
+    half = 20.0 / math.log(10.0) * math.hypot(*shares)
+    return Change(value_dB=value, low_dB=value - half, high_dB=value + half, bound="")

@@ -1,0 +1,265 @@
+"""One window of a run with its own site file: readings, angles, and what may not be compared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from aff_runtime.app.report.comparison.turns import Array, Flags
+from aff_runtime.base.printable import printable, word
+from aff_runtime.base.run_files import yaml_values
+from aff_runtime.base.run_table import RunTable, few, read_table
+from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.signals import Outcome, State, StateBits, Status
+from aff_runtime.base.units import UnitError, read_number
+from aff_runtime.base.yaml_section import Section
+
+LONGEST_GAP_CYCLES = 4.5
+DEFAULT_SPEED = "line_speed_m_s"
+SPEED_CHANGES_SHARE = 0.02
+EXCITING = 2.0
+PROBE = "probe.stage"
+LARGEST_WORD = 2.0**32
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Window:
+    """The rows of a window that show readings, and what its site file says of them.
+
+    Attributes
+    ----------
+    table : all rows.
+    site : contents of the run's ``site.yaml``; empty where it cannot be read.
+    rows : which rows show new readings.
+    time_s : of these.
+    good : per such row, whether the readings go on from the row before without a hole.
+    labels : sentences: why figures of this window may not be what they seem.
+    """
+
+    table: RunTable
+    site: Section
+    rows: Flags
+    time_s: Array
+    good: Flags
+    labels: list[str] = field(default_factory=list)
+
+    def readings(self, name: str) -> Array | None:
+        """Return a channel (rows that show readings,), or None where it is not recorded."""
+        values = self.table.columns.get(name)
+        if values is None:
+            return None
+        found = values[self.rows]
+        return found if bool(np.isfinite(found).mean() > 0.5) else None
+
+    def section(self, name: str) -> Section:
+        """Return a section of the site file, empty where it is none."""
+        return self.site.section(name)
+
+    @property
+    def line(self) -> str:
+        """Name of the line."""
+        return printable(
+            word(self.section("line").get("name")) or word(self.table.about.get("name"))
+        )
+
+    @property
+    def speed(self) -> Array | None:
+        """Line speed, m/s."""
+        return self.readings(word(self.section("line").get("speed"), DEFAULT_SPEED))
+
+    def in_state(self, state: State) -> float:
+        """Return the share of all rows in this state."""
+        return float(np.mean(_of(self.table.columns, "state", math.nan) == state))
+
+
+def load_window(window: RunWindow) -> Window:
+    """Return a window of a run; what is odd about it becomes labels, nothing is refused for it.
+
+    Raises
+    ------
+    AffError
+        The folder is no run, or holds no rows there.
+    """
+    table = read_table(window, keep=lambda name: "." not in name or name == PROBE)
+    columns = table.columns
+    shows = (_of(columns, "outcome", Outcome.OK) == Outcome.OK) & (_of(columns, "fresh", 1.0) > 0)
+    time_s = columns["time_s"][shows]
+    found = Window(
+        table=table,
+        site=_site(table.site_text),
+        rows=shows,
+        time_s=time_s,
+        good=_goes_on(columns, shows, time_s),
+        labels=[],
+    )
+    found.labels.extend([*table.lost, *_odd(found)])
+    return found
+
+
+def number(value: object, unit: str) -> float:
+    """Return a number of a site file in ``unit``, NaN where it is none."""
+    try:
+        return read_number(value, unit) if value is not None else math.nan
+    except UnitError:
+        return math.nan
+
+
+def _of(columns: Mapping[str, Array], name: str, absent: float) -> Array:
+    values = columns.get(name)
+    return np.full(columns["time_s"].shape, float(absent)) if values is None else values
+
+
+def _site(text: str) -> Section:
+    try:
+        return Section.of(yaml_values(text))
+    except ValueError:
+        return Section()
+
+
+def _goes_on(columns: Mapping[str, Array], shows: Flags, time_s: Array) -> Flags:
+    """Return per reading whether no hole, splice or other roll lies between it and the last."""
+    good = np.ones(time_s.shape, dtype=np.bool_)
+    if time_s.size < 2:
+        return good
+    steps = np.diff(time_s)
+    cycle_s = float(np.median(steps))
+    good[1:] = (steps > 0.0) & (steps < LONGEST_GAP_CYCLES * cycle_s)
+    roll = _of(columns, "roll_id", 0.0)[shows]
+    good[1:] &= np.diff(roll) == 0.0
+    good &= (_bits(columns, "status", shows) & int(Status.SPLICE_ACTIVE)) == 0
+    return good
+
+
+def _bits(columns: Mapping[str, Array], name: str, shows: Flags) -> Any:
+    words = np.nan_to_num(_of(columns, name, 0.0)[shows])
+    return np.clip(words, 0.0, LARGEST_WORD).astype(np.int64)
+
+
+def _odd(window: Window) -> list[str]:
+    """Return sentences about what happened in the window."""
+    columns, said = window.table.columns, []
+    if not window.site:
+        said.append("its site file cannot be read: rolls and orders are not known")
+    if np.any(np.diff(columns["time_s"]) <= 0.0):
+        said.append("its clock goes back: turns across that are left out")
+    stage = columns.get(PROBE)
+    if stage is not None and np.any(stage == EXCITING):
+        share = float(np.mean(stage == EXCITING))
+        said.append(f"the probe's excitation goes out in {100 * share:.0f} % of it")
+    if np.any(_bits(columns, "status", window.rows) & int(Status.SPLICE_ACTIVE)):
+        said.append("a splice is in it")
+    saturated = _bits(columns, "state_bits", window.rows) & int(StateBits.SATURATED)
+    if np.any(saturated):
+        share = float(np.mean(saturated != 0))
+        said.append(f"AFF was at a limit in {100 * share:.1f} % of it")
+    going = float(np.mean(sum_of_corrections(columns) > 0.0))
+    if 0.02 < going < 0.98:
+        said.append(
+            f"corrections went out in {100 * going:.0f} % of it: its figures are a mixture"
+        )
+    speed = window.speed
+    if speed is not None and _spread(speed) > SPEED_CHANGES_SHARE:
+        said.append(
+            f"its line speed changes by {100 * _spread(speed):.0f} %: a mean of different ripple"
+        )
+    edits = [row for row in window.table.events if row.get("name") in ("EDIT", "CONFIG_APPLIED")]
+    return said + few(
+        [f"the site file was changed at {r.get('time_s')} s: {r.get('text')}" for r in edits]
+    )
+
+
+def _spread(values: Array) -> float:
+    low, high = np.nanpercentile(values, (1.0, 99.0))
+    return float((high - low) / max(abs(high), abs(low), 1e-12))
+
+
+def sum_of_corrections(columns: Mapping[str, Array]) -> Array:
+    """Return the sum of the sizes of all corrections, each row."""
+    found = np.zeros(columns["time_s"].shape)
+    for name, values in columns.items():
+        if name.startswith("correction_"):
+            found += np.abs(np.nan_to_num(values))
+    return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RollAngle:
+    """The angle of a roll over the readings of a window.
+
+    Attributes
+    ----------
+    angle_rad : rising; ``encoder``: counted, not from speeds.
+    good : readings between which it can be followed.
+    radius_m : at the start and end of the window.
+    """
+
+    angle_rad: Array
+    encoder: bool
+    good: Flags
+    radius_m: tuple[float, float]
+
+
+def roll_angle(window: Window, given: Section) -> RollAngle | None:
+    """Return the angle of a roll as its section of the site file says, None without a source."""
+    radius = _radius(window, given)
+    ends = (_mean(radius[:200]), _mean(radius[-200:]))
+    counted = window.readings(word(given.get("angle")))
+    if counted is not None:
+        return _counted(window, counted, ends)
+    speed = window.readings(word(given.get("speed")))
+    if speed is not None and word(given.get("speed")).endswith("_m_s"):
+        speed = speed / radius
+    if speed is None:
+        along = window.readings(word(given.get("line_speed"))) if given else None
+        along = window.speed if along is None else along
+        speed = None if along is None else along / radius
+    if speed is None or not np.isfinite(ends[0]):
+        return None
+    speed = np.nan_to_num(np.abs(speed))
+    steps = np.diff(window.time_s, prepend=window.time_s[0])
+    angle = np.cumsum(speed * np.clip(steps, 0.0, None)) + 1e-12 * np.arange(speed.size)
+    return RollAngle(angle_rad=angle, encoder=False, good=window.good, radius_m=ends)
+
+
+def _mean(values: Array) -> float:
+    """Return the mean of what is a number, NaN where nothing is."""
+    finite = values[np.isfinite(values)]
+    return float(finite.mean()) if finite.size else math.nan
+
+
+def _radius(window: Window, given: Section) -> Array:
+    measured = window.readings(word(given.get("radius")))
+    if measured is not None:
+        return measured
+    return np.full(window.time_s.shape, number(given.get("radius_m"), "m"))
+
+
+def _counted(window: Window, values: Array, radius_m: tuple[float, float]) -> RollAngle:
+    """Return a counted angle made to rise; where it jumps it is no good."""
+    steps = np.diff(values, prepend=values[0])
+    usual = float(np.nanmedian(steps))
+    steps = steps * (1.0 if usual >= 0.0 else -1.0)
+    odd = ~(np.abs(steps - abs(usual)) < math.pi)
+    steps = np.where(odd, abs(usual), np.maximum(steps, 0.0))
+    angle = np.cumsum(steps) + 1e-12 * np.arange(steps.size)
+    good = window.good & ~odd
+    good[0] = window.good[0]
+    return RollAngle(angle_rad=angle, encoder=True, good=good, radius_m=radius_m)
+
+
+def orders_of(site: Section, roll: str) -> Sequence[int]:
+    """Return the orders that any block of a site file has for ``roll``, 1 at least."""
+    found = {1}
+    for actuator in site.section("actuators").sections():
+        for block in _listed(actuator.get("blocks")):
+            if isinstance(block, dict) and block.get("roll") == roll:
+                found |= {n for n in _listed(block.get("orders")) if isinstance(n, int) and n > 0}
+    return sorted(n for n in found if n <= 64)
+
+
+def _listed(given: object) -> list[Any]:
+    return given if isinstance(given, list) else []

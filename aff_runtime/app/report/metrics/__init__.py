@@ -1,0 +1,3 @@
+"""The service in numbers for a monitoring system."""
+
+__all__ = ["exposition", "readings"]

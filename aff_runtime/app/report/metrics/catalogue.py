@@ -1,0 +1,80 @@
+"""Every metric by name: kind, labels, meaning. Names carry their SI unit, as Prometheus asks.
+
+Labels are closed sets: names of the site file, of events, states and permissives. No user, path
+or sentence is one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+GAUGE, COUNTER, INFO = "gauge", "counter", "info"
+
+
+@dataclass(frozen=True, slots=True)
+class Metric:
+    """One family of samples.
+
+    Attributes
+    ----------
+    name : as it stands in the text, suffix of the unit or kind included.
+    kind : ``GAUGE``, ``COUNTER`` or ``INFO``.
+    """
+
+    name: str
+    kind: str
+    labels: tuple[str, ...]
+    text: str
+
+
+_ORDER = ("actuator", "roll", "order")
+
+CATALOGUE: tuple[Metric, ...] = (
+    Metric("aff_build_info", INFO, ("version", "python"), "what runs"),
+    Metric("aff_config_info", INFO, ("revision",), "revision of the running configuration"),
+    Metric("aff_control_up", GAUGE, (), "1 while the control process ticks"),
+    Metric("aff_recorder_up", GAUGE, (), "1 while a recorder runs"),
+    Metric("aff_guard_state", GAUGE, ("state",), "1 for the state of the guard"),
+    Metric("aff_alarm_active", GAUGE, ("alarm", "priority"), "1 for the alarm that stands"),
+    Metric("aff_config_differs", GAUGE, (), "1 while the site file is not what runs"),
+    Metric("aff_permissive_ok", GAUGE, ("permissive",), "1 while the PLC gives it"),
+    Metric("aff_ticks_total", COUNTER, (), "ticks since the control process began"),
+    Metric("aff_ticks_missed_total", COUNTER, (), "ticks that never happened"),
+    Metric("aff_plc_heartbeat_age_seconds", GAUGE, (), "age of the PLC's data"),
+    Metric("aff_tension_newtons", GAUGE, ("channel",), "tension as read"),
+    Metric("aff_tension_reference_newtons", GAUGE, ("channel",), "set point of a tension"),
+    Metric("aff_speed_meters_per_second", GAUGE, ("channel",), "surface speed as read"),
+    Metric("aff_roll_radius_meters", GAUGE, ("roll",), "radius as read or declared"),
+    Metric("aff_roll_speed_radians_per_second", GAUGE, ("roll",), "how fast a roll turns"),
+    Metric("aff_order_frequency_hertz", GAUGE, ("roll", "order"), "frequency of an order"),
+    Metric("aff_order_ripple_newtons", GAUGE, (*_ORDER, "when"), "amplitude without AFF and now"),
+    Metric(
+        "aff_order_ripple_meters_per_second",
+        GAUGE,
+        (*_ORDER, "when"),
+        "the same where the error signal is a speed",
+    ),
+    Metric("aff_order_remaining_ratio", GAUGE, _ORDER, "ripple now over without; dB = 20 log10"),
+    Metric("aff_order_share_ratio", GAUGE, _ORDER, "share of an order that the law lets out"),
+    Metric("aff_order_loop_gain_ratio", GAUGE, _ORDER, "true response over the measured one"),
+    Metric("aff_order_resting", GAUGE, (*_ORDER, "why"), "1 for an order that is held or rests"),
+    Metric("aff_roll_deviation_meters", GAUGE, _ORDER, "how far a roll is from round"),
+    Metric(
+        "aff_roll_deviation_angle_radians",
+        GAUGE,
+        _ORDER,
+        "where: the angle at which the encoder reads zero is 0",
+    ),
+    Metric("aff_correction_meters_per_second", GAUGE, ("actuator",), "correction sent"),
+    Metric("aff_correction_newton_meters", GAUGE, ("actuator",), "correction sent"),
+    Metric("aff_correction_limit_meters_per_second", GAUGE, ("actuator",), "largest correction"),
+    Metric("aff_correction_limit_newton_meters", GAUGE, ("actuator",), "largest correction"),
+    Metric("aff_correction_applied_ratio", GAUGE, ("actuator",), "share of the law's wish sent"),
+    Metric("aff_correction_scaled_ratio", GAUGE, ("actuator",), "share left by the limits alone"),
+    Metric("aff_next_order_meeting_seconds", GAUGE, ("actuator",), "until two orders meet"),
+    Metric("aff_realtime_right_granted", GAUGE, ("right",), "1 for a right that is held"),
+    Metric("aff_recorder_rows_total", COUNTER, (), "rows written since the run folder was made"),
+    Metric("aff_recorder_rows_lost_total", COUNTER, (), "rows that no file took"),
+    Metric("aff_ring_overruns_total", COUNTER, ("reader",), "rows that a reader was too late for"),
+)
+BY_NAME = {metric.name: metric for metric in CATALOGUE}

@@ -1,0 +1,166 @@
+"""One row per tick as objects: the one place beside the loop that knows its columns by name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from aff_runtime.base.signals import Outcome, State, StateBits
+from aff_runtime.core.order_status import OrderStatus, order_statuses
+from aff_runtime.core.phase import Source
+from aff_runtime.loop.record import HEAD, OF_OUTPUTS, TIMING
+
+CORRECTION, APPLIED_RATIO = "correction_", "applied_ratio_"
+_UNITS = ("m_s", "N_m")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Timing:
+    """How a tick went; None where it is not known.
+
+    Attributes
+    ----------
+    age_s : of the newest reading. ``missed_count`` : ticks that never happened, since the start.
+    """
+
+    age_s: float | None
+    io_us: float | None
+    tick_us: float | None
+    missed_count: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Channel:
+    """One measured value; ``name`` ends with its unit."""
+
+    name: str
+    value: float | None
+
+    def is_of(self, *kinds: str) -> bool:
+        """Return whether the name ends as one of these kinds does, such as ``tension_N``."""
+        return self.name.endswith(kinds)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CorrectionSent:
+    """What went out to one drive.
+
+    Attributes
+    ----------
+    name : ``correction_`` and the output with its unit.
+    value : in that unit. ``applied_ratio`` : share of the law's wish that the guard let out.
+    """
+
+    name: str
+    value: float | None
+    applied_ratio: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RollTurn:
+    """How one roll turns, as the law follows it; NaN where it is not known."""
+
+    omega_rad_s: float
+    theta_rad: float
+    source: Source | None
+
+
+@dataclass(frozen=True, slots=True)
+class TickRow:
+    """One row; ``values`` by column name as the ring has them, None for NaN in a status."""
+
+    values: Mapping[str, float | None]
+
+    @property
+    def state(self) -> State:
+        """State of the guard."""
+        return State(int(self.number("state")))
+
+    @property
+    def is_live(self) -> bool:
+        """Whether a correction may be going out."""
+        bits = StateBits(int(self.number("state_bits")))
+        return bool(bits & (StateBits.ARMED | StateBits.ACTIVE | StateBits.FADING))
+
+    @property
+    def alarm(self) -> int:
+        """Code of the alarm that stands; 0: none."""
+        return int(self.number("alarm"))
+
+    @property
+    def status(self) -> int:
+        """The PLC's status word."""
+        return int(self.number("status"))
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the exchange with the PLC ended."""
+        return Outcome(int(self.number("outcome")))
+
+    @property
+    def is_fresh(self) -> bool:
+        """Whether the readings are of this tick."""
+        return bool(self.values.get("fresh"))
+
+    @property
+    def time_s(self) -> float:
+        """Time since the start of the cycle, s."""
+        return self.number("time_s")
+
+    @property
+    def timing(self) -> Timing:
+        """How the tick went."""
+        get = self.values.get
+        return Timing(
+            age_s=get("age_s"),
+            io_us=get("io_us"),
+            tick_us=get("tick_us"),
+            missed_count=get("missed_count"),
+        )
+
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """What was measured, in the order of the site file."""
+        return tuple(
+            Channel(name=name, value=value)
+            for name, value in self.values.items()
+            if "." not in name
+            and not name.startswith(OF_OUTPUTS)
+            and name not in HEAD
+            and name not in TIMING
+        )
+
+    @property
+    def corrections(self) -> tuple[CorrectionSent, ...]:
+        """What went out, in the order of the site file's actuators."""
+        return tuple(self._corrections())
+
+    def _corrections(self) -> Iterator[CorrectionSent]:
+        for name, value in self.values.items():
+            if name.startswith(CORRECTION):
+                ratio = self.values.get(APPLIED_RATIO + name.removeprefix(CORRECTION))
+                yield CorrectionSent(name=name, value=value, applied_ratio=ratio)
+
+    def applied_ratio(self, actuator: str) -> float:
+        """Return the share of an actuator's wish that the guard lets out; NaN when unknown."""
+        ratios = (self.number(f"{APPLIED_RATIO}{actuator}_{unit}") for unit in _UNITS)
+        return next((ratio for ratio in ratios if not math.isnan(ratio)), math.nan)
+
+    def roll(self, name: str) -> RollTurn:
+        """Return how a roll turns."""
+        source = self.number(f"{name}.source")
+        return RollTurn(
+            omega_rad_s=self.number(f"{name}.omega_rad_s"),
+            theta_rad=self.number(f"{name}.theta_rad"),
+            source=Source(int(source)) if math.isfinite(source) else None,
+        )
+
+    def number(self, name: str | None) -> float:
+        """Return the value of a channel or column; NaN when there is none."""
+        value = self.values.get(name) if name is not None else None
+        return math.nan if value is None else value
+
+    def orders(self) -> tuple[OrderStatus, ...]:
+        """Return every order of every law, in the order of the columns."""
+        return order_statuses({name: self.number(name) for name in self.values})

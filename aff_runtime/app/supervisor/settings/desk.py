@@ -1,0 +1,293 @@
+"""Requests about settings: compare, try, keep, undo, history.
+
+The service never writes the site file: whoever may write it saves the text that is handed out,
+and the service takes it for what it was announced as. Until it is saved nothing is kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.link.answers import Done
+from aff_runtime.app.link.messages import Reply
+from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.link.request_socket import Asked
+from aff_runtime.app.link.settings_answer import SettingsAnswer, Version
+from aff_runtime.app.link.settings_request import SettingsRequest
+from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.app.supervisor.edit_session import EditSession
+from aff_runtime.app.supervisor.processes import Processes
+from aff_runtime.app.supervisor.response_exchange import exchanged_responses, exchanged_wire_files
+from aff_runtime.app.supervisor.run_options import RunOptions
+from aff_runtime.app.supervisor.settings.history import SiteHistory, digest, history_folder
+from aff_runtime.app.supervisor.settings.listening import hear
+from aff_runtime.app.supervisor.settings.record import SettingsRecord
+from aff_runtime.app.supervisor.settings.ripple_rise import RippleRise
+from aff_runtime.app.supervisor.settings.settings_try import Plan, SettingsTry
+from aff_runtime.app.supervisor.validation import Validation
+from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.ports import Clock
+from aff_runtime.config.diff import Change, diff_sites
+from aff_runtime.config.plain_file import read_plain
+
+BUSY = "settings are being tried; keep or undo them first"
+Checked = Callable[[Asked, Verdict], None]
+
+
+class SettingsDesk:
+    """Does what is asked about settings, and looks after a try.
+
+    Parameters
+    ----------
+    edits : follows the site file; hands settings over.
+    """
+
+    def __init__(
+        self, processes: Processes, edits: EditSession, options: RunOptions, clock: Clock
+    ) -> None:
+        self._processes, self._edits, self._clock = processes, edits, clock
+        self._site, self._state = options.site.absolute(), options.state_directory
+        history = SiteHistory(history_folder(options.site, options.state_directory))
+        self._record = SettingsRecord(processes, history, self._site, clock)
+        self._ripple = RippleRise()
+        self._check: tuple[Asked, Validation, Checked] | None = None
+        self._tried: SettingsTry | None = None
+        self._undo_asked: list[Asked] = []
+        edits.accepted = self._accepted
+        self._record.see(processes.record, "started")
+
+    @property
+    def trying(self) -> str:
+        """How a try stands, in words; empty without one."""
+        tried = self._tried
+        if tried is None or tried.is_over:
+            return ""
+        how = f"{tried.left_s:.0f} s left, then the former return" if tried.runs else "not yet"
+        return f"settings {digest(tried.plan.record.site_text)[:12]} by {tried.plan.who}: {how}"
+
+    def refuse_while_trying(self) -> None:
+        """Refuse what would mix with a try.
+
+        Raises
+        ------
+        RefusedError
+            When settings are being tried or checked for it.
+        """
+        if self._tried is not None or self._check is not None:
+            raise RefusedError(BUSY)
+
+    def do(self, asked: Asked) -> None:
+        """Do what a request asks, or say why not; answers now or later."""
+        request = asked.request.settings or SettingsRequest(act="state")
+        match request.act:
+            case "diff":
+                self._begin_check(asked, request.text, self._tell_diff)
+            case "try":
+                self.refuse_while_trying()
+                self._check_file()
+                self._begin_check(asked, request.text, self._try)
+            case "keep":
+                self._keep(asked, request)
+            case "undo":
+                self._undo(asked, request)
+            case "history":
+                self._tell_history(asked, request)
+            case _:
+                asked.answer(self._answer())
+
+    def step(self, latest: TickRow | None) -> None:
+        """Do what time brings: a check that has ended, ripple, the end of a try."""
+        hear(self._processes.ring, self._processes.record.site, self._ripple)
+        if self._check is not None:
+            asked, check, then = self._check
+            if (verdict := check.verdict()) is not None:
+                self._check = None
+                self._judge(asked, verdict, then)
+        if (tried := self._tried) is not None:
+            if not self._was_saved(tried):
+                tried.step(latest)
+            if tried.is_over:
+                self._tried = None
+
+    def control_died(self) -> None:
+        """Have the next control process start on the former settings."""
+        if self._tried is not None:
+            self._tried.control_died()
+            self._tried = None
+
+    def close(self) -> None:
+        """End with the service; its next start takes the former settings, which the file says."""
+        if self._check is not None:
+            asked, check, _ = self._check
+            check.abandon()
+            asked.answer(Done(ok=False, message="the service stops"))
+        if self._tried is not None:
+            self._tried.is_over = True
+            self._ended("the service stops")
+
+    # --- checks -------------------------------------------------------------------------------
+
+    def _begin_check(self, asked: Asked, text: str, then: Checked) -> None:
+        if self._check is not None:
+            raise RefusedError("other settings are being checked; try again")
+        try:
+            check = Validation(self._site, self._state, text=text)
+        except OSError as error:
+            raise RefusedError(f"cannot be checked now: {error.strerror}; try again") from None
+        self._check = (asked, check, then)
+
+    def _judge(self, asked: Asked, verdict: Verdict, then: Checked) -> None:
+        try:
+            verdict.checked()
+            then(asked, verdict)
+        except (ConfigError, RefusedError) as error:
+            asked.refuse(error)
+
+    def _changes(self, record: ParameterRecord) -> tuple[Change, ...]:
+        return diff_sites(self._processes.record.site, record.site)
+
+    def _new_remarks(self, verdict: Verdict) -> tuple[str, ...]:
+        """Return the warnings that what runs did not have when the service began."""
+        known = {finding.partition("  ")[2] for finding in self._edits.findings}
+        return tuple(one for one in verdict.findings if one.partition("  ")[2] not in known)
+
+    def _tell_diff(self, asked: Asked, verdict: Verdict) -> None:
+        changes = self._changes(verdict.checked())
+        asked.answer(
+            self._answer(changes=tuple(map(str, changes)), remarks=self._new_remarks(verdict))
+        )
+
+    # --- try, keep, undo ----------------------------------------------------------------------
+
+    def _try(self, asked: Asked, verdict: Verdict) -> None:
+        record, request = verdict.checked(), asked.request.settings
+        assert request is not None
+        changes = self._changes(record)
+        if not changes:
+            raise RefusedError("nothing differs from what runs")
+        waits = [str(change) for change in changes if not change.may_change_while_active]
+        running = self._processes.record
+        exchanged = exchanged_responses(running, record, self._processes.probed)
+        waits += [f"{one} (changed on the disk as well)" for one in exchanged]
+        waits += [what for what, _ in exchanged_wire_files(running, record)]
+        if waits:
+            raise RefusedError(
+                "\n".join([*waits, "to be saved in the site file: no try can take it back"])
+            )
+        if self._processes.control is None or self._edits.is_busy:
+            raise RefusedError("the service is not ready for other settings; try again")
+        plan = Plan(record=record, seconds=request.seconds, who=asked.who, why=request.why)
+        tried = SettingsTry(
+            plan, self._processes, self._edits, self._clock, self._ripple, ended=self._ended
+        )
+        self._tried = tried
+        told = self._answer(changes=tuple(map(str, changes)), remarks=self._new_remarks(verdict))
+
+        def taken(reply: Reply) -> None:
+            if not reply.ok:
+                self._tried = None
+                asked.answer(Done(ok=False, message=reply.message, exit_code=4))
+                return
+            self._record.say("tried", record, plan.who, f"{plan.seconds:g} s: {plan.why}")
+            for change in changes:
+                self._processes.note("SETTINGS", str(change))
+            asked.answer(told)
+
+        tried.begin(taken)
+
+    def _keep(self, asked: Asked, request: SettingsRequest) -> None:
+        tried = self._tried
+        if tried is None or not tried.runs:
+            raise RefusedError("no settings are being tried")
+        self._check_file(tried.former.site_text)
+        tried.grant()
+        text, former = tried.plan.record.site_text, tried.former.site_text
+        self._record.announce(text, "kept", asked.who, request.why)
+        asked.answer(self._answer(text=text, replaces=digest(former)))
+
+    def _undo(self, asked: Asked, request: SettingsRequest) -> None:
+        tried = self._tried
+        if tried is not None:
+            self._record.announced = None
+            self._undo_asked.append(asked)
+            tried.end(f"undone by {asked.who}: {request.why}")
+            return
+        self.refuse_while_trying()
+        self._check_file()
+        running = self._processes.record.site_text
+        version = self._record.before(digest(running), request.version)
+        text = self._record.text(version)
+        why = f"{request.why} (version {version.number})"
+        self._record.announce(text, "undone", asked.who, why)
+        asked.answer(self._answer(text=text, replaces=digest(running)))
+
+    def _check_file(self, expected: str | None = None) -> None:
+        """Refuse while the site file says something else than what runs, or ran."""
+        wanted = self._processes.record.site_text if expected is None else expected
+        if self._file_text() != wanted:
+            raise RefusedError(
+                f"{self._site} is not what runs: somebody has saved it; see `aff-runtime status`"
+            )
+
+    def _file_text(self) -> str:
+        try:
+            return read_plain(self._site).decode("utf-8")
+        except (OSError, ValueError):
+            return ""
+
+    def _was_saved(self, tried: SettingsTry) -> bool:
+        """Take note that the file says what is tried, as announced; then it is kept."""
+        found = self._record.announced
+        if found is None or not tried.runs or not self._edits.saved_meanwhile:
+            return False
+        if found.until_ns <= self._clock.now_ns():
+            return False
+        record = tried.plan.record
+        if found.sha256 != digest(record.site_text) or self._file_text() != record.site_text:
+            return False
+        tried.kept()
+        self._record.see(record, found.verb)
+        return True
+
+    def _ended(self, why: str) -> None:
+        """Put on record that the former settings run again; tell those who wanted that."""
+        self._record.announced = None
+        self._record.say("returned", self._processes.record, "the service", why)
+        asked, self._undo_asked = self._undo_asked, []
+        for one in asked:
+            one.answer(self._answer())
+
+    # --- record -------------------------------------------------------------------------------
+
+    def _accepted(self, record: ParameterRecord) -> None:
+        """Put on record what has become the running settings by way of the site file."""
+        if self._tried is None and record.site_text:
+            self._record.see(record, "edited")
+
+    def _tell_history(self, asked: Asked, request: SettingsRequest) -> None:
+        if not request.version:
+            asked.answer(self._answer(versions=self._record.versions))
+            return
+        version = self._record.numbered(request.version)
+        asked.answer(self._answer(versions=(version,), text=self._record.text(version)))
+
+    def _answer(
+        self,
+        *,
+        changes: tuple[str, ...] = (),
+        remarks: tuple[str, ...] = (),
+        text: str = "",
+        replaces: str = "",
+        versions: tuple[Version, ...] = (),
+    ) -> SettingsAnswer:
+        return SettingsAnswer(
+            site=str(self._site),
+            running=digest(self._processes.record.site_text),
+            trying=self.trying,
+            changes=changes,
+            remarks=remarks,
+            text=text,
+            replaces=replaces,
+            versions=versions,
+        )

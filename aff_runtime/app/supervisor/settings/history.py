@@ -1,0 +1,112 @@
+"""Every text of a site file that ran, with who, when and why; bounded."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import os
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+
+from aff_runtime.app.link.files import replace_text
+from aff_runtime.app.link.settings_answer import Version
+from aff_runtime.base.clock import wall_time_iso
+from aff_runtime.base.printable import printable
+from aff_runtime.config.plain_file import read_plain
+
+MOST = 300
+LONGEST_BYTES = 1 << 20
+ROWS = "versions.jsonl"
+LOG = logging.getLogger("aff_runtime")
+
+
+def digest(text: str) -> str:
+    """Return the sha256 of a site file's text, as ``sha256sum`` prints it for the file."""
+    return hashlib.sha256(text.encode("utf-8")).hexdigest()
+
+
+def history_folder(site: Path, state: Path) -> Path:
+    """Return where a history is kept: in the service's state, else beside what it learns."""
+    root = state if os.access(state, os.W_OK | os.X_OK) else site.absolute().parent / "learned"
+    name = hashlib.sha256(os.fsencode(os.path.realpath(site))).hexdigest()[:8]
+    return root / "settings" / f"{site.stem}-{name}"
+
+
+class SiteHistory:
+    """Versions of one site file: a row each in ``versions.jsonl``, a text each beside it.
+
+    What cannot be read or written is said in the log and disturbs nothing else. The oldest rows
+    go, and with them the texts that no row names any more.
+
+    Parameters
+    ----------
+    now : returns the time as UTC text.
+    """
+
+    def __init__(self, folder: Path, now: Callable[[], str] = wall_time_iso) -> None:
+        self._folder = folder
+        self._now = now
+        self._rows = self._read()
+
+    @property
+    def versions(self) -> tuple[Version, ...]:
+        """The history, oldest first."""
+        return tuple(self._rows)
+
+    def add(self, verb: str, text: str, *, who: str, why: str, run: str = "") -> Version:
+        """Put a version on record."""
+        row = Version(
+            number=self._rows[-1].number + 1 if self._rows else 1,
+            when=self._now(),
+            who=printable(who),
+            verb=verb,
+            why=printable(why),
+            sha256=digest(text),
+            run=run,
+        )
+        rows = [*self._rows, row]
+        gone, self._rows = rows[:-MOST], rows[-MOST:]
+        try:
+            self._write(row.sha256, text)
+            for old in {one.sha256 for one in gone} - {one.sha256 for one in self._rows}:
+                self._text_file(old).unlink(missing_ok=True)
+        except OSError as error:
+            LOG.warning("the settings' history is not kept (%s: %s)", self._folder, error.strerror)
+        return row
+
+    def text(self, version: Version) -> str:
+        """Return the text of a version; empty when it cannot be read, or is not what ran."""
+        try:
+            found = read_plain(self._text_file(version.sha256), LONGEST_BYTES).decode("utf-8")
+        except (OSError, ValueError):
+            return ""
+        return found if digest(found) == version.sha256 else ""
+
+    def _write(self, sha256: str, text: str) -> None:
+        self._folder.mkdir(parents=True, exist_ok=True, mode=0o750)
+        if not self._text_file(sha256).exists():
+            replace_text(self._text_file(sha256), text)
+        rows = "".join(f"{json.dumps(asdict(row))}\n" for row in self._rows)
+        replace_text(self._folder / ROWS, rows)
+
+    def _text_file(self, sha256: str) -> Path:
+        return self._folder / f"{sha256[:16]}.yaml"
+
+    def _read(self) -> list[Version]:
+        """Return the rows that are there; one that cannot be read is left out."""
+        try:
+            text = read_plain(self._folder / ROWS, LONGEST_BYTES).decode("utf-8")
+        except FileNotFoundError:
+            return []
+        except (OSError, ValueError) as error:
+            LOG.warning("the settings' history begins anew (%s: %s)", self._folder / ROWS, error)
+            return []
+        found = []
+        for line in text.splitlines()[-MOST:]:
+            try:
+                found.append(Version.from_json(json.loads(line)))
+            except (ValueError, KeyError, TypeError, AttributeError):
+                LOG.warning("%s: a row cannot be read and is left out", self._folder / ROWS)
+        return sorted(found, key=lambda row: row.number)

@@ -1,0 +1,114 @@
+"""Who changed settings, when and why: into the history, the log and the record of the run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.link.peer import author_of
+from aff_runtime.app.link.settings_answer import Version
+from aff_runtime.app.supervisor.processes import Processes
+from aff_runtime.app.supervisor.settings.history import SiteHistory, digest
+from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.ports import Clock
+
+ANNOUNCED_S = 30.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Announced:
+    """A text that somebody is about to save, as what and why."""
+
+    sha256: str
+    verb: str
+    who: str
+    why: str
+    until_ns: int
+
+
+class SettingsRecord:
+    """Puts versions on record, with who announced them where somebody did.
+
+    Attributes
+    ----------
+    announced : what somebody is about to save; None: nothing.
+    """
+
+    def __init__(
+        self, processes: Processes, history: SiteHistory, site: Path, clock: Clock
+    ) -> None:
+        self._processes, self._history, self._site = processes, history, site
+        self._clock = clock
+        self.announced: Announced | None = None
+
+    @property
+    def versions(self) -> tuple[Version, ...]:
+        """The history, oldest first."""
+        return self._history.versions
+
+    def announce(self, text: str, verb: str, who: str, why: str) -> None:
+        """Take note of what somebody is about to save."""
+        until_ns = self._clock.now_ns() + int(ANNOUNCED_S * 1e9)
+        sha256 = digest(text)
+        self.announced = Announced(sha256=sha256, verb=verb, who=who, why=why, until_ns=until_ns)
+
+    def see(self, record: ParameterRecord, verb: str) -> None:
+        """Put on record what runs now, as it was announced, else as an act of the file's owner."""
+        found, self.announced = self.announced, None
+        sha256 = digest(record.site_text)
+        if found is not None and found.sha256 == sha256 and found.until_ns > self._clock.now_ns():
+            self.say(found.verb, record, found.who, found.why)
+            return
+        last = self.versions[-1:]
+        if not last or last[0].sha256 != sha256:
+            self.say(verb, record, author_of(self._site), "")
+
+    def say(self, verb: str, record: ParameterRecord, who: str, why: str) -> None:
+        """Put a version on record."""
+        recorder = self._processes.recorder_report()
+        run = recorder.folder if recorder is not None else ""
+        row = self._history.add(verb, record.site_text, who=who, why=why, run=str(run))
+        reason = f": {why}" if why else ""
+        text = f"version {row.number} ({row.sha256[:12]}) {verb} by {who}{reason}"
+        self._processes.note("SETTINGS", text)
+
+    def numbered(self, number: int) -> Version:
+        """Return one version.
+
+        Raises
+        ------
+        RefusedError
+            When there is none of that number.
+        """
+        for version in self.versions:
+            if version.number == number:
+                return version
+        raise RefusedError(f"no version {number}")
+
+    def before(self, running: str, number: int) -> Version:
+        """Return the version asked for; 0: the last one that stood and is not what runs.
+
+        Raises
+        ------
+        RefusedError
+            When there is none.
+        """
+        if number:
+            return self.numbered(number)
+        for version in reversed(self.versions):
+            if version.verb not in ("tried", "returned") and version.sha256 != running:
+                return version
+        raise RefusedError("no version before this one")
+
+    def text(self, version: Version) -> str:
+        """Return the text of a version.
+
+        Raises
+        ------
+        RefusedError
+            When it is not there any more.
+        """
+        if not (text := self._history.text(version)):
+            raise RefusedError(f"the text of version {version.number} is not there any more")
+        return text

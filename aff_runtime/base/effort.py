@@ -1,0 +1,83 @@
+"""What the reading of a foreign file may cost a command that somebody runs by hand.
+
+The service has files checked by a process of its own. A command reads them itself: its readers
+are not ours, and a line of 60 bytes can ask one of them for gigabytes or minutes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import resource
+import signal
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+from aff_runtime.base.errors import AffError
+
+SECONDS = 10.0
+MEMORY_BYTES = 1 << 30
+
+
+AGAIN_S = 0.25
+"""The time is over, and said again: the interpreter drops what is raised in a collection."""
+
+
+class _TooLong(BaseException):
+    """The time is over: no error of a file, so nothing on the way takes it for one."""
+
+
+@contextlib.contextmanager
+def bounded_effort(
+    shown: str,
+    refusal: type[AffError],
+    *,
+    seconds: float = SECONDS,
+    memory_bytes: int = MEMORY_BYTES,
+) -> Iterator[None]:
+    """Bound time and further memory of what is done inside; only the main thread has both.
+
+    Parameters
+    ----------
+    shown : name of the file, as an error may say it.
+    refusal : what is raised when it takes more.
+    seconds, memory_bytes : of the wall clock; beyond what this process has reserved already.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    limit = _reserved_bytes() + memory_bytes
+    known = [bound for bound in (soft, hard) if bound != resource.RLIM_INFINITY]
+    resource.setrlimit(resource.RLIMIT_AS, (min([limit, *known]), hard))
+    working = True
+
+    def time_is_over(*_: object) -> None:
+        if working:
+            raise _TooLong
+
+    before = signal.signal(signal.SIGALRM, time_is_over)
+    signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN_S)
+    what_to_do = "A file that it names is too large or too tangled: look at the newest first."
+    try:
+        try:
+            yield
+        finally:
+            working = False
+    except _TooLong:
+        text = f"{shown}: takes more than {seconds:g} s to read. {what_to_do}"
+        raise refusal(text) from None
+    except MemoryError:
+        text = f"{shown}: takes more than {memory_bytes >> 20} MB to read. {what_to_do}"
+        raise refusal(text) from None
+    finally:
+        working = False
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+def _reserved_bytes() -> int:
+    """Return the address space of this process."""
+    pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[0]
+    return int(pages) * resource.getpagesize()

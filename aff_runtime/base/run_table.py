@@ -1,0 +1,302 @@
+"""Rows of a run folder as arrays: segments joined, what is lost of them named.
+
+A crash leaves the last segment half written, a full disk one in the middle, and the bound on the
+disk takes the oldest away. Whole rows are taken, nothing is put in the place of others.
+"""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import io
+import itertools
+import json
+import math
+import os
+import re
+import zlib
+from array import array
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aff_runtime.base.errors import AffError
+from aff_runtime.base.printable import printable
+from aff_runtime.base.run_files import open_plain, text_of, yaml_values
+from aff_runtime.base.run_window import MARK, RunWindow
+from aff_runtime.base.yaml_section import Section
+
+LARGEST_VALUES = 60_000_000
+"""Numbers that are held at once: 2 hours of 40 columns at 5 ms."""
+LONGEST_RUN_S = 1e9
+"""No run lasts 30 years: a later time is no time of a row."""
+LARGEST_NUMBER = 1e30
+"""What is larger is no reading; its square still is a number."""
+MOST_EVENTS = 100_000
+MOST_EVENT_COLUMNS = 16
+MOST_SAID = 20
+"""Sentences of one kind; more of them nobody reads."""
+LONGEST_NAME = 200
+_LARGEST_YAML = _LARGEST_SUMMARY = 1 << 20
+_LARGEST_TEXT = 64 << 20
+_CHUNK = 1 << 20
+_SEGMENT = re.compile(r"signals-(\d{1,9})\.csv\.gz")
+_LOSSES = {
+    "rows_lost_to_disk": "{} rows were refused by the disk",
+    "files_lost_to_disk": "{} small files were refused by the disk",
+    "segments_deleted": "{} segments were deleted to bound the disk, of this run or older ones",
+    "ring_overruns": "{} rows were overwritten before the recorder had read them",
+}
+
+Columns = dict[str, NDArray[np.float64]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunTable:
+    """The rows of a window.
+
+    Attributes
+    ----------
+    window : what was asked for.
+    about : contents of ``run.yaml``.
+    columns : one array (rows,) per column name, in the order of the file.
+    site_text : the site file as it was when the run began; empty where it is missing.
+    events : rows of ``events.csv`` within the window, those without a time among them.
+    lost : sentences about what the files no longer have.
+    """
+
+    window: RunWindow
+    about: Section
+    columns: Columns
+    site_text: str
+    events: tuple[dict[str, str], ...]
+    lost: tuple[str, ...]
+
+
+def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> RunTable:
+    """Return the rows of ``window``; only columns whose name ``keep`` takes, where it is given.
+
+    ``time_s`` is always there. Of segments outside the window only the first row is unpacked.
+
+    Raises
+    ------
+    AffError
+        The folder is no run, the window holds no row, or more than ``LARGEST_VALUES`` numbers.
+    """
+    folder = window.folder
+    about = _about(folder)
+    names: list[str] = about.data["columns"]
+    wanted = [k for k, name in enumerate(names) if keep is None or k == 0 or keep(name)]
+    segments = sorted(
+        (int(m[1]), p) for p in folder.iterdir() if (m := _SEGMENT.fullmatch(p.name))
+    )
+    lost = few(list(_missing([number for number, _ in segments])))
+    lost += _summary_losses(folder)
+    torn: list[str] = []
+    parts: list[NDArray[np.float64]] = []
+    held, to_s = 0, min(window.to_s, LONGEST_RUN_S)
+    for path in _within(segments, names, window):
+        rows, said = _rows(path, names, wanted)
+        torn += said
+        inside = rows[(rows[:, 0] >= window.from_s) & (rows[:, 0] < to_s)]
+        inside[~(np.abs(inside) < LARGEST_NUMBER)] = np.nan
+        held += inside.size
+        if held > LARGEST_VALUES:
+            raise AffError(f"{window}: holds too much to be read at once; give a shorter window")
+        parts.append(inside)
+    if held == 0:
+        raise AffError(f"{window}: holds no row; {_span(segments, names)}")
+    table = np.vstack(parts)
+    events, said = _events(folder / "events.csv", window)
+    return RunTable(
+        window=window,
+        about=about,
+        columns={names[k]: np.ascontiguousarray(table[:, i]) for i, k in enumerate(wanted)},
+        site_text=text_of(folder / "site.yaml", _LARGEST_YAML),
+        events=tuple(events),
+        lost=(*lost, *few(torn), *said),
+    )
+
+
+def few(sentences: Sequence[str]) -> list[str]:
+    """Return the first ``MOST_SAID`` sentences, and how many more there are."""
+    more = len(sentences) - MOST_SAID
+    said = list(sentences[:MOST_SAID])
+    return [*said, f"{more} more of that kind"] if more > 0 else said
+
+
+def _about(folder: Path) -> Section:
+    try:
+        about = yaml_values(text_of(folder / MARK, _LARGEST_YAML))
+        names = about["columns"]
+        if not isinstance(names, list) or not names or names[0] != "time_s":
+            raise ValueError("its columns do not begin with time_s")
+        if not all(isinstance(name, str) for name in names):
+            raise ValueError("its columns are no texts")
+        if not all(name.isprintable() and len(name) <= LONGEST_NAME for name in names):
+            raise ValueError("a column's name does not print, or is too long")
+        if len(set(names)) != len(names):
+            raise ValueError("a column stands twice in it")
+    except (KeyError, TypeError, ValueError) as error:
+        said = printable(str(error), 200)
+        raise AffError(
+            f"{printable(str(folder))}: not a run folder ({said or 'no run.yaml'}); "
+            f"name one that has {MARK}"
+        ) from None
+    return Section(dict(about))
+
+
+def _missing(numbers: Sequence[int]) -> Iterator[str]:
+    """Yield a sentence about every gap in the numbers of segments."""
+    for before, number in zip((0, *numbers[:-1]), numbers, strict=True):
+        if number - before > 1:
+            which = f"{before + 1}" if number - before == 2 else f"{before + 1} to {number - 1}"
+            yield f"segment {which}: not there"
+
+
+def _summary_losses(folder: Path) -> Iterator[str]:
+    path = folder / "summary.json"
+    if not path.exists():
+        yield "no summary.json: the recorder did not end by itself, or still writes"
+        return
+    try:
+        summary = json.loads(text_of(path, _LARGEST_SUMMARY))
+        for key, text in _LOSSES.items():
+            if int(summary.get(key) or 0):
+                yield text.format(int(summary[key]))
+    except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
+        yield "summary.json cannot be read"
+
+
+def _within(
+    segments: Sequence[tuple[int, Path]], names: Sequence[str], window: RunWindow
+) -> Iterator[Path]:
+    """Yield the segments that may hold rows of the window: from one's first row to the next's."""
+    starts = [_first_time(path, len(names)) for _, path in segments]
+    ends, end = [], math.inf
+    for start in reversed(starts):
+        ends.append(end)
+        end = end if start is None else start
+    for (_, path), start, end in zip(segments, starts, reversed(ends), strict=True):
+        if start is None or (start < window.to_s and (end > window.from_s or end < start)):
+            yield path
+
+
+def _first_time(path: Path, n_columns: int) -> float | None:
+    """Return the time of a segment's first row, None where there is none."""
+    try:
+        with open_plain(path) as packed, gzip.open(packed) as file:
+            file.readline(_CHUNK)
+            row = file.readline(_CHUNK).split(b",")
+        first = float(row[0])
+        return first if len(row) == n_columns and math.isfinite(first) else None
+    except (EOFError, OSError, zlib.error, ValueError):
+        return None
+
+
+def _span(segments: Sequence[tuple[int, Path]], names: Sequence[str]) -> str:
+    starts = [s for _, p in segments if (s := _first_time(p, len(names))) is not None]
+    if not starts:
+        return "no segment of the run holds a row"
+    return f"the run's segments begin between {min(starts):g} s and {max(starts):g} s"
+
+
+def _rows(
+    path: Path, names: Sequence[str], wanted: Sequence[int]
+) -> tuple[NDArray[np.float64], list[str]]:
+    """Return the whole rows of one segment (rows, wanted), and what is to be said about it."""
+    content, torn = _unpacked(path)
+    head, _, body = content.partition(b"\n")
+    nothing = np.empty((0, len(wanted)))
+    if head and head.decode("utf-8", "replace").split(",") != list(names):
+        return nothing, [f"{path.name}: has other columns than run.yaml; left out"]
+    body = body[: body.rfind(b"\n") + 1]
+    said = [f"{path.name}: ends torn, its last row is whole" if body else ""] if torn else []
+    if not body:
+        return nothing, [f"{path.name}: holds no whole row"]
+    lines = body.count(b"\n")
+    if lines * len(wanted) > LARGEST_VALUES:  # before a number takes 8 bytes where it took 2
+        raise AffError(f"{path.name}: one segment holds too much to be read at once")
+    try:
+        if body.count(b",") != (len(names) - 1) * lines:
+            raise ValueError("a row of another length")
+        rows = _parsed(body, wanted)
+    except ValueError:
+        rows, bad = _good_rows(body, names, wanted)
+        said.append(f"{path.name}: {bad} rows cannot be read; left out")
+    return rows, said
+
+
+def _parsed(body: bytes, wanted: Sequence[int]) -> NDArray[np.float64]:
+    return np.loadtxt(
+        io.BytesIO(body),
+        delimiter=",",
+        usecols=tuple(wanted),
+        ndmin=2,
+        comments=None,
+        encoding="latin1",
+    )
+
+
+def _good_rows(
+    body: bytes, names: Sequence[str], wanted: Sequence[int]
+) -> tuple[NDArray[np.float64], int]:
+    """Return the rows that can be read, one by one, and how many cannot."""
+    found, bad = array("d"), 0
+    for line in io.BytesIO(body):
+        try:
+            if line.count(b",") != len(names) - 1:
+                raise ValueError("a row of another length")
+            cells = line.split(b",")
+            found.extend([float(cells[k]) for k in wanted])
+        except ValueError:
+            bad += 1
+    return np.array(found, dtype=np.float64).reshape(-1, len(wanted)), bad
+
+
+def _unpacked(path: Path) -> tuple[bytes, bool]:
+    """Return what can be unpacked of a segment, and whether its end is missing."""
+    chunks: list[bytes] = []
+    size = 0
+    try:
+        with open_plain(path) as packed, gzip.open(packed) as file:
+            if os.fstat(packed.fileno()).st_size > LARGEST_VALUES * 8:  # zeros are read singly
+                raise AffError(f"{path.name}: one segment is too large to be read at once")
+            while chunk := file.read1(_CHUNK):
+                chunks.append(chunk)
+                size += len(chunk)
+                if size > LARGEST_VALUES * 8:
+                    raise AffError(f"{path.name}: one segment is too large to be read at once")
+    except (EOFError, OSError, zlib.error):
+        return b"".join(chunks), True
+    return b"".join(chunks), False
+
+
+def _events(path: Path, window: RunWindow) -> tuple[list[dict[str, str]], list[str]]:
+    """Return the events of a window, and what is to be said about their file.
+
+    One without a readable time counts as inside.
+    """
+    found: list[dict[str, str]] = []
+    reader = csv.DictReader(io.StringIO(text_of(path, _LARGEST_TEXT)))
+    try:
+        if len(reader.fieldnames or ()) > MOST_EVENT_COLUMNS:
+            return [], [f"{path.name}: has other columns than events have; left out"]
+        for row in itertools.islice(reader, MOST_EVENTS):
+            if _is_inside(row, window):
+                found.append({str(k): printable(str(v or "")) for k, v in row.items() if k})
+        more = next(reader, None) is not None
+    except csv.Error:
+        more = True
+    return found, [f"{path.name}: cannot be read to its end"] if more else []
+
+
+def _is_inside(row: Mapping[str, str], window: RunWindow) -> bool:
+    try:
+        time_s = float(row.get("time_s") or "nan")
+    except ValueError:
+        time_s = math.nan
+    return not (time_s < window.from_s or time_s >= window.to_s)

@@ -1,0 +1,90 @@
+"""A part of a run as people name it: ``RUN_DIR``, ``RUN_DIR@120..300``, ``RUN_DIR@2:00..``."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from aff_runtime.base.errors import AffError
+from aff_runtime.base.printable import printable
+
+MARK = "run.yaml"
+_TIME = re.compile(r"(?:(?:(?P<h>\d{1,9}):)?(?P<m>\d{1,9}):)?(?P<s>\d{1,9}(?:\.\d*)?)")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunWindow:
+    """A run folder and the times in it that are meant, s since the run began.
+
+    Attributes
+    ----------
+    folder : of the run.
+    from_s, to_s : rows with from_s <= time_s < to_s; 0 and infinity where nothing was said.
+    """
+
+    folder: Path
+    from_s: float = 0.0
+    to_s: float = math.inf
+
+    def __str__(self) -> str:
+        """Return it as it would be written."""
+        if self.from_s == 0.0 and math.isinf(self.to_s):
+            return str(self.folder)
+        end = "" if math.isinf(self.to_s) else f"{self.to_s:.10g}"
+        return f"{self.folder}@{self.from_s:.10g}..{end}"
+
+
+def names_a_run(path: str | Path) -> bool:
+    """Return whether this is a run folder, or a part of one."""
+    folder, _, times = str(path).rpartition("@")
+    if _is_folder(path):
+        return (Path(path) / MARK).exists()
+    return ".." in times and _is_folder(folder) and (Path(folder) / MARK).exists()
+
+
+def run_window(text: str | Path) -> RunWindow:
+    """Return what ``RUN_DIR[@FROM..TO]`` means; times in s, ``m:s`` or ``h:m:s``, either left out.
+
+    Raises
+    ------
+    AffError
+        The times cannot be read, or there is nothing between them.
+    """
+    whole = str(text)
+    folder, at, times = whole.rpartition("@")
+    if _is_folder(whole) or not at or ".." not in times:
+        return RunWindow(folder=Path(whole))
+    first, _, last = times.partition("..")
+    window = RunWindow(
+        folder=Path(folder),
+        from_s=_seconds(whole, first, 0.0),
+        to_s=_seconds(whole, last, math.inf),
+    )
+    if not window.from_s < window.to_s:
+        raise AffError(
+            f"{printable(whole)}: nothing lies between {window.from_s:g} s and {window.to_s:g} s; "
+            "give the earlier time first"
+        )
+    return window
+
+
+def _is_folder(path: str | Path) -> bool:
+    """Return whether a folder is there; a name that none can have is none."""
+    try:
+        return Path(path).is_dir()
+    except OSError:
+        return False
+
+
+def _seconds(whole: str, text: str, absent: float) -> float:
+    if not text:
+        return absent
+    match = _TIME.fullmatch(text)
+    if match is None:
+        raise AffError(
+            f"{printable(whole)}: read {printable(text, 20)!r} for a time; write seconds since "
+            "the run began (120), minutes (2:00) or hours (1:02:00), such as RUN@2:00..12:00"
+        )
+    return 3600.0 * int(match["h"] or 0) + 60.0 * int(match["m"] or 0) + float(match["s"])

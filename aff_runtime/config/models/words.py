@@ -1,0 +1,148 @@
+"""Words of ``gateway``: what is read and written, and where each one sits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from aff_runtime.config.quantity import Few, Flag, Name, Register, Section, SiPerCount, Text, key
+
+WordType = Literal["u16", "i16", "u32", "i32"]
+SIGNAL = (
+    "Signal that carries it, on CAN: MESSAGE.Signal of the DBC file, or NODE.0xIIII of an object "
+    "in a PDO on CANopen."
+)
+
+
+def _register(text: str) -> Any:
+    """Declare the number of a register; absent on CAN."""
+    return key(text, default=None, alias="register", ge=0, le=465536)
+
+
+class ReadWord(Section):
+    """A status word that the PLC writes and AFF reads."""
+
+    register_number: Register | None = _register(
+        "Number of the register, counted as address_base says; on Modbus."
+    )
+    signal: Text | None = key(SIGNAL, default=None)
+    type: Literal["u16"] = key("Word type; these words are always u16.", default="u16")
+
+
+class Channel(Section):
+    """A measured value; the name of the key ends with its SI unit."""
+
+    register_number: Register | None = _register(
+        "Number of its (first) register, counted as address_base says; on Modbus."
+    )
+    signal: Text | None = key(SIGNAL, default=None)
+    type: WordType | None = key(
+        "How the device stores it: u16 or i16 in one word, u32 or i32 in two; on Modbus. Wrong "
+        "sign or jumps at 32768 mean u16 and i16 are mixed up.",
+        default=None,
+    )
+    scale: SiPerCount = key(
+        "SI units in one count (on CAN: in one physical unit of the signal), from the manual; "
+        "may be text with a unit (`0.1 mm`). "
+        "Change it when the value differs from the drive's display by a fixed factor. "
+        "Negative when the device counts against the web direction.",
+        ge=-1e6,
+        le=1e6,
+    )
+    wraps: Flag = key(
+        "true when the count starts over after its largest value (encoder angles).", default=False
+    )
+
+
+class Applied(Section):
+    """The correction of one actuator as the PLC or drive adds it, after its own limit and fade."""
+
+    register_number: Register | None = _register("Register of the applied correction; on Modbus.")
+    signal: Text | None = key(SIGNAL, default=None)
+    type: Literal["i16"] = key("Word type on Modbus: always i16.", default="i16")
+    scale: SiPerCount = key(
+        "Applied correction in one count, in the actuator's unit; on CAN the DBC's factor. What "
+        "differs by less than one count of this and one of the correction is the same.",
+        ge=1e-9,
+        le=100,
+    )
+
+
+class ReadBlock(Section):
+    """What AFF reads each tick, in one block of at most 125 words."""
+
+    plc_heartbeat: ReadWord = key(
+        "Counter that the PLC raises each scan; proof of life. A step back is an old reading: "
+        "a bit that toggles proves nothing."
+    )
+    status: ReadWord = key("Status bits of the PLC: permissives, enable request, splice.")
+    roll_id: ReadWord = key("Counter of splices; a new number resets what resets_on: splice.")
+    aff_echo: ReadWord | None = key(
+        "Copy of the aff_heartbeat that the PLC took in this scan. Without it nothing tells on "
+        "Modbus that another master always writes after us, so that nothing of ours counts.",
+        default=None,
+    )
+    applied: Annotated[Mapping[Name, Applied], *Few] | None = key(
+        "By actuator, the correction that the PLC or drive really adds: after its own limit, "
+        "fade and watchdog. AFF compares it with what it sent: somebody who writes corrections "
+        "to the PLC beside us is APPLIED_DIFFERS. Needs aff_echo. The PLC's ramp to zero takes "
+        "0.1 s at most.",
+        default=None,
+    )
+    channels: Annotated[Mapping[Name, Channel], *Few] = key(
+        "Measured values by name. The end of the name is the SI unit: _N, _m_s, _m, _rad, "
+        "_rad_s, _N_m."
+    )
+
+
+class WriteWord(Section):
+    """A u16 word that AFF alone writes."""
+
+    register_number: Register | None = _register(
+        "Number of the register, counted as address_base says; on Modbus."
+    )
+    signal: Text | None = key(SIGNAL, default=None)
+
+
+class Correction(Section):
+    """The correction of one actuator, with its ones complement as proof of integrity."""
+
+    register_number: Register | None = _register("Register of the correction; on Modbus.")
+    complement: Register | None = key(
+        "Register of its ones complement; the PLC drops the correction when the two differ.",
+        default=None,
+        ge=0,
+        le=465536,
+    )
+    signal: Text | None = key(SIGNAL, default=None)
+    complement_signal: Text | None = key(
+        "Signal of its ones complement, on CAN; the PLC drops the correction when the two "
+        "differ. Absent only where the device has no such check.",
+        default=None,
+    )
+    type: Literal["i16"] = key("Word type on Modbus: always i16.", default="i16")
+    scale: SiPerCount = key(
+        "Correction in one count: m/s for velocity_reference, N m for torque_reference; may be "
+        "text with a unit. Make it finer when check says that a limit is under 5 counts, "
+        "coarser when the limit does not fit the word. The PLC must use the same number.",
+        ge=1e-9,
+        le=100,
+    )
+
+
+class WriteBlock(Section):
+    """What AFF writes each tick: one block without holes. Nothing else is ever written."""
+
+    aff_heartbeat: WriteWord = key("Counter that AFF moves each tick; the PLC watches it.")
+    state: WriteWord = key(
+        "State bits of AFF: ready, armed, active, fading, bypass, saturated, fault."
+    )
+    echo: WriteWord = key("Copy of the last plc_heartbeat; proof of the round trip.")
+    alarm: WriteWord = key("Code of the present alarm, 0 when none.")
+    limit: WriteWord = key("Limit in force of the first actuator, in counts of its correction.")
+    config_revision: WriteWord = key(
+        "Low 16 bits of the hash of site file and learned files, as `status` shows them."
+    )
+    corrections: Annotated[Mapping[Name, Correction], *Few] = key(
+        "One correction per actuator, by the actuator's name."
+    )

@@ -1,0 +1,63 @@
+"""``run.yaml``: what a run is, for whoever reads it later."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import yaml
+
+from aff_runtime.base.printable import printable
+from aff_runtime.telemetry.header import RunMeta
+from aff_runtime.telemetry.recorder_messages import RunContext
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunAbout:
+    """The contents of ``run.yaml``: what the supervisor and the control process say of a run.
+
+    The site file is no part of it; it lies beside it as ``site.yaml``.
+    """
+
+    context: RunContext
+    meta: RunMeta
+    start_utc: str
+    columns: tuple[str, ...]
+
+    def encode(self) -> str:
+        """Return the text of ``run.yaml``; foreign words in it show as themselves."""
+        said = asdict(self.context)
+        del said["site_text"]
+        said = _printable({**said, **self.meta.to_json()})
+        said["start_utc"] = self.start_utc
+        said["columns"] = list(self.columns)
+        return yaml.safe_dump(said, sort_keys=False, allow_unicode=True)
+
+    @classmethod
+    def decode(cls, text: str) -> RunAbout:
+        """Read ``encode``'s text back; a run of before has fewer words.
+
+        Raises
+        ------
+        KeyError, TypeError, AttributeError, yaml.YAMLError
+            When it is no ``run.yaml``.
+        """
+        said = yaml.safe_load(text)
+        return cls(
+            context=RunContext.from_json(said),
+            meta=RunMeta.from_json(said),
+            start_utc=str(said.get("start_utc", "")),
+            columns=tuple(said["columns"]),
+        )
+
+
+def _printable(value: Any) -> Any:
+    """Return plain data whose texts, keys among them, show as themselves."""
+    if isinstance(value, str):
+        return printable(value)
+    if isinstance(value, Mapping):
+        return {printable(str(key)): _printable(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_printable(inner) for inner in value]
+    return value

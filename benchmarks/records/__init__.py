@@ -1,0 +1,1 @@
+"""Refine on measured records without a line declaration."""

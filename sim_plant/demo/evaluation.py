@@ -1,0 +1,138 @@
+"""Before and after, order by order, on the plant's true tension."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.base.order_tracking import order_amplitudes, reduction_dB
+
+TARGET_UNWIND_DB = 30.0
+TARGET_FOLLOWER_DB = 20.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One order of one roll in one tension."""
+
+    tension: str
+    roll: str
+    order: int
+    frequency_Hz: float
+    before_N: float
+    after_N: float
+    floor_N: float  # what averaging the load cell's noise over the window leaves
+    target_dB: float
+
+    @property
+    def reduction_dB(self) -> float:
+        """Ripple before over after."""
+        return reduction_dB(self.before_N, self.after_N)
+
+    @property
+    def at_floor(self) -> bool:
+        """Whether the ripple left is no larger than what sensor noise alone explains."""
+        return self.after_N <= self.floor_N
+
+    @property
+    def passed(self) -> bool:
+        """Whether the target is met."""
+        return self.reduction_dB >= self.target_dB or self.at_floor
+
+
+def window(record: dict[str, Array], start_s: float, end_s: float) -> dict[str, Array]:
+    """Return the rows with start_s <= time_s < end_s."""
+    keep = (record["time_s"] >= start_s) & (record["time_s"] < end_s)
+    return {name: values[keep] for name, values in record.items()}
+
+
+def evaluate(before: dict[str, Array], after: dict[str, Array], noise_N: float) -> list[Row]:
+    """Return the table: unwind 1x-4x in the unwind tension, follower 1x in the pull-roll tension.
+
+    ``noise_N`` is the load cell's noise per sample; the floor of one order is three standard
+    deviations of its least-squares amplitude, 3 noise sqrt(2 / samples).
+    """
+    cases = [
+        ("unwind_tension_N", "unwind", (1, 2, 3, 4), "swrap_follower", TARGET_UNWIND_DB),
+        ("pullroll_tension_N", "swrap_follower", (1,), "unwind", TARGET_FOLLOWER_DB),
+    ]
+    rows = []
+    for tension, roll, orders, other, target in cases:
+        amplitudes = [_orders(part, tension, roll, orders, other) for part in (before, after)]
+        angle, time = after[f"true_{roll}_angle_rad"], after["time_s"]
+        turn_Hz = (angle[-1] - angle[0]) / (time[-1] - time[0]) / (2.0 * np.pi)
+        floor = 3.0 * noise_N * float(np.sqrt(2.0 / time.size))
+        for number, order in enumerate(orders):
+            rows.append(
+                Row(
+                    tension=tension,
+                    roll=roll,
+                    order=order,
+                    frequency_Hz=order * float(turn_Hz),
+                    before_N=float(amplitudes[0][number]),
+                    after_N=float(amplitudes[1][number]),
+                    floor_N=floor,
+                    target_dB=target,
+                )
+            )
+    return rows
+
+
+def more_orders(
+    before: dict[str, Array], after: dict[str, Array], highest: int, noise_N: float
+) -> list[Row]:
+    """Return the unwind's orders above those that are judged, for eyes; ``target_dB`` is 0."""
+    tension, roll, other = "unwind_tension_N", "unwind", "swrap_follower"
+    first = max(row.order for row in evaluate(before, after, noise_N) if row.roll == roll) + 1
+    orders = tuple(range(first, highest + 1))
+    if not orders:
+        return []
+    amplitudes = [_orders(part, tension, roll, orders, other) for part in (before, after)]
+    angle, time = after[f"true_{roll}_angle_rad"], after["time_s"]
+    turn_Hz = (angle[-1] - angle[0]) / (time[-1] - time[0]) / (2.0 * np.pi)
+    return [
+        Row(
+            tension=tension,
+            roll=roll,
+            order=order,
+            frequency_Hz=order * float(turn_Hz),
+            before_N=float(b),
+            after_N=float(a),
+            target_dB=0.0,
+            floor_N=3.0 * noise_N * float(np.sqrt(2.0 / time.size)),
+        )
+        for order, b, a in zip(orders, *amplitudes, strict=True)
+    ]
+
+
+def _orders(
+    part: dict[str, Array], tension: str, roll: str, orders: tuple[int, ...], other: str
+) -> Array:
+    return np.abs(
+        order_amplitudes(
+            part[f"true_{tension}"],
+            part[f"true_{roll}_angle_rad"],
+            orders,
+            {other: part[f"true_{other}_angle_rad"]},
+        )
+    )
+
+
+def table_text(rows: list[Row]) -> str:
+    """Return the before/after table for a terminal."""
+    lines = [
+        f"{'tension':20s} {'roll':15s} {'order':>5s} {'Hz':>6s} {'before N':>9s} "
+        f"{'after N':>9s} {'dB':>6s} {'floor N':>8s}  verdict"
+    ]
+    for row in rows:
+        verdict = "ok" if row.passed else f"below {row.target_dB:.0f} dB"
+        if row.passed and row.reduction_dB < row.target_dB:
+            verdict = "ok (at the noise floor)"
+        lines.append(
+            f"{row.tension:20s} {row.roll:15s} {row.order:>4d}x {row.frequency_Hz:6.3f} "
+            f"{row.before_N:9.4f} {row.after_N:9.4f} {row.reduction_dB:6.1f} {row.floor_N:8.4f}"
+            f"  {verdict}"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,84 @@
+"""Plant, service and screen on loopback until somebody ends them: a line to look at."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.demo.processes import SCREEN, Bench, Child, runtime_command
+from sim_plant.demo.session import (
+    Plan,
+    Progress,
+    await_state,
+    pause,
+    plant_command,
+    prepare,
+    probe,
+    service_command,
+)
+
+LOOK_S = 0.5
+
+
+def run_live(plan: Plan, progress: Progress, *, listen: str, hands_off: bool) -> None:
+    """Run until interrupted, or until one of the three ends.
+
+    Parameters
+    ----------
+    listen : ``ADDRESS:PORT`` of the screen.
+    hands_off : leave probing and arming to whoever looks.
+
+    Raises
+    ------
+    PlantError
+        When one of them does not start, or ends.
+    """
+    bench = prepare(plan)
+    with ExitStack() as stack:
+        progress("starting the plant (compiles its kernel the first time)")
+        command = plant_command(bench, plan.line, plan.line_speed_m_s, plan.seed)
+        plant = Child("plant", command, bench.folder / "plant.log", "ready")
+        stack.enter_context(plant)
+        service = Child("runtime", service_command(bench), bench.folder / "runtime.log")
+        stack.enter_context(service)
+        screen = _screen(bench, listen)
+        stack.enter_context(screen)
+        url = screen.await_line("look: ", 30.0).removeprefix("look: ")
+        progress(f"\n  look at the line: {url}\n")
+        await_state(bench, service, {"FAULT", "OFF", "READY"}, 30.0)
+        if not hands_off:
+            _operate(bench, progress)
+        progress(_commands(bench))
+        children = (plant, service, screen)
+        while all(child.process.poll() is None for child in children):
+            pause(LOOK_S)
+        ended = next(child for child in children if child.process.poll() is not None)
+        raise PlantError(f"the {ended.name} ended: {ended.tail()}")
+
+
+def _screen(bench: Bench, listen: str) -> Child:
+    """Start the screen; its address is its first line."""
+    command = [*SCREEN, "--door", str(bench.runtime_dir / "door.sock"), "--listen", listen]
+    return Child("screen", command, bench.folder / "screen.log", piped=True)
+
+
+def _operate(bench: Bench, progress: Progress) -> None:
+    """Probe and arm, as the operator of a demo; a refusal is told and left to who looks."""
+    pause(12.0)  # the screen wants ten seconds for the ripple without AFF
+    progress("probing the response of both actuators (a small excitation, line running)")
+    try:
+        probe(bench, progress)
+        runtime_command(bench, "arm")
+        progress("armed: the ripple goes")
+    except PlantError as error:
+        progress(str(error))
+
+
+def _commands(bench: Bench) -> str:
+    """Return what can be tried beside the screen."""
+    of = f"--runtime-dir {bench.runtime_dir}"
+    return (
+        f"in another terminal: aff-runtime bypass {of}\n"
+        f"                     aff-runtime arm {of}\n"
+        "ctrl-c ends all three"
+    )

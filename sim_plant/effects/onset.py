@@ -1,0 +1,72 @@
+"""What effects share that begin at a moment of the record, and may end at another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from sim_plant.base.arrays import CHANGE, LineArrays
+from sim_plant.base.effects import Parameter, Value
+from sim_plant.base.signatures import Onset
+
+ALWAYS_S = -1.0
+"""A moment before the record: what begins then is there from the start."""
+FOREVER_S = 1e6
+"""Longer than any record: what lasts so long does not end."""
+
+FROM = Parameter(
+    default=ALWAYS_S,
+    unit="s",
+    typical=ALWAYS_S,
+    low=ALWAYS_S,
+    high=FOREVER_S,
+    role="shape",
+    step=0.01,
+)
+RISE = Parameter(default=0.0, unit="s", typical=0.0, low=0.0, high=1000.0, role="shape", step=0.05)
+HOLD = Parameter(
+    default=FOREVER_S,
+    unit="s",
+    typical=FOREVER_S,
+    low=0.0,
+    high=FOREVER_S,
+    role="shape",
+    step=0.05,
+)
+
+
+def begins(
+    *fitted: str, grid: Mapping[str, tuple[float, ...]] | None = None, **fixed: Value
+) -> Onset:
+    """Return the onset of an effect with the parameter ``from_s``; these are fitted with it."""
+    return Onset(
+        moment="from_s",
+        unit="s",
+        forms=(fitted,),
+        fixed=tuple(fixed.items()),
+        grid=tuple((grid or {}).items()),
+    )
+
+
+def with_change(
+    arrays: LineArrays, target: int, place: int, amount: float, parameters: Mapping[str, Value]
+) -> LineArrays:
+    """Return arrays in which a number changes by ``amount`` from ``from_s`` of the record on.
+
+    It rises over ``rise_s``, and ``hold_s`` after its beginning it falls as it rose. ``target``
+    is one of ``base/arrays.py``.
+    """
+    from_s = float(parameters["from_s"])
+    row = np.zeros(1, CHANGE)
+    row["target"], row["place"], row["amount"] = target, place, amount
+    row["from_s"], row["rise_s"] = from_s, float(parameters.get("rise_s", 0.0))
+    hold_s = float(parameters.get("hold_s", FOREVER_S))
+    row["until_s"] = from_s + hold_s if hold_s < FOREVER_S else math.inf
+    return arrays._replace(changes=np.concatenate([arrays.changes, row]))
+
+
+def begins_later(parameters: Mapping[str, Value]) -> bool:
+    """Return whether the effect is absent at the start of the record."""
+    return float(parameters["from_s"]) >= 0.0

@@ -1,0 +1,110 @@
+"""The moments of events in another record: what began once begins there at another time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.base.signatures import Onset
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.start_angles import costs_of
+from sim_plant.refine.model.simulation_pool import SimulationPool
+from sim_plant.refine.model.twin import Added, Case
+from sim_plant.refine.noise.innovations import NoiseModel
+from sim_plant.refine.spectra.onset_filter import best_moments, moment_axis, parts_of, resampled
+
+EVENTS = CRITERIA.search.events
+FINEST = (-0.02, -0.01, 0.0, 0.01, 0.02)
+
+
+def with_moments(
+    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel
+) -> tuple[tuple[Added, ...], dict[str, float]]:
+    """Return the effects with events at this record's moments, and those by effect and place.
+
+    An event that this record does not have is left out.
+    """
+    moments: dict[str, float] = {}
+    for event in case.effects:
+        onset = BY_NAME[event.effect].onset
+        if onset is None or not _begins_later(event, onset):
+            continue
+        others = tuple(e for e in case.effects if e is not event)
+        rest = replace(case, effects=others)
+        tries = [
+            event,
+            *_before(pool, event, onset, model),
+            *_tries(pool, measured, rest, event, onset, model),
+        ]
+        best, cost = _best(pool, measured, rest, tries, model)
+        for grid in (EVENTS.coarse_grid, EVENTS.fine_grid, FINEST):
+            near = [_at(best, onset, _moment(best, onset) + d) for d in grid]
+            best, cost = _best(pool, measured, rest, near, model)
+        without = float(costs_of(pool, measured, model, [rest])[0])
+        if cost < without:
+            moments[f"{event.effect} at {event.location}"] = _moment(best, onset)
+            case = replace(case, effects=tuple(best if e is event else e for e in case.effects))
+        else:
+            case = rest
+    return case.effects, moments
+
+
+def _begins_later(event: Added, onset: Onset) -> bool:
+    return (
+        dict(event.parameters).get(onset.moment, -1.0)
+        != BY_NAME[event.effect].accepts[onset.moment].default
+    )
+
+
+def _moment(event: Added, onset: Onset) -> float:
+    return float(dict(event.parameters)[onset.moment])
+
+
+def _at(event: Added, onset: Onset, moment: float) -> Added:
+    values = {**dict(event.parameters), onset.moment: max(0.0, moment)}
+    return replace(event, parameters=tuple(values.items()), record=None)
+
+
+def _before(pool: SimulationPool, event: Added, onset: Onset, model: NoiseModel) -> list[Added]:
+    """Return the event at moments before the judged part of the record."""
+    start = float(moment_axis(pool.twins[0], model.first, onset.unit).grid[0])
+    step = EVENTS.before_step[onset.unit]
+    return [_at(event, onset, float(m)) for m in np.arange(0.0, start, step)]
+
+
+def _tries(
+    pool: SimulationPool,
+    measured: Array,
+    rest: Case,
+    event: Added,
+    onset: Onset,
+    model: NoiseModel,
+) -> list[Added]:
+    """Return the event at the moments where a matched filter finds it."""
+    twin = pool.twins[0]
+    axis = moment_axis(twin, model.first, onset.unit)
+    parts = parts_of(axis)
+    cases = [replace(rest, effects=(*rest.effects, _at(event, onset, p.middle))) for p in parts]
+    base, *runs = (run[0] for run in pool.run([rest, *cases], keep=False))
+    white = resampled(model.whiten(measured - base), axis.moments, axis.grid)
+    found = [
+        one
+        for part, run in zip(parts, runs, strict=True)
+        for one in best_moments(axis, white, model.whiten(run - base), part, onset.unit)
+    ]
+    found.sort(reverse=True)
+    near = [m + d for _, m in found[: EVENTS.most_told] for d in EVENTS.coarse_grid[::2]]
+    return [_at(event, onset, moment) for moment in near]
+
+
+def _best(
+    pool: SimulationPool, measured: Array, rest: Case, tries: Sequence[Added], model: NoiseModel
+) -> tuple[Added, float]:
+    cases = [replace(rest, effects=(*rest.effects, event)) for event in tries]
+    costs = costs_of(pool, measured, model, cases)
+    best = int(np.argmin(costs))
+    return tries[best], float(costs[best])

@@ -1,0 +1,83 @@
+"""What a part of a run lacks, and what that costs the verdict; said before the work begins."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from sim_plant.line.declaration import Declaration, LoadCell
+from sim_plant.refine.model.run_match import SPEED_REF
+from sim_plant.refine.model.twin import Twin
+from sim_plant.refine.records.recording import Recording
+
+STEP_SHARE = 0.02
+"""A tension reference that changes by less of itself has no step."""
+RADIUS_SHARE = 0.005
+"""A roll whose radius changes by less keeps its frequency to within a turn in 200."""
+
+
+def run_limits(record: Recording, twin: Twin) -> list[str]:
+    """Return what this part of a run lacks, as sentences; none for a record that is no run's."""
+    if record.run is None:
+        return []
+    line, name = twin.declaration, record.path.name
+    found = []
+    if not _reference_mapped(record):
+        found.append(
+            f"{name}: no speed reference: the measured speed stands in, some 100 ppm off; at "
+            "which of several like idlers of a zone an effect sits is not told, nor what only "
+            "the drives' common speed shows"
+        )
+    if float(np.ptp(twin.tension_N)) < STEP_SHARE * float(np.mean(np.abs(twin.tension_N))):
+        found.append(
+            f"{name}: no step of the tension reference: the modulus, a loop's gains and a "
+            "delay are told by ripple alone"
+        )
+    if _radius_change(line, record) < RADIUS_SHARE:
+        found.append(
+            f"{name}: the unwind roll keeps its radius: an order of it and a roller of that "
+            "radius look the same"
+        )
+    missing = [s.channel for s in line.sensors if s.channel not in record.columns]
+    if missing:
+        found.append(f"{name}: not recorded: {', '.join(missing)}; {_cost(line, record)}")
+    for actuator, known in record.run.delivery_known.items():
+        if not known and np.any(twin.aff_m_s.get(actuator, 0.0)):
+            found.append(
+                f"{name}: when a correction of {actuator} acted is not recorded, the usual delay "
+                "is taken: a delay of that drive is not told from it (map aff_echo or applied)"
+            )
+    return found
+
+
+def _reference_mapped(record: Recording) -> bool:
+    assert record.run is not None
+    return not any("no speed reference is recorded" in text for text in record.findings)
+
+
+def _radius_change(line: Declaration, record: Recording) -> float:
+    """Return by what share the unwind roll's radius changes, from web travel and thickness."""
+    radius = line.initial_radii_m.unwind
+    metres = float(np.sum(np.abs(record.columns[SPEED_REF]))) * record.sample_time_s
+    area = radius**2 - metres * line.web.thickness_m / np.pi
+    return 1.0 - float(np.sqrt(max(area, 0.0))) / radius
+
+
+def _cost(line: Declaration, record: Recording) -> str:
+    """Return what missing channels cost: zones between drives without a tension of their own."""
+    names = [r.name for r in line.rollers]
+    driven = sorted(line.body(d.roller) for d in line.control.drives)
+    cells = [line.body(s.roller) for s in line.sensors if _read(s, record)]
+    blind = [
+        f"{names[a]} to {names[b]}"
+        for a, b in itertools.pairwise(driven)
+        if b - a > 1 and not any(a < k < b for k in cells)
+    ]
+    if not blind:
+        return "where an effect sits rests on fewer channels"
+    return f"nothing tells what happens from {' and from '.join(blind)}"
+
+
+def _read(sensor: object, record: Recording) -> bool:
+    return isinstance(sensor, LoadCell) and sensor.channel in record.columns

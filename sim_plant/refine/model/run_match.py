@@ -1,0 +1,172 @@
+"""A run's channels by the names of the line: by name, else by what its site file uses them for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import Array
+from sim_plant.line.declaration import (
+    Declaration,
+    DriveSpeed,
+    LoadCell,
+    RollAngle,
+    RollRadius,
+    Sensor,
+)
+from sim_plant.refine.model.speed_stand_in import stand_in_speed
+from sim_plant.refine.records.recording import Recording, RunFacts
+from sim_plant.refine.records.run_record import CORRECTION
+
+SPEED_REF, TENSION_REF = "line_speed_ref_m_s", "tension_ref_N"
+APPLIED = "applied_"
+"""Columns ``applied_<driven roller>_<m_s or N_m>``: the correction that acted after the row."""
+
+
+def run_on_line(line: Declaration, record: Recording) -> Recording:
+    """Return a run's record with the line's own names for channels, references and corrections.
+
+    A record that is no part of a run comes back as it is.
+
+    Raises
+    ------
+    PlantError
+        It has none of the line's channels, no tension, or corrections of an actuator that is no
+        drive of the line.
+    """
+    if record.run is None:
+        return record
+    run = record.run
+    names = dict(_channels(line, run, record.columns))
+    if not any(isinstance(s, LoadCell) and s.channel in names for s in line.sensors):
+        raise PlantError(
+            f"{record.path}: holds no tension of this line: its site file maps "
+            f"{', '.join(sorted(run.site.steps))}; the line declares "
+            f"{', '.join(s.channel for s in line.sensors if isinstance(s, LoadCell))}; "
+            "is it a run of another line? Else name the sensors of the line file as the site does"
+        )
+    columns = {mine: record.columns[theirs] for mine, theirs in names.items()}
+    said = [f"{mine} is the run's {theirs}" for mine, theirs in names.items() if mine != theirs]
+    columns[SPEED_REF], speed_said = _speed_reference(line, run, record, columns)
+    columns[TENSION_REF], tension_said = _tension_reference(line, run, record, columns)
+    columns |= _corrections(line, record)
+    return replace(
+        record,
+        columns=columns,
+        findings=(*record.findings, *said, *speed_said, *tension_said),
+        zeros_rad={m: record.zeros_rad[t] for m, t in names.items() if t in record.zeros_rad},
+        run=replace(run, site=replace(run.site, steps=_steps(run, names))),
+    )
+
+
+def _steps(run: RunFacts, names: Mapping[str, str]) -> dict[str, float]:
+    return {mine: run.site.steps.get(theirs, 0.0) for mine, theirs in names.items()}
+
+
+def _channels(
+    line: Declaration, run: RunFacts, columns: Mapping[str, Array]
+) -> Iterator[tuple[str, str]]:
+    """Yield (channel of the line, column of the run) for every sensor that is recorded."""
+    taken = {s.channel for s in line.sensors if s.channel in columns}
+    for sensor in line.sensors:
+        if sensor.channel in columns:
+            yield sensor.channel, sensor.channel
+            continue
+        by_use = _by_use(line, run, sensor)
+        if by_use in columns and by_use not in taken:
+            taken.add(by_use)
+            yield sensor.channel, by_use
+
+
+def _by_use(line: Declaration, run: RunFacts, sensor: Sensor) -> str:
+    """Return the column that the site file uses for what this sensor measures, or nothing."""
+    rolls = {name.lower(): uses for name, uses in run.site.rolls.items()}
+    uses = rolls.get(sensor.roller.lower(), {})
+    if isinstance(sensor, RollAngle):
+        return uses.get("angle", "")
+    if isinstance(sensor, RollRadius):
+        return uses.get("radius", "")
+    if isinstance(sensor, LoadCell):
+        return _signal_of(line, run, sensor)
+    end = "_m_s" if sensor.scale_radius_m is not None else "_rad_s"
+    own = uses.get("speed", "")
+    if own.endswith(end):
+        return own
+    first = next((s for s in line.sensors if isinstance(s, DriveSpeed) and s.scale_radius_m), None)
+    return run.site.speed if sensor is first else ""
+
+
+def _signal_of(line: Declaration, run: RunFacts, cell: LoadCell) -> str:
+    """Return what the actuator of this cell's tension loop keeps quiet, if that is a tension."""
+    for loop in line.control.tension_pi:
+        actuator = run.site.actuators.get(loop.acts_on)
+        if actuator is not None and loop.load_cell == cell.roller:
+            return actuator.signal if actuator.signal.endswith("_N") else ""
+    return ""
+
+
+def _speed_reference(
+    line: Declaration, run: RunFacts, record: Recording, columns: Mapping[str, Array]
+) -> tuple[Array, list[str]]:
+    """Return the line speed reference, measured or stood in for, and what is said of it."""
+    for name in (run.site.speed_reference, SPEED_REF):
+        if name and name in record.columns:
+            return acting(record.columns[name]), []
+    return stand_in_speed(line, columns, record)
+
+
+def acting(read: Array) -> Array:
+    """Return what acts after each row, of a reference that the service read; (n,) as given.
+
+    What a row shows first was set at some moment since the row before, half a cycle ago in the
+    mean; the line takes each row's value until the next row, so half of the next one's counts.
+    """
+    following = np.append(read[1:], read[-1:])
+    return np.asarray(0.5 * (read + following))
+
+
+def _tension_reference(
+    line: Declaration, run: RunFacts, record: Recording, columns: Mapping[str, Array]
+) -> tuple[Array, list[str]]:
+    """Return the tension reference; the mean of the loop's own cell where none is mapped."""
+    named = [a.reference for a in run.site.actuators.values() if a.reference.endswith("_N")]
+    for name in (TENSION_REF, *named):
+        if name in record.columns:
+            return acting(record.columns[name]), []
+    cells = {s.roller: s.channel for s in line.sensors if isinstance(s, LoadCell)}
+    looped = [cells[loop.load_cell] for loop in line.control.tension_pi]
+    others = [s.channel for s in line.sensors if isinstance(s, LoadCell)]
+    channel = next(c for c in (*looped, *others) if c in columns)
+    mean = float(np.mean(columns[channel]))
+    text = f"no tension reference is recorded: the mean of {channel}, {mean:.4g} N, stands in"
+    return np.full(record.samples, mean), [text]
+
+
+def _corrections(line: Declaration, record: Recording) -> dict[str, Array]:
+    """Return what acted on every driven roller as ``applied_`` columns; those that never did not.
+
+    Raises
+    ------
+    PlantError
+        Something acted through an actuator that is no drive of the line.
+    """
+    assert record.run is not None
+    drives = {drive.roller.lower(): drive.roller for drive in line.control.drives}
+    found: dict[str, Array] = {}
+    for name, actuator in record.run.site.actuators.items():
+        values = record.columns.get(f"{CORRECTION}{name}_{actuator.suffix}")
+        if values is None or not np.any(values):
+            continue
+        roller = drives.get(name.lower()) or drives.get(actuator.roll.lower())
+        if roller is None:
+            raise PlantError(
+                f"{record.path}: corrections went out through {name}, which is no drive of this "
+                f"line ({', '.join(drives.values())}); name the drive's roller in the line file "
+                "as the site file does, or give a window in which they did not"
+            )
+        column = f"{APPLIED}{roller}_{actuator.suffix}"
+        found[column] = found.get(column, 0.0) + values
+    return found

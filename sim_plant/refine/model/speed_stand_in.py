@@ -1,0 +1,124 @@
+"""A line speed reference from what was measured, where the run has none.
+
+Between ramps it is what the speed rests at. A ramp is taken for a straight one: its middle is
+where the measured travel puts it (a drive with an integral in its loop makes up what it lags), its
+length the one that fits the measured speed best; where no straight one fits, the measured speed is
+smoothed. Levels and travel come from the turns of a driven roller of fixed radius where its angle
+is recorded: its drive divides the reference by that radius, and turns have no scale to be wrong.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+
+import numpy as np
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.base.arrays import Array
+from sim_plant.line.declaration import Declaration, DriveSpeed, RollAngle
+from sim_plant.refine.records.recording import Recording
+from sim_plant.refine.records.run_phases import box_mean, ramps
+
+SMOOTHED_S = 0.1
+"""To either side, of the speed in a ramp."""
+SHORTEST_REST_S = 2.0
+MARGIN_S = 0.8
+"""To either side of a change, before the speed is taken to rest."""
+STRAIGHT_SHARE = 0.01
+"""Of the speed: a ramp that is nearer than this to what was measured is taken for straight."""
+LENGTHS = 200
+"""Lengths of a ramp that are tried."""
+
+
+def stand_in_speed(
+    line: Declaration, columns: Mapping[str, Array], record: Recording
+) -> tuple[Array, list[str]]:
+    """Return a reference (samples,), m/s, and what is said of it.
+
+    Raises
+    ------
+    PlantError
+        No line speed is recorded either.
+    """
+    step_s = record.sample_time_s
+    speeds = [
+        s.channel
+        for s in line.sensors
+        if isinstance(s, DriveSpeed) and s.scale_radius_m is not None and s.channel in columns
+    ]
+    if not speeds:
+        raise PlantError(
+            f"{record.path}: holds neither a line speed nor its reference; map one of them in "
+            "the site file and record again"
+        )
+    speed = columns[speeds[0]]
+    turned = _turned_m(line, columns)
+    source = speeds[0] if turned is None else f"{speeds[0]}, with the turns of {turned[0]},"
+    travel = np.cumsum(speed) * step_s if turned is None else turned[1]
+    found, bent = _straight_parts(speed, travel, step_s)
+    said = [f"no speed reference is recorded: the measured {source} stands in"]
+    if bent:
+        said.append(f"{bent} changes of speed are no straight ramps: smoothed there")
+    return found, said
+
+
+def _straight_parts(speed: Array, travel_m: Array, step_s: float) -> tuple[Array, int]:
+    """Return levels joined by straight ramps (samples,), and how many changes are none."""
+    found = box_mean(speed, max(1, round(SMOOTHED_S / step_s)))
+    changing = box_mean(ramps(speed, step_s).astype(np.float64), round(MARGIN_S / step_s)) > 0.0
+    edges = [0, *(np.flatnonzero(np.diff(changing.astype(np.int8))) + 1), speed.size]
+    parts = [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
+    levels: dict[int, float] = {}
+    for k, part in enumerate(parts):
+        length = part.stop - part.start
+        if not changing[part.start] and length * step_s >= SHORTEST_REST_S:
+            run = float(travel_m[part.stop - 1] - travel_m[part.start])
+            levels[k] = found[part] = run / ((length - 1) * step_s)
+    bent = 0
+    for k, part in enumerate(parts):
+        if changing[part.start]:
+            ramp = None
+            if k - 1 in levels and k + 1 in levels:
+                run = float(travel_m[part.stop] - travel_m[part.start])
+                ramp = _ramp(speed[part], run, (levels[k - 1], levels[k + 1]), step_s)
+            bent += ramp is None
+            found[part] = found[part] if ramp is None else ramp
+    return found, bent
+
+
+def _ramp(
+    speed: Array, travel_m: float, levels: tuple[float, float], step_s: float
+) -> Array | None:
+    """Return the straight ramp between two levels, None where none is near the speed (samples,).
+
+    Equation: travel = v1 t_m + v2 (T - t_m) gives the middle t_m of a ramp symmetric about it.
+    """
+    before, after = levels
+    if abs(after - before) < STRAIGHT_SHARE * max(abs(before), abs(after)):
+        return None
+    time_s = np.arange(speed.size) * step_s
+    whole_s = speed.size * step_s
+    middle_s = (after * whole_s - travel_m) / (after - before)
+    longest_s = 2.0 * min(middle_s, whole_s - middle_s)
+    if not longest_s > step_s:
+        return None
+    tries = [
+        np.interp(time_s, [middle_s - 0.5 * d, middle_s + 0.5 * d], levels)
+        for d in np.linspace(step_s, longest_s, LENGTHS)
+    ]
+    best = min(tries, key=lambda ramp: float(np.sum((ramp - speed) ** 2)))
+    error = float(np.sqrt(np.mean((best - speed) ** 2)))
+    return best if error < STRAIGHT_SHARE * max(abs(before), abs(after)) else None
+
+
+def _turned_m(line: Declaration, columns: Mapping[str, Array]) -> tuple[str, Array] | None:
+    """Return name and surface travel, m, of a driven roller of fixed radius; None without one."""
+    drawn = {d.roller for d in line.control.drives if "draw" in d.speed_reference}
+    fixed = {r.name: r.radius_m for r in line.rollers if r.kind == "driven"}
+    for sensor in line.sensors:
+        if not isinstance(sensor, RollAngle) or sensor.roller in drawn:
+            continue
+        if sensor.roller in fixed and sensor.channel in columns:
+            return sensor.channel, columns[sensor.channel] * fixed[sensor.roller]
+    return None

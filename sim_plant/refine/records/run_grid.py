@@ -1,0 +1,185 @@
+"""Rows of a run on an even grid: the PLC's own scans, holes named, breaks found.
+
+A row belongs to the scan whose readings it shows. The PLC's heartbeat counts its scans, so it says
+which one that is, however late the row was made; a row without a new heartbeat shows nothing new.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.base.errors import PlantError
+from aff_runtime.base.signals import Outcome, Status
+from sim_plant.base.arrays import Array
+
+WORD = 1 << 16
+SAME_PERIOD_SHARE = 0.01
+"""A scan that differs by less from a whole number of cycles takes that."""
+LATE_S = 0.25
+"""Between two rows the heartbeat may be off the clock by this before the PLC has started anew."""
+MOST_SCANS = 500.0
+"""Between two rows; a larger step of the heartbeat is no count of scans."""
+FILLED_SAMPLES = 4
+"""Missing samples that are filled in between neighbours; a longer hole ends a piece."""
+
+COUNTS = ("tick", "periods_count", "plc_heartbeat", "status")
+SHORTEST_S = 1e-6
+"""No PLC scans, and no run goes on, in less."""
+LARGEST = 1e15
+"""No count and no reading is that large; a row with one shows nothing."""
+
+Flags = npt.NDArray[np.bool_]
+Rows = npt.NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Break:
+    """Where no record may go on: row (of the good ones) that begins anew, and why."""
+
+    row: int
+    why: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Scans:
+    """The rows of a run that show new readings, and when these were taken.
+
+    Attributes
+    ----------
+    rows : of the table (scans,).
+    taken_s : when, on the PLC's own clock (scans,), counted from the first.
+    step_s : of the grid that they belong on.
+    breaks : in order.
+    findings : sentences.
+    """
+
+    rows: Rows
+    taken_s: Array
+    step_s: float
+    breaks: tuple[Break, ...]
+    findings: tuple[str, ...]
+
+
+def scans_of(columns: Mapping[str, Array], channels: Sequence[str]) -> Scans:
+    """Return the scans in the rows of a run; in each of them every one of ``channels`` was read.
+
+    Raises
+    ------
+    PlantError
+        No row shows anything new.
+    """
+    time_s, good = columns["time_s"], (columns["outcome"] == Outcome.OK) & (columns["fresh"] > 0)
+    unread = np.zeros(time_s.shape, dtype=np.bool_)
+    for name in (*channels, *COUNTS):
+        unread |= ~(np.abs(columns[name]) < LARGEST)
+    good &= ~unread
+    rows = np.flatnonzero(good)
+    if rows.size < 3:
+        raise PlantError("no row shows new readings of the PLC; give another window")
+    cycle_s = _cycle_s(columns)
+    time_s, beat = time_s[rows], columns["plc_heartbeat"][rows]
+    moved = np.mod(np.diff(beat), WORD)
+    gone_s = np.diff(time_s)
+    scan_s = _scan_s(gone_s, moved)
+    breaks = {int(k) + 1: "the clock of the run goes back" for k in np.flatnonzero(gone_s <= 0.0)}
+    for k in np.flatnonzero(np.abs(moved * scan_s - gone_s) > LATE_S):
+        breaks.setdefault(int(k) + 1, "the PLC's heartbeat jumps: it started anew, or stood still")
+    for row in breaks:
+        moved[row - 1] = max(1.0, round(float(gone_s[row - 1]) / scan_s))
+    said = _losses(columns, good)
+    cycles = max(1, round(scan_s / cycle_s))
+    if abs(scan_s / (cycles * cycle_s) - 1.0) < SAME_PERIOD_SHARE:
+        scan_s = cycles * cycle_s
+    if scan_s > cycle_s:
+        said.append(f"the PLC scans every {1e3 * scan_s:.4g} ms: one sample a scan")
+    elif scan_s < cycle_s:
+        said.append(f"the PLC scans every {1e3 * scan_s:.4g} ms: put on the run's cycle")
+    taken_s: Array = np.concatenate(([0.0], np.cumsum(moved))) * scan_s
+    step_s = max(scan_s, cycle_s)
+    holes = np.diff(taken_s) / step_s
+    for k in np.flatnonzero(holes > FILLED_SAMPLES + 1.5):
+        breaks.setdefault(int(k) + 1, f"nothing was read for {holes[k] * step_s:.3g} s")
+    return Scans(
+        rows=rows,
+        taken_s=taken_s,
+        step_s=step_s,
+        breaks=tuple(Break(row=k, why=breaks[k]) for k in sorted(breaks)),
+        findings=tuple(said),
+    )
+
+
+def _cycle_s(columns: Mapping[str, Array]) -> float:
+    """Return the run's cycle: each row says of how many periods it is the end."""
+    gone, periods = np.diff(columns["time_s"]), columns["periods_count"][1:]
+    usable = (gone > 0.0) & (periods > 0.0)
+    if not usable.any():
+        raise PlantError("the times of the rows do not go on; give another window")
+    return _long_enough(float(np.median(gone[usable] / periods[usable])))
+
+
+def _scan_s(gone_s: Array, moved: Array) -> float:
+    """Return the period of the PLC's scan, s: time over counts, where both go on as usual."""
+    usual = (gone_s > 0.0) & (gone_s < LATE_S) & (moved > 0.0) & (moved < MOST_SCANS)
+    if not usual.any():
+        raise PlantError("the times of the rows do not go on; give another window")
+    return _long_enough(float(np.sum(gone_s[usual]) / np.sum(moved[usual])))
+
+
+def _long_enough(period_s: float) -> float:
+    """Return a period that is one."""
+    if period_s < SHORTEST_S:
+        raise PlantError("the times of the rows hardly go on; give another window")
+    return period_s
+
+
+def _losses(columns: Mapping[str, Array], good: Flags) -> list[str]:
+    """Return sentences about ticks that were late, failed or showed nothing new."""
+    said = []
+    missed = int(np.sum(_beyond_one(columns["periods_count"][1:])))
+    if missed:
+        said.append(f"{missed} ticks were missed")
+    with np.errstate(invalid="ignore", over="ignore"):
+        lost = int(np.sum(_beyond_one(np.diff(columns["tick"]))))
+    if lost:
+        said.append(f"{lost} rows are missing between those that are there")
+    failed = int(np.sum(columns["outcome"] != Outcome.OK))
+    if failed:
+        said.append(f"{failed} exchanges with the PLC failed")
+    stale = int(np.sum(~good)) - failed
+    if stale:
+        said.append(f"{stale} rows show nothing new of the PLC, or a reading is missing in them")
+    return said
+
+
+def _beyond_one(steps: Array) -> Array:
+    """Return by how much each step is more than one; 0 of what is no count."""
+    return np.where(np.abs(steps) < LARGEST, np.maximum(steps - 1.0, 0.0), 0.0)
+
+
+def line_breaks(columns: Mapping[str, Array], rows: Rows) -> list[Break]:
+    """Return where the line itself is another one: a splice, another roll, a stop."""
+    status = columns["status"][rows].astype(np.int64)
+    found = []
+    spliced = (status & int(Status.SPLICE_ACTIVE)) != 0
+    for k in np.flatnonzero(np.diff(spliced.astype(np.int8))) + 1:
+        found.append(Break(row=int(k), why="a splice begins" if spliced[k] else "a splice ends"))
+    for k in np.flatnonzero(np.diff(columns["roll_id"][rows])) + 1:
+        found.append(Break(row=int(k), why="another roll is on"))
+    for bit, name in ((Status.LINE_RUN, "LINE_RUN"), (Status.WEB_INTACT, "WEB_INTACT")):
+        on = (status & int(bit)) != 0
+        for k in np.flatnonzero(np.diff(on.astype(np.int8))) + 1:
+            found.append(Break(row=int(k), why=f"{name} {'comes' if on[k] else 'goes'}"))
+    return found
+
+
+def angle_breaks(values: Array, taken_s: Array, name: str) -> list[Break]:
+    """Return where an angle (scans,) jumps by more than the roll can have turned: a new count."""
+    steps, gone_s = np.diff(values), np.diff(taken_s)
+    rate = steps / np.maximum(gone_s, 1e-9)
+    usual = float(np.median(rate))
+    odd = np.abs(steps - usual * gone_s) > np.pi + 2.0 * abs(usual) * gone_s
+    return [Break(row=int(k) + 1, why=f"{name} counts anew") for k in np.flatnonzero(odd)]

@@ -1,0 +1,102 @@
+"""What the line and the service did in a piece of a run: correcting or not, probing, ramps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from aff_runtime.base.signals import State, StateBits
+from sim_plant.base.arrays import Array
+
+EXCITING = 2.0
+"""Stage of a probe in which its excitation goes out."""
+RAMP_LOOK_S = 1.0
+RAMP_SHARE = 0.01
+"""A speed that changes by more than this share of its highest within a second is a ramp."""
+LIMITED_SHARE = 0.999
+LARGEST_WORD = 2.0**32
+
+Flags = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Phases:
+    """How long each lasted in a piece, s; probing counts as neither on nor off.
+
+    Attributes
+    ----------
+    on_s, off_s, probing_s : corrections went out, none did, the probe's excitation did.
+    ramp_s : the line speed changed.
+    saturated_s : a limit of the service cut the correction.
+    shadow_s : of ``off_s``, the law computed and nothing was sent.
+    """
+
+    on_s: float
+    off_s: float
+    probing_s: float
+    ramp_s: float
+    saturated_s: float
+    shadow_s: float
+
+    def sentences(self) -> list[str]:
+        """Return them as they are said of a record."""
+        parts = [("AFF on", self.on_s), ("off", self.off_s), ("probing", self.probing_s)]
+        said = [", ".join(f"{name} {length:.4g} s" for name, length in parts if length > 0.0)]
+        if self.ramp_s > 0.0:
+            said.append(f"the line speed changes for {self.ramp_s:.3g} s")
+        if self.shadow_s > 0.0:
+            said.append(f"{self.shadow_s:.3g} s of that in shadow: computed, not sent")
+        if self.saturated_s > 0.0:
+            said.append(
+                f"AFF was at a limit for {self.saturated_s:.3g} s: what it sent is taken as sent"
+            )
+        return said
+
+
+def phases_of(
+    columns: Mapping[str, Array], sent: Sequence[Array], speed_m_s: Array, step_s: float
+) -> Phases:
+    """Return the phases of samples; ``columns`` and ``sent`` (per actuator) are (samples,)."""
+    stage = columns.get("probe.stage", np.full(speed_m_s.shape, np.nan))
+    going = np.zeros(speed_m_s.shape, dtype=np.bool_)
+    for values in sent:
+        going |= values != 0.0
+    probing = (stage == EXCITING) & going
+    shadow = columns["state"] == State.SHADOW
+    words = np.clip(np.nan_to_num(columns["state_bits"]), 0.0, LARGEST_WORD)
+    limited = (words.astype(np.int64) & int(StateBits.SATURATED)) != 0
+    for name, values in columns.items():
+        if name.startswith("limit_ratio_"):
+            limited |= values < LIMITED_SHARE
+    return Phases(
+        on_s=step_s * float(np.sum(going & ~probing)),
+        off_s=step_s * float(np.sum(~going & ~probing)),
+        probing_s=step_s * float(np.sum(probing)),
+        ramp_s=step_s * float(np.sum(ramps(speed_m_s, step_s))),
+        saturated_s=step_s * float(np.sum(limited & going)),
+        shadow_s=step_s * float(np.sum(shadow)),
+    )
+
+
+def ramps(speed_m_s: Array, step_s: float) -> Flags:
+    """Return where the line speed (samples,) changes, judged over a second about each sample."""
+    reach = max(1, round(0.5 * RAMP_LOOK_S / step_s))
+    if speed_m_s.size <= 2 * reach:
+        return np.zeros(speed_m_s.shape, dtype=np.bool_)
+    smooth = box_mean(speed_m_s, reach)
+    change = np.zeros(speed_m_s.shape)
+    change[reach:-reach] = np.abs(smooth[2 * reach :] - smooth[: -2 * reach])
+    found: Flags = change > RAMP_SHARE * float(np.max(np.abs(smooth)))
+    return found
+
+
+def box_mean(values: Array, reach: int) -> Array:
+    """Return the mean over ``reach`` samples to either side, fewer at the ends."""
+    total = np.concatenate(([0.0], np.cumsum(values)))
+    at = np.arange(values.size)
+    low, high = np.maximum(at - reach, 0), np.minimum(at + reach + 1, values.size)
+    found: Array = (total[high] - total[low]) / (high - low)
+    return found

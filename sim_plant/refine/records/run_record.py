@@ -1,0 +1,243 @@
+"""A part of a service's run as a record: segments joined, scans on a grid, corrections in."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from aff_runtime.base.effort import bounded_effort
+from aff_runtime.base.errors import AffError, PlantError
+from aff_runtime.base.printable import printable
+from aff_runtime.base.run_table import RunTable, few, read_table
+from aff_runtime.base.run_window import run_window
+from aff_runtime.base.signals import Status
+from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.records.recording import Recording, RunFacts
+from sim_plant.refine.records.run_delivery import Delivered, delivered
+from sim_plant.refine.records.run_grid import (
+    Break,
+    Rows,
+    Scans,
+    angle_breaks,
+    line_breaks,
+    scans_of,
+)
+from sim_plant.refine.records.run_phases import Phases, phases_of
+from sim_plant.refine.records.run_site import DEFAULT_SPEED, RunSite, run_site
+from sim_plant.refine.records.sanity import counted_on, oddities
+
+LONGEST_S = 300.0
+"""To read a run that somebody sent: thousands of segments can be small and long to read."""
+MEMORY_BYTES = 4 << 30
+SHORTEST_S = 20.0
+"""A piece below this is no record: the first 20 s of one are not judged."""
+NEEDED = (
+    *("time_s", "tick", "periods_count", "state", "state_bits", "outcome", "fresh"),
+    *("plc_heartbeat", "status", "roll_id"),
+)
+"""Columns without which the rows of a run cannot be put in order."""
+EDITED = ("CONFIG_APPLIED", "EDIT")
+CORRECTION = "correction_"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Piece:
+    """Rows of the scans from ``first`` to before ``end`` without a break in them."""
+
+    first: int
+    end: int
+    from_s: float
+    to_s: float
+    running: bool
+
+    @property
+    def length_s(self) -> float:
+        """Duration, s."""
+        return self.to_s - self.from_s
+
+    def __str__(self) -> str:
+        """Return its times in the run."""
+        return f"{self.from_s:.1f}..{self.to_s:.1f} s"
+
+
+def read_run_record(path: Path) -> Recording:
+    """Return the longest unbroken piece of the window that ``path`` names, SI, on an even grid.
+
+    Raises
+    ------
+    PlantError
+        It is no run, holds no rows there, or no piece of ``SHORTEST_S``.
+    """
+    try:
+        shown = printable(str(path))
+        with bounded_effort(shown, PlantError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
+            table = read_table(run_window(path))
+    except AffError as error:
+        raise PlantError(str(error)) from error
+    _refuse_other_columns(path, table.columns)
+    site = run_site(table.site_text, f"{path}: site.yaml")
+    channels = [name for name in site.steps if _is_read(table.columns, name)]
+    try:
+        scans = scans_of(table.columns, channels)
+    except PlantError as error:
+        raise PlantError(f"{path}: {error}") from error
+    readings, counted = counted_on({n: table.columns[n][scans.rows] for n in channels})
+    pieces, breaks = _pieces(table.columns, scans, readings)
+    piece = max((p for p in pieces if p.running), key=lambda p: p.length_s, default=None)
+    if piece is None or piece.length_s < SHORTEST_S:
+        raise PlantError(
+            f"{path}: no {SHORTEST_S:g} s of the running line without a break: "
+            f"{'; '.join(breaks[:6]) or 'the window is too short'}; give another window"
+        )
+    found = _on_grid(table, site, scans, piece, readings)
+    silent = [n for n in site.steps if n in table.columns and n not in channels]
+    said = [f"{name} was never read" for name in silent]
+    said += [*table.lost, *few(_edits(table)), *scans.findings, *few(breaks), *counted]
+    if len(pieces) > 1:
+        others = ", ".join(few([str(p) for p in pieces if p is not piece]))
+        said.append(f"taken is {piece} of the run; left out {others}")
+    measured = {n: v for n, v in found.columns.items() if not n.startswith(CORRECTION)}
+    return Recording(
+        path=path,
+        sha256=_digest(found.columns),
+        sample_time_s=scans.step_s,
+        columns=found.columns,
+        findings=(*said, *found.said, *oddities(measured)),
+        zeros_rad=found.zeros_rad,
+        run=RunFacts(site=site, phases=found.phases, delivery_known=found.known),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Grid:
+    columns: dict[str, Array]
+    zeros_rad: dict[str, float]
+    phases: Phases
+    known: dict[str, bool]
+    said: list[str]
+
+
+def _refuse_other_columns(path: Path, columns: Mapping[str, Array]) -> None:
+    missing = [name for name in NEEDED if name not in columns]
+    if missing:
+        raise PlantError(
+            f"{path}: the run has no column {', '.join(missing)}: an aff-runtime recorded it "
+            "otherwise; give a run of this version"
+        )
+
+
+def _pieces(
+    columns: Mapping[str, Array], scans: Scans, readings: Mapping[str, Array]
+) -> tuple[list[Piece], list[str]]:
+    """Return the unbroken pieces, and every break as a sentence with its time."""
+    found: list[Break] = [*scans.breaks, *line_breaks(columns, scans.rows)]
+    for name, values in readings.items():
+        if name.endswith("_rad"):
+            found += angle_breaks(values, scans.taken_s, name)
+    rows, time_s = scans.rows, columns["time_s"]
+    status = columns["status"][rows].astype(np.int64)
+    runs = (status & int(Status.LINE_RUN)) != 0
+    spliced = (status & int(Status.SPLICE_ACTIVE)) != 0
+    edges = sorted({0, rows.size, *(b.row for b in found)})
+    pieces = [
+        Piece(
+            first=first,
+            end=end,
+            from_s=float(time_s[rows[first]]),
+            to_s=float(time_s[rows[end - 1]]),
+            running=bool(runs[first] or not runs.any()) and not bool(spliced[first]),
+        )
+        for first, end in itertools.pairwise(edges)
+        if end - first >= CRITERIA.records.fewest_rows
+    ]
+    by_row: dict[int, list[str]] = {}
+    for b in found:
+        by_row.setdefault(b.row, []).append(b.why)
+    said = [f"at {time_s[rows[r]]:.2f} s {', '.join(by_row[r])}" for r in sorted(by_row)]
+    return pieces, said
+
+
+def _on_grid(
+    table: RunTable, site: RunSite, scans: Scans, piece: Piece, readings: Mapping[str, Array]
+) -> _Grid:
+    """Return everything of one piece on its grid."""
+    part = slice(piece.first, piece.end)
+    rows, taken_s = scans.rows[part], scans.taken_s[part] - scans.taken_s[piece.first]
+    grid: Array = np.arange(round(taken_s[-1] / scans.step_s) + 1) * scans.step_s
+    columns = {name: np.interp(grid, taken_s, values[part]) for name, values in readings.items()}
+    filled = grid.size - np.unique(np.rint(taken_s / scans.step_s)).size
+    said = [f"{filled} missing samples are filled in between"] if filled > 0 else []
+    held = np.searchsorted(taken_s, grid + 1e-9, side="right") - 1
+    acted = _acted(table.columns, site, rows, scans.step_s)
+    for name, found in acted.items():
+        suffix = site.actuators[name].suffix
+        columns[f"{CORRECTION}{name}_{suffix}"] = found.values[held]
+        said.append(f"corrections of {name}: {found.how}")
+    zeros = {n: float(v[0]) for n, v in columns.items() if n.endswith("_rad")}
+    columns |= {name: columns[name] - zero for name, zero in zeros.items()}
+    speed = columns.get(site.speed, columns.get(DEFAULT_SPEED, np.zeros(grid.size)))
+    phases = phases_of(
+        {n: v[rows][held] for n, v in table.columns.items() if _of_service(n)},
+        [found.values[held] for found in acted.values()],
+        speed,
+        scans.step_s,
+    )
+    return _Grid(
+        columns=columns,
+        zeros_rad=zeros,
+        phases=phases,
+        known={name: found.known for name, found in acted.items()},
+        said=[*said, *phases.sentences()],
+    )
+
+
+def _is_read(columns: Mapping[str, Array], name: str) -> bool:
+    """Return whether a channel is recorded and has readings in half of the rows at least."""
+    return name in columns and float(np.mean(np.isfinite(columns[name]))) > 0.5
+
+
+def _of_service(name: str) -> bool:
+    return name in ("state", "state_bits", "probe.stage") or name.startswith("limit_ratio_")
+
+
+def _acted(
+    columns: Mapping[str, Array], site: RunSite, rows: Rows, cycle_s: float
+) -> dict[str, Delivered]:
+    """Return what acted of every actuator whose corrections are recorded."""
+    return {
+        name: delivered(
+            columns,
+            f"{name}_{a.suffix}",
+            rows,
+            count=a.count,
+            delay_s=a.transport_s,
+            cycle_s=cycle_s,
+        )
+        for name, a in site.actuators.items()
+        if f"{CORRECTION}{name}_{a.suffix}" in columns
+    }
+
+
+def _edits(table: RunTable) -> list[str]:
+    """Return a sentence for every change of the site file within the run's window."""
+    return [
+        f"at {row.get('time_s', '?')} s the site file was changed ({row.get('text', '')}): "
+        "channels and units are those of the run's beginning, which no live edit changes"
+        for row in table.events
+        if row.get("name") in EDITED
+    ]
+
+
+def _digest(columns: Mapping[str, Array]) -> str:
+    """Return a hash of names and values."""
+    total = hashlib.sha256()
+    for name in sorted(columns):
+        total.update(name.encode())
+        total.update(np.ascontiguousarray(columns[name]).tobytes())
+    return total.hexdigest()

@@ -1,0 +1,128 @@
+"""What a run's own copy of the site file says about its columns; plain reading, no judgement."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from aff_runtime.base.errors import PlantError
+from aff_runtime.base.printable import printable, word
+from aff_runtime.base.run_files import yaml_values
+from aff_runtime.base.units import UnitError, read_number
+
+DEFAULT_SPEED = "line_speed_m_s"
+UNITS = {"velocity_reference": ("m/s", "m_s"), "torque_reference": ("N m", "N_m")}
+"""What an actuator's output is counted in: symbol, and end of its columns' names."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunActuator:
+    """One actuator of the site file.
+
+    Attributes
+    ----------
+    suffix : end of its columns' names, ``m_s`` or ``N_m``.
+    signal, reference : channels of what it keeps quiet; reference empty where none is mapped.
+    count : correction in one count of its word, SI; 0 where the file does not say.
+    roll : roll that its declared drive turns; empty without one.
+    transport_s : declared time from a snapshot to its correction at the drive; None without.
+    """
+
+    suffix: str
+    signal: str
+    reference: str
+    count: float
+    roll: str
+    transport_s: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunSite:
+    """The site file of a run, as far as its columns need it.
+
+    Attributes
+    ----------
+    name : of the line.
+    speed : channel of the line speed; ``speed_reference`` that of its set point, or empty.
+    rolls : per roll its channels by use (``angle``, ``speed``, ``radius``).
+    actuators : by name.
+    steps : per channel one count of its word, SI.
+    """
+
+    name: str
+    speed: str
+    speed_reference: str
+    rolls: Mapping[str, Mapping[str, str]]
+    actuators: Mapping[str, RunActuator]
+    steps: Mapping[str, float]
+
+
+def run_site(text: str, where: str) -> RunSite:
+    """Return what the site file in ``text`` says; ``where`` names it in errors.
+
+    Raises
+    ------
+    PlantError
+        It is missing, or no site file.
+    """
+    try:
+        data = yaml_values(text)
+        line, gateway = data["line"], data["gateway"]
+        channels, written = gateway["read"]["channels"], gateway["write"]["corrections"]
+        return RunSite(
+            name=printable(word(line.get("name"))),
+            speed=word(line.get("speed"), DEFAULT_SPEED),
+            speed_reference=word(line.get("speed_reference")),
+            rolls={str(name): _channels(roll) for name, roll in data["rolls"].items()},
+            actuators={
+                str(name): _actuator(given, written.get(name) or {})
+                for name, given in data["actuators"].items()
+            },
+            steps={
+                str(name): abs(_number(row.get("scale"), _unit(str(name)), 0.0))
+                for name, row in channels.items()
+            },
+        )
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        said = printable(f"{type(error).__name__}: {error}", 160)
+        raise PlantError(
+            f"{where}: does not say what the columns of the run are ({said}); put the site file "
+            "of that run in its place"
+        ) from None
+
+
+def _channels(roll: Mapping[str, Any]) -> dict[str, str]:
+    return {
+        use: word(roll.get(use)) for use in ("angle", "speed", "radius") if word(roll.get(use))
+    }
+
+
+def _actuator(given: Mapping[str, Any], written: Mapping[str, Any]) -> RunActuator:
+    unit, suffix = UNITS[given["output"]]
+    drive = given.get("drive") or {}
+    transport = drive.get("transport_ms")
+    return RunActuator(
+        suffix=suffix,
+        signal=word(given["error"]["signal"]),
+        reference=word(given["error"].get("reference")),
+        count=_number(written.get("scale"), unit, 0.0),
+        roll=word(drive.get("roll")),
+        transport_s=None if transport is None else 1e-3 * _number(transport, "ms", 0.0),
+    )
+
+
+def _unit(channel: str) -> str:
+    """Return the unit that a channel's name ends in, as the table of units spells it."""
+    for end, unit in (("_rad_s", "rad/s"), ("_m_s", "m/s"), ("_N_m", "N m"), ("_rad", "rad")):
+        if channel.endswith(end):
+            return unit
+    return {"N": "N", "m": "m", "Hz": "Hz", "s": "s"}.get(channel.rpartition("_")[2], "")
+
+
+def _number(value: object, unit: str, absent: float) -> float:
+    """Return a number of the file in ``unit``; ``absent`` where it is none."""
+    try:
+        return read_number(value, unit) if value is not None else absent
+    except UnitError:
+        return absent

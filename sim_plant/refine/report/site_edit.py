@@ -1,0 +1,191 @@
+"""The AFF blocks put into the site file's text, at their place; comments stay the owner's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.base.errors import PlantError
+from aff_runtime.base.printable import printable
+from sim_plant.base.plain_file import read_plain_text
+from sim_plant.line.declaration import Declaration
+from sim_plant.line.yaml_file import LONGEST_BYTES, parse_yaml
+from sim_plant.refine.report.aff_block import AffBlock, site_name
+from sim_plant.refine.report.yaml_edit import with_keys
+
+FILE = "site_proposed.yaml"
+KEYS = ("rolls", "actuators")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SiteFile:
+    """A site file as its owner wrote it; of its rules `aff-runtime check` is the judge.
+
+    Attributes
+    ----------
+    rolls, actuators : these sections, as plain values.
+    """
+
+    path: Path
+    text: str
+    rolls: Any
+    actuators: Any
+
+    @classmethod
+    def read(cls, path: Path) -> SiteFile:
+        """Read it.
+
+        Raises
+        ------
+        PlantError
+            When it cannot be read, or has no actuators with blocks.
+        """
+        text = read_plain_text(path, LONGEST_BYTES)
+        data, _ = parse_yaml(text, printable(str(path)))
+        sections: list[Any] = [data.get(k) if isinstance(data, dict) else None for k in KEYS]
+        rolls, actuators = sections
+        if (
+            not _are_sections(rolls)
+            or not _are_sections(actuators)
+            or not all(_has_blocks(actuator) for actuator in actuators.values())
+        ):
+            raise PlantError(
+                f"{path}: read a file without rolls and actuators with blocks; expected the site "
+                "file of the service; see `aff-runtime check`"
+            )
+        return cls(path=path, text=text, rolls=rolls, actuators=actuators)
+
+
+def _are_sections(value: Any) -> bool:
+    return isinstance(value, dict) and all(isinstance(one, dict) for one in value.values())
+
+
+def _has_blocks(actuator: Any) -> bool:
+    """Return whether what is read of an actuator below is there."""
+    blocks, error = actuator.get("blocks"), actuator.get("error")
+    return (
+        isinstance(error, dict)
+        and isinstance(actuator.get("drive", {}), dict)
+        and isinstance(blocks, list)
+        and all(isinstance(b, dict) and isinstance(b.get("orders"), list) for b in blocks)
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Proposal:
+    """A site file's text with blocks in it.
+
+    Attributes
+    ----------
+    text : as the owner's but for the blocks; the owner's own where nothing is to be added.
+    said : per block what was done, or why nothing was.
+    """
+
+    text: str
+    said: tuple[str, ...]
+
+
+def proposed(
+    site: SiteFile,
+    blocks: Sequence[AffBlock],
+    declaration: Declaration,
+    corrections: Mapping[str, float] | None = None,
+) -> Proposal:
+    """Return the text with every block in the list of the actuator that acts on its zone.
+
+    Of a roll that has an entry there, only orders that it lacks are added: its tuning is the
+    owner's. A roll that the file does not know comes under ``rolls``, with the radius that the
+    records gave.
+
+    Parameters
+    ----------
+    corrections : shares added to declared numbers, by dotted path.
+    """
+    data = {"rolls": deepcopy(site.rolls), "actuators": deepcopy(site.actuators)}
+    said = []
+    for block in blocks:
+        actuator, why = _actuator(block, site, declaration)
+        said.append(
+            _add(data, block, actuator, declaration, corrections or {}) if actuator else why
+        )
+    same = data == {"rolls": site.rolls, "actuators": site.actuators}
+    text = site.text if same else with_keys(site.text, data, short=True)
+    return Proposal(text=text, said=tuple(said))
+
+
+def _add(
+    data: Any,
+    block: AffBlock,
+    actuator: str,
+    declaration: Declaration,
+    corrections: Mapping[str, float],
+) -> str:
+    """Put one block into the list of an actuator; return what was done."""
+    roll, entries = site_name(block.roll), data["actuators"][actuator]["blocks"]
+    where = f"actuators.{actuator}.blocks"
+    own = [entry for entry in entries if entry.get("roll") == roll]
+    if own:
+        known = {order for entry in own for order in entry["orders"]}
+        fresh = [order for order in block.orders if order not in known]
+        if not fresh:
+            return f"{where}: has all orders of {roll} already"
+        own[0]["orders"] = sorted([*own[0]["orders"], *fresh])
+        return f"{where}: orders {', '.join(map(str, fresh))} of {roll} added"
+    limit = data["actuators"][actuator].get("limit_m_s", block.amp_limit_m_s)
+    entry = block.entry()
+    if isinstance(limit, int | float):
+        entry["amp_limit_m_s"] = min(block.amp_limit_m_s, float(limit))
+    entries.append(entry)
+    if roll in data["rolls"]:
+        return f"{where}: {roll} added"
+    radius_m = _radius_m(block.roll, declaration, corrections)
+    data["rolls"][roll] = {"radius_m": round(radius_m, 7)}
+    return f"{where}: {roll} added, and rolls.{roll} with a radius of {radius_m * 1e3:.5g} mm"
+
+
+def _radius_m(name: str, declaration: Declaration, corrections: Mapping[str, float]) -> float:
+    """Return a roller's radius as the records show it."""
+    radius_m = declaration.rollers[declaration.body(name)].radius_m
+    return radius_m * (1.0 + corrections.get(f"rollers.{name}.radius_m", 0.0))
+
+
+def _actuator(block: AffBlock, site: SiteFile, declaration: Declaration) -> tuple[str, str]:
+    """Return the actuator that a block belongs to, or an empty name and why there is none."""
+    at = declaration.body(block.roll)
+    found = _of_drive(block.roll, site) or _of_zone(at, site, declaration)
+    if not found:
+        return "", (
+            f"{block.roll}: no actuator of the site file corrects the tension where it runs; "
+            "nothing is added"
+        )
+    if site.actuators[found].get("output") != "velocity_reference":
+        return "", f"{block.roll}: actuators.{found} is no velocity reference; nothing is added"
+    return found, ""
+
+
+def _of_drive(roller: str, site: SiteFile) -> str:
+    """Return the actuator that turns a roller itself."""
+    name = site_name(roller)
+    for actuator, settings in site.actuators.items():
+        if name in (actuator, settings.get("drive", {}).get("roll")):
+            return str(actuator)
+    return ""
+
+
+def _of_zone(at: int, site: SiteFile, declaration: Declaration) -> str:
+    """Return the actuator whose tension is measured between the same driven rollers as ``at``."""
+    driven = sorted(declaration.body(drive.roller) for drive in declaration.control.drives)
+    before = max((k for k in driven if k <= at), default=-1)
+    after = min((k for k in driven if k > at), default=len(declaration.rollers))
+    cells = {
+        sensor.channel
+        for sensor in declaration.sensors
+        if before <= declaration.body(sensor.roller) <= after
+    }
+    for actuator, settings in site.actuators.items():
+        if settings["error"].get("signal") in cells:
+            return str(actuator)
+    return ""

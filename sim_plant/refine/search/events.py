@@ -1,0 +1,311 @@
+"""Effects that begin at a moment: found by a matched filter, then on a grid of moments.
+
+They are neither periodic nor static; beside a rhythm they would be told as a slow one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.effects.onset import FOREVER_S
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.model.hypotheses import Hypothesis, onset_library
+from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
+from sim_plant.refine.search.screening import (
+    every_third_idler,
+    neighbours,
+    responses_of,
+    sensitivities,
+)
+from sim_plant.refine.spectra.onset_filter import (
+    Axis,
+    best_moments,
+    later,
+    moment_axis,
+    parts_of,
+    resampled,
+)
+
+EVENTS = CRITERIA.search.events
+Start = tuple[float, ...]
+
+
+def event_candidates(
+    objective: Objective, fit: Fit, without: Collection[str], progress: Progress
+) -> list[Candidate]:
+    """Return effects that begin at a moment of a record, best first, with numbers to start from.
+
+    ``without`` are names left out of the library.
+    """
+    found: list[Candidate] = []
+    for record, twin in enumerate(objective.pool.twins):
+        line = twin.declaration
+        library = onset_library(line, record, without)
+        idlers = [roller.name for roller in line.rollers if roller.kind == "idler"]
+        group = every_third_idler(library, idlers)
+        residual = objective.residual(objective.pool.one(fit.case), fit.shifts)
+        white = objective.split(objective.projector.project(residual))[record]
+        first = objective.whitening.noise[record].first
+        units = {onset.unit for h in group if (onset := h.effect.onset) is not None}
+        axes: dict[str, Axis] = {unit: moment_axis(twin, first, unit) for unit in units}
+        on_grid = {unit: resampled(white, a.moments, a.grid) for unit, a in axes.items()}
+        seen = [
+            c
+            for h in group
+            for shaped in _shapes_of(h)
+            for c in _by_matched_filter(objective, fit, shaped, axes, on_grid)
+        ]
+        seen = _weighed_at_their_moments(objective, group, seen, axes, residual)
+        seen.sort(key=lambda c: -c.score)
+        tried = _placed(objective, fit, _distinct(seen), residual)
+        near = neighbours(library, tried, idlers)
+        starts = {c.hypothesis.effect.name: c.start for c in reversed(tried)}
+        beside = [
+            Candidate(hypothesis=h, chi2_reduction=0.0, penalty=0.0, start=starts[h.effect.name])
+            for h in near
+            if len(starts.get(h.effect.name, ())) == len(h.names)
+        ]
+        found += [*tried, *_placed(objective, fit, beside, residual)]
+    found.sort(key=lambda c: -c.score)
+    for c in found[: EVENTS.most_told]:
+        progress(f"  {c.hypothesis.key} from {_moment(c):.2f}: score {c.score:.0f}")
+    return found
+
+
+def _shapes_of(h: Hypothesis) -> list[Hypothesis]:
+    """Return the hypothesis with each value of the first shape of its grid."""
+    onset = h.effect.onset
+    name, values = onset.grid[0] if onset is not None and onset.grid else ("", ())
+    if name not in h.names:
+        return [h]
+    return [replace(h, start=_put(h, h.start, name, value)) for value in values]
+
+
+def _by_matched_filter(
+    objective: Objective,
+    fit: Fit,
+    h: Hypothesis,
+    axes: Mapping[str, Axis],
+    on_grid: Mapping[str, Array],
+) -> list[Candidate]:
+    """Return the best moments of one effect, each response taken to be the same a while around."""
+    onset = h.effect.onset
+    if onset is None:
+        return []
+    axis, white = axes[onset.unit], on_grid[onset.unit]
+    parts = parts_of(axis)
+    columns = sensitivities(objective, fit, [_beginning(h, part.middle) for part in parts])
+    found: list[Candidate] = []
+    for part, column in zip(parts, columns, strict=True):
+        if not np.isfinite(column).all():
+            continue
+        response = objective.split(column[:, 0])[h.record or 0]
+        for chi2, moment in best_moments(axis, white, response, part, onset.unit):
+            start = _beginning(h, moment).start
+            found.append(Candidate(hypothesis=h, chi2_reduction=chi2, penalty=0.0, start=start))
+    return found
+
+
+def _weighed_at_their_moments(
+    objective: Objective,
+    group: Sequence[Hypothesis],
+    seen: Sequence[Candidate],
+    axes: Mapping[str, Axis],
+    residual: Array,
+) -> list[Candidate]:
+    """Return what the matched filter saw, each response weighed as at its own moment.
+
+    What lasts for the rest of a record weighs otherwise at each moment: drift and tolerances take
+    up a step at the end, not one in the middle. So the best places of every effect are looked at
+    over the record too, and all of its places at the moment that is found there.
+    """
+    found: list[Candidate] = []
+    for name in dict.fromkeys(c.hypothesis.effect.name for c in seen):
+        mine = sorted(
+            (c for c in seen if c.hypothesis.effect.name == name), key=lambda c: -c.score
+        )
+        onset = mine[0].hypothesis.effect.onset
+        if onset is None or onset.unit != "s":
+            found += mine
+            continue
+        axis, shown = axes[onset.unit], mine[: EVENTS.places]
+        found += [_shifted(objective, axis, c.hypothesis, _moment(c), residual) for c in shown]
+        best = _over_the_record(objective, axis, shown, residual)
+        found += [
+            _shifted(objective, axis, shaped, _moment(best), residual)
+            for h in group
+            if h.effect.name == name
+            for shaped in _shapes_of(h)
+        ]
+    return found
+
+
+def _over_the_record(
+    objective: Objective, axis: Axis, shown: Sequence[Candidate], residual: Array
+) -> Candidate:
+    """Return the best moment of the places in ``shown``, on a wide grid, then on a closer one."""
+    places = {c.hypothesis.key: c.hypothesis for c in reversed(shown)}.values()
+    grid = axis.grid
+    wide = np.arange(grid[0] + EVENTS.wide_step_s, grid[-1], EVENTS.wide_step_s)
+    best = max(
+        (_shifted(objective, axis, h, float(m), residual) for h in places for m in wide),
+        key=lambda c: c.score,
+    )
+    close = _moment(best) + EVENTS.apart * np.linspace(-1.5, 1.5, 7)
+    inside = close[(close > grid[0]) & (close < grid[-1])]
+    more = (_shifted(objective, axis, best.hypothesis, float(m), residual) for m in inside)
+    return max((best, *more), key=lambda c: c.score)
+
+
+def _moment(c: Candidate) -> float:
+    return c.start[c.hypothesis.names.index(c.hypothesis.moment)]
+
+
+def _shifted(
+    objective: Objective, axis: Axis, h: Hypothesis, moment: float, residual: Array
+) -> Candidate:
+    """Return the candidate that begins at ``moment``, s, from the nearest response simulated."""
+    record = h.record or 0
+    nearest = min((part.middle for part in parts_of(axis)), key=lambda m: abs(m - moment))
+    begun = _beginning(h, moment).start
+    change = list(responses_of(objective, _beginning(h, nearest))[0])
+    sample_s = objective.pool.twins[record].declaration.sample_time_s
+    change[record] = later(change[record], round((moment - nearest) / sample_s))
+    column = objective.whitened(change)[:, np.newaxis]
+    explained = 0.0
+    if np.isfinite(column).all():
+        explained = objective.projector.linear_fit(residual, column).chi2_reduction
+    return Candidate(hypothesis=h, chi2_reduction=explained, penalty=0.0, start=begun)
+
+
+def _beginning(h: Hypothesis, moment: float) -> Hypothesis:
+    return replace(h, start=_put(h, h.start, h.moment, float(moment)))
+
+
+def _put(h: Hypothesis, start: Start, name: str, value: float) -> Start:
+    """Return numbers to start from with another value of one of them."""
+    at = h.names.index(name)
+    return (*start[:at], value, *start[at + 1 :])
+
+
+def _distinct(seen: Sequence[Candidate]) -> list[Candidate]:
+    """Return the best few: two moments of an effect at a place, a few places, none far behind."""
+    kept: list[Candidate] = []
+    for c in seen:
+        if c.score < max(EVENTS.floor, EVENTS.filter_share * seen[0].score):
+            break
+        same = [k for k in kept if k.hypothesis.key == c.hypothesis.key]
+        effect = [k for k in kept if k.hypothesis.effect is c.hypothesis.effect]
+        if len(same) < EVENTS.moments and len(effect) < EVENTS.places:
+            kept.append(c)
+    return kept[: EVENTS.looked_at]
+
+
+def _placed(
+    objective: Objective, fit: Fit, seen: Sequence[Candidate], residual: Array
+) -> list[Candidate]:
+    """Return candidates with their moment and shapes found on grids, best first."""
+    found = []
+    for c in seen:
+        best, onset = c, c.hypothesis.effect.onset
+        for _ in range(EVENTS.passes if onset is not None and onset.grid else 1):
+            best = _best_moment(objective, fit, best, residual, EVENTS.coarse_grid)
+            for name, values in onset.grid if onset is not None else ():
+                if name in c.hypothesis.names:
+                    best = _best_of_shapes(objective, fit, best, residual, name, values)
+        best = _best_moment(objective, fit, best, residual, EVENTS.fine_grid)
+        if best.score > EVENTS.floor:
+            found.append(_without_end(objective, best))
+    return sorted(found, key=lambda c: -c.score)
+
+
+def _best_moment(
+    objective: Objective, fit: Fit, c: Candidate, residual: Array, grid: Sequence[float]
+) -> Candidate:
+    moments = [max(0.0, _moment(c) + d) for d in grid]
+    starts = [_put(c.hypothesis, c.start, c.hypothesis.moment, m) for m in moments]
+    return _best_of_starts(objective, fit, c, residual, starts)
+
+
+def _best_of_shapes(
+    objective: Objective,
+    fit: Fit,
+    c: Candidate,
+    residual: Array,
+    name: str,
+    values: Sequence[float],
+) -> Candidate:
+    starts = [_put(c.hypothesis, c.start, name, value) for value in values]
+    return _best_of_starts(objective, fit, c, residual, [c.start, *starts])
+
+
+def _best_of_starts(
+    objective: Objective,
+    fit: Fit,
+    c: Candidate,
+    residual: Array,
+    starts: Sequence[tuple[float, ...]],
+) -> Candidate:
+    """Return the candidate at the start whose strengths explain most, by one linear step each."""
+    h = c.hypothesis
+    typical = h.start[: h.strengths]
+    tried = [replace(h, start=(*typical, *s[h.strengths :])) for s in dict.fromkeys(starts)]
+    cases = [
+        replace(fit.case, effects=(*fit.case.effects, added))
+        for each in tried
+        for added in each.probes()
+    ]
+    base, *runs = objective.pool.run([fit.case, *cases], keep=False)
+    rest = iter(runs)
+    best = replace(c, chi2_reduction=-math.inf)
+    price = bic_penalty(objective, len(h.names)) + EVENTS.price
+    for each in tried:
+        columns = np.stack(
+            [objective.column(next(rest), base, 1.0) for _ in range(h.strengths)], axis=1
+        )
+        if not np.isfinite(columns).all():
+            continue
+        linear = objective.projector.linear_fit(residual, columns)
+        if linear.chi2_reduction > best.chi2_reduction:
+            sizes = tuple(
+                float(np.clip(a + v * (s - a), lo, hi))
+                for a, s, v, lo, hi in zip(
+                    h.absent, typical, linear.values, h.low, h.high, strict=False
+                )
+            )
+            best = replace(
+                c,
+                chi2_reduction=linear.chi2_reduction,
+                penalty=price,
+                start=(*sizes, *each.start[h.strengths :]),
+            )
+    return best
+
+
+def _without_end(objective: Objective, c: Candidate) -> Candidate:
+    """Return the candidate without the number that says when it ends, where it does not end."""
+    h = c.hypothesis
+    keep = [k for k, value in enumerate(c.start) if value < FOREVER_S]
+    if len(keep) == len(h.names):
+        return c
+
+    def pick(row: tuple[float, ...]) -> tuple[float, ...]:
+        return tuple(row[k] for k in keep)
+
+    fewer = replace(
+        h,
+        names=tuple(h.names[k] for k in keep),
+        start=pick(h.start),
+        absent=pick(h.absent),
+        low=pick(h.low),
+        high=pick(h.high),
+    )
+    price = bic_penalty(objective, len(keep)) + EVENTS.price
+    return replace(c, hypothesis=fewer, start=pick(c.start), penalty=price)

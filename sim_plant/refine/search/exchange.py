@@ -1,0 +1,163 @@
+"""After the search: every effect is tried elsewhere beside all others, and taken out once.
+
+What was chosen while others were still missing may sit a roller off, or be no longer needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from sim_plant.line.locations import bridles, candidate_locations
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
+from sim_plant.refine.model.place import Place
+from sim_plant.refine.search.candidate import Progress, bic_penalty
+from sim_plant.refine.search.selection import AcceptedEffect, Selection, alike_margin
+
+EXCHANGE = CRITERIA.search.exchange
+
+
+def exchanged(objective: Objective, selection: Selection, progress: Progress) -> Selection:
+    """Return the selection with every effect at the place where it explains most beside the rest.
+
+    Places that explain as much are named with it.
+    """
+    fit, accepted = selection.fit, list(selection.accepted)
+    for k in range(len(accepted)):
+        margin = alike_margin(selection.nominal.cost - fit.cost)
+        tried = [
+            (place, _moved(objective, fit, k, place))
+            for place in _elsewhere(objective, fit.hypotheses[k], accepted[k])
+        ]
+        tried = [(place, other) for place, other in tried if np.isfinite(other.cost)]
+        here = fit.hypotheses[k].key
+        for place, other in tried:
+            if other.cost < fit.cost - margin:
+                progress(f"{here} is better told as {place} beside the others")
+                fit = other
+        there = fit.hypotheses[k].key
+        alike = [place for place, other in tried if other.cost < fit.cost + margin]
+        if there != here and here not in alike and selection.fit.cost < fit.cost + margin:
+            alike.append(here)
+        others = [p for p in accepted[k].ambiguous if p.effect != there.effect]
+        accepted[k] = replace(
+            accepted[k],
+            hypothesis=fit.hypotheses[k],
+            ambiguous=tuple(p for p in dict.fromkeys([*others, *alike]) if p != there),
+        )
+    return replace(selection, fit=fit, accepted=tuple(accepted))
+
+
+def joined(objective: Objective, selection: Selection, progress: Progress) -> Selection:
+    """Return the selection with one effect on a bridle instead of the same on each of its rollers.
+
+    The same web passes them under the same conditions: one cause with one set of numbers is
+    likelier than several, unless it leaves a good part of what they explain.
+    """
+    line = objective.pool.twins[0].declaration
+    for bridle, bodies in bridles(line).items():
+        rollers = [line.rollers[k].name for k in bodies]
+        for name in dict.fromkeys(h.effect.name for h in selection.fit.hypotheses):
+            selection = _on_bridle(objective, selection, name, bridle, rollers, progress)
+    return selection
+
+
+def _on_bridle(
+    objective: Objective,
+    selection: Selection,
+    name: str,
+    bridle: str,
+    rollers: Sequence[str],
+    progress: Progress,
+) -> Selection:
+    fit = selection.fit
+    rows = [(k, h) for k, h in enumerate(fit.hypotheses) if h.effect.name == name]
+    at = [k for k, h in rows if h.location in rollers]
+    if {fit.hypotheses[k].location for k in at} != set(rollers) or len(at) != len(rollers):
+        return selection
+    first, *others = at
+    h = fit.hypotheses[first]
+    if any(fit.hypotheses[k].names != h.names for k in others):
+        return selection
+    line = objective.pool.twins[0].declaration
+    if bridle not in candidate_locations(line, h.effect):
+        return selection
+    there = replace(hypothesis(h.effect, bridle, h.fixed, h.names, line), record=h.record)
+    mean = [float(np.mean(column)) for column in zip(*(fit.values[k] for k in at), strict=True)]
+    one = fit.with_effect_at(first, there, mean)
+    other = _without(objective, one, *others)
+    most = EXCHANGE.bridle_share * (selection.nominal.cost - fit.cost)
+    if other.cost > fit.cost + most:
+        return selection
+    progress(f"{name} at {' and '.join(rollers)} is told as {there.key}")
+    accepted = list(selection.accepted)
+    accepted[first] = replace(accepted[first], hypothesis=there)
+    kept = tuple(a for k, a in enumerate(accepted) if k not in others)
+    return replace(selection, fit=other, accepted=kept)
+
+
+def pruned(objective: Objective, selection: Selection, progress: Progress) -> Selection:
+    """Return the selection without effects that are not missed when all else is fitted again."""
+    while len(selection.accepted) > 1:
+        fit = selection.fit
+        losses = []
+        for k, h in enumerate(fit.hypotheses):
+            without = _without(objective, fit, k)
+            losses.append(without.cost - fit.cost - bic_penalty(objective, len(h.names)))
+        k = int(np.argmin(losses))
+        if losses[k] > EXCHANGE.missed:
+            return selection
+        progress(f"{fit.hypotheses[k].key} is not missed beside the others")
+        selection = replace(
+            selection,
+            fit=_without(objective, fit, k),
+            accepted=(*selection.accepted[:k], *selection.accepted[k + 1 :]),
+        )
+    return selection
+
+
+def _elsewhere(objective: Objective, h: Hypothesis, accepted: AcceptedEffect) -> list[Place]:
+    """Return other places of the same effect worth a try: near by, and those that came close."""
+    line = objective.pool.twins[0].declaration
+    names = [roller.name for roller in line.rollers]
+    near: list[Place] = []
+    if h.location in names and h.effect.place == "body" and h.effect.profiles is None:
+        at = names.index(h.location)
+        reach = EXCHANGE.reach
+        kinds = ("idler",) if line.rollers[at].kind == "idler" else ("driven",)
+        near = [
+            Place(h.effect.name, r.name)
+            for r in line.rollers[max(0, at - reach) : at + reach + 1]
+            if r.kind in kinds
+        ]
+    close = [p for p, _ in accepted.rejected if p.effect == h.effect.name][: EXCHANGE.close]
+    return [p for p in dict.fromkeys([*close, *near]) if p != h.key]
+
+
+def _moved(objective: Objective, fit: Fit, k: int, place: Place) -> Fit:
+    h = fit.hypotheses[k]
+    line = objective.pool.twins[0].declaration
+    there = replace(hypothesis(h.effect, place.location, h.fixed, h.names, line), record=h.record)
+    if set(there.names) != set(h.names):
+        return replace(fit, cost=float("inf"))
+    values = dict(zip(h.names, fit.values[k], strict=True))
+    moved = fit.with_effect_at(k, there, [values[name] for name in there.names])
+    return gauss_newton_fit(
+        objective, moved.hypotheses, moved.values, fit.shifts, rounds=EXCHANGE.rounds
+    )
+
+
+def _without(objective: Objective, fit: Fit, *out: int) -> Fit:
+    keep = [k for k in range(len(fit.hypotheses)) if k not in out]
+    return gauss_newton_fit(
+        objective,
+        [fit.hypotheses[k] for k in keep],
+        [fit.values[k] for k in keep],
+        fit.shifts,
+        rounds=EXCHANGE.rounds,
+    )

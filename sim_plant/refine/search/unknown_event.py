@@ -1,0 +1,77 @@
+"""Something that begins at a moment and that no effect of the library is."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.line.declaration import Declaration, RollAngle
+from sim_plant.line.locations import zones
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.refine.fit.objective import Objective
+
+EVENTS = CRITERIA.search.events
+
+
+def event_left(objective: Objective, fit: Fit) -> tuple[dict[str, float | str], float] | None:
+    """Return where and when what is left begins, and its chi-square; None: it has no beginning.
+
+    A record is quiet, as noise is, and from a moment on it is not.
+    """
+    rows = zip(
+        objective.pool.twins, objective.split(fit.residual), objective.whitening.noise, strict=True
+    )
+    for record, (twin, left, noise) in enumerate(rows):
+        step_s = twin.declaration.sample_time_s
+        power = left[noise.analogue] ** 2
+        at = beginning(power, step_s)
+        if at is None:
+            continue
+        after = power[:, at:]
+        names = [n for n, one in zip(twin.channels, noise.analogue, strict=True) if one]
+        loudest = names[int(np.argmax(after.mean(axis=1)))]
+        where: dict[str, float | str] = {
+            "from_s": (noise.first + at) * step_s,
+            "zone": zone_of(twin.declaration, loudest),
+            "channel": loudest,
+        }
+        if len(objective.pool.twins) > 1:
+            where["record"] = float(record + 1)
+        return where, float(np.sum(after - 1.0))
+    return None
+
+
+def beginning(power: Array, step_s: float) -> int | None:
+    """Return the sample from which power (channels, samples; noise: 1) is more than noise.
+
+    None where it is not, or was all along.
+    """
+    size = max(1, round(EVENTS.block_s / step_s))
+    blocks = power[:, : power.shape[1] // size * size]
+    level = blocks.reshape(blocks.shape[0], -1, size).mean(axis=(0, 2))
+    spread = np.sqrt(2.0 / (size * power.shape[0]))
+    loud = level > np.median(level[: max(1, level.size // 10)]) + EVENTS.block_sd * spread
+    runs = [k for k in range(level.size - 1) if loud[k] and loud[k + 1]]
+    if not runs:
+        return None
+    first = runs[0]
+    quiet = level[:first]
+    if first * EVENTS.block_s < EVENTS.quiet_s or quiet.mean() > 1.0 + EVENTS.contrast:
+        return None
+    rise = level[first : first + round(EVENTS.quiet_s / EVENTS.block_s)].mean() - quiet.mean()
+    if rise < EVENTS.contrast:
+        return None
+    near = slice(max(0, (first - 2) * size), (first + 2) * size)
+    more = power[:, near].mean(axis=0) - (quiet.mean() + 0.5 * rise)
+    return near.start + int(np.argmin(np.cumsum(more)))
+
+
+def zone_of(line: Declaration, channel: str) -> str:
+    """Return the zone that a channel reads in, by its roller."""
+    sensor = next(s for s in line.sensors if s.channel == channel and not isinstance(s, RollAngle))
+    body = line.body(sensor.roller)
+    for name, spans in zones(line).items():
+        if body in (spans[0], *(k + 1 for k in spans)):
+            return name
+    return sensor.roller

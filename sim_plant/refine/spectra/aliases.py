@@ -1,0 +1,116 @@
+"""Hypotheses that a spectral line itself proposes: where it was before sampling, which order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from sim_plant.base.signatures import Frequency, Orders
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.spectra.coordinates import Travel, line_at_body
+from sim_plant.refine.spectra.line_spectrum import LineSpectrum
+
+SPECTRA = CRITERIA.spectra
+MOST_OFF_WHOLE = 0.1
+"""Of an order: lines of other rollers lie anywhere between whole orders."""
+
+
+def with_aliases(
+    library: Sequence[Hypothesis],
+    travels: Sequence[Travel],
+    found: Sequence[Sequence[LineSpectrum]],
+) -> list[Hypothesis]:
+    """Return the library with effects of a frequency where the strongest lines may come from.
+
+    A line at f in records at rate f_s is also k f_s +- f; kept are those near whole multiples of
+    the frequencies that the effect names.
+    """
+    rest = [h for h in library if not _named(h)]
+    return [
+        *rest,
+        *(
+            replace(
+                h,
+                start=tuple(
+                    at if name == shows.parameter else value
+                    for name, value in zip(h.names, h.start, strict=True)
+                ),
+            )
+            for h in library
+            if (shows := _named(h))
+            for at in origins_Hz(h, shows, travels, found)
+        ),
+    ]
+
+
+def origins_Hz(
+    h: Hypothesis,
+    shows: Frequency,
+    travels: Sequence[Travel],
+    found: Sequence[Sequence[LineSpectrum]],
+) -> list[float]:
+    """Return every frequency from which the strongest line in time may come, without repeats.
+
+    Not of a slow one: what goes with speed or tension has lines there too, and mains wander more.
+    """
+    highest = h.effect.accepts[shows.parameter].high
+    origins: list[float] = []
+    for travel, record in zip(travels, found, strict=True):
+        rate = 1.0 / travel.sample_time_s
+        slowest = SPECTRA.alias_cycles / float(travel.time_s[-1] - travel.time_s[0])
+        seen = next(s.peak_from(slowest)[0] for s in record if s.kind == "time")
+        folded = [
+            k * rate + sign * seen for k in range(int(highest / rate) + 2) for sign in (1, -1)
+        ]
+        origins += [f for f in folded if 0.0 < f <= highest and _near(f, shows)]
+    return sorted(dict.fromkeys(round(f, 4) for f in origins))
+
+
+def with_orders(
+    library: Sequence[Hypothesis],
+    travels: Sequence[Travel],
+    found: Sequence[Sequence[LineSpectrum]],
+) -> list[Hypothesis]:
+    """Return the library with the whole order of a body that the strongest line may be.
+
+    Slots, teeth and pole pairs per turn are any whole number; no list holds them all.
+    """
+    more: dict[tuple[object, ...], Hypothesis] = {}
+    for h in library:
+        shows = h.effect.shows
+        if not isinstance(shows, Orders) or not shows.parameter or shows.resonant:
+            continue
+        for order in whole_orders(h, travels, found):
+            picked = dict(h.fixed) | {shows.parameter: float(order)}
+            proposed = replace(h, fixed=tuple(picked.items()))
+            more.setdefault((h.key, order), proposed)
+    there = {(h.key, h.fixed) for h in library}
+    return [*library, *(h for h in more.values() if (h.key, h.fixed) not in there)]
+
+
+def whole_orders(
+    h: Hypothesis, travels: Sequence[Travel], found: Sequence[Sequence[LineSpectrum]]
+) -> list[int]:
+    """Return the orders of the hypothesis' body that the strongest line of a record may be."""
+    orders = []
+    for travel, record in zip(travels, found, strict=True):
+        known = line_at_body(h, travel, record)
+        if known is None:
+            continue
+        order, bin_width = known
+        reach = max(2.0 * bin_width, SPECTRA.same_coordinate_share * order)
+        whole = round(order)
+        if whole >= 1 and abs(order - whole) <= min(reach, MOST_OFF_WHOLE):
+            orders.append(whole)
+    return list(dict.fromkeys(orders))
+
+
+def _near(frequency_Hz: float, shows: Frequency) -> bool:
+    multiples = [(max(1, round(frequency_Hz / f)) * f) for f in shows.harmonics_of_Hz]
+    return any(abs(frequency_Hz / at - 1.0) < shows.width for at in multiples)
+
+
+def _named(h: Hypothesis) -> Frequency | None:
+    shows = h.effect.shows
+    return shows if isinstance(shows, Frequency) and shows.harmonics_of_Hz else None

@@ -1,0 +1,282 @@
+"""Free spectral lines in records without a line declaration: clock, time or travel, with radii."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import chi2
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.spectra.line_spectrum import LineSpectrum, line_spectrum, speed_weights
+from sim_plant.refine.without_line.record_filter import Explained, whiten
+from sim_plant.refine.without_line.seen import Seen, as_orders, phase_of, seen
+
+WITHOUT_LINE = CRITERIA.without_line
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpectralLine:
+    """One spectral line found.
+
+    Attributes
+    ----------
+    kind : ``time`` or ``travel``.
+    coordinate : Hz or 1/m.
+    per_record : coordinate found in each record alone.
+    strength : drop over all records.
+    clock : why it is no effect of the machine; empty when it may be one.
+    seen : in which records and at which speeds; None for a clock of a raw output.
+    """
+
+    kind: str
+    coordinate: float
+    per_record: tuple[float, ...]
+    strength: float
+    clock: str = ""
+    seen: Seen | None = None
+
+    @property
+    def where(self) -> dict[str, float | str]:
+        """The coordinate by name, as a verdict has it."""
+        if self.kind == "time":
+            return {"frequency_Hz": self.coordinate}
+        return {"wavenumber_1_m": self.coordinate, "equivalent_radius_m": self.equivalent_radius_m}
+
+    @property
+    def equivalent_radius_m(self) -> float:
+        """Radius of a roller that turns once per period of the spectral line in travel."""
+        return 1.0 / (2.0 * math.pi * self.coordinate)
+
+
+def _spectra(item: Explained, white: Array) -> list[LineSpectrum]:
+    rate = 1.0 / item.record.sample_time_s
+    size = white.shape[1]
+    time_s: Array = np.arange(size, dtype=np.float64) * item.record.sample_time_s
+    moving = item.speed_m_s if item.speed_m_s is not None else np.ones(size)
+    weights = speed_weights(moving, 2)
+    found = [
+        line_spectrum(
+            white,
+            time_s,
+            weights,
+            kind="time",
+            highest=WITHOUT_LINE.highest_frequency_share * rate,
+            lowest=WITHOUT_LINE.fewest_cycles / float(time_s[-1]),
+        )
+    ]
+    if item.travel_m is not None and item.speed_m_s is not None:
+        extent = float(np.ptp(item.travel_m))
+        highest = min(
+            WITHOUT_LINE.highest_travel_share * rate / float(np.mean(item.speed_m_s)),
+            WITHOUT_LINE.highest_wavenumber_1_m,
+        )
+        found.append(
+            line_spectrum(
+                white,
+                item.travel_m,
+                weights,
+                kind="travel",
+                highest=highest,
+                lowest=WITHOUT_LINE.fewest_cycles / extent,
+            )
+        )
+    return found
+
+
+def threshold(spectrum: LineSpectrum) -> float:
+    """Return the drop that noise exceeds by chance ``false_alarm``, times ``safety``."""
+    per_bin = WITHOUT_LINE.false_alarm / max(1, spectrum.coordinate.size)
+    return WITHOUT_LINE.safety * float(chi2.isf(per_bin, spectrum.degrees))
+
+
+def find_spectral_lines(items: Sequence[Explained]) -> list[SpectralLine]:
+    """Return significant spectral lines over all records, strongest first.
+
+    Each is taken out before the next is looked for. A spectral line counts in the coordinate in
+    which it is sharper: that with the larger drop.
+    """
+    whites = first = [item.whitened for item in items]
+    found: list[SpectralLine] = []
+    for _ in range(WITHOUT_LINE.most_spectral_lines):
+        spectra = [_spectra(item, white) for item, white in zip(items, whites, strict=True)]
+        best = _best(spectra)
+        if best is None:
+            break
+        kind, at, strength = best
+        line, own = _line(items, whites, kind, at, strength)
+        if not any(_same(line, other) for other in found):
+            found.append(line)
+        whites = [
+            _without(item, white, line.kind, at)
+            for item, white, at in zip(items, whites, own, strict=True)
+        ]
+    return _orders(items, first, found)
+
+
+def _same(line: SpectralLine, other: SpectralLine) -> bool:
+    """Return whether one is what was left of a stronger one whose coordinate wanders."""
+    if line.kind != other.kind:
+        return False
+    apart = abs(line.coordinate / other.coordinate - 1.0)
+    return apart < CRITERIA.spectra.same_coordinate_share
+
+
+def _line(
+    items: Sequence[Explained], whites: Sequence[Array], kind: str, at: float, strength: float
+) -> tuple[SpectralLine, list[float]]:
+    """Return a spectral line with where it was seen, and its own coordinate in every record.
+
+    A record in which it is not there on its own has no say in the coordinate.
+    """
+    own = [sharpest(item, white, kind, at) for item, white in zip(items, whites, strict=True)]
+    where = seen(items, whites, kind, own)
+    joint = float(np.median([c for c, yes in zip(own, where.present, strict=True) if yes]))
+    own = [c if yes else joint for c, yes in zip(own, where.present, strict=True)]
+    line = SpectralLine(
+        kind=kind,
+        coordinate=joint,
+        per_record=tuple(own),
+        strength=strength,
+        clock=_clock(items, kind, joint),
+        seen=where,
+    )
+    return line, own
+
+
+def _orders(
+    items: Sequence[Explained], whites: Sequence[Array], found: Sequence[SpectralLine]
+) -> list[SpectralLine]:
+    """Return spectral lines, orders of a turn named; one that is an order is there in travel."""
+    if items[0].travel_m is None:
+        return list(found)
+    rows = [(x.kind, x.coordinate, x.seen) for x in found if x.seen is not None and not x.clock]
+    extents = [float(np.ptp(x.travel_m)) for x in items if x.travel_m is not None]
+    named = iter(as_orders(rows, extents))
+    said = []
+    for x in found:
+        if x.seen is None or x.clock:
+            said.append(x)
+            continue
+        kind, at, where = next(named)
+        per_record = x.per_record
+        if kind != x.kind:
+            own = [sharpest(i, w, kind, at) for i, w in zip(items, whites, strict=True)]
+            where = replace(where, present=seen(items, whites, kind, own).present)
+            at = float(np.median([c for c, p in zip(own, where.present, strict=True) if p]))
+            per_record = tuple(c if p else at for c, p in zip(own, where.present, strict=True))
+        said.append(replace(x, kind=kind, coordinate=at, per_record=per_record, seen=where))
+    return said
+
+
+def clocks(items: Sequence[Explained]) -> list[SpectralLine]:
+    """Return spectral lines of the raw outputs that the experiment makes, not the machine."""
+    found = []
+    for item in items:
+        for row in item.outputs:
+            white = whiten(row)[None, :]
+            spectrum = _spectra(item, white)[0]
+            at, chi2_reduction = spectrum.peak
+            if (
+                chi2_reduction
+                > threshold(spectrum) * WITHOUT_LINE.clock_safety / WITHOUT_LINE.safety
+            ):
+                at = sharpest(item, white, "time", at)
+                reason = _clock([item], "time", at)
+                if reason:
+                    found.append(
+                        SpectralLine(
+                            kind="time",
+                            coordinate=at,
+                            per_record=(at,),
+                            strength=chi2_reduction,
+                            clock=reason,
+                        )
+                    )
+    return found
+
+
+def _best(spectra: Sequence[Sequence[LineSpectrum]]) -> tuple[str, float, float] | None:
+    best: tuple[str, float, float] | None = None
+    for k, first in enumerate(spectra[0]):
+        total = first.chi2_reduction.copy()
+        limit = threshold(first)
+        for record in spectra[1:]:
+            total += np.interp(first.coordinate, record[k].coordinate, record[k].chi2_reduction)
+            limit += first.degrees
+        at = int(np.argmax(total))
+        if total[at] > limit and (best is None or total[at] > best[2]):
+            best = (first.kind, float(first.coordinate[at]), float(total[at]))
+    return best
+
+
+def sharpest(item: Explained, white: Array, kind: str, near: float) -> float:
+    """Return the coordinate of the strongest spectral line near one, in one record alone."""
+    u = phase_of(item, kind)
+    reach = max(1.0 / float(u[-1]), 0.002 * near)
+    best = near
+    for _ in range(3):
+        points = max(21, int(8.0 * reach * float(u[-1])) + 1)  # four to what the record resolves
+        grid = np.linspace(best - reach, best + reach, points)
+        power = [float(np.sum(np.abs(white @ np.exp(-2j * np.pi * g * u)) ** 2)) for g in grid]
+        best, reach = float(grid[int(np.argmax(power))]), 0.15 * reach
+    return best
+
+
+def basis(item: Explained, kind: str, coordinate: float) -> Array:
+    """Return cos and sin of a spectral line, each also times relative speed (samples, 2 or 4)."""
+    turn = 2.0 * np.pi * coordinate * phase_of(item, kind)
+    columns = [np.cos(turn), np.sin(turn)]
+    if item.speed_m_s is not None:
+        relative = item.speed_m_s / np.mean(item.speed_m_s) - 1.0
+        columns += [columns[0] * relative, columns[1] * relative]
+    return np.stack(columns, axis=1)
+
+
+def _without(item: Explained, white: Array, kind: str, coordinate: float) -> Array:
+    b = basis(item, kind, coordinate)
+    rest: Array = white - (b @ np.linalg.lstsq(b, white.T, rcond=None)[0]).T
+    return rest
+
+
+def _clock(items: Sequence[Explained], kind: str, coordinate: float) -> str:
+    """Return why a spectral line is a clock of the experiment, empty when nothing says so."""
+    if kind != "time":
+        return ""
+    rate = 1.0 / items[0].record.sample_time_s
+    divisor = rate / coordinate
+    width = max(
+        WITHOUT_LINE.clock_share,
+        1.0 / (items[0].residual.shape[1] * items[0].record.sample_time_s) / coordinate,
+    )
+    reasons = []
+    if (
+        abs(divisor - round(divisor)) < width * divisor
+        and round(divisor) <= WITHOUT_LINE.highest_divisor
+    ):
+        reasons.append(f"is 1/{round(divisor)} of the sample rate")
+    for item in items:
+        if not item.inputs.shape[0]:
+            continue
+        white = np.stack([whiten(row) for row in item.inputs])
+        time_s = phase_of(item, "time")
+        spectrum = line_spectrum(
+            white,
+            time_s,
+            np.ones((1, time_s.size)),
+            kind="time",
+            highest=WITHOUT_LINE.highest_frequency_share * rate,
+            lowest=WITHOUT_LINE.fewest_cycles / float(time_s[-1]),
+        )
+        near = np.abs(spectrum.coordinate - coordinate) < 2.0 * width * coordinate
+        if near.any() and float(spectrum.chi2_reduction[near].max()) > threshold(spectrum):
+            reasons.append("is in the excitation as well")
+            break
+    for mains in WITHOUT_LINE.mains_Hz:
+        folded = math.fmod(mains, rate)
+        if abs(min(folded, rate - folded) - coordinate) < WITHOUT_LINE.clock_share * coordinate:
+            reasons.append(f"may be {mains:g} Hz mains, aliased")
+    return ", ".join(reasons)

@@ -1,0 +1,52 @@
+"""Backlash: an input that has to take up play when it turns round."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.without_line.general.effect import (
+    Chosen,
+    GeneralEffect,
+    Number,
+    View,
+    pooled,
+)
+
+SHARES = (0.1, 0.3, 0.8, 1.6)
+
+
+def change(_view: View, chosen: Chosen, values: Array) -> Array:
+    """Return the play operator: what follows ``values`` at no more than half the play."""
+    half = 0.5 * abs(chosen.numbers[0])
+    at = float(values[0])
+    found = []
+    for low, high in zip((values - half).tolist(), (values + half).tolist(), strict=True):
+        at = low if at < low else min(at, high)
+        found.append(at)
+    return np.array(found)
+
+
+def starts(views: Sequence[View]) -> list[Chosen]:
+    """Return plays by their share of the input's standard deviation."""
+    found = []
+    for name in views[0].inputs:
+        spread = float(np.std(pooled(views, name)))
+        if spread > 0.0:
+            found += [
+                Chosen(effect=EFFECT.name, place=name, numbers=(share * spread,))
+                for share in SHARES
+            ]
+    return found
+
+
+EFFECT = GeneralEffect(
+    name="backlash",
+    stage="raw",
+    text="the input has to take up play whenever it turns round",
+    numbers=(Number(name="play", text="whole play, in the input's unit"),),
+    starts=starts,
+    change=change,
+)

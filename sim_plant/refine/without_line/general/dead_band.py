@@ -1,0 +1,45 @@
+"""A dead band: an input that does nothing near zero."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.without_line.general.effect import (
+    Chosen,
+    GeneralEffect,
+    Number,
+    View,
+    pooled,
+)
+
+SHARES = (0.1, 0.25, 0.5, 0.7)
+
+
+def change(_view: View, chosen: Chosen, values: Array) -> Array:
+    """Return sign(u) max(|u| - width, 0)."""
+    width = abs(chosen.numbers[0])
+    return values - np.clip(values, -width, width)
+
+
+def starts(views: Sequence[View]) -> list[Chosen]:
+    """Return widths by the share of the readings that they hold."""
+    found = []
+    for name in views[0].inputs:
+        values = pooled(views, name)
+        if values.min() < 0.0 < values.max():
+            for width in np.quantile(np.abs(values), SHARES):
+                found.append(Chosen(effect=EFFECT.name, place=name, numbers=(float(width),)))
+    return found
+
+
+EFFECT = GeneralEffect(
+    name="dead_band",
+    stage="raw",
+    text="the input does nothing until it is larger than the band",
+    numbers=(Number(name="half_width", text="half width of the band, in the input's unit"),),
+    starts=starts,
+    change=change,
+)

@@ -1,0 +1,151 @@
+"""What a general effect is: one change of a model that explains an output from inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.ndimage import shift as spline_shift
+
+from sim_plant.base.arrays import Array
+
+Stage = Literal["filter", "shift", "own", "raw", "driven", "term", "past"]
+"""Where an effect acts: the filter's lags, the time between channels, numbers of one record alone,
+an input as read, an input as it enters the filter, a term beside the filter, past outputs."""
+
+STANDARD = 1e-6
+"""Mean and standard deviation of an input this close to 0 and 1 were made so."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class View:
+    """One output of one record with all inputs, on an even grid.
+
+    Attributes
+    ----------
+    output : (samples,).
+    inputs : name -> values as read (samples,).
+    speed_m_s : absolute speed (samples,), or None.
+    step_s : sample time.
+    rates : the filter takes the rate of change of the inputs.
+    margin : samples at each end that are not judged.
+    """
+
+    output: Array
+    inputs: Mapping[str, Array]
+    speed_m_s: Array | None
+    step_s: float
+    rates: bool
+    margin: int
+
+    @property
+    def keep(self) -> slice:
+        """The judged samples."""
+        return slice(self.margin, self.output.size - self.margin)
+
+    @property
+    def judged(self) -> Array:
+        """The output where it is judged."""
+        return self.output[self.keep]
+
+    def rate_of(self, name: str) -> Array:
+        """Return the rate of change of an input, its unit per second."""
+        return np.gradient(self.inputs[name], self.step_s)
+
+    @property
+    def standardised(self) -> bool:
+        """Whether every input has mean 0 and variance 1: no zero and no unit of it is left."""
+        return bool(self.inputs) and all(
+            abs(float(np.mean(x))) < STANDARD
+            and min(abs(float(np.std(x, ddof=k)) - 1.0) for k in (0, 1)) < STANDARD
+            for x in self.inputs.values()
+        )
+
+    def states(self) -> dict[str, Array]:
+        """Return what friction or a gain may depend on: inputs, and their rates by ``d/dt``."""
+        found = dict(self.inputs)
+        if not self.rates:
+            found |= {f"d/dt {name}": self.rate_of(name) for name in self.inputs}
+        return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Number:
+    """One number of an effect: name with unit, and what it says."""
+
+    name: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chosen:
+    """An effect at a place with its numbers.
+
+    Attributes
+    ----------
+    effect : name in the catalogue.
+    place : the input or state that it acts on.
+    numbers : those that are fitted by steps, in the order of the effect.
+    constants : those that are taken from the records fitted and stay.
+    """
+
+    effect: str
+    place: str
+    numbers: tuple[float, ...] = ()
+    constants: tuple[float, ...] = ()
+
+
+Change = Callable[[View, Chosen, Array], Array]
+"""Takes the view, the effect and an input (samples,); returns the input changed."""
+Columns = Callable[[View, Chosen], Array]
+"""Returns regressors (samples, columns)."""
+Starts = Callable[[Sequence[View]], list[Chosen]]
+"""Returns every place and start size to be tried on the records fitted."""
+
+
+def _nowhere(_views: Sequence[View]) -> list[Chosen]:
+    return []
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GeneralEffect:
+    """One row of the catalogue.
+
+    Attributes
+    ----------
+    name : unique word.
+    stage : where it acts.
+    text : what it is, a sentence without a stop.
+    numbers : fitted by steps.
+    sizes : fitted as weights of its columns, in their order.
+    starts : places and sizes to begin with.
+    change : of an input, for stages ``raw`` and ``driven``.
+    columns : for stages ``term`` and ``own``.
+    """
+
+    name: str
+    stage: Stage
+    text: str
+    numbers: tuple[Number, ...] = ()
+    sizes: tuple[Number, ...] = ()
+    starts: Starts = _nowhere
+    change: Change | None = None
+    columns: Columns | None = None
+
+
+def shifted(values: Array, samples: float) -> Array:
+    """Return ``values`` later by ``samples``, between samples by a spline of fifth order.
+
+    Straight lines between samples would take noise away, and so look better than no shift.
+    """
+    if samples == 0.0:
+        return values
+    moved: Array = spline_shift(values, samples, order=5, mode="nearest")
+    return moved
+
+
+def pooled(views: Sequence[View], name: str) -> Array:
+    """Return the readings of an input in all records."""
+    return np.concatenate([v.inputs[name] for v in views])

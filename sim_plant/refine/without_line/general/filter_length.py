@@ -1,0 +1,28 @@
+"""How far the filter reaches back and ahead: centred on the sample, causal, or a gain alone."""
+
+from __future__ import annotations
+
+from sim_plant.refine.without_line.general.effect import GeneralEffect
+
+PLAIN_HALF = 20
+"""A plain least-squares filter: 41 taps centred on the sample."""
+
+
+def reaches(taps: int) -> list[tuple[str, int, int]]:
+    """Return name, samples ahead and samples back of every filter to be tried.
+
+    Parameters
+    ----------
+    taps : of the declaration, which no filter exceeds: all are judged on the same samples.
+    """
+    halves = sorted({min(half, taps) for half in (1, 2, 4, 10, PLAIN_HALF, taps)})
+    found = [(f"{2 * half + 1} taps, centred", half, half) for half in halves]
+    found += [(f"{back + 1} taps, causal", 0, back) for back in halves if back > 2]
+    return found
+
+
+EFFECT = GeneralEffect(
+    name="filter_length",
+    stage="filter",
+    text="the filter reaches further, or less far, than declared",
+)

@@ -1,0 +1,44 @@
+"""Dry friction: a step of the output where a state changes its sign."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, Number, View
+
+LEAST_SHARE = 0.02
+"""A state is on either side of zero for at least this share of the record."""
+SOFT_SHARE = 0.002
+"""Of its rms: closer to zero than this the sign is that of noise, and counts for less."""
+
+
+def columns(view: View, chosen: Chosen) -> Array:
+    """Return s / sqrt(s^2 + soft^2), the sign of a state (samples, 1)."""
+    state = view.states()[chosen.place]
+    sign: Array = (state / np.hypot(state, chosen.constants[0]))[:, None]
+    return sign
+
+
+def starts(views: Sequence[View]) -> list[Chosen]:
+    """Return every state that has both signs."""
+    found = []
+    for name in views[0].states():
+        state = np.concatenate([v.states()[name] for v in views])
+        positive = float(np.mean(state > 0.0))
+        if LEAST_SHARE < positive < 1.0 - LEAST_SHARE and np.mean(state < 0.0) > LEAST_SHARE:
+            soft = SOFT_SHARE * float(np.sqrt(np.mean(state**2)))
+            found.append(Chosen(effect=EFFECT.name, place=name, constants=(soft,)))
+    return found
+
+
+EFFECT = GeneralEffect(
+    name="friction_by_sign",
+    stage="term",
+    text="a constant force or torque against the sign of a state",
+    sizes=(Number(name="step", text="output that goes with a positive sign"),),
+    starts=starts,
+    columns=columns,
+)

@@ -1,0 +1,35 @@
+"""Friction that grows with a speed: viscous, and by the square."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, Number, View
+
+
+def columns(view: View, chosen: Chosen) -> Array:
+    """Return s |s| of a state and s itself, where no filter holds it (samples, 1 or 2)."""
+    state = view.states()[chosen.place]
+    square = state * np.abs(state)
+    return np.stack([square, state] if view.rates else [square], axis=1)
+
+
+def starts(views: Sequence[View]) -> list[Chosen]:
+    """Return every input and, where the filter takes none, every rate."""
+    return [Chosen(effect=EFFECT.name, place=name) for name in views[0].states()]
+
+
+EFFECT = GeneralEffect(
+    name="friction_by_speed",
+    stage="term",
+    text="a force or torque that grows with a speed and with its square",
+    sizes=(
+        Number(name="per_unit2", text="output per unit of the state squared, with its sign"),
+        Number(name="per_unit", text="output per unit of the state"),
+    ),
+    starts=starts,
+    columns=columns,
+)

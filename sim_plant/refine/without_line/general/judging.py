@@ -1,0 +1,214 @@
+"""What every trial gives on a record that was not fitted, and which numbers are its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.without_line.general.effect import View
+from sim_plant.refine.without_line.general.least_squares import block_edges, moments
+from sim_plant.refine.without_line.general.model import own_columns, regressors
+from sim_plant.refine.without_line.general.search import Search, Trial, counts, strongest_lag
+
+Mask = NDArray[np.bool_]
+STEPS = 4
+SLOPE_SAMPLES = 0.05
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One line of the table: what was tried, what it gave.
+
+    Attributes
+    ----------
+    effect : name in the catalogue.
+    what : as text.
+    left_out_rms : on blocks of the records fitted that were left out.
+    held_out_rms : on the record judged.
+    taken : the model that was chosen has it.
+    """
+
+    effect: str
+    what: str
+    left_out_rms: float
+    held_out_rms: float
+    taken: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Judged:
+    """One output of the record judged.
+
+    Attributes
+    ----------
+    rows : everything that was tried.
+    explained : by what is used in the end (judged,).
+    declared_rms, plain_rms, chosen_rms : of the declared filter, of plain least squares, and of
+        the model chosen.
+    shift_samples : own shift of this record against the first fitted, and its standard
+        deviation; None where it needs none.
+    own : this record needed an own zero and drift.
+    used : the trial that explains in the end.
+    fell_back : the model chosen was worse here than plain least squares, which took its place.
+    """
+
+    rows: tuple[Row, ...]
+    explained: Array
+    declared_rms: float
+    plain_rms: float
+    chosen_rms: float
+    shift_samples: tuple[float, float] | None
+    own: bool
+    used: Trial
+    fell_back: bool
+
+
+def rms(values: Array) -> float:
+    """Return the root mean square."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _filter_part(trial: Trial, view: View, shift: float) -> Array:
+    """Return what the weights explain (judged,), without an own zero and drift."""
+    a = regressors(trial.model, view, shift)
+    explained: Array = a @ trial.weights[: a.shape[1]]
+    return explained
+
+
+def _own_numbers(
+    trial: Trial, view: View, mask: Mask, *, shift: bool, own: bool
+) -> tuple[float, Array]:
+    """Return shift in samples and weights of zero and drift, from the samples of a mask."""
+    beside = own_columns(view) if own else np.zeros((view.judged.size, 0))
+    at = strongest_lag(view, _filter_part(trial, view, 0.0), mask) if shift else 0.0
+    weights: Array = np.zeros(beside.shape[1])
+    for _ in range(STEPS if shift else 1):
+        explained = _filter_part(trial, view, at)
+        columns = [beside]
+        if shift:
+            there = _filter_part(trial, view, at + SLOPE_SAMPLES)
+            columns.append(((there - explained) / SLOPE_SAMPLES)[:, None])
+        a = np.hstack(columns)
+        if a.shape[1] == 0:
+            break
+        found = np.linalg.lstsq(a[mask], (view.judged - explained)[mask], rcond=None)[0]
+        weights = np.asarray(found[: beside.shape[1]], dtype=np.float64)
+        if shift:
+            at += float(np.clip(found[-1], -2.0, 2.0))
+    return at, weights
+
+
+def explained_by(trial: Trial, view: View, *, shift: bool, own: bool) -> Array:
+    """Return what a model explains of a record that was not fitted (judged,).
+
+    Numbers of this record alone (shift, zero, drift) are found on every second block and used on
+    the others, both ways: no sample is judged by numbers that were fitted to it.
+    """
+    if not shift and not own:
+        return _filter_part(trial, view, 0.0)
+    odd = _odd_blocks(view)
+    found = np.empty(view.judged.size)
+    for mask in (odd, ~odd):
+        at, weights = _own_numbers(trial, view, ~mask, shift=shift, own=own)
+        found[mask] = _filter_part(trial, view, at)[mask]
+        if own:
+            found[mask] += (own_columns(view) @ weights)[mask]
+    return found
+
+
+def _odd_blocks(view: View) -> Mask:
+    odd = np.zeros(view.judged.size, dtype=bool)
+    edges = block_edges(view.judged.size, 1)
+    for k in range(1, edges.size - 1, 2):
+        odd[edges[k] : edges[k + 1]] = True
+    return odd
+
+
+def _blocks(values: Array) -> Array:
+    """Return the sum of squares of every block (blocks,)."""
+    edges = block_edges(values.size, 1)
+    found: Array = np.add.reduceat(values**2, edges[:-1].tolist())
+    return found
+
+
+def own_shift(trial: Trial, view: View) -> tuple[float, float]:
+    """Return the shift of a record against the first fitted, samples, and its deviation."""
+    everywhere = np.ones(view.judged.size, dtype=bool)
+    at, _ = _own_numbers(trial, view, everywhere, shift=True, own=True)
+    explained = _filter_part(trial, view, at)
+    slope = (_filter_part(trial, view, at + SLOPE_SAMPLES) - explained) / SLOPE_SAMPLES
+    found = moments([np.column_stack([own_columns(view), slope])], [view.judged - explained])
+    return at, float(found.spread()[-1])
+
+
+def judge(search: Search, view: View) -> Judged:
+    """Return what every trial gives on a record, and what is used in the end."""
+    best = search.best
+    left = view.judged
+    shift, own = False, best.model.own
+    explained = explained_by(best, view, shift=shift, own=own)
+    for more in ((True, own), (shift, True), (True, True)):
+        if (more[0] and (not view.inputs or best.model.back < 0)) or more == (shift, own):
+            continue
+        tried = explained_by(best, view, shift=more[0], own=more[1])
+        if counts(_blocks(left - explained), _blocks(left - tried)):
+            explained, (shift, own) = tried, more
+    simple = {
+        trial.what: (trial, explained_by(trial, view, shift=False, own=False))
+        for trial in (search.declared, search.plain)
+    }
+    chosen_rms = rms(left - explained)
+    used, simpler = min(simple.values(), key=lambda pair: rms(left - pair[1]))
+    fell_back = rms(left - simpler) < chosen_rms
+    return Judged(
+        rows=tuple(_rows(search, view, (shift, own), chosen_rms)),
+        explained=simpler if fell_back else explained,
+        declared_rms=rms(left - simple[search.declared.what][1]),
+        plain_rms=rms(left - simple[search.plain.what][1]),
+        chosen_rms=chosen_rms,
+        shift_samples=own_shift(best, view) if shift else None,
+        own=own,
+        used=used if fell_back else best,
+        fell_back=fell_back,
+    )
+
+
+def _rows(search: Search, view: View, own: tuple[bool, bool], chosen_rms: float) -> list[Row]:
+    rows = []
+    for trial in search.tried:
+        explained = explained_by(trial, view, shift=bool(trial.model.shifts), own=trial.model.own)
+        rows.append(
+            Row(
+                effect=trial.effect,
+                what=trial.what,
+                left_out_rms=trial.rms,
+                held_out_rms=rms(view.judged - explained),
+                taken=_taken(trial, search.best),
+            )
+        )
+    said = [w for w, used in zip(("shift", "zero and drift"), own, strict=True) if used]
+    what = "what was chosen" + (f", with this record's own {' and '.join(said)}" if said else "")
+    rows.append(
+        Row(
+            effect="chosen",
+            what=what,
+            left_out_rms=search.best.rms,
+            held_out_rms=chosen_rms,
+            taken=True,
+        )
+    )
+    return rows
+
+
+def _taken(trial: Trial, best: Trial) -> bool:
+    """Return whether the chosen model went through this trial."""
+    a, b = trial.model, best.model
+    if (a.ahead, a.back, bool(a.delays)) != (b.ahead, b.back, bool(b.delays)):
+        return False
+    if trial.effect == "past_outputs" or (a.own and not b.own) or (a.shifts and not b.shifts):
+        return False
+    there = {(x.effect, x.place) for x in b.effects}
+    return all((x.effect, x.place) in there for x in a.effects)

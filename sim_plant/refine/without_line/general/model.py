@@ -1,0 +1,113 @@
+"""A model that explains one output: filter of the inputs, shifts, and general effects."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.without_line.general.catalogue import BY_NAME
+from sim_plant.refine.without_line.general.effect import Chosen, Stage, View, shifted
+from sim_plant.refine.without_line.general.state_dependence import BY
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Model:
+    """What is fitted; weights are found apart.
+
+    Attributes
+    ----------
+    ahead, back : samples of every input that the filter takes after and before the output's.
+    delays : of every input, samples; empty for none.
+    shifts : of every record fitted, samples, the first 0; empty for none.
+    own : each record has an own zero and drift.
+    effects : those on inputs and terms beside the filter.
+    """
+
+    ahead: int
+    back: int
+    delays: tuple[float, ...] = ()
+    shifts: tuple[float, ...] = ()
+    own: bool = False
+    effects: tuple[Chosen, ...] = ()
+
+    def shift_of(self, record: int) -> float:
+        """Return the shift of a record fitted, samples."""
+        return self.shifts[record] if self.shifts else 0.0
+
+    def acting(self, stage: Stage) -> list[Chosen]:
+        """Return the effects of a stage."""
+        return [x for x in self.effects if BY_NAME[x.effect].stage == stage]
+
+    @property
+    def numbers(self) -> Array:
+        """All numbers that are fitted by steps: delays, shifts but the first, effects' own."""
+        own = [value for x in self.effects for value in x.numbers]
+        return np.array([*self.delays, *self.shifts[1:], *own])
+
+    def with_numbers(self, numbers: Sequence[float] | Array) -> Model:
+        """Return the same model with these numbers, in the order of ``numbers``."""
+        left = [float(value) for value in numbers]
+
+        def take(count: int) -> tuple[float, ...]:
+            found = tuple(left[:count])
+            del left[:count]
+            return found
+
+        delays = take(len(self.delays))
+        shifts = (0.0, *take(len(self.shifts) - 1)) if self.shifts else ()
+        effects = tuple(replace(x, numbers=take(len(x.numbers))) for x in self.effects)
+        return replace(self, delays=delays, shifts=shifts, effects=effects)
+
+    def steps(self) -> Array:
+        """Return a small step of every number: a twentieth of a sample, a thousandth of a size."""
+        times = len(self.delays) + max(0, len(self.shifts) - 1)
+        found = [0.05] * times
+        for x in self.effects:
+            largest = max((abs(v) for v in x.numbers), default=0.0)
+            found += [1e-3 * max(abs(v), 0.1 * largest, 1e-12) for v in x.numbers]
+        return np.array(found)
+
+
+def _driven(model: Model, view: View, place: int, name: str, shift: float) -> Array:
+    """Return an input as it enters the filter (samples,)."""
+    values = view.inputs[name]
+    for x in model.acting("raw"):
+        change = BY_NAME[x.effect].change
+        if x.place == name and change:
+            values = change(view, x, values)
+    values = shifted(values, shift + (model.delays[place] if model.delays else 0.0))
+    if view.rates:
+        values = np.gradient(values, view.step_s)
+    for x in model.acting("driven"):
+        change = BY_NAME[x.effect].change
+        if x.place.split(BY)[0] == name and change:
+            values = change(view, x, values)
+    return values
+
+
+def regressors(model: Model, view: View, shift: float) -> Array:
+    """Return 1, the lagged inputs and the terms where the record is judged (judged, columns)."""
+    first, last = view.margin, view.output.size - view.margin
+    rows = [np.ones(last - first)]
+    for place, name in enumerate(view.inputs):
+        values = _driven(model, view, place, name, shift)
+        rows += [values[first - s : last - s] for s in range(-model.ahead, model.back + 1)]
+    for x in model.acting("term"):
+        columns = BY_NAME[x.effect].columns
+        if columns:
+            rows += [shifted(row, shift)[first:last] for row in columns(view, x).T]
+    for x in model.acting("past"):
+        columns = BY_NAME[x.effect].columns
+        if columns:
+            rows += list(columns(view, x)[first:last].T)
+    return np.stack(rows, axis=1)
+
+
+def own_columns(view: View) -> Array:
+    """Return 1 and time where the record is judged (judged, 2): its own zero and drift."""
+    columns = BY_NAME["offset_drift"].columns
+    assert columns is not None
+    return columns(view, Chosen(effect="offset_drift", place="output"))[view.keep]

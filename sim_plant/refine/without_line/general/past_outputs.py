@@ -1,0 +1,39 @@
+"""Past outputs beside the inputs (ARX): what is left then is the error one step ahead."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, Number, View
+
+ORDERS = (1, 2, 5, 10, 20, 40)
+
+
+def columns(view: View, chosen: Chosen) -> Array:
+    """Return the output 1 to ``order`` samples before (samples, order)."""
+    return np.stack(
+        [np.roll(view.output, back) for back in range(1, int(chosen.constants[0]) + 1)], axis=1
+    )
+
+
+def starts(views: Sequence[View]) -> list[Chosen]:
+    """Return every order that the margin of the records allows."""
+    most = min(view.margin for view in views)
+    return [
+        Chosen(effect="past_outputs", place="output", constants=(float(order),))
+        for order in ORDERS
+        if order <= most
+    ]
+
+
+EFFECT = GeneralEffect(
+    name="past_outputs",
+    stage="past",
+    text="past outputs tell the next one: how coloured the rest is, not what causes it",
+    numbers=(Number(name="order", text="samples of the past"),),
+    starts=starts,
+    columns=columns,
+)

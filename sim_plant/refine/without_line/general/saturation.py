@@ -1,0 +1,44 @@
+"""Saturation: an input that does no more beyond a limit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.without_line.general.effect import (
+    Chosen,
+    GeneralEffect,
+    Number,
+    View,
+    pooled,
+)
+
+SHARES = (0.5, 0.7, 0.85, 0.95)
+
+
+def change(_view: View, chosen: Chosen, values: Array) -> Array:
+    """Return the input within the limit, on both sides of zero."""
+    limit = abs(chosen.numbers[0])
+    return np.clip(values, -limit, limit)
+
+
+def starts(views: Sequence[View]) -> list[Chosen]:
+    """Return limits by the share of the readings that they let pass."""
+    found = []
+    for name in views[0].inputs:
+        for limit in np.quantile(np.abs(pooled(views, name)), SHARES):
+            if limit > 0.0:
+                found.append(Chosen(effect=EFFECT.name, place=name, numbers=(float(limit),)))
+    return found
+
+
+EFFECT = GeneralEffect(
+    name="saturation",
+    stage="raw",
+    text="the input does no more beyond a limit",
+    numbers=(Number(name="limit", text="in the input's unit"),),
+    starts=starts,
+    change=change,
+)

@@ -1,0 +1,66 @@
+"""A gain that depends on a slow state: the speed, or an input."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, Number, View
+
+SLOW_S = 0.4
+"""The state is a mean over this long: what is faster is the input itself."""
+SPEED = "travel speed"
+BY = " by "
+SHARES = (-0.3, 0.3)
+
+
+def state_of(view: View, name: str) -> Array:
+    """Return a slow state (samples,)."""
+    speed = view.speed_m_s if name == SPEED else view.inputs[name]
+    values: Array = uniform_filter1d(
+        np.asarray(speed), max(1, round(SLOW_S / view.step_s)), mode="nearest"
+    )
+    return values
+
+
+def change(view: View, chosen: Chosen, values: Array) -> Array:
+    """Return (1 + a (s - middle)) x; the state goes no further than the records fitted have it."""
+    middle, low, high = chosen.constants
+    state = np.clip(state_of(view, chosen.place.split(BY)[1]), low, high)
+    return values * (1.0 + chosen.numbers[0] * (state - middle))
+
+
+def starts(views: Sequence[View]) -> list[Chosen]:
+    """Return every input with the speed, or with every input where there is none."""
+    states = [SPEED] if views[0].speed_m_s is not None else list(views[0].inputs)
+    found = []
+    for state in states:
+        values = np.concatenate([state_of(v, state) for v in views])
+        spread = float(np.std(values))
+        if spread == 0.0:
+            continue
+        constants = (float(np.mean(values)), float(values.min()), float(values.max()))
+        for name in views[0].inputs:
+            found += [
+                Chosen(
+                    effect=EFFECT.name,
+                    place=f"{name}{BY}{state}",
+                    numbers=(share / spread,),
+                    constants=constants,
+                )
+                for share in SHARES
+            ]
+    return found
+
+
+EFFECT = GeneralEffect(
+    name="state_dependence",
+    stage="driven",
+    text="the gain of an input changes with a slow state",
+    numbers=(Number(name="gain_share_per_unit", text="change of the gain per unit of the state"),),
+    starts=starts,
+    change=change,
+)

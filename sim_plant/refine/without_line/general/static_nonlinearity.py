@@ -1,0 +1,49 @@
+"""An input that acts by a curve instead of a straight line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.without_line.general.effect import (
+    Chosen,
+    GeneralEffect,
+    Number,
+    View,
+    pooled,
+)
+
+SHARES = (-0.3, -0.1, 0.1, 0.3)
+
+
+def change(_view: View, chosen: Chosen, values: Array) -> Array:
+    """Return u + a u^2 + b u^3."""
+    square, cube = chosen.numbers
+    return values * (1.0 + values * (square + values * cube))
+
+
+def starts(views: Sequence[View]) -> list[Chosen]:
+    """Return sizes at which the curve bends by a tenth to a third at the input's rms."""
+    found = []
+    for name in views[0].inputs:
+        size = float(np.sqrt(np.mean(pooled(views, name) ** 2)))
+        if size > 0.0:
+            for share in SHARES:
+                for numbers in ((share / size, 0.0), (0.0, share / size**2)):
+                    found.append(Chosen(effect=EFFECT.name, place=name, numbers=numbers))
+    return found
+
+
+EFFECT = GeneralEffect(
+    name="static_nonlinearity",
+    stage="raw",
+    text="the input acts by a curve, u + a u^2 + b u^3",
+    numbers=(
+        Number(name="square_per_unit", text="a, per unit of the input"),
+        Number(name="cube_per_unit2", text="b, per unit of the input squared"),
+    ),
+    starts=starts,
+    change=change,
+)

@@ -1,0 +1,237 @@
+"""Where a spectral line was seen: at every speed, at one speed only, or as an order of a turn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import chi2
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.spectra.line_spectrum import speed_weights
+from sim_plant.refine.without_line.record_filter import Explained
+
+WITHOUT_LINE = CRITERIA.without_line
+EVERY_SPEED = "every speed"
+ONE_SPEED = "one speed"
+SOME_SPEEDS = "some speeds"
+EVERY_RECORD = "every record"
+ONE_RECORD = "one record"
+SOME_RECORDS = "some records"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seen:
+    """Where a spectral line is.
+
+    Attributes
+    ----------
+    scope : one of the six above.
+    present : per record, whether it is there on its own.
+    speeds_m_s : mean speed of the records in which it is there; empty without a speed.
+    kind_proven : it is in time or in travel, by several speeds or by one that varies.
+    other : its coordinate in the other kind (1/m for one in time, Hz for one in travel) at the
+        one speed at which it was seen; 0 where its kind is proven.
+    order, fundamental : it is this whole multiple of a fundamental that others share, 1/m;
+        0 where none is known.
+    """
+
+    scope: str
+    present: tuple[bool, ...]
+    speeds_m_s: tuple[float, ...] = ()
+    kind_proven: bool = True
+    other: float = 0.0
+    order: int = 0
+    fundamental: float = 0.0
+
+
+def phase_of(item: Explained, kind: str) -> Array:
+    """Return time, s, or travel, m, from the first judged sample."""
+    if kind == "travel" and item.travel_m is not None:
+        travel_m: Array = item.travel_m - item.travel_m[0]
+        return travel_m
+    time_s: Array = np.arange(item.residual.shape[1], dtype=np.float64) * item.record.sample_time_s
+    return time_s
+
+
+def strength(item: Explained, white: Array, kind: str, coordinate: float) -> tuple[float, int]:
+    """Return drop and degrees of a spectral line near a coordinate, in one record alone."""
+    moving = item.speed_m_s if item.speed_m_s is not None else np.ones(white.shape[1])
+    weights = speed_weights(moving, 2)
+    u = phase_of(item, kind)
+    reach = 1.0 / float(u[-1])
+    best = 0.0
+    for at in np.linspace(coordinate - reach, coordinate + reach, 9):
+        wave = np.exp(-2j * np.pi * at * u)
+        here = np.abs((white * wave) @ weights.T) ** 2
+        best = max(best, 2.0 / white.shape[1] * float(here.sum()))
+    return best, 2 * white.shape[0] * weights.shape[0]
+
+
+def own_threshold(degrees: int) -> float:
+    """Return the drop that noise exceeds near one known coordinate by chance ``false_alarm``.
+
+    That is chi-square theory; ``safety`` makes it larger, for residuals are not quite white.
+    """
+    per_bin = WITHOUT_LINE.false_alarm / WITHOUT_LINE.bins
+    return WITHOUT_LINE.safety * float(chi2.isf(per_bin, degrees))
+
+
+def seen(
+    items: Sequence[Explained], whites: Sequence[Array], kind: str, coordinates: Sequence[float]
+) -> Seen:
+    """Return in which records a spectral line is there on its own, and if its kind is proven.
+
+    Parameters
+    ----------
+    coordinates : of the spectral line in every record.
+    """
+    own = [
+        strength(item, white, kind, at)
+        for item, white, at in zip(items, whites, coordinates, strict=True)
+    ]
+    present = [value > own_threshold(degrees) for value, degrees in own]
+    if not any(present):  # together they are there: the strongest record stands for it
+        present[int(np.argmax([value for value, _ in own]))] = True
+    if items[0].speed_m_s is None:
+        scope = _scope(present, several=False, kind_proven=True)
+        return Seen(scope=scope, present=tuple(present))
+    speeds = [float(np.mean(x.speed_m_s)) for x in items if x.speed_m_s is not None]
+    there = [v for v, yes in zip(speeds, present, strict=True) if yes]
+    several = max(there) > WITHOUT_LINE.other_speed * min(there)
+    kind_proven = several or any(
+        _kind_proven(item, white, kind, at, value)
+        for item, white, at, (value, _), yes in zip(
+            items, whites, coordinates, own, present, strict=True
+        )
+        if yes
+    )
+    at = float(np.median([c for c, yes in zip(coordinates, present, strict=True) if yes]))
+    mean = float(np.mean(there))
+    return Seen(
+        scope=_scope(present, several=several, kind_proven=kind_proven),
+        present=tuple(present),
+        speeds_m_s=tuple(there),
+        kind_proven=kind_proven,
+        other=0.0 if kind_proven else (at / mean if kind == "time" else at * mean),
+    )
+
+
+def _scope(present: Sequence[bool], *, several: bool, kind_proven: bool) -> str:
+    """Return in what scope a spectral line was seen.
+
+    ``several``: at more than one mean speed; ``kind_proven``: in time or in travel.
+    """
+    if several:
+        return EVERY_SPEED if all(present) else SOME_SPEEDS
+    if not kind_proven:
+        return ONE_SPEED
+    if sum(present) == 1:
+        return ONE_RECORD
+    return EVERY_RECORD if all(present) else SOME_RECORDS
+
+
+def _kind_proven(item: Explained, white: Array, kind: str, at: float, value: float) -> bool:
+    """Return whether the speed of one record varies enough to part time from travel."""
+    if item.speed_m_s is None or item.travel_m is None:
+        return False
+    mean = float(np.mean(item.speed_m_s))
+    other, there = ("travel", at / mean) if kind == "time" else ("time", at * mean)
+    rival, degrees = strength(item, white, other, there)
+    return value - rival > max(own_threshold(degrees), WITHOUT_LINE.kind_share * value)
+
+
+def family(wavenumbers: Sequence[float], widths: Sequence[float]) -> tuple[float, list[int]]:
+    """Return the fundamental that most spectral lines are whole multiples of, and their orders.
+
+    The largest fundamental counts of those with as many lines; at least three lines have to share
+    it, so closely that chance does it less than once in fifty sets of them. Nothing (0, no
+    orders) otherwise.
+
+    Parameters
+    ----------
+    wavenumbers : of the spectral lines, 1/m.
+    widths : how far each may be off, 1/m.
+    """
+    best: tuple[float, list[int]] = (0.0, [])
+    most = WITHOUT_LINE.fewest_orders - 1
+    for first in wavenumbers:
+        for divisor in range(1, WITHOUT_LINE.highest_order + 1):
+            base = first / divisor
+            orders = _orders_of(base, wavenumbers, widths)
+            count = len({n for n in orders if n})
+            larger = count == most and bool(best[1]) and base > 1.001 * best[0]
+            if (count > most or larger) and _chance(base, orders, widths) < WITHOUT_LINE.chance:
+                best, most = (base, orders), count
+    return best
+
+
+def _reach(base: float, order: int, width: float) -> float:
+    """Return how far from a whole number an order may be."""
+    return min(WITHOUT_LINE.order_share, 2.0 * width / base + WITHOUT_LINE.speed_share * order)
+
+
+def _orders_of(base: float, wavenumbers: Sequence[float], widths: Sequence[float]) -> list[int]:
+    """Return the order of every spectral line, 0 where it is none."""
+    found = []
+    for k, width in zip(wavenumbers, widths, strict=True):
+        order = round(k / base)
+        good = 1 <= order <= WITHOUT_LINE.highest_order
+        found.append(order if good and abs(k / base - order) < _reach(base, order, width) else 0)
+    return found
+
+
+def _chance(base: float, orders: Sequence[int], widths: Sequence[float]) -> float:
+    """Return how often spectral lines anywhere would share a fundamental tried so closely."""
+    reaches = sorted(2.0 * _reach(base, n, w) for n, w in zip(orders, widths, strict=True) if n)
+    tried = len(orders) * max(orders) * math.comb(len(orders), len(reaches))
+    return tried * math.prod(reaches[1:])
+
+
+def as_orders(
+    lines: Sequence[tuple[str, float, Seen]], extents_m: Sequence[float]
+) -> list[tuple[str, float, Seen]]:
+    """Return spectral lines (kind, coordinate, seen), those that are orders of a turn named so.
+
+    One seen at one speed may be one in time or in travel. It is an order when its wavenumber
+    is a whole multiple of a fundamental that others, proven ones among them, share.
+
+    Parameters
+    ----------
+    extents_m : travel of every record.
+    """
+    waves, widths, which = [], [], []
+    for k, (kind, at, where) in enumerate(lines):
+        if kind == "travel" or (where.other > 0.0 and not where.kind_proven):
+            waves.append(at if kind == "travel" else where.other)
+            widths.append(1.0 / min(e for e, p in zip(extents_m, where.present, strict=True) if p))
+            which.append(k)
+    found = list(lines)
+    while which:
+        base, orders = family(waves, widths)
+        if not any(orders):
+            break
+        for k, wave, order in zip(which, waves, orders, strict=True):
+            if order:
+                found[k] = _named(found[k], wave, order, base)
+        left = [j for j, order in enumerate(orders) if not order]
+        waves, widths, which = (
+            [waves[j] for j in left],
+            [widths[j] for j in left],
+            [which[j] for j in left],
+        )
+    return found
+
+
+def _named(
+    line: tuple[str, float, Seen], wave: float, order: int, base: float
+) -> tuple[str, float, Seen]:
+    """Return a spectral line as an order: in travel, whatever it was taken for before."""
+    kind, at, where = line
+    where = replace(where, order=order, fundamental=base)
+    if kind == "travel":
+        return kind, at, where
+    return "travel", wave, replace(where, other=at)

@@ -1,0 +1,53 @@
+"""Spectral lines and general effects in sentences."""
+
+from __future__ import annotations
+
+from sim_plant.refine.report.wording import coordinate_text
+from sim_plant.refine.without_line.free_spectral_lines import SpectralLine
+from sim_plant.refine.without_line.general.findings import Finding
+from sim_plant.refine.without_line.seen import EVERY_RECORD, EVERY_SPEED, ONE_RECORD, ONE_SPEED
+
+
+def line_text(spectral: SpectralLine) -> str:
+    """Return what a spectral line is and where it was seen, without a stop."""
+    where = spectral.seen
+    if where is None:
+        return coordinate_text(spectral.kind, spectral.where)
+    if spectral.kind == "time":
+        text = f"something that repeats in time, {spectral.coordinate:.4g} Hz"
+    else:
+        text = coordinate_text(spectral.kind, spectral.where)
+    if where.order:
+        text += f", order {where.order} of what repeats every {1e3 / where.fundamental:.4g} mm"
+    return f"{text}, {_seen_text(spectral)}"
+
+
+def _seen_text(spectral: SpectralLine) -> str:
+    where = spectral.seen
+    assert where is not None
+    count = f"{sum(where.present)} of {len(where.present)} records"
+    speeds = " and ".join(f"{v:.3g}" for v in where.speeds_m_s)
+    if where.scope == EVERY_SPEED:
+        return f"at every speed ({speeds} m/s)"
+    if where.scope == EVERY_RECORD:
+        return "in every record"
+    if where.scope == ONE_SPEED:
+        text = f"seen at one speed only, {where.speeds_m_s[0]:.3g} m/s ({count})"
+        if where.other and not where.order:
+            unit = "1/m" if spectral.kind == "time" else "Hz"
+            text += f"; at another it may be {where.other:.4g} {unit} that stays"
+        return text
+    if where.scope == ONE_RECORD:
+        return f"seen in one record only ({count})"
+    return f"seen in {count}" + (f", at {speeds} m/s" if speeds else "")
+
+
+def effect_text(finding: Finding) -> str:
+    """Return what a general effect is, with its numbers and intervals."""
+    numbers = ", ".join(
+        f"{name} {value:.4g} ({finding.interval95[name][0]:.4g} to "
+        f"{finding.interval95[name][1]:.4g})"
+        for name, value in finding.numbers.items()
+    )
+    place = "" if finding.place == "output" else f" at {finding.place}"
+    return f"{finding.effect}{place} in {finding.output}: {finding.text}; {numbers}"

@@ -1,0 +1,99 @@
+"""Requests to an ASGI app without a network."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+
+from starlette.types import ASGIApp, Message
+
+from aff_hmi.gate import Gate, Rates
+from aff_hmi.hub import Hub
+from aff_hmi.pages import Pages
+from aff_hmi.watch import Watch
+
+HOST = "127.0.0.1:8480"
+OWN_SOCKET = [("host", HOST), ("origin", f"http://{HOST}")]
+
+
+@dataclass
+class Answer:
+    status: int
+    headers: dict[str, str]
+    body: str
+
+
+class Clock:
+    """Time that stands until it is moved."""
+
+    def __init__(self) -> None:
+        self.ns = 1
+
+    def now_ns(self) -> int:
+        return self.ns
+
+    def sleep_until_ns(self, deadline_ns: int) -> None:
+        self.ns = deadline_ns
+
+
+def screen(tmp_path, clock: Clock, *, is_tls: bool = False) -> tuple[Gate, Hub]:
+    """Return the whole app behind its gate, and the hub in it."""
+    hub = Hub(Watch(tmp_path / "door.sock", clock), clock)
+    return Gate(Pages(hub, "en").app(), [HOST], Rates(clock), is_tls=is_tls), hub
+
+
+def scope(path: str, headers: list[tuple[str, str]], kind: str, method: str) -> dict[str, object]:
+    raw, _, query = path.partition("?")
+    return {
+        "type": kind,
+        "asgi": {"version": "3.0"},
+        "http_version": "1.1",
+        "method": method,
+        "scheme": "http",
+        "path": raw,
+        "raw_path": raw.encode(),
+        "root_path": "",
+        "query_string": query.encode(),
+        "headers": [(k.lower().encode(), v.encode("latin-1")) for k, v in headers],
+        "client": ("127.0.0.1", 5000),
+        "server": ("127.0.0.1", 8480),
+        "subprotocols": [],
+    }
+
+
+def get(
+    app: ASGIApp,
+    path: str = "/",
+    method: str = "GET",
+    headers: list[tuple[str, str]] | None = None,
+) -> Answer:
+    """Return the answer to one request."""
+    said: list[Message] = []
+
+    async def receive() -> Message:
+        return {"type": "http.request", "body": b"", "more_body": False}
+
+    async def send(message: Message) -> None:
+        said.append(message)
+
+    given = [("host", HOST)] if headers is None else headers
+    asyncio.run(app(scope(path, given, "http", method), receive, send))
+    start, *rest = said
+    found = {k.decode(): v.decode() for k, v in start["headers"]}
+    body = b"".join(one.get("body", b"") for one in rest)
+    return Answer(start["status"], found, body.decode())
+
+
+def shake(app: ASGIApp, headers: list[tuple[str, str]], path: str = "/live") -> list[Message]:
+    """Return what a socket is told that leaves as soon as it is in."""
+    said: list[Message] = []
+    heard = iter([{"type": "websocket.connect"}, {"type": "websocket.disconnect", "code": 1000}])
+
+    async def receive() -> Message:
+        return next(heard)
+
+    async def send(message: Message) -> None:
+        said.append(message)
+
+    asyncio.run(app(scope(path, headers, "websocket", "GET"), receive, send))
+    return said

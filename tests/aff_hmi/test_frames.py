@@ -1,0 +1,187 @@
+"""Frames out, receipts in, and who is let go."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("starlette")
+
+from starlette.websockets import WebSocket
+
+from aff_hmi import frames
+from aff_hmi.hub import MAX_IN_FLIGHT, MAX_SOCKETS, Hub
+from tests.aff_hmi.asgi import OWN_SOCKET, Clock, scope, screen
+from tests.aff_hmi.moments import row, seen
+
+
+class Browser:
+    """One end of a socket that does what a test says."""
+
+    def __init__(self, hub: Hub) -> None:
+        self.to_server: asyncio.Queue[dict[str, object]] = asyncio.Queue()
+        self.frames: list[dict[str, object]] = []
+        self.closed: int | None = None
+        socket = WebSocket(
+            scope("/live", OWN_SOCKET, "websocket", "GET"), self.to_server.get, self._take
+        )
+        self.to_server.put_nowait({"type": "websocket.connect"})
+        self.task = asyncio.create_task(hub.serve(socket, "en"))
+
+    async def _take(self, message) -> None:
+        if message["type"] == "websocket.send":
+            self.frames.append(json.loads(message["text"]))
+        elif message["type"] == "websocket.close":
+            self.closed = message["code"]
+
+    def say(self, text: str) -> None:
+        self.to_server.put_nowait({"type": "websocket.receive", "text": text})
+
+    def receipt(self, number: int, stamp_ms: float) -> None:
+        self.say(json.dumps({"a": number, "t": stamp_ms}))
+
+
+async def turn() -> None:
+    for _ in range(10):
+        await asyncio.sleep(0)
+
+
+def played(tmp_path: Path, play: Callable) -> None:
+    """Run a play with a hub; what is left over is ended."""
+
+    async def whole() -> None:
+        clock = Clock()
+        _, hub = screen(tmp_path, clock)
+        browsers: list[Browser] = []
+
+        async def visit() -> Browser:
+            browsers.append(Browser(hub))
+            await turn()
+            return browsers[-1]
+
+        try:
+            await play(hub, clock, visit)
+        finally:
+            for browser in browsers:
+                browser.task.cancel()
+            await asyncio.gather(*(b.task for b in browsers), return_exceptions=True)
+
+    asyncio.run(whole())
+
+
+def test_a_frame_answers_the_newest_stamp_of_its_browser(tmp_path: Path) -> None:
+    async def play(hub, clock, visit) -> None:
+        browser = await visit()
+        hub.make_frames(seen())
+        await turn()
+        assert browser.frames == []  # nothing before it has said that it is there
+        browser.receipt(0, 111.5)
+        await turn()
+        hub.make_frames(seen())
+        await turn()
+        assert browser.frames[-1]["echo"] == 111.5
+        browser.receipt(browser.frames[-1]["q"], 222.5)
+        await turn()
+        hub.make_frames(seen())
+        await turn()
+        assert browser.frames[-1]["echo"] == 222.5
+        assert browser.frames[-1]["values"]["tension:unwind_tension_N"] == 88.0
+
+    played(tmp_path, play)
+
+
+def test_who_does_not_keep_up_gets_the_newest_and_no_queue(tmp_path: Path) -> None:
+    async def play(hub, clock, visit) -> None:
+        browser = await visit()
+        browser.receipt(0, 1.0)
+        await turn()
+        for n in range(20):
+            hub.make_frames(seen(row(unwind_tension_N=float(n))))
+            await turn()
+        assert len(browser.frames) == MAX_IN_FLIGHT
+        browser.receipt(browser.frames[-1]["q"], 2.0)
+        await turn()
+        hub.make_frames(seen(row(unwind_tension_N=99.0)))
+        await turn()
+        assert len(browser.frames) == MAX_IN_FLIGHT + 1
+        assert browser.frames[-1]["values"]["tension:unwind_tension_N"] == 99.0
+
+    played(tmp_path, play)
+
+
+def test_who_says_nothing_for_long_is_let_go(tmp_path: Path) -> None:
+    async def play(hub, clock, visit) -> None:
+        browser = await visit()
+        clock.ns += 11_000_000_000
+        hub.make_frames(seen())
+        await turn()
+        assert browser.closed == 1008
+        assert not hub._viewers
+
+    played(tmp_path, play)
+
+
+BAD = [
+    "",
+    "x",
+    "{}",
+    "[]",
+    '{"a":-1,"t":1}',
+    '{"a":1,"t":"1"}',
+    '{"a":true,"t":1}',
+    '{"a":1,"t":NaN}',
+]
+BAD += ['{"a":1,"t":1e999}', '{"do":"arm"}', '{"a":1,"t":' + "1" * 300 + "}", "[" * 200]
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_what_is_no_receipt_ends_the_socket(tmp_path: Path, text: str) -> None:
+    assert frames.said_by(text) is None
+
+    async def play(hub, clock, visit) -> None:
+        browser, other = await visit(), await visit()
+        browser.say(text)
+        await turn()
+        assert browser.closed == 1008
+        assert other.closed is None
+
+    played(tmp_path, play)
+
+
+def test_too_many_receipts_end_the_socket(tmp_path: Path) -> None:
+    async def play(hub, clock, visit) -> None:
+        browser = await visit()
+        for n in range(25):
+            browser.receipt(n, 1.0)
+        await turn()
+        await turn()
+        await turn()
+        assert browser.closed == 1008
+
+    played(tmp_path, play)
+
+
+def test_sockets_are_bounded(tmp_path: Path) -> None:
+    async def play(hub, clock, visit) -> None:
+        browsers = [await visit() for _ in range(MAX_SOCKETS + 1)]
+        assert browsers[-1].closed == 1013
+        assert [b.closed for b in browsers[:-1]] == [None] * MAX_SOCKETS
+
+    played(tmp_path, play)
+
+
+def test_a_frame_is_small_and_has_no_nan(tmp_path: Path) -> None:
+    async def play(hub, clock, visit) -> None:
+        browser = await visit()
+        browser.receipt(0, 1.0)
+        await turn()
+        hub.make_frames(seen(row(unwind_tension_N=float("nan"), age_s=float("inf"))))
+        await turn()
+        text = json.dumps(browser.frames[-1], allow_nan=False)
+        assert len(text) < 4000
+
+    played(tmp_path, play)

@@ -1,0 +1,170 @@
+"""What a request must be to reach a page, and what every answer carries."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("starlette")
+
+from aff_hmi.gate import BURST, HEADERS, MAX_ADDRESSES, Rates
+from aff_hmi.layout import layout_of
+from aff_hmi.pages import ASSETS, FOLDER
+from tests.aff_hmi.asgi import HOST, Clock, get, screen, shake
+from tests.aff_hmi.moments import facts
+
+OWN = [("host", HOST), ("origin", f"http://{HOST}")]
+
+
+@pytest.fixture
+def app(tmp_path: Path):
+    return screen(tmp_path, Clock())[0]
+
+
+@pytest.mark.parametrize("path", ["/", "/metrics", *(f"/static/{name}" for name in ASSETS)])
+def test_every_page_has_the_headers(app, path: str) -> None:
+    answer = get(app, path)
+    assert answer.status == 200
+    for name, value in HEADERS.items():
+        assert answer.headers[name] == value
+    assert "set-cookie" not in answer.headers
+
+
+@pytest.mark.parametrize("path", ["/nothing", "/static/nothing", "/static/..%2fgate.py", "/docs"])
+def test_what_is_no_route_is_404_with_the_headers(app, path: str) -> None:
+    answer = get(app, path)
+    assert answer.status == 404
+    assert answer.headers["x-content-type-options"] == "nosniff"
+
+
+def test_nothing_may_run_that_is_not_a_file_of_ours() -> None:
+    policy = HEADERS["content-security-policy"]
+    assert "unsafe" not in policy
+    assert "default-src 'none'" in policy
+    assert "frame-ancestors 'none'" in policy
+    assert not re.search(r"https?:|\*", policy)
+
+
+@pytest.mark.parametrize(
+    "method", ["POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT"]
+)
+@pytest.mark.parametrize("path", ["/", "/live", "/static/overview.js", "/arm"])
+def test_nothing_but_looking_is_answered(app, method: str, path: str) -> None:
+    assert get(app, path, method).status == 405
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        "evil.example",
+        "127.0.0.1",
+        "127.0.0.1:8481",
+        "127.0.0.1:8480.evil.example",
+        "127.0.0.1:8480@evil.example",
+        "",
+        "localhost:8480\u00e4",
+    ],
+)
+def test_a_name_that_is_not_ours_is_refused(app, host: str) -> None:
+    answer = get(app, headers=[("host", host)])
+    assert answer.status == 421
+    assert "Euclid" not in answer.body
+    assert host not in answer.body or not host
+
+
+def test_no_host_and_two_hosts_are_refused(app) -> None:
+    assert get(app, headers=[]).status == 421
+    assert get(app, headers=[("host", HOST), ("host", "evil.example")]).status == 421
+
+
+def test_a_name_in_capitals_is_the_same_name(tmp_path: Path) -> None:
+    app, _ = screen(tmp_path, Clock())
+    assert get(app, headers=[("HOST", HOST.upper())]).status == 200
+
+
+@pytest.mark.parametrize(
+    "origin",
+    [
+        "http://evil.example",
+        "null",
+        f"https://{HOST}",
+        "http://127.0.0.1:1",
+        f"http://{HOST}.x",
+        "",
+    ],
+)
+def test_a_socket_of_another_origin_is_refused(app, origin: str) -> None:
+    (said,) = shake(app, [("host", HOST), ("origin", origin)])
+    assert said == {"type": "websocket.close", "code": 1008}
+
+
+def test_a_socket_without_origin_or_with_two_is_refused(app) -> None:
+    assert shake(app, [("host", HOST)])[0]["type"] == "websocket.close"
+    assert shake(app, [*OWN, ("origin", "http://evil.example")])[0]["type"] == "websocket.close"
+
+
+def test_a_socket_of_our_own_page_is_taken(app) -> None:
+    assert shake(app, OWN)[0]["type"] == "websocket.accept"
+
+
+def test_only_one_path_has_a_socket(app) -> None:
+    assert shake(app, OWN, "/other")[0]["type"] == "websocket.close"
+
+
+def test_a_flood_is_told_to_wait_and_heard_again_after_a_second(tmp_path: Path) -> None:
+    clock = Clock()
+    app, _ = screen(tmp_path, clock)
+    codes = [get(app, "/static/icon.svg").status for _ in range(int(BURST) + 5)]
+    assert codes == [200] * int(BURST) + [429] * 5
+    assert shake(app, OWN)[0]["type"] == "websocket.close"
+    clock.ns += 1_000_000_000
+    assert get(app).status == 200
+
+
+def test_addresses_are_not_remembered_without_end() -> None:
+    rates = Rates(Clock())
+    assert all(rates.allows(str(n)) for n in range(3 * MAX_ADDRESSES))
+    assert len(rates._buckets) == MAX_ADDRESSES
+
+
+def test_with_tls_the_browser_is_told_to_stay_there(tmp_path: Path) -> None:
+    app, _ = screen(tmp_path, Clock(), is_tls=True)
+    assert get(app).headers["strict-transport-security"].startswith("max-age=")
+    tls = [("host", HOST), ("origin", f"https://{HOST}")]
+    assert shake(app, tls)[0]["type"] == "websocket.accept"
+
+
+HOSTILE = "<img src=x onerror=alert(1)>\"'&\u202e{{7*7}}"
+
+
+def test_a_hostile_name_is_text_on_the_page(tmp_path: Path) -> None:
+    app, hub = screen(tmp_path, Clock())
+    said = facts(line=HOSTILE)
+    hub.layout = layout_of(said, ("unwind_tension_N", f"{HOSTILE}_tension_N", "line_speed_m_s"))
+    page = get(app).body
+    assert "<img" not in page
+    assert "&lt;img src=x onerror=alert(1)&gt;" in page
+    shown = re.sub(r"<[^>]*>", "", page)
+    assert "\u202e" not in shown
+    assert "{{7*7}}" in shown
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_a_page_asks_for_nothing_off_the_host(app, language: str) -> None:
+    page = get(app, f"/?lang={language}").body
+    assert f'lang="{language}"' in page
+    assert not re.search(r"""(src|href)=["'](?!/)(?!#)""", page)
+    assert not re.search(r"\son\w+=|\sstyle=|javascript:", page)
+    for name in ASSETS:
+        text = (FOLDER / "static" / name).read_text()
+        assert not re.search(r"@import|url\(|\beval\b|Function\(|innerHTML|insertAdjacent", text)
+        found = re.findall(r"https?://[^\s\"']+", text)
+        assert [one for one in found if "w3.org" not in one] == []
+
+
+def test_all_script_and_style_is_ours_and_small() -> None:
+    assert {path.name for path in (FOLDER / "static").iterdir()} == set(ASSETS)
+    bytes_in_all = sum((FOLDER / "static" / name).stat().st_size for name in ASSETS)
+    assert bytes_in_all < 150_000

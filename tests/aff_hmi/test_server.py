@@ -1,0 +1,79 @@
+"""The web server under those who come and say nothing, or half of it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("starlette")
+
+from aff_hmi import server
+from aff_hmi.hub import Hub
+from aff_hmi.server import MAX_CONNECTIONS
+from aff_hmi.watch import Watch
+from aff_runtime.base.clock import MonotonicClock
+from tests.aff_hmi.served import asked, served
+
+pytestmark = pytest.mark.wire
+
+
+async def frames(hub: Hub, count: int) -> None:
+    """Wait for so many rounds of polling and making frames."""
+    last = hub._number + count
+    while hub._number < last:
+        await asyncio.sleep(0.02)
+
+
+async def crowd(port: int) -> list[tuple[asyncio.StreamReader, asyncio.StreamWriter]]:
+    """Take every place there is."""
+    return [await asyncio.open_connection("127.0.0.1", port) for _ in range(MAX_CONNECTIONS)]
+
+
+@pytest.mark.parametrize("said", [b"", b"G", b"GET /metrics HTTP/1.1\r\nHost: x\r\n"])
+def test_those_who_fill_every_place_are_let_go_and_the_line_is_followed_meanwhile(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: bytes
+) -> None:
+    monkeypatch.setattr(server, "HEADER_PATIENCE_S", 1.0)
+
+    async def play() -> None:
+        watch = Watch(tmp_path / "door.sock", MonotonicClock())
+        async with served(watch) as (port, hub):
+            flood = await crowd(port)
+            for _, writer in flood:
+                writer.write(said)
+            await frames(hub, 3)
+            for reader, _ in flood:  # each is let go, without a word of the line
+                with contextlib.suppress(ConnectionResetError):
+                    assert b"aff_" not in await reader.read()
+            status, _, body = await asked(port, "/metrics")
+            assert status == "HTTP/1.1 200 OK"
+            assert "aff_control_up 0.0" in body
+            for _, writer in flood:
+                writer.close()
+
+    asyncio.run(play())
+
+
+def test_one_too_many_is_told_to_come_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server, "HEADER_PATIENCE_S", 60.0)
+
+    async def play() -> None:
+        watch = Watch(tmp_path / "door.sock", MonotonicClock())
+        async with served(watch) as (port, hub):
+            flood = await crowd(port)
+            await frames(hub, 1)
+            status, _, body = await asked(port, "/metrics")
+            assert status.startswith("HTTP/1.1 503")
+            assert "aff_" not in body
+            for _, writer in flood:
+                writer.close()
+            await frames(hub, 2)
+            status, _, _ = await asked(port, "/metrics")
+            assert status == "HTTP/1.1 200 OK"
+
+    asyncio.run(play())

@@ -1,0 +1,198 @@
+"""Two windows of runs in virtual time, against what the plant really had; attacked as runs are."""
+
+import json
+import math
+import re
+import shutil
+
+import numpy as np
+import pytest
+
+from aff_runtime.app.report.comparison.comparing import compare
+from aff_runtime.app.report.comparison.page import as_json, page
+from aff_runtime.base.run_window import run_window
+from aff_runtime.cli.main import main
+from sim_plant.base.order_tracking import order_amplitudes
+from tests.doubles.recorded_run import RecordedRun, files
+
+pytestmark = pytest.mark.timeout(300)
+EFFECTS = [
+    {
+        "effect": "eccentric_roller",
+        "location": "swrap_follower",
+        "parameters": {"eccentricity_m": 1.5e-4, "angle_rad": 0.5},
+    }
+]
+OFF, ON = "@5..33", "@50..75"
+SIGNAL, ROLL = "pullroll_tension_N", "swrap_follower"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A run of 75 s, off and then on, an eccentric follower; the plant's own true tension."""
+    folder = tmp_path_factory.mktemp("run")
+    run = RecordedRun(files(folder, EFFECTS, cancels=""), folder / "runs")
+    truth = []
+    run.bench.plant.observers.append(
+        lambda plant: truth.append(
+            (
+                plant.time_s,
+                plant.measured["true_pullroll_tension_N"],
+                plant.measured["true_swrap_follower_angle_rad"],
+            )
+        )
+    )
+    run.bench.run(35.0)
+    run.bench.arm(40.0)
+    return run.end(), np.array(truth)
+
+
+@pytest.fixture
+def run(made, tmp_path):
+    """A copy to damage."""
+    shutil.copytree(made[0], tmp_path / "run")
+    return tmp_path / "run"
+
+
+def of(before, after):
+    return compare(run_window(before), run_window(after))
+
+
+def row(found, order=1, signal=SIGNAL, roll=ROLL):
+    return next(r for r in found.rows if (r.signal, r.roll, r.order) == (signal, roll, order))
+
+
+def true_size(truth, first_s, last_s):
+    _, tension, angle = truth[(truth[:, 0] >= first_s) & (truth[:, 0] < last_s)].T
+    return float(abs(order_amplitudes(tension, angle, (1,))[0]))
+
+
+def test_amplitudes_and_their_fall_are_those_of_the_plants_true_tension(made):
+    found = row(of(f"{made[0]}{OFF}", f"{made[0]}{ON}"))
+    before, after = true_size(made[1], 5.0, 33.0), true_size(made[1], 50.0, 75.0)
+    filtered = 1.0 / math.hypot(1.0, found.frequency_Hz[0] / 20.0)  # the cell's 20 Hz low-pass
+    assert found.before.low <= before * filtered <= found.before.high
+    assert found.before.amplitude == pytest.approx(before * filtered, rel=0.03)
+    assert found.frequency_Hz[0] == pytest.approx(1.0 / (2.0 * np.pi * 0.15367), rel=0.002)
+    true_dB = 20.0 * math.log10(after / before)
+    if found.change.bound:
+        assert found.change.bound == "at_most"
+        assert true_dB < found.change.value_dB + 1.0
+    else:
+        assert found.change.low_dB - 1.0 <= true_dB <= found.change.high_dB + 1.0
+    assert true_dB < -15.0
+
+
+def test_what_acted_and_how_long_ticks_took_is_in_the_facts(made):
+    before, after = of(f"{made[0]}{OFF}", f"{made[0]}{ON}").windows
+    assert before.corrections["swrap_follower_m_s"][:2] == (0.0, 0.0)
+    rms, largest, share = after.corrections["swrap_follower_m_s"]
+    assert 0.0 < rms < largest
+    assert share == pytest.approx(largest / 0.04)  # limit_m_s of the shipped file
+    assert set(after.states) == {"ACTIVE"}
+    assert before.speed_m_s[0] == pytest.approx(1.0, abs=0.002)
+    assert before.radius_m["unwind"][0] > before.radius_m["unwind"][1]
+    assert set(before.times_us) == {"wake_us", "io_us", "tick_us"}
+    assert before.mean_N["unwind_tension_N"] == pytest.approx(88.96, abs=0.2)
+    assert "tension_ref_N" not in before.mean_N
+
+
+def test_like_windows_have_no_label_and_the_same_site_file(made):
+    found = of(f"{made[0]}@5..19", f"{made[0]}@19..33")
+    assert (found.labels, found.differences) == ((), ())
+    assert row(found).change.low_dB < 0.0 < row(found).change.high_dB
+
+
+def test_a_window_that_is_partly_on_is_a_mixture(made):
+    found = of(f"{made[0]}@5..33", f"{made[0]}@20..60")
+    assert any("figures are a mixture" in text for text in found.windows[1].labels)
+    assert any("the two windows overlap" in text for text in found.labels)
+
+
+def test_what_differs_in_the_site_file_is_named_with_units(made, run):
+    site = run / "site.yaml"
+    site.write_text(re.sub(r"limit_m_s: 0.05", "limit_m_s: 60 mm/s", site.read_text()))
+    found = of(f"{made[0]}{OFF}", f"{run}{ON}")
+    assert found.differences == ("actuators.unwind.limit_m_s: 0.05 m/s -> 0.06 m/s",)
+
+
+def test_a_run_of_another_line_is_compared_and_labelled(made, run):
+    site = run / "site.yaml"
+    site.write_text(site.read_text().replace("name: Euclid", "name: Other"))
+    found = of(f"{made[0]}{OFF}", f"{run}{ON}")
+    assert "runs of two lines: Euclid and Other" in found.labels
+    assert row(found).before.turns > 10
+
+
+DOUBLING = "".join(f"k{n}: &k{n} [*k{n - 1}, *k{n - 1}]\n" for n in range(1, 60))
+"""Aliases that unfold to 2^60 texts."""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "{",
+        "- 3",
+        "rolls: 3\nactuators: [1]\n",
+        "gateway: {read: 3}\nactuators: {a: {error: 4}}\n",
+        "k0: &k0 [x, x]\n" + DOUBLING + "line: {name: *k59}\nrolls: {a: {angle: *k59}}\n",
+    ],
+)
+def test_a_site_file_that_cannot_be_read_leaves_the_facts(made, run, text):
+    (run / "site.yaml").write_text(text)
+    found = of(f"{made[0]}{OFF}", f"{run}{ON}")
+    assert found.windows[1].speed_m_s[0] == pytest.approx(1.0, abs=0.002)
+    assert not found.rows
+    assert found.labels
+
+
+def test_an_edit_in_the_middle_and_a_torn_segment_are_named(run):
+    with (run / "events.csv").open("a") as file:
+        file.write('60.0,,,EDIT,,"settle_s: 6 s -> 9 s"\n')
+    last = sorted(run.glob("signals-*"))[-1]
+    last.write_bytes(last.read_bytes()[:-200])
+    said = of(f"{run}{OFF}", f"{run}{ON}").windows[1].labels
+    assert "the site file was changed at 60.0 s: settle_s: 6 s -> 9 s" in said
+    assert any("ends torn" in text for text in said)
+
+
+def test_the_page_needs_nothing_from_elsewhere_and_the_names_act_on_nothing(made, run):
+    site = run / "site.yaml"
+    site.write_text(site.read_text().replace("name: Euclid", "name: <script>x</script>"))
+    found = of(f"{run}{OFF}", f"{run}{ON}")
+    text = page(found)
+    assert "<script" not in text
+    assert not re.search(r"(src|href)=|https?://", text)
+    data = json.loads(json.dumps(as_json(found), allow_nan=False))
+    assert data["version"] == 1
+    assert {r["order"] for r in data["rows"] if r["roll"] == "unwind"} == {1, 2, 3, 4}
+
+
+def test_the_command_writes_page_and_json_and_prints_the_orders(made, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["compare", f"{made[0]}{OFF}", f"{made[0]}{ON}", "--out", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert f"{SIGNAL} {ROLL} 1x: " in said
+    assert (out / "compare.html").exists()
+    assert json.loads((out / "compare.json").read_text())["line"] == "Euclid"
+
+
+def test_a_folder_that_is_no_run_ends_the_command_with_a_message(tmp_path, capsys):
+    assert main(["compare", str(tmp_path), str(tmp_path), "--out", str(tmp_path)]) == 1
+    assert "not a run folder" in capsys.readouterr().err
+    assert not (tmp_path / "compare.html").exists()
+
+
+def test_a_roll_that_only_the_later_site_file_has_is_compared_by_it(made, run):
+    """The idler is no roll of the first window's site; its radius is that of the follower."""
+    text = (run / "site.yaml").read_text()
+    (run / "site.yaml").write_text(
+        text.replace("rolls:\n", "rolls:\n  r9: { radius_m: 0.15367 }\n", 1)
+    )
+    for first, last in (("made", "run"), ("run", "made")):
+        folders = {"made": made[0], "run": run}
+        found = row(of(f"{folders[first]}{OFF}", f"{folders[last]}{ON}"), roll="r9")
+        follower = row(of(f"{made[0]}{OFF}", f"{made[0]}{ON}"))
+        assert found.before.amplitude == pytest.approx(follower.before.amplitude, rel=0.05)
+        assert found.change.value_dB < -10.0

@@ -1,0 +1,124 @@
+"""Amplitudes over turns: expected are the sizes that were put in, and what chance does to them."""
+
+import math
+
+import numpy as np
+import pytest
+
+from aff_runtime.app.report.comparison.turns import (
+    Estimate,
+    change,
+    estimate,
+    order_per_turn,
+    student_t,
+)
+
+STEP_S, SECONDS = 0.005, 120.0
+TIME_S = np.arange(round(SECONDS / STEP_S)) * STEP_S
+ANGLE = 2.0 * np.pi * (0.8 * TIME_S + 0.0004 * TIME_S**2)  # a shrinking roll turns ever faster
+GOOD = np.ones(TIME_S.size, dtype=bool)
+
+
+def signal(size=1.0, order=1, angle=ANGLE, phase=0.7, noise=0.0, seed=1):
+    """Return a ripple on a tension that has a mean, another roll's ripple, a drift and noise."""
+    rng = np.random.default_rng(seed)
+    other = 0.4 * np.cos(2.0 * np.pi * 1.317 * TIME_S) + 0.01 * TIME_S
+    return (
+        90.0
+        + size * np.cos(order * angle + phase)
+        + other
+        + noise * rng.standard_normal(TIME_S.size)
+    )
+
+
+def found(values, order=1, encoder=True, good=GOOD, angle=ANGLE):
+    turns, _ = order_per_turn(angle, values, good, [order])
+    return estimate(turns[:, 0], encoder=encoder)
+
+
+@pytest.mark.parametrize("order", [1, 2, 7, 16])
+def test_an_order_has_the_size_that_was_put_in(order):
+    result = found(signal(order=order), order)
+    assert result.amplitude == pytest.approx(1.0, abs=0.02)
+    assert result.low <= result.amplitude <= result.high
+    assert result.turns == math.floor(ANGLE[-1] / (2.0 * np.pi)) - 1  # the first is left out too
+
+
+def test_an_order_that_is_not_there_is_in_the_noise():
+    assert not found(signal(noise=0.5), order=3).stands_out
+
+
+def test_the_interval_holds_the_true_size_in_about_95_of_100_windows():
+    hits = 0
+    for seed in range(200):
+        result = found(signal(size=0.2, noise=0.5, seed=seed))
+        hits += result.low <= 0.2 <= result.high
+    assert 0.90 <= hits / 200 <= 0.99
+
+
+def test_noise_alone_exceeds_the_floor_about_once_in_20_windows():
+    beyond = 0
+    for seed in range(200):
+        rng = np.random.default_rng(seed)
+        beyond += found(90.0 + rng.standard_normal(TIME_S.size)).stands_out
+    assert beyond / 200 <= 0.11
+
+
+def test_without_an_encoder_the_size_survives_a_wandering_zero():
+    wandering = (
+        ANGLE + 2.0 * np.pi * 0.008 * TIME_S
+    )  # a radius 1 % off: almost a whole turn in two minutes
+    values = signal(noise=0.2, angle=wandering)
+    assert found(values, encoder=False).amplitude == pytest.approx(1.0, abs=0.12)
+    assert found(values).amplitude < 0.4  # the mean of the phasors is not the size any more
+
+
+def test_turns_with_a_hole_are_left_out():
+    values, good = signal(), GOOD.copy()
+    values[4000:4200] = 0.0
+    good[4000:4200] = False
+    result = found(values, good=good)
+    assert result.amplitude == pytest.approx(1.0, abs=0.03)
+    assert result.turns < found(signal()).turns
+
+
+def test_few_turns_have_no_interval():
+    part = slice(0, round(6.0 / STEP_S))
+    turns, _ = order_per_turn(ANGLE[part], signal()[part], GOOD[part], [1])
+    result = estimate(turns[:, 0], encoder=True)
+    assert 0 < result.turns < 8
+    assert math.isnan(result.low)
+    assert not result.stands_out
+
+
+@pytest.mark.parametrize(
+    ("freedom", "point"), [(4, 2.776), (9, 2.262), (19, 2.093), (1000, 1.962)]
+)
+def test_students_points_are_those_of_the_tables(freedom, point):
+    assert student_t(freedom) == pytest.approx(point, rel=0.005)
+
+
+def size(amplitude, half=0.0, floor=0.01):
+    low, high = amplitude - half, amplitude + half
+    return Estimate(amplitude=amplitude, low=low, high=high, floor=floor, turns=100)
+
+
+def test_a_change_is_20_log_of_the_ratio_and_its_interval_that_of_both():
+    result = change(size(2.0, 0.02), size(0.2, 0.02))
+    assert result.value_dB == pytest.approx(-20.0)
+    half = 20.0 / math.log(10.0) * math.hypot(0.01, 0.1)
+    assert (result.low_dB, result.high_dB) == pytest.approx((-20.0 - half, -20.0 + half))
+    assert result.bound == ""
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "bound", "value_dB"),
+    [(1.0, 0.001, "at_most", -40.0), (0.001, 1.0, "at_least", 40.0), (0.001, 0.002, "none", None)],
+)
+def test_what_is_in_the_noise_gives_a_bound_and_no_figure(before, after, bound, value_dB):
+    result = change(size(before), size(after))
+    assert result.bound == bound
+    if value_dB is None:
+        assert math.isnan(result.value_dB)
+    else:
+        assert result.value_dB == pytest.approx(value_dB)

@@ -1,0 +1,230 @@
+"""Try, keep, undo: the former settings return unless the site file says otherwise."""
+
+from __future__ import annotations
+
+import pytest
+
+from aff_runtime.app.supervisor import edit_session
+from aff_runtime.app.supervisor.settings import desk as desk_module
+from tests.aff_runtime.app.supervisor.settings.rig import WHO, AtOnce, Rig
+
+LINE = "actuators.unwind.blocks[0].settle_s: 6 s -> 12 s (applies at once)"
+ROLL = ("rolls:\n", "rolls:\n  r5: { radius_m: 0.0381 } # idler\n")
+LAST = "      - { roll: swrap_follower, orders: [1], settle_s: 10, amp_limit_m_s: 0.01 }\n"
+BLOCK = "      - { roll: r5, orders: [1], settle_s: 8, amp_limit_m_s: 0.02 }\n"
+
+
+@pytest.fixture
+def rig(tmp_path, monkeypatch):
+    for module in (desk_module, edit_session):
+        monkeypatch.setattr(module, "Validation", AtOnce)
+    return Rig(tmp_path)
+
+
+def test_a_diff_tells_every_change_with_its_unit_and_changes_nothing(rig):
+    said = rig.ask(act="diff", text=rig.other())
+    rig.run(0.2)
+    assert said.json["changes"] == (LINE,)
+    assert rig.running.control.taken == []
+    wrong = rig.ask(act="diff", text=rig.other("cycle_ms: 5", "cycle_ms: 0"))
+    rig.run(0.2)
+    assert wrong.json["ok"] is False
+    assert wrong.json["exit_code"] == 2
+    assert f"{rig.site}:" in wrong.json["message"]
+
+
+def test_a_diff_warns_of_what_is_new_and_not_of_what_was_there(rig):
+    assert rig.edits.findings  # the shipped file has warnings of its own
+    said = rig.ask(act="diff", text=rig.other())
+    rig.run(0.2)
+    assert said.json["remarks"] == ()
+    more = rig.ask(act="diff", text=rig.other(*ROLL))
+    rig.run(0.2)
+    (remark,) = more.json["remarks"]
+    assert "rolls.r5: no block uses this roll" in remark
+
+
+def test_when_the_time_is_up_the_former_settings_return(rig):
+    said = rig.begin(seconds=20.0)
+    assert said.json["changes"] == (LINE,)
+    assert rig.running.record.site_text == rig.other()
+    assert "s left, then the former return" in rig.desk.trying
+    rig.run(19.0)
+    assert rig.running.record.site_text == rig.other()
+    rig.run(1.5)
+    assert rig.runs_the_former
+    assert rig.desk.trying == ""
+    assert rig.rows[-2:] == [("tried", "20 s: hunting at 1x"), ("returned", "its time is up")]
+    assert rig.site.read_text() == rig.former
+
+
+def test_a_whole_block_and_its_roll_go_in_and_come_out_again(rig):
+    text = rig.other(*ROLL).replace(LAST, LAST + BLOCK)
+    rig.begin(text, seconds=10.0)
+    assert "r5" in rig.running.record.site.rolls
+    rig.run(11.0)
+    assert rig.runs_the_former
+
+
+@pytest.mark.parametrize(("amplitude_N", "returns"), [(0.8, False), (1.1, False), (2.0, True)])
+def test_the_former_settings_return_when_ripple_rises(rig, amplitude_N, returns):
+    rig.run(21.0)
+    rig.begin()
+    rig.running.ring.signals.amplitude_N = amplitude_N
+    rig.run(12.0)
+    assert rig.runs_the_former is returns
+    if returns:
+        assert rig.rows[-1][1].startswith("ripple of unwind_tension_N rose from 0.7")
+
+
+def test_a_correction_that_is_taken_back_ends_a_try(rig):
+    rig.begin()
+    rig.running.live = False
+    rig.run(0.3)
+    assert rig.runs_the_former
+    assert rig.rows[-1] == ("returned", "the correction was taken back")
+
+
+def test_it_is_kept_once_the_file_says_it_and_with_who_and_why(rig):
+    rig.begin(seconds=10.0)
+    said = rig.ask(act="keep", why="3 dB less at 1x")
+    assert said.text == rig.other()
+    assert rig.rows[-1][0] == "tried"  # nobody has saved it
+    rig.site.write_text(said.text)
+    rig.run(0.4)
+    assert rig.desk.trying == ""
+    row = rig.ask(act="history").json["versions"][-1]
+    assert (row["verb"], row["who"], row["why"]) == ("kept", WHO, "3 dB less at 1x")
+    rig.run(60.0)
+    assert rig.running.record.site_text == rig.other()
+    assert rig.edits.differs == ()
+    assert any("kept by uid 1000 (tech1 via root), pid 4711" in note for note in rig.running.notes)
+
+
+def test_a_keep_that_nobody_saves_is_none(rig):
+    rig.begin(seconds=10.0)
+    rig.ask(act="keep", why="3 dB less at 1x")
+    rig.run(25.0)
+    assert rig.runs_the_former
+    assert rig.rows[-1] == ("returned", "its time is up")
+
+
+def test_a_keep_that_is_saved_too_late_is_an_edit_of_its_own(rig):
+    rig.begin(seconds=300.0)
+    said = rig.ask(act="keep", why="3 dB less at 1x")
+    rig.run(40.0)
+    rig.site.write_text(said.text)
+    rig.run(1.0)
+    assert ("returned", "a file was saved meanwhile") in rig.rows
+    assert rig.rows[-1] == ("edited", "")
+    assert rig.running.record.site_text == rig.other()
+
+
+def test_a_try_saved_without_keep_is_an_edit_of_its_own(rig):
+    rig.begin()
+    rig.site.write_text(rig.other())
+    rig.run(1.0)
+    assert ("returned", "a file was saved meanwhile") in rig.rows
+    assert rig.rows[-1][0] == "edited"
+    assert rig.running.record.site_text == rig.other()
+
+
+def test_another_edit_in_a_try_is_judged_after_the_return(rig):
+    rig.begin()
+    edited = rig.other("orders: [1, 2, 3, 4]", "orders: [1, 2]")
+    rig.site.write_text(edited)
+    rig.run(1.0)
+    assert rig.running.record.site_text == edited
+    assert [verb for verb, _ in rig.rows][-3:] == ["tried", "returned", "edited"]
+
+
+def test_undo_ends_a_try_and_without_one_goes_back_to_what_stood_before(rig):
+    rig.begin()
+    said = rig.ask(act="undo", why="web flutters")
+    rig.run(0.3)
+    assert said.json["ok"] is True
+    assert said.text == ""
+    assert rig.runs_the_former
+    assert rig.rows[-1] == ("returned", f"undone by {WHO}: web flutters")
+    rig.begin()
+    kept = rig.ask(act="keep", why="3 dB less at 1x")
+    rig.site.write_text(kept.text)
+    rig.run(1.0)
+    back = rig.ask(act="undo", why="noise grew at night")
+    assert back.text == rig.former
+    rig.site.write_text(back.text)
+    rig.run(1.0)
+    assert rig.runs_the_former
+    assert rig.rows[-1] == ("undone", "noise grew at night (version 1)")
+
+
+def test_a_control_process_that_dies_starts_on_the_former_settings(rig):
+    rig.begin()
+    rig.running.control = None
+    rig.pending.refuse_all("the control process died; see the log")
+    rig.desk.control_died()
+    assert rig.running.record.site_text == rig.former
+    assert rig.rows[-1] == ("returned", "the control process died")
+
+
+def test_a_control_process_that_does_not_answer_is_started_anew_on_the_former_settings(rig):
+    rig.begin(seconds=5.0)
+    rig.running.control.deaf = True
+    rig.run(20.0)
+    assert rig.running.starts == [rig.former]
+    assert rig.rows[-1] == ("returned", "its time is up; the control process was started anew")
+
+
+def test_settings_that_the_control_process_refuses_are_not_tried(rig):
+    rig.running.control.no = "a probe is under way; save the file after it"
+    said = rig.begin()
+    assert said.json["message"] == "a probe is under way; save the file after it"
+    assert rig.running.record.site_text == rig.former
+    assert rig.desk.trying == ""
+    assert rig.rows == [("started", "")]
+    rig.running.control.no = ""
+    assert rig.begin().json["ok"] is True
+
+
+@pytest.mark.parametrize(
+    ("edit", "said"),
+    [
+        (("fade_ms: 150", "fade_ms: 100"), "freshness.fade_ms: 150 ms -> 100 ms (waits for"),
+        (("# nothing here", "# nothing here"), "nothing differs from what runs"),
+        (("cycle_ms: 5", "cycle_ms: 0"), "line.cycle_ms"),
+    ],
+)
+def test_what_cannot_be_tried_is_refused_in_words(rig, edit, said):
+    text = rig.other(*edit) if edit[0] in rig.former else rig.former
+    asked = rig.begin(text)
+    assert asked.json["ok"] is False
+    assert said in asked.json["message"]
+    assert rig.running.control.taken == []
+
+
+def test_one_try_at_a_time_and_none_on_a_file_that_is_not_what_runs(rig):
+    rig.begin()
+    assert "keep or undo them first" in rig.begin().json["message"]
+    rig.ask(act="undo", why="enough seen")
+    rig.run(0.3)
+    rig.site.write_text(rig.former + "# saved a moment ago\n")
+    assert "is not what runs" in rig.begin().json["message"]
+
+
+def test_without_a_try_there_is_nothing_to_keep_and_nothing_before_the_first(rig):
+    assert rig.ask(act="keep", why="no such thing").json["message"].startswith("no settings are")
+    assert rig.ask(act="undo", why="no such thing").json["message"].startswith("no version before")
+    assert rig.ask(act="undo", why="no such thing", version=9).json["message"] == "no version 9"
+
+
+def test_the_text_of_a_version_can_be_read(rig):
+    said = rig.ask(act="history", version=1)
+    assert said.text == rig.former
+    assert [row["number"] for row in said.json["versions"]] == [1]
+
+
+def test_a_service_that_stops_in_a_try_says_that_the_former_return(rig):
+    rig.begin()
+    rig.desk.close()
+    assert rig.rows[-1] == ("returned", "the service stops")
+    assert rig.site.read_text() == rig.former

@@ -1,0 +1,133 @@
+"""Settings that a running service tries: the way back is its own, on a real wire."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from aff_runtime.base.errors import RefusedError
+from tests.aff_runtime.app.service_run import ServiceRun
+from tests.processes import kill, until
+
+pytestmark = pytest.mark.wire
+OLD, NEW = "settle_s: 6,", "settle_s: 12,"
+LINE = "actuators.unwind.blocks[0].settle_s: 6 s -> 12 s (applies at once)"
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceRun]:
+    run = ServiceRun(tmp_path_factory.mktemp("service"), "--state-dir", "/nowhere")
+    yield run
+    run.close()
+
+
+def console(service: ServiceRun, *words: str) -> tuple[int, str]:
+    """Run one command as a technician does; return its exit code and what it said."""
+    done = subprocess.run(
+        [
+            *(sys.executable, "-m", "aff_runtime.cli.main", "settings", *words),
+            *("--runtime-dir", str(service.runtime_dir)),
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+def other(service: ServiceRun, before: str = OLD, after: str = NEW) -> Path:
+    """Write the site file with one value changed beside it."""
+    text = service.site.read_text()
+    assert before in text
+    path = service.folder / "new.yaml"
+    path.write_text(text.replace(before, after, 1))
+    return path
+
+
+def verbs(service: ServiceRun) -> list[str]:
+    return [row["verb"] for row in service.ask("settings", act="history")["versions"]]
+
+
+def test_a_diff_says_what_changes_with_units_and_changes_nothing(service: ServiceRun) -> None:
+    before = service.status()["config_hash"]
+    assert console(service, "diff", str(other(service))) == (0, f"{LINE}\n")
+    code, said = console(service, "diff", str(other(service, "cycle_ms: 5", "cycle_ms: 0")))
+    assert code == 2
+    assert f"{service.site}:" in said
+    assert "cycle_ms" in said
+    assert service.status()["config_hash"] == before
+
+
+def test_a_try_returns_by_itself_after_its_console_is_gone(service: ServiceRun) -> None:
+    before = service.status()["config_hash"]
+    text = service.site.read_bytes()
+    code, said = console(
+        service, "try", str(other(service)), "--seconds", "5", "--why", "hunting at 1x"
+    )
+    assert code == 0
+    assert LINE in said
+    assert service.status()["config_hash"] != before
+    assert " s left, then the former return" in service.status()["trying"]
+    with pytest.raises(RefusedError, match="are being tried; keep or undo them first"):
+        service.ask("probe")
+    until("the former settings", lambda: service.status()["config_hash"] == before)
+    until("its end", lambda: service.status()["trying"] == "")
+    assert service.site.read_bytes() == text
+    assert verbs(service)[-2:] == ["tried", "returned"]
+    assert service.said("returned by the service: its time is up")
+
+
+def test_a_try_that_is_kept_becomes_the_site_file_and_can_be_undone(service: ServiceRun) -> None:
+    text, before = service.site.read_text(), service.status()["config_hash"]
+    new = other(service)
+    assert console(service, "try", str(new), "--seconds", "30", "--why", "hunting at 1x")[0] == 0
+    code, said = console(service, "keep", str(service.site), "--why", "3 dB less at 1x")
+    assert (code, said) == (0, f"kept; saved in {service.site}\n")
+    assert service.site.read_text() == text.replace(OLD, NEW, 1)
+    until("no difference", lambda: not service.status()["config_differs"])
+    assert service.status()["config_hash"] != before
+    row = service.ask("settings", act="history")["versions"][-1]
+    assert (row["verb"], row["why"]) == ("kept", "3 dB less at 1x")
+    assert f"uid {os.geteuid()}" in row["who"] or "via" in row["who"]
+    assert "pid " in row["who"]
+    code, said = console(service, "undo", str(service.site), "--why", "noise grew at night")
+    assert (code, said) == (0, f"undone; saved in {service.site}\n")
+    assert service.site.read_text() == text
+    assert service.status()["config_hash"] == before
+    assert verbs(service)[-1] == "undone"
+    code, said = console(service, "history")
+    assert "undone by" in said.splitlines()[-1]
+    assert "noise grew at night" in said.splitlines()[-1]
+
+
+def test_keep_writes_only_the_file_that_its_caller_names(service: ServiceRun) -> None:
+    new = other(service)
+    before = new.read_text()
+    assert console(service, "try", str(new), "--why", "hunting at 1x")[0] == 0
+    code, said = console(service, "keep", str(new), "--why", "3 dB less at 1x")
+    assert code == 2
+    assert f"the service runs on {service.site}" in said
+    assert new.read_text() == before
+    assert OLD in service.site.read_text()
+    assert console(service, "undo", str(service.site), "--why", "enough seen")[0] == 0
+
+
+def test_a_control_process_that_dies_in_a_try_comes_back_on_the_former_settings(
+    service: ServiceRun,
+) -> None:
+    before = service.status()["site_hash"]
+    assert console(service, "try", str(other(service)), "--why", "hunting at 1x")[0] == 0
+    assert service.status()["site_hash"] != before
+    control = service.status()["control_pid"]
+    kill(control)
+    until("another one", lambda: service.status()["control_pid"] not in (0, control))
+    until("signals", lambda: service.status().get("signals") is not None)
+    assert service.status()["site_hash"] == before
+    assert service.status()["trying"] == ""
+    assert service.said("returned by the service: the control process died")

@@ -1,0 +1,134 @@
+"""Run folders as the recorder writes them, and as crashes and disks leave them."""
+
+import gzip
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from aff_runtime.base import run_table
+from aff_runtime.base.errors import AffError
+from aff_runtime.base.run_table import read_table
+from aff_runtime.base.run_window import run_window
+from aff_runtime.telemetry.header import RunMeta
+from aff_runtime.telemetry.recorder_messages import RunContext
+from aff_runtime.telemetry.run_folder import RunFolder
+from tests.aff_runtime.telemetry.heads import head_of
+
+COLUMNS = ("time_s", "tick", "tension_N")
+HEADER = replace(head_of(RunMeta(), "2026-01-02T03:04:05"), columns=COLUMNS)
+STEP_S = 0.01
+
+
+def value(k):
+    return 90.0 + 0.001 * k
+
+
+@pytest.fixture
+def run(tmp_path):
+    """300 rows in three segments of a second, and an event in each."""
+    folder = RunFolder(tmp_path, HEADER, RunContext(site_text="line: {}\n", segment_s=1.0))
+    rows = [(k * STEP_S, float(k), value(k)) for k in range(300)]
+    for k in range(0, 300, 25):
+        folder.add(rows[k : k + 25])
+        if k % 100 == 50:
+            folder.add_note("EDIT", f"edit {k}")
+    folder.finish(ring_overruns=0)
+    return folder.path
+
+
+def read(run, times="", **more):
+    return read_table(run_window(f"{run}{times}"), **more)
+
+
+def test_segments_are_joined_to_the_rows_that_were_recorded(run):
+    table = read(run)
+    assert table.columns["tick"].tolist() == list(range(300))
+    assert table.columns["tension_N"] == pytest.approx([value(k) for k in range(300)])
+    assert table.site_text == "line: {}\n"
+    assert table.lost == ()
+
+
+def test_a_window_has_its_rows_and_its_events_alone(run):
+    table = read(run, "@0.5..2.0")
+    assert table.columns["tick"].tolist() == list(range(50, 200))
+    assert [row["text"] for row in table.events] == ["edit 50", "edit 150"]
+
+
+def test_only_the_columns_asked_for_are_kept(run):
+    assert list(read(run, keep=lambda name: name == "tension_N").columns) == [
+        "time_s",
+        "tension_N",
+    ]
+
+
+def test_segments_outside_the_window_are_not_unpacked(run, monkeypatch):
+    unpacked, unpack = [], run_table._unpacked
+    monkeypatch.setattr(run_table, "_unpacked", lambda p: unpacked.append(p.name) or unpack(p))
+    read(run, "@1.2..1.8")
+    assert unpacked == ["signals-0002.csv.gz"]
+
+
+def test_a_segment_that_a_crash_left_half_written_gives_its_whole_rows(run):
+    last = run / "signals-0003.csv.gz"
+    last.write_bytes(last.read_bytes()[:-60])
+    (run / "summary.json").unlink()
+    table = read(run)
+    ticks = table.columns["tick"]
+    assert 200 < ticks.size < 300
+    assert np.array_equal(ticks, np.arange(ticks.size))
+    assert "signals-0003.csv.gz: ends torn, its last row is whole" in table.lost
+    assert any("no summary.json" in text for text in table.lost)
+
+
+def test_a_segment_torn_inside_a_row_loses_that_row(run):
+    last = run / "signals-0003.csv.gz"
+    text = gzip.decompress(last.read_bytes())
+    with gzip.open(last, "wb") as file:
+        file.write(text[:-4])
+    assert read(run).columns["tick"].tolist() == list(range(299))
+
+
+def test_rows_that_cannot_be_read_are_counted_and_left_out(run):
+    segment = run / "signals-0002.csv.gz"
+    lines = gzip.decompress(segment.read_bytes()).decode().splitlines()
+    lines[3], lines[5] = "1.02,1", lines[5].replace(",", ",x", 1)
+    segment.write_bytes(gzip.compress(("\n".join(lines) + "\n").encode()))
+    table = read(run)
+    assert table.columns["tick"].size == 298
+    assert table.lost == ("signals-0002.csv.gz: 2 rows cannot be read; left out",)
+
+
+def test_a_missing_segment_and_what_the_disk_refused_are_named(run):
+    (run / "signals-0002.csv.gz").unlink()
+    summary = json.loads((run / "summary.json").read_text())
+    (run / "summary.json").write_text(json.dumps(summary | {"rows_lost_to_disk": 7}))
+    assert read(run).lost == ("segment 2: not there", "7 rows were refused by the disk")
+
+
+def test_a_segment_of_another_run_is_left_out(run):
+    (run / "signals-0002.csv.gz").write_bytes(gzip.compress(b"time_s,speed_m_s\n1,2\n"))
+    table = read(run)
+    assert table.columns["tick"].size == 200
+    assert table.lost == ("signals-0002.csv.gz: has other columns than run.yaml; left out",)
+
+
+def test_a_window_without_rows_says_where_there_are_some(run):
+    with pytest.raises(AffError, match=r"holds no row; the run's segments begin between 0 s"):
+        read(run, "@50..60")
+
+
+def test_more_than_is_held_at_once_is_refused(run, monkeypatch):
+    monkeypatch.setattr(run_table, "LARGEST_VALUES", 500)
+    with pytest.raises(AffError, match="give a shorter window"):
+        read(run)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "columns: 3", "columns: [tick]", "columns: [time_s, a, a]", "{", "- 1"]
+)
+def test_a_folder_that_is_no_run_is_refused(run, text):
+    (run / "run.yaml").write_text(text)
+    with pytest.raises(AffError, match="not a run folder"):
+        read(run)

@@ -1,0 +1,30 @@
+"""What holds for the whole suite: one thread a process, and the longest files first."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+# before numpy is there: two workers with two threads each would wait for each other on two cores
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMEXPR_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+LONGEST_FIRST = (
+    "sim_plant/refine/test_runs.py",
+    "hil/test_faults.py",
+    "hil/test_shape.py",
+    "benchmarks/campaign/test_alike.py",
+    "benchmarks/campaign/test_other_code.py",
+    "sim_plant/refine/without_line/general/test_general_effects.py",
+    "security/test_pools.py",
+)
+"""Files that take longest: begun last, one of them keeps one core waiting. What lives in real time
+stands beside what computes for long."""
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Put the longest files first; all else keeps its order, in every worker the same."""
+    root = config.rootpath / "tests"
+    place = {root / name: at for at, name in enumerate(LONGEST_FIRST)}
+    items.sort(key=lambda item: place.get(item.path, len(place)))

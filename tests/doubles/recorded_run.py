@@ -1,0 +1,140 @@
+"""Run folders as the service makes them, in virtual time: plant, PLC, runtime and recorder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from aff_runtime.config.loader import load_site
+from aff_runtime.loop.record import record_columns
+from aff_runtime.telemetry.header import RunMeta
+from aff_runtime.telemetry.recorder_messages import RunContext
+from aff_runtime.telemetry.run_folder import RunFolder
+from tests.aff_runtime.telemetry.heads import head_of
+from tests.lockstep.bench import Bench, Setup
+from tests.lockstep.known_response import ROOT, known_responses
+
+LINE_FILE = ROOT / "config/lines/euclid.yaml"
+SITE_FILE = ROOT / "config/euclid_blocks.yaml"
+PLC_FILE = ROOT / "config/plc/gateway_block.yaml"
+SPEED_REF = "line_speed_ref_m_s"
+UTC = "2026-01-02T03:04:05.000+00:00"
+IDLER = {"effect": "eccentric_roller", "location": "R6"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Files:
+    """What a service and a plant are started with."""
+
+    line: Path
+    site: Path
+    plc_map: Path
+
+
+def files(
+    folder: Path,
+    effects: Sequence[Mapping[str, Any]] = (),
+    *,
+    reference: bool = True,
+    echo: bool = True,
+    applied: bool = True,
+    cancels: str = "r6",
+) -> Files:
+    """Write line, site and PLC files of the Euclid line and return them.
+
+    Parameters
+    ----------
+    effects : that the plant has.
+    reference : the PLC shows the speed reference and the site file maps it.
+    echo, applied : the PLC shows these words, and the site file maps them (applied needs echo).
+    cancels : idler that the unwind's correction has a block for; empty: the shipped blocks.
+    """
+    line = yaml.safe_load(LINE_FILE.read_text()) | {"effects": list(effects)}
+    plc = yaml.safe_load(PLC_FILE.read_text())
+    site = yaml.safe_load(SITE_FILE.read_text())
+    shown, read = plc["read"], site["gateway"]["read"]
+    for block in (shown, read):
+        if not applied:
+            block.pop("applied", None)
+        if not echo:
+            block.pop("aff_echo", None)
+    if reference:
+        free = 15 + echo + 2 * applied
+        shown["channels"][SPEED_REF] = {"address": free, "type": "i16", "scale": 0.001}
+        read["channels"][SPEED_REF] = {"register": free, "type": "i16", "scale": 0.001}
+    if cancels:
+        site["rolls"][cancels] = {"radius_m": 0.0381}
+        block = {"roll": cancels, "orders": [1], "settle_s": 4, "amp_limit_m_s": 0.02}
+        site["actuators"]["unwind"]["blocks"] = [block]
+    paths = [folder / name for name in ("line.yaml", "site.yaml", "plc.yaml")]
+    for path, data in zip(paths, (line, site, plc), strict=True):
+        path.write_text(yaml.safe_dump(data, sort_keys=False))
+    return Files(line=paths[0], site=paths[1], plc_map=paths[2])
+
+
+class RecordedRun:
+    """A bench whose ticks go into a run folder.
+
+    Attributes
+    ----------
+    bench : plant and runtime; ``run``, ``arm`` and ``inject`` as there.
+    folder : writes the run.
+    """
+
+    def __init__(
+        self, made: Files, runs: Path, *, line_speed_m_s: float = 1.0, segment_s: float = 20.0
+    ) -> None:
+        site = load_site(made.site)
+        self.bench = Bench(
+            Setup(
+                line=made.line,
+                site=made.site,
+                plc_map=made.plc_map,
+                line_speed_m_s=line_speed_m_s,
+                responses=known_responses(line_speed_m_s),
+                soft_start_s=1.5,
+            )
+        )
+        outputs = [f"{name}_m_s" for name in site.actuators]
+        columns = record_columns(tuple(site.gateway.read.channels), outputs, ())
+        self.folder = RunFolder(
+            runs,
+            replace(head_of(RunMeta(), UTC), columns=tuple(columns)),
+            RunContext(name="Euclid", site_text=made.site.read_text(), segment_s=segment_s),
+        )
+        self._rows: list[tuple[float, ...]] = []
+        self.bench.outside.watchers.append(self._take)
+
+    @property
+    def path(self) -> Path:
+        """The run folder."""
+        return self.folder.path
+
+    def set_speed(self, target_m_s: float, seconds: float) -> None:
+        """Ramp the speed reference from where it is while the line runs."""
+        plant = self.bench.plant
+        start_m_s = plant.measured[SPEED_REF]
+        steps = max(1, round(seconds / 0.05))
+        for step in range(steps):
+            share = (step + 1) / steps
+            plant.set_reference(SPEED_REF, start_m_s + share * (target_m_s - start_m_s))
+            self.bench.run(0.05)
+
+    def end(self) -> Path:
+        """Write what is left and the summary; return the folder."""
+        self._write()
+        self.folder.finish(ring_overruns=0)
+        return self.path
+
+    def _take(self, row: Sequence[float]) -> None:
+        self._rows.append(tuple(row))
+        if len(self._rows) >= 50:  # the recorder looks four times a second
+            self._write()
+
+    def _write(self) -> None:
+        self.folder.add(self._rows)
+        self._rows = []

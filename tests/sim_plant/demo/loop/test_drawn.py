@@ -1,0 +1,57 @@
+"""What the demo hides: drawn by its seed, in the plant's file alone, and of a size that shows."""
+
+import pytest
+import yaml
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.demo.loop.drawn import LINE, Hidden, drawn, write_files
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.line.load import load_declaration
+from sim_plant.line.open import make_line
+
+SEEDS = range(1, 9)
+
+
+def test_another_seed_is_another_case_and_the_same_seed_the_same():
+    cases = [drawn("eccentric_roller", seed) for seed in SEEDS]
+    assert cases == [drawn("eccentric_roller", seed) for seed in SEEDS]
+    assert len({str(case) for case in cases}) == len(cases)
+    assert len({idler.location for _, idler in cases}) > 2
+    for roll, idler in cases:
+        assert roll.location == "unwind"
+        assert idler.location in {f"R{k}" for k in range(1, 10)}
+        assert 2e-4 <= idler.parameters["eccentricity_m"] <= 4e-4
+
+
+@pytest.mark.parametrize("name", sorted(BY_NAME))
+def test_every_effect_of_the_catalogue_can_be_hidden(name, tmp_path):
+    hidden = drawn(name, 3)
+    files = write_files(tmp_path, hidden)
+    plant = load_declaration(files.plant)
+    assert [(e.effect, e.location) for e in plant.effects] == [
+        (one.effect, one.location) for one in hidden
+    ]
+    make_line(plant, seed=1)
+    assert any(
+        value != BY_NAME[name].accepts[key].default for key, value in hidden[1].parameters.items()
+    )
+
+
+def test_line_and_site_say_nothing_of_it(tmp_path):
+    files = write_files(tmp_path, drawn("eccentric_roller", 1))
+    assert files.line.read_text() == LINE.read_text()
+    site = yaml.safe_load(files.site.read_text())
+    assert set(site["rolls"]) == {"unwind", "swrap_follower"}
+    assert site["line"]["speed_reference"] in site["gateway"]["read"]["channels"]
+
+
+def test_an_effect_that_there_is_not_is_refused_with_the_nearest_name():
+    with pytest.raises(
+        PlantError, match=r"EFFECT=eccentric_rollr: no such effect.*eccentric_roller"
+    ):
+        drawn("eccentric_rollr", 1)
+
+
+def test_an_entry_is_that_of_a_line_file():
+    one = Hidden(effect="slip", location="swrap", parameters={"a": 1.0})
+    assert one.entry() == {"effect": "slip", "location": "swrap", "parameters": {"a": 1.0}}

@@ -1,0 +1,53 @@
+import numpy as np
+import pytest
+
+from sim_plant.refine.judge.moments import with_moments
+from sim_plant.refine.model.twin import Added, Case
+from tests.sim_plant.refine.small import STEP_S, formula_twin, objective_of, pool_of, white
+
+CHANNELS = ("unwind_tension_N", "pullroll_tension_N")
+SAMPLES = 6000
+TRAVEL_M = STEP_S * np.arange(SAMPLES)
+SEAM = Added(
+    "splice", "web", (("step_m", 5e-4), ("piece_m", 0.1), ("at_length_m", 50.0)), record=0
+)
+
+
+def seam(case):
+    """A seam pulses for its length where it passes one cell, and 8 m later at the other."""
+    both = np.zeros((2, SAMPLES))
+    for added in case.effects:
+        given = dict(added.parameters)
+        for channel, metres in enumerate((0.0, 8.0)):
+            later_m = TRAVEL_M - given["at_length_m"] - metres
+            passing = (later_m >= 0.0) & (later_m < given["piece_m"])
+            both[channel] += 4e4 * given["step_m"] * passing
+    return both
+
+
+def judged(passed_m):
+    """Return the moment found in a record in which the seam passed at ``passed_m``, or none."""
+    twin = formula_twin(seam, CHANNELS, SAMPLES)
+    true = Case() if passed_m is None else Case(effects=(moved(passed_m),))
+    measured = twin.simulate(true) + white((2, SAMPLES), 6)
+    objective = objective_of(twin, measured)
+    model = objective.whitening.noise[0]
+    _, moments = with_moments(pool_of(twin), measured, Case(effects=(SEAM,)), model)
+    return moments.get("splice at web"), STEP_S * model.first
+
+
+def moved(passed_m):
+    given = {**dict(SEAM.parameters), "at_length_m": passed_m}
+    return Added("splice", "web", tuple(given.items()))
+
+
+@pytest.mark.parametrize("passed_m", [13.63, 27.3, 44.97])
+def test_a_seam_is_found_where_it_passed_before_the_judged_part_or_in_it(passed_m):
+    found, first_m = judged(passed_m)
+    assert first_m == pytest.approx(15.0)
+    assert found == pytest.approx(passed_m, abs=0.06)
+
+
+def test_a_seam_that_a_record_does_not_have_is_left_out():
+    found, _ = judged(None)
+    assert found is None or found < 9.0  # long gone when the judged part begins

@@ -1,0 +1,237 @@
+"""A run's columns by the names of the line, its references, radii and corrections."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from aff_runtime.base.errors import PlantError
+from sim_plant.line.load import load_declaration
+from sim_plant.refine.model.record_match import twin_of
+from sim_plant.refine.model.run_limits import run_limits
+from sim_plant.refine.model.run_match import acting, run_on_line
+from sim_plant.refine.records.recording import Recording, RunFacts
+from sim_plant.refine.records.run_phases import Phases
+from sim_plant.refine.records.run_site import RunActuator, RunSite
+from tests.lockstep.known_response import ROOT
+
+LINE = load_declaration(ROOT / "config/lines/euclid.yaml")
+STEP_S, ROWS = 0.005, 6000
+TIME_S = np.arange(ROWS) * STEP_S
+NO_PHASES = Phases(on_s=0, off_s=30, probing_s=0, ramp_s=0, saturated_s=0, shadow_s=0)
+SPEED_M_S, UNWIND_M, FOLLOWER_M = 0.9, 0.19, 0.15367
+
+
+def actuator(suffix="m_s", reference="t_ref_N", roll=""):
+    return RunActuator(
+        suffix=suffix, signal="web_N", reference=reference, count=1e-5, roll=roll, transport_s=None
+    )
+
+
+def run(columns=None, *, actuators=None, speed_reference="", rolls=None):
+    """Return a record of a site that calls everything otherwise than the line does."""
+    angle = SPEED_M_S * TIME_S
+    given = {
+        "web_N": np.full(ROWS, 88.0),
+        "t_ref_N": np.where(TIME_S < 20.0, 88.0, 92.0),
+        "v_m_s": np.full(ROWS, SPEED_M_S + 0.0004),
+        "turns_rad": angle / UNWIND_M,
+        "follower_rad": angle / FOLLOWER_M,
+        "roll_m": np.full(ROWS, UNWIND_M),
+    }
+    given |= columns or {}
+    uses = {
+        "unwind": {"angle": "turns_rad", "radius": "roll_m"},
+        "swrap_follower": {"angle": "follower_rad"},
+    }
+    site = RunSite(
+        name="L",
+        speed="v_m_s",
+        speed_reference=speed_reference,
+        rolls=uses if rolls is None else rolls,
+        actuators={"unwind": actuator()} if actuators is None else actuators,
+        steps=dict.fromkeys((n for n in given if not n.startswith("correction_")), 0.001),
+    )
+    facts = RunFacts(site=site, phases=NO_PHASES, delivery_known={"unwind": False})
+    return Recording(
+        path=Path("RUN"),
+        sha256="0",
+        sample_time_s=STEP_S,
+        columns={n: v for n, v in given.items() if v is not None},
+        run=facts,
+        zeros_rad={"turns_rad": 3.5},
+    )
+
+
+def test_channels_are_found_by_what_the_site_file_uses_them_for():
+    record = run_on_line(LINE, run())
+    expected = {
+        "unwind_tension_N": "web_N",  # error signal of the actuator that the unwind's loop acts on
+        "line_speed_m_s": "v_m_s",
+        "unwind_angle_rad": "turns_rad",
+        "swrap_follower_angle_rad": "follower_rad",
+        "unwind_radius_m": "roll_m",
+        "tension_ref_N": "t_ref_N",
+    }
+    theirs = run().columns
+    for mine, name in expected.items():
+        read = theirs[name]
+        wanted = acting(read) if mine == "tension_ref_N" else read
+        assert record.columns[mine].tolist() == wanted.tolist(), mine
+    assert set(record.columns) == {*expected, "line_speed_ref_m_s"}
+    assert record.zeros_rad == {"unwind_angle_rad": 3.5}
+    assert "unwind_tension_N is the run's web_N" in record.findings
+
+
+def test_a_name_that_the_line_has_itself_goes_before_its_use():
+    record = run_on_line(LINE, run({"unwind_tension_N": np.full(ROWS, 70.0)}))
+    assert record.columns["unwind_tension_N"][0] == 70.0
+
+
+def test_a_mapped_speed_reference_is_taken_and_nothing_said():
+    wanted = np.linspace(0.9, 1.0, ROWS)
+    record = run_on_line(LINE, run({"v_set_m_s": wanted}, speed_reference="v_set_m_s"))
+    assert record.columns["line_speed_ref_m_s"].tolist() == acting(wanted).tolist()
+    assert not any("reference" in text for text in record.findings)
+
+
+def test_without_one_the_speed_stands_in_at_the_level_of_a_driven_rollers_turns():
+    record = run_on_line(LINE, run())
+    # the speed word reads 0.4 mm/s too much; turns times the declared radius are exact
+    assert record.columns["line_speed_ref_m_s"] == pytest.approx(
+        np.full(ROWS, SPEED_M_S), rel=1e-9
+    )
+    (text,) = [t for t in run_limits(record, twin_of(LINE, record)) if "speed reference" in t]
+    assert "at which of several like idlers of a zone an effect sits is not told" in text
+
+
+def test_a_straight_ramp_stands_in_where_a_drive_follows_one():
+    wanted = np.interp(TIME_S, [10.0, 14.0], [0.8, 1.2])
+    # the drive, an integral in its loop: e'' + K e' + K^2 / (4 zeta^2) e = v_ref''
+    gain, integral = 20.0, 20.0**2 / 4.84
+    error, summed, measured = 0.0, 0.0, []
+    for v in wanted:
+        measured.append(v - error if not measured else measured[-1])
+        error = v - measured[-1]
+        summed += error * STEP_S
+        measured[-1] += STEP_S * (gain * error + integral * summed)
+    counts = np.round(np.array(measured) / 0.001) * 0.001
+    turned = np.cumsum(np.array(measured)) * STEP_S / FOLLOWER_M
+    for columns in ({"follower_rad": None}, {"follower_rad": turned}):
+        record = run_on_line(LINE, run({"v_m_s": counts, **columns}))
+        assert record.columns["line_speed_ref_m_s"] == pytest.approx(wanted, abs=0.004)
+        travel = np.cumsum(record.columns["line_speed_ref_m_s"] - wanted) * STEP_S
+        assert np.max(np.abs(travel)) < 0.004  # a tenth of a radian of an idler of 38 mm
+
+
+def test_a_change_of_speed_that_is_no_straight_ramp_is_followed_and_said():
+    wave = 1.0 + 0.1 * np.sin(2.0 * np.pi * np.clip(TIME_S - 10.0, 0.0, 8.0) / 8.0)
+    record = run_on_line(LINE, run({"v_m_s": wave, "follower_rad": None}))
+    assert record.columns["line_speed_ref_m_s"] == pytest.approx(wave, abs=0.012)
+    assert any("1 changes of speed are no straight ramps" in text for text in record.findings)
+
+
+def test_without_a_tension_reference_the_loops_own_mean_stands_in():
+    record = run_on_line(LINE, run(actuators={"unwind": actuator(reference="")}))
+    assert record.columns["tension_ref_N"].tolist() == [88.0] * ROWS
+    assert any("no tension reference is recorded" in text for text in record.findings)
+
+
+def test_radii_and_sample_time_are_those_of_the_runs_beginning():
+    shrinking = UNWIND_M - 1e-4 * TIME_S
+    twin = twin_of(LINE, run_on_line(LINE, run({"roll_m": shrinking})))
+    radii, declared = twin.declaration.initial_radii_m, LINE.initial_radii_m
+    assert radii.unwind == pytest.approx(UNWIND_M, abs=1e-6)
+    web = declared.unwind**2 + declared.rewind**2  # what has left the one roll is on the other
+    assert radii.unwind**2 + radii.rewind**2 == pytest.approx(web)
+    assert twin.declaration.rollers[0].radius_m == radii.unwind
+
+
+def test_a_radius_that_is_not_recorded_comes_from_web_travel_over_turns():
+    twin = twin_of(LINE, run_on_line(LINE, run({"roll_m": None})))
+    assert twin.declaration.initial_radii_m.unwind == pytest.approx(UNWIND_M, rel=1e-6)
+
+
+def test_every_correction_is_an_input_of_the_drive_it_went_to():
+    wave = 0.01 * np.sin(TIME_S)
+    columns = {
+        "correction_unwind_m_s": wave,
+        "correction_other_m_s": 2.0 * wave,
+        "correction_pull_roll_N_m": 3.0 * wave,
+    }
+    actuators = {
+        "unwind": actuator(),
+        "other": actuator(roll="swrap_follower"),  # its declared drive turns that roll
+        "pull_roll": actuator(suffix="N_m"),
+    }
+    twin = twin_of(LINE, run_on_line(LINE, run(columns, actuators=actuators)))
+    assert twin.aff_m_s.keys() == {"unwind", "swrap_follower"}
+    assert twin.aff_m_s["unwind"].tolist() == wave.tolist()
+    assert twin.aff_m_s["swrap_follower"].tolist() == (2.0 * wave).tolist()
+    assert twin.aff_N_m["pull_roll"].tolist() == (3.0 * wave).tolist()
+
+
+def test_a_correction_of_what_is_no_drive_of_the_line_is_refused_unless_it_was_zero():
+    actuators = {"unwind": actuator(), "brake": actuator()}
+    still = {"correction_brake_m_s": np.zeros(ROWS)}
+    assert twin_of(LINE, run_on_line(LINE, run(still, actuators=actuators))).aff_m_s == {}
+    moved = {"correction_brake_m_s": np.full(ROWS, 0.001)}
+    with pytest.raises(PlantError, match="went out through brake, which is no drive of this line"):
+        run_on_line(LINE, run(moved, actuators=actuators))
+
+
+def test_a_run_of_another_line_is_refused_by_its_tensions_or_its_radius():
+    with pytest.raises(PlantError, match=r"holds no tension of this line.*another line"):
+        run_on_line(LINE, run({"web_N": None}))
+    with pytest.raises(PlantError, match=r"unwind begins at a radius of 3 m.*another line"):
+        twin_of(LINE, run_on_line(LINE, run({"roll_m": np.full(ROWS, 3.0)})))
+
+
+def test_what_the_window_lacks_is_said_with_what_it_costs():
+    thin = LINE.model_copy(update={"web": LINE.web.model_copy(update={"thickness_m": 1e-5})})
+    record = run_on_line(thin, run({"t_ref_N": np.full(ROWS, 88.0)}))
+    said = " | ".join(run_limits(record, twin_of(thin, record)))
+    assert "no step of the tension reference" in said
+    assert "not recorded: pullroll_tension_N, r3_tension_N" in said
+    # no tension between the follower and the pull roll, nor between that and the rewind
+    assert "from swrap_follower to pull_roll and from pull_roll to rewind" in said
+    assert "keeps its radius" in said  # 27 m of 0.01 mm web: 0.23 mm off 190 mm
+
+
+def test_corrections_of_any_driven_roller_are_taken_from_files_too():
+    speed = np.full(ROWS, SPEED_M_S)
+    columns = {s.channel: np.full(ROWS, 88.0) for s in LINE.sensors}
+    for s in LINE.sensors:
+        if s.channel.endswith(("_m_s", "_rad_s")):
+            radius = (
+                getattr(s, "scale_radius_m", None) or LINE.rollers[LINE.body(s.roller)].radius_m
+            )
+            columns[s.channel] = speed if s.channel.endswith("_m_s") else speed / radius
+        if s.channel.endswith("_angle_rad"):
+            columns[s.channel] = SPEED_M_S * TIME_S / LINE.rollers[LINE.body(s.roller)].radius_m
+        if s.channel.endswith("_radius_m"):
+            columns[s.channel] = np.full(ROWS, LINE.initial_radii_m.unwind)
+    wave = 0.01 * np.sin(TIME_S)
+    columns |= {
+        "line_speed_ref_m_s": speed,
+        "tension_ref_N": np.full(ROWS, 88.0),
+        "aff_correction_m_s": wave,
+        "applied_swrap_follower_m_s": 2.0 * wave,
+    }
+    record = Recording(path=Path("a.csv"), sha256="0", sample_time_s=STEP_S, columns=columns)
+    aff = twin_of(LINE, record).aff_m_s
+    assert {name: values.tolist() for name, values in aff.items()} == {
+        "unwind": wave.tolist(),
+        "swrap_follower": (2.0 * wave).tolist(),
+    }
+    columns["applied_R6_m_s"] = wave
+    with pytest.raises(PlantError, match="R6 has no drive in this line"):
+        twin_of(LINE, record)
+
+
+def test_a_reference_acts_half_a_cycle_before_the_row_that_first_shows_it():
+    """A ramp read in steps: what acts leads what is read by half a step, in its integral."""
+    read = np.repeat(np.arange(5.0), 10)
+    led = np.cumsum(acting(read) - read)
+    assert led[-1] == pytest.approx(0.5 * 4.0)
+    assert acting(np.full(7, 3.0)) == pytest.approx(np.full(7, 3.0))

@@ -1,0 +1,179 @@
+"""Runs of the whole runtime in virtual time, read as records; attacked as runs are."""
+
+import gzip
+import shutil
+
+import numpy as np
+import pytest
+
+from aff_runtime.base.errors import PlantError
+from aff_runtime.base.run_table import read_table
+from aff_runtime.base.run_window import run_window
+from sim_plant.refine.records.read import read_record
+from tests.doubles.recorded_run import RecordedRun, files
+
+STEP_S = 0.005
+APPLIED = "correction_unwind_m_s"
+pytestmark = pytest.mark.timeout(300)
+OUT_OF_ROUND = {
+    "effect": "eccentric_roller",
+    "location": "R6",
+    "parameters": {"eccentricity_m": 2.5e-4, "angle_rad": 1.0},
+}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A run of 56 s: off 25 s, on 20 s, a splice, off again; what the plant had beside it."""
+    folder = tmp_path_factory.mktemp("run")
+    run = RecordedRun(files(folder, [OUT_OF_ROUND]), folder / "runs")
+    truth = []
+    run.bench.plant.observers.append(
+        lambda plant: truth.append(
+            (plant.measured["unwind_tension_N"], plant.applied_m_s["unwind"])
+        )
+    )
+    run.bench.run(25.0)
+    run.bench.arm(20.0)
+    run.bench.inject("splice")
+    run.bench.run(11.0)
+    return run.end(), np.array(truth)
+
+
+@pytest.fixture
+def run(made, tmp_path):
+    """A copy to damage."""
+    shutil.copytree(made[0], tmp_path / "run")
+    return tmp_path / "run"
+
+
+def said_of(record, text):
+    return [finding for finding in record.findings if text in finding]
+
+
+def test_readings_and_corrections_are_those_of_the_plant_sample_by_sample(made):
+    record, truth = read_record(made[0]), made[1]
+    assert record.sample_time_s == pytest.approx(STEP_S)
+    rows = record.samples
+    tension = record.columns["unwind_tension_N"]
+    shift = next(k for k in range(4) if np.allclose(tension, truth[k : k + rows, 0], atol=6e-4))
+    applied = record.columns[APPLIED]
+    assert np.any(applied)
+    assert applied == pytest.approx(truth[shift : shift + rows, 1], abs=1.1e-5)
+
+
+@pytest.mark.parametrize("missing", ["plc_applied_unwind_m_s", "echo_age"])
+def test_the_correction_is_the_same_without_the_plcs_own_words(made, run, missing):
+    whole = read_record(made[0]).columns[APPLIED]
+    rename(run, "plc_applied_unwind_m_s", "gone_1")
+    if missing == "echo_age":
+        rename(run, "echo_age", "gone_2")
+    record = read_record(run)
+    assert record.columns[APPLIED][20:] == pytest.approx(whole[20:], abs=1.1e-5)
+    assert record.run is not None
+    assert record.run.delivery_known["unwind"] == (missing != "echo_age")
+
+
+def test_on_off_and_the_piece_taken_are_said(made):
+    record = read_record(made[0])
+    assert record.run is not None
+    assert record.run.phases.on_s == pytest.approx(20.0, abs=1.0)
+    assert record.run.phases.off_s == pytest.approx(25.0, abs=1.0)
+    assert record.duration_s == pytest.approx(45.0, abs=0.2)
+    assert said_of(record, "a splice begins")
+    assert said_of(record, "taken is 0.0..45.0 s of the run; left out")
+
+
+def test_an_angle_begins_at_zero_and_its_zero_is_kept(made):
+    whole, part = read_record(made[0]), read_record(f"{made[0]}@10..40")
+    name = "unwind_angle_rad"
+    assert part.columns[name][0] == 0.0
+    table = read_table(run_window(f"{made[0]}@10..40")).columns
+    assert part.zeros_rad[name] == table[name][0]
+    turned = part.zeros_rad[name] - whole.zeros_rad[name]
+    assert turned == pytest.approx(whole.columns[name][2000 - 1], abs=0.05)  # 10 s, one count
+    assert turned == pytest.approx(10.0 * 1.0 / 0.2032, rel=0.01)
+
+
+def test_a_run_that_a_crash_ended_at_once_is_refused_with_what_is_missing(run):
+    first, *others = sorted(run.glob("signals-*"))
+    for segment in others:
+        segment.unlink()
+    first.write_bytes(first.read_bytes()[:-100])
+    with pytest.raises(PlantError, match=r"no 20 s of the running line without a break"):
+        read_record(run)
+
+
+def test_a_last_segment_torn_by_a_crash_is_used_up_to_there(made, run):
+    last = sorted(run.glob("signals-*"))[-2]  # the segment from 20 to 40 s
+    sorted(run.glob("signals-*"))[-1].unlink()
+    last.write_bytes(last.read_bytes()[: last.stat().st_size // 2])
+    (run / "summary.json").unlink()
+    record = read_record(run)
+    assert 25.0 < record.duration_s < 40.0
+    assert said_of(record, "ends torn")
+    whole = read_record(made[0])
+    for name, values in record.columns.items():
+        assert values == pytest.approx(whole.columns[name][: record.samples]), name
+
+
+def test_a_full_disk_in_a_segment_leaves_a_hole_that_is_named_and_not_bridged(run):
+    cut(run, 2, 400, 800)
+    record = read_record(run)
+    assert record.duration_s == pytest.approx(22.0, abs=0.1)  # the second segment begins at 20 s
+    assert said_of(record, "400 rows are missing")
+    assert said_of(record, "nothing was read for 2 s")
+
+
+def test_one_missed_row_is_filled_in_and_said(made, run):
+    cut(run, 1, 1000, 1001)
+    record, whole = read_record(run), read_record(made[0])
+    assert record.samples == whole.samples
+    assert said_of(record, "1 missing samples are filled in between")
+    name = "unwind_tension_N"
+    k = int(np.flatnonzero(record.columns[name] != whole.columns[name])[0])
+    neighbours = whole.columns[name][[k - 1, k + 1]]
+    assert record.columns[name][k] == pytest.approx(neighbours.mean())
+
+
+def test_a_site_file_that_was_edited_in_the_middle_is_named(run):
+    with (run / "events.csv").open("a") as file:
+        file.write('12.0,,,EDIT,,"actuators.unwind.limit_m_s: 0.05 -> 0.1"\n')
+    assert said_of(read_record(run), "at 12.0 s the site file was changed (actuators.unwind.limit")
+
+
+@pytest.mark.parametrize("text", ["", "- 1", "line: {name: x}", "{", "line: 3\ngateway: 4"])
+def test_a_run_without_its_site_file_is_refused(run, text):
+    (run / "site.yaml").write_text(text)
+    with pytest.raises(PlantError, match=r"site.yaml: does not say what the columns"):
+        read_record(run)
+
+
+def test_a_run_of_an_older_recorder_is_refused_by_the_columns_it_lacks(run):
+    rename(run, "periods_count", "other")
+    with pytest.raises(PlantError, match="has no column periods_count"):
+        read_record(run)
+
+
+def test_a_window_that_is_too_short_says_so(run):
+    with pytest.raises(PlantError, match=r"no 20 s of the running line"):
+        read_record(f"{run}@3..9")
+
+
+def rename(run, column, other):
+    """Rename a column in run.yaml and all segments."""
+    about = run / "run.yaml"
+    about.write_text(about.read_text().replace(f"- {column}\n", f"- {other}\n"))
+    for segment in run.glob("signals-*"):
+        head, _, body = gzip.decompress(segment.read_bytes()).partition(b"\n")
+        head = b",".join(
+            other.encode() if name == column.encode() else name for name in head.split(b",")
+        )
+        segment.write_bytes(gzip.compress(head + b"\n" + body, 1))
+
+
+def cut(run, number, first, end):
+    """Take rows out of one segment."""
+    segment = run / f"signals-000{number}.csv.gz"
+    lines = gzip.decompress(segment.read_bytes()).splitlines(keepends=True)
+    segment.write_bytes(gzip.compress(b"".join([*lines[: first + 1], *lines[end + 1 :]]), 1))

@@ -1,0 +1,39 @@
+import pytest
+
+from sim_plant.refine.records.run_site import run_site
+from tests.lockstep.known_response import ROOT
+
+
+def test_the_shipped_site_file_says_what_its_columns_are():
+    site = run_site((ROOT / "config/euclid.yaml").read_text(), "site.yaml")
+    assert (site.name, site.speed, site.speed_reference) == ("Euclid", "line_speed_m_s", "")
+    assert site.rolls["unwind"] == {"angle": "unwind_angle_rad", "radius": "unwind_radius_m"}
+    unwind = site.actuators["unwind"]
+    assert (unwind.suffix, unwind.signal, unwind.reference, unwind.count, unwind.roll) == (
+        "m_s",
+        "unwind_tension_N",
+        "tension_ref_N",
+        1e-5,
+        "unwind",
+    )
+    assert site.steps["unwind_radius_m"] == pytest.approx(2e-5)  # written as 0.02 mm
+    assert site.steps["line_speed_m_s"] == 0.001
+
+
+def test_units_and_uses_that_a_site_may_have():
+    text = (ROOT / "config/euclid.yaml").read_text()
+    for old, new in (
+        ("#transport_ms: 15", "transport_ms: 12 ms"),
+        ("#speed_reference: line_speed_ref_m_s", "speed_reference: line_speed_m_s"),
+        ("line_speed_m_s: { register: 5, type: i16, scale: 0.001 }",
+         "line_speed_m_s: { register: 5, type: i16, scale: 0.06 m/min }"),
+        ("unwind_angle_rad: { register: 11, type: i32, scale: 0.0015339807878856412",
+         "unwind_angle_rad: { register: 11, type: i32, scale: -0.5 deg"),
+    ):  # fmt: skip
+        assert old in text, old
+        text = text.replace(old, new)
+    site = run_site(text, "site.yaml")
+    assert site.actuators["unwind"].transport_s == pytest.approx(0.012)
+    assert site.speed_reference == "line_speed_m_s"
+    assert site.steps["line_speed_m_s"] == pytest.approx(0.001)
+    assert site.steps["unwind_angle_rad"] == pytest.approx(0.5 * 3.14159265 / 180)

@@ -1,0 +1,93 @@
+"""AFF blocks in the owner's site file: at their place, all else to the letter."""
+
+import difflib
+import shutil
+
+import pytest
+
+from aff_runtime.base.errors import PlantError
+from aff_runtime.config.diff import diff_sites, may_apply_while_active
+from aff_runtime.config.loader import load_site
+from sim_plant.line.load import load_declaration
+from sim_plant.refine.report.aff_block import AffBlock
+from sim_plant.refine.report.site_edit import SiteFile, proposed
+from tests.parameter_records import CONFIG
+
+LINE = load_declaration(CONFIG / "lines/euclid.yaml")
+SITES = ("euclid.yaml", "euclid_blocks.yaml", "euclid_can.yaml", "euclid_canopen.yaml")
+
+
+def site_file(tmp_path, name="euclid.yaml"):
+    shutil.copytree(CONFIG, tmp_path / "config", dirs_exist_ok=True)
+    return SiteFile.read(tmp_path / "config" / name)
+
+
+def added(before, after):
+    """Return the lines that came in; none may have gone."""
+    found = list(difflib.ndiff(before.splitlines(), after.splitlines()))
+    assert [line for line in found if line.startswith("- ")] == []
+    return [line[2:] for line in found if line.startswith("+ ")]
+
+
+@pytest.mark.parametrize("name", SITES)
+def test_an_idler_goes_to_the_actuator_of_its_zone_and_every_comment_stays(tmp_path, name):
+    site = site_file(tmp_path, name)
+    found = proposed(site, [AffBlock(roll="R6", orders=(1,))], LINE)
+    assert added(site.text, found.text) == [
+        "  r6: {radius_m: 0.0381}",
+        "      - roll: r6",
+        "        orders: [1]",
+        "        settle_s: 6.0",
+        "        amp_limit_m_s: 0.02",
+    ]
+    lines = found.text.splitlines()
+    assert lines[lines.index("      - roll: r6") + 4] == "  swrap_follower:"
+    assert lines[lines.index("  r6: {radius_m: 0.0381}") - 1] == "    #resets_on: never"
+    written = tmp_path / "config" / "new.yaml"
+    written.write_text(found.text)
+    assert may_apply_while_active(diff_sites(load_site(site.path), load_site(written)))
+    assert found.said == (
+        "actuators.unwind.blocks: r6 added, and rolls.r6 with a radius of 38.1 mm",
+    )
+
+
+def test_an_idler_behind_the_s_wrap_goes_to_the_follower(tmp_path):
+    found = proposed(site_file(tmp_path), [AffBlock(roll="R13", orders=(1,))], LINE)
+    assert found.said[0].startswith("actuators.swrap_follower.blocks: r13 added")
+
+
+def test_where_no_actuator_acts_nothing_is_added_and_it_is_said(tmp_path):
+    site = site_file(tmp_path)
+    found = proposed(site, [AffBlock(roll="R18", orders=(1,))], LINE)
+    assert found.text == site.text
+    assert found.said[0].startswith("R18: no actuator of the site file corrects the tension")
+
+
+def test_of_a_roll_that_has_a_block_only_new_orders_come_in(tmp_path):
+    site = site_file(tmp_path)
+    same = proposed(site, [AffBlock(roll="unwind", orders=(1, 2, 3, 4))], LINE)
+    assert same.text == site.text
+    assert same.said == ("actuators.unwind.blocks: has all orders of unwind already",)
+    more = proposed(site, [AffBlock(roll="unwind", orders=(1, 17), settle_s=99.0)], LINE)
+    assert "orders 17 of unwind added" in more.said[0]
+    assert len(list(difflib.unified_diff(site.text, more.text, n=0))) > 0
+    before, after = site.text.splitlines(), more.text.splitlines()
+    assert [b for a, b in zip(before, after, strict=True) if a != b] == [
+        "        orders: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17]"
+    ]
+
+
+def test_the_radius_is_the_one_that_the_records_gave(tmp_path):
+    blocks = [AffBlock(roll="R6", orders=(1,))]
+    found = proposed(site_file(tmp_path), blocks, LINE, {"rollers.R6.radius_m": 0.001})
+    assert "r6: {radius_m: 0.0381381}" in found.text
+
+
+@pytest.mark.parametrize(
+    "text", ["", "rolls: {}\n", "rolls: {}\nactuators: { unwind: 1 }\n", "- 1\n", "a: [\n"]
+)
+def test_what_is_no_site_file_is_refused_before_the_work(tmp_path, text):
+    path = tmp_path / "site.yaml"
+    path.write_text(text)
+    with pytest.raises(PlantError, match=r"site\.yaml"):
+        SiteFile.read(path)

@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
+from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.model.twin import Case
+from sim_plant.refine.search.exchange import joined
+from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from tests.sim_plant.refine.small import STEP_S, formula_twin, line_with, objective_of, white
+
+SAMPLES = 3000
+SPEED = 1.0 + 0.4 * np.sin(0.5 * STEP_S * np.arange(SAMPLES))
+LINE = line_with()
+LEAD, FOLLOWER = "swrap_lead", "swrap_follower"
+
+
+def draw(case):
+    """Slip on either roller lengthens the web behind the pair alike; the lead's is seen before."""
+    behind, between = np.zeros(SAMPLES), np.zeros(SAMPLES)
+    for added in case.effects:
+        given = dict(added.parameters)
+        rollers = (LEAD, FOLLOWER) if added.location == "swrap" else (added.location,)
+        for roller in rollers:
+            lost = 1e4 * given["slope_s_m"] * np.maximum(0.0, SPEED - given["threshold_m_s"])
+            behind, between = behind + lost, between + (lost if roller == LEAD else -lost)
+    return np.stack([behind, between])
+
+
+def found_beside(lead, follower):
+    """Return the objective of slip (slope, threshold) on each roller, and it found on each."""
+    kinds = [hypothesis(BY_NAME["slip"], at, line=LINE) for at in (LEAD, FOLLOWER)]
+    twin = formula_twin(draw, ("pullroll_tension_N", "unwind_tension_N"), SAMPLES)
+    there = Case(effects=tuple(h.added(v) for h, v in zip(kinds, (lead, follower), strict=True)))
+    objective = objective_of(twin, twin.simulate(there) + white((2, SAMPLES), 8))
+    nominal = nominal_fit(objective, {})
+    accepted = tuple(
+        AcceptedEffect(hypothesis=h, score=1.0, runner_up=None, margin=1.0, rejected=())
+        for h in kinds
+    )
+    fit = gauss_newton_fit(objective, kinds, (lead, follower), {}, rounds=6)
+    selection = Selection(
+        nominal=nominal, fit=fit, accepted=accepted, travels=(), before=(), after=()
+    )
+    return objective, selection
+
+
+def test_slip_on_both_rollers_of_a_pair_alike_is_slip_of_the_pair():
+    said = []
+    objective, selection = found_beside((0.0021, 0.8), (0.0019, 0.8))
+    (h,) = joined(objective, selection, said.append).fit.hypotheses
+    assert (h.effect.name, h.location) == ("slip", "swrap")
+    (accepted,) = joined(objective, selection, said.append).accepted
+    assert accepted.hypothesis == h
+    assert "is told as slip at swrap" in said[0]
+
+
+def test_slip_of_a_pair_has_the_numbers_that_fit_both():
+    objective, selection = found_beside((0.002, 0.8), (0.002, 0.8))
+    fit = joined(objective, selection, lambda _text: None).fit
+    assert fit.values[0] == pytest.approx((0.002, 0.8), rel=0.02)
+
+
+def test_slip_that_differs_from_roller_to_roller_stays_two():
+    objective, selection = found_beside((0.004, 0.8), (0.001, 0.7))
+    assert joined(objective, selection, lambda _text: None) == selection

@@ -1,0 +1,57 @@
+import numpy as np
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.spectra.aliases import origins_Hz, whole_orders, with_orders
+from sim_plant.refine.spectra.coordinates import spectra
+from tests.sim_plant.refine.small import line_with, travel_at
+
+LINE = line_with()
+LEAD = next(roller for roller in LINE.rollers if roller.name == "swrap_lead")
+RIPPLE = hypothesis(BY_NAME["torque_ripple"], "swrap_lead", (("order", 6.0),))
+
+
+def of_order(order: float):
+    """Return coordinates and spectra of a line so many times per turn of the leading roller."""
+    travel = travel_at(np.linspace(0.8, 1.2, 6000), LINE)
+    rng = np.random.default_rng(2)
+    wave = 0.5 * np.cos(order * travel.travel_m / LEAD.radius_m)
+    return travel, spectra(travel, rng.standard_normal((2, wave.size)) + wave)
+
+
+@pytest.mark.parametrize(("order", "expected"), [(9.0, [9]), (17.0, [17]), (9.4, [])])
+def test_a_line_is_a_whole_order_of_a_body_or_none(order, expected):
+    travel, found = of_order(order)
+    assert whole_orders(RIPPLE, [travel], [found]) == expected
+
+
+def test_an_order_that_no_list_holds_is_one_more_start():
+    travel, found = of_order(9.0)
+    library = with_orders([RIPPLE], [travel], [found])
+    assert [dict(h.fixed)["order"] for h in library] == [6.0, 9.0]
+    assert with_orders(library, [travel], [found]) == library
+
+
+def hum_origins(cycles: float, slow_cycles: float = 0.0):
+    """Return where a line of so many cycles in the record may come from, beside a slower one."""
+    travel = travel_at(np.linspace(0.8, 1.2, 6000), LINE)
+    turns = np.arange(6000) / 5999.0
+    rng = np.random.default_rng(2)
+    wave = 0.5 * np.cos(2 * np.pi * cycles * turns)
+    wave += 2.0 * np.cos(2 * np.pi * slow_cycles * turns) if slow_cycles else 0.0
+    hum = hypothesis(BY_NAME["mains_hum"], "all", line=LINE)
+    found = spectra(travel, rng.standard_normal((2, wave.size)) + wave)
+    return origins_Hz(hum, hum.effect.shows, [travel], [found])
+
+
+def test_a_slow_change_is_no_alias_of_the_mains_and_hides_none():
+    cycle_Hz = 1.0 / (5999.0 * LINE.sample_time_s)
+    alone = hum_origins(18.0)
+    assert alone
+    assert hum_origins(18.0, slow_cycles=4.0) == pytest.approx(alone, abs=0.6 * cycle_Hz)
+    slow_Hz = 4.0 * cycle_Hz
+    rate_Hz = 1.0 / LINE.sample_time_s
+    assert all(
+        abs(f - k * rate_Hz) > 1.5 * slow_Hz for f in hum_origins(4.0) for k in range(1, 12)
+    )
