@@ -23,8 +23,17 @@ LONGEST_FIRST = (
 stands beside what computes for long."""
 
 
+REAL_TIME = ("wire", "hil", "processes")
+TRIES_AGAIN = 2
+"""Of a test in real time that failed: a machine that paused for 100 ms is no defect of ours. A
+defect shows three times; the summary lists each try as RERUN."""
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Put the longest files first; all else keeps its order, in every worker the same."""
+    """Put the longest files first, in every worker the same; try again what lives in real time."""
     root = config.rootpath / "tests"
     place = {root / name: at for at, name in enumerate(LONGEST_FIRST)}
     items.sort(key=lambda item: place.get(item.path, len(place)))
+    for item in items:
+        if any(item.get_closest_marker(name) for name in REAL_TIME):
+            item.add_marker(pytest.mark.flaky(reruns=TRIES_AGAIN, reruns_delay=1))

@@ -7,11 +7,13 @@ are not ours, and a line of 60 bytes can ask one of them for gigabytes or minute
 from __future__ import annotations
 
 import contextlib
+import gc
 import resource
 import signal
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from types import FrameType
 
 from aff_runtime.base.errors import AffError
 
@@ -20,7 +22,7 @@ MEMORY_BYTES = 1 << 30
 
 
 AGAIN_S = 0.25
-"""The time is over, and said again: the interpreter drops what is raised in a collection."""
+"""The time is over, and said again: where it would be dropped, nothing is raised."""
 
 
 class _TooLong(BaseException):
@@ -52,8 +54,8 @@ def bounded_effort(
     resource.setrlimit(resource.RLIMIT_AS, (min([limit, *known]), hard))
     working = True
 
-    def time_is_over(*_: object) -> None:
-        if working:
+    def time_is_over(_: int, frame: FrameType | None) -> None:
+        if working and not _is_dropped(frame):
             raise _TooLong
 
     before = signal.signal(signal.SIGALRM, time_is_over)
@@ -75,6 +77,16 @@ def bounded_effort(
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+def _is_dropped(frame: FrameType | None) -> bool:
+    """Return whether the interpreter would drop what is raised here: a collection runs it."""
+    collection = {getattr(callback, "__code__", None) for callback in gc.callbacks}
+    while frame is not None:
+        if frame.f_code in collection or frame.f_code.co_name == "__del__":
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _reserved_bytes() -> int:

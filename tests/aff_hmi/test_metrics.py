@@ -29,6 +29,8 @@ from tests.aff_hmi.served import asked, served
 from tests.aff_runtime.app.door.stand import Stand
 from tests.aff_runtime.app.report.metrics.test_metrics import START_NS, answer
 
+pytestmark = pytest.mark.processes
+
 NOW_NS = START_NS + 10_000_000_000
 
 

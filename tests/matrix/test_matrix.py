@@ -11,6 +11,8 @@ from tests.matrix.bench import SAMPLE_S, MatrixBench
 from tests.matrix.cells import ZERO_S, Cell, cells, judge
 from tests.sim_plant.servers.fake_line import default_map
 
+pytestmark = pytest.mark.processes
+
 
 # the other states: make matrix
 @pytest.mark.parametrize("cell", list(cells(("OFF", "ACTIVE"))), ids=str)

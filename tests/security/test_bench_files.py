@@ -28,6 +28,8 @@ from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 from sim_plant.servers.control import ControlSocket
 from sim_plant.servers.frame_hub import FrameHub
 
+pytestmark = pytest.mark.processes
+
 LINE = Path("config/lines/euclid.yaml")
 
 

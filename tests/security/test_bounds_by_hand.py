@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import resource
 import signal
 import subprocess
@@ -30,6 +31,8 @@ from sim_plant.servers.can_dbc_node import load_dbc_map
 from sim_plant.servers.canopen_device import Bench, Device, NodeRow
 from tests.aff_runtime.telemetry.heads import head_of
 
+pytestmark = pytest.mark.processes
+
 ROOT = Path(__file__).parents[2]
 CONFIG = ROOT / "config"
 
@@ -56,6 +59,22 @@ def takes_long_where_the_end_is_lost(*_: object) -> None:
         takes_long()
 
 
+def takes_long_in_a_collection(*_: object) -> None:
+    """Work as a reader whose time is over while a library's callback of the collector runs."""
+
+    def callback(*_: object) -> None:
+        end_s = time.monotonic() + 0.9
+        while time.monotonic() < end_s:
+            pass
+
+    gc.callbacks.append(callback)
+    try:
+        gc.collect()
+    finally:
+        gc.callbacks.remove(callback)
+    takes_long()
+
+
 def takes_much(*_: object, **__: object) -> None:
     bytearray(3 << 30)
     raise ValueError("nobody refused it")
@@ -71,6 +90,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         (takes_long, "more than 0.5 s"),
         (takes_long_where_the_end_is_lost, "more than 0.5 s"),
+        (takes_long_in_a_collection, "more than 0.5 s"),
         (takes_much, "more than 1024 MB"),
     ],
 )

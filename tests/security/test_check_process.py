@@ -32,6 +32,8 @@ from tests.aff_runtime.config.shipped import edited
 from tests.doubles.virtual_clock import VirtualClock
 from tests.processes import until
 
+pytestmark = pytest.mark.processes
+
 ROOT = Path(__file__).parents[2]
 SITE = ROOT / "config" / "euclid.yaml"
 

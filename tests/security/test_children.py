@@ -27,6 +27,8 @@ from aff_runtime.telemetry.ring import RingReader
 from sim_plant.base.worker_context import spawn_context
 from tests.processes import until
 
+pytestmark = pytest.mark.processes
+
 ROOT = Path(__file__).parents[2]
 SITE = ROOT / "config" / "euclid.yaml"
 COMMAND = Path(sys.executable).with_name("aff-runtime")

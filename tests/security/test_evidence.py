@@ -26,6 +26,8 @@ from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import until
 from tests.security.desk import Desk
 
+pytestmark = pytest.mark.processes
+
 NAMES = {0: "root", 1000: "tech1", 999: "aff-runtime"}
 
 

@@ -27,6 +27,8 @@ from tests.security.learned_files import (
     site_in,
 )
 
+pytestmark = pytest.mark.processes
+
 
 @pytest.fixture
 def site(tmp_path: Path) -> Path:

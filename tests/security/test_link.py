@@ -16,6 +16,8 @@ from aff_runtime.app.link.packets import MAX_PACKET_BYTES
 from aff_runtime.app.supervisor.control_child import ControlChild
 from tests.parameter_records import record_of
 
+pytestmark = pytest.mark.processes
+
 DEEP = (MAX_PACKET_BYTES // 2) * b"["
 NONE_OF_OURS = (
     *(b"1", b"[]", b"null", b"\xff", b'{"word": 1}', b'{"word": "Message"}'),

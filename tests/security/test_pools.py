@@ -30,7 +30,7 @@ from tests.orphans import begun, children
 from tests.processes import kill, until
 from tests.security.killers import MB, StoppingContext, Twin, bench_rows, campaign_row
 
-pytestmark = pytest.mark.timeout(120)
+pytestmark = [pytest.mark.processes, pytest.mark.timeout(120)]
 CASES = [Case(seed=number) for number in range(20)]
 
 

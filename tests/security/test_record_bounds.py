@@ -28,6 +28,8 @@ from sim_plant.refine.records.read import read_record
 from sim_plant.servers.map_file import load_plc_map
 from tests.security.record_files import STAMPS, saved
 
+pytestmark = pytest.mark.processes
+
 READERS = {
     "r.csv": read_record,
     "r.csv.gz": read_record,

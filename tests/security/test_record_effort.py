@@ -18,6 +18,8 @@ from sim_plant.refine.report import yaml_edit
 from sim_plant.refine.without_line.record_filter import RecordDeclaration, read_for
 from tests.aff_runtime.config.shipped import ROOT
 
+pytestmark = pytest.mark.processes
+
 CSV = Path("r.csv")
 
 

@@ -33,6 +33,8 @@ from tests.security.record_files import (
     touching,
 )
 
+pytestmark = pytest.mark.processes
+
 EVALUATING = r"(?<![\w.])(evaluate|lambdify|eval|exec)\("
 PLACES = {
     "value": ("4.10", lambda text: put(algebraic(text))),

@@ -11,6 +11,8 @@ from aff_runtime.cli import compare as cli_compare
 from aff_runtime.cli.main import main
 from tests.security.run_folder_rows import write_rows
 
+pytestmark = pytest.mark.processes
+
 LINE_AND_ROLL = """\
 line: {name: a line}
 gateway: {read: {channels: {tension_N: {scale: 0.1 N}}}, write: {corrections: {}}}

@@ -27,6 +27,8 @@ from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.run_record import NEEDED
 from tests.security.run_folder_rows import write_rows
 
+pytestmark = pytest.mark.processes
+
 ROWS = 400
 COLUMNS = (*NEEDED, "tension_N")
 SITE = """\

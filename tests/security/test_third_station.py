@@ -15,6 +15,8 @@ from sim_plant.servers.plant import THIRD_M_S
 from tests.matrix.bench import SAMPLE_S, MatrixBench
 from tests.security.behaving_plc import FOREIGN, RAMPS, TICK_MS, Line, Plc, Spans
 
+pytestmark = pytest.mark.processes
+
 TOLD_S = 0.300
 WIRES = ("modbus", "can", "canopen")
 SECOND = BY_NAME["SECOND_MASTER"].code

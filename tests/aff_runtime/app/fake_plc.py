@@ -18,6 +18,8 @@ from collections import deque
 READY_STATUS = 1 | 2 | 8 | 32 | 64
 GAIN_N_PER_M_S = -2000.0
 TURNS_HZ = 0.9
+DELAY_S = 0.0225
+"""What was written this long ago acts: at a cycle of 5 ms, five readings later."""
 
 
 class Plc:
@@ -29,14 +31,14 @@ class Plc:
         self.words = [0] * 10
         self.heartbeat = 0
         self.start_s = time.monotonic()
-        self.delays = [deque([0.0] * 6, maxlen=6) for _ in range(2)]
+        self.delays = [deque([(0.0, 0.0)]) for _ in range(2)]
 
     def read_block(self) -> list[int]:
         if not self.frozen:
             self.heartbeat = (self.heartbeat + 1) & 0xFFFF
         turns = TURNS_HZ * (time.monotonic() - self.start_s)
         ripple = 3.0 * math.cos(math.tau * turns) + 1e-3 * (self.heartbeat % 7)
-        milli = [int(1e3 * (90.0 + ripple + GAIN_N_PER_M_S * d[0])) for d in self.delays]
+        milli = [int(1e3 * (90.0 + ripple + GAIN_N_PER_M_S * acting(d))) for d in self.delays]
         (high, low), (high_2, low_2) = ((m >> 16, m & 0xFFFF) for m in milli)
         angle = divmod(int(turns * 4096) & 0xFFFFFFFF, 0x10000)
         return [
@@ -48,7 +50,8 @@ class Plc:
     def take(self, words: list[int]) -> None:
         self.words = words
         for delay, word in zip(self.delays, (words[3], words[8]), strict=True):
-            delay.append((word - 0x10000 if word & 0x8000 else word) * 1e-5)
+            correction_m_s = (word - 0x10000 if word & 0x8000 else word) * 1e-5
+            delay.append((time.monotonic(), correction_m_s))
 
     def answer(self, pdu: bytes) -> bytes:
         function = pdu[0]
@@ -59,6 +62,14 @@ class Plc:
             return struct.pack(">BB", function | 0x80, 1)
         block = self.read_block()
         return struct.pack(f">BB{len(block)}H", function, 2 * len(block), *block)
+
+
+def acting(delay: deque[tuple[float, float]]) -> float:
+    """Return the newest value that is as old as the delay, and forget the older ones."""
+    until_s = time.monotonic() - DELAY_S
+    while len(delay) > 1 and delay[1][0] <= until_s:
+        delay.popleft()
+    return delay[0][1]
 
 
 def serve(plc: Plc, listener: socket.socket) -> None:

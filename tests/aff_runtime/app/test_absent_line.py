@@ -18,6 +18,8 @@ from tests.aff_runtime.app.service_run import ROOT
 from tests.aff_runtime.cli.test_main import serial_site
 from tests.processes import until
 
+pytestmark = pytest.mark.processes
+
 
 @pytest.mark.wire
 def test_a_serial_line_that_is_not_there_is_in_log_and_status(tmp_path: Path) -> None:

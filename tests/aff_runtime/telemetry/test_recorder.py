@@ -17,6 +17,8 @@ from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.ring import RingWriter
 from aff_runtime.telemetry.run_files import Run, read_run
 
+pytestmark = pytest.mark.processes
+
 COLUMNS = ["time_s", "tick", "state", "unwind_tension_N", "wake_latency_us"]
 WAIT = MonotonicClock()
 

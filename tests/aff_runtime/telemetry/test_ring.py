@@ -15,6 +15,8 @@ from aff_runtime.base.errors import AffError
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.ring import RingReader, RingWriter
 
+pytestmark = pytest.mark.processes
+
 
 def reader_of(writer: RingWriter) -> RingReader:
     descriptor = writer.open_for_readers()

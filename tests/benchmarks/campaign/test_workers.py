@@ -1,7 +1,11 @@
 import signal
 
+import pytest
+
 from tests.orphans import PATIENCE_S, begun, children, left_by
 from tests.processes import until
+
+pytestmark = pytest.mark.processes
 
 WORKERS = 2
 

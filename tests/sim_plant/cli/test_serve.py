@@ -12,6 +12,8 @@ from sim_plant.cli.serve import read_options
 from sim_plant.servers.faults import Fault
 from tests.sim_plant.servers.fake_line import REPOSITORY
 
+pytestmark = pytest.mark.processes
+
 PROGRAM = """
 import sys
 import sim_plant.line

@@ -12,6 +12,8 @@ import pytest
 from aff_runtime.base.errors import WireError
 from sim_plant.servers.frame_hub import FrameHub
 
+pytestmark = pytest.mark.processes
+
 
 def test_a_second_plant_does_not_take_the_path_of_the_first(tmp_path: Path) -> None:
     path = tmp_path / "can"

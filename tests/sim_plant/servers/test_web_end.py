@@ -18,6 +18,8 @@ from sim_plant.servers.web_end import STOP_S, RESERVE_m, WebState
 from tests.sim_plant.servers.fake_line import FakeLine, default_map, write_block
 from tests.sim_plant.servers.served import served, wait_until
 
+pytestmark = pytest.mark.processes
+
 DT_s = 0.01
 
 

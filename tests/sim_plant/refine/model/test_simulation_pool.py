@@ -11,6 +11,8 @@ from sim_plant.refine.records.recording import Recording
 from tests.orphans import outlived
 from tests.sim_plant.refine.small import formula_twin, pool_of
 
+pytestmark = pytest.mark.processes
+
 KEEPER = """
 import os, time
 import numpy as np
