@@ -14,7 +14,12 @@ from sim_plant.refine.fit.objective import Objective, conditioned_on
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
-from sim_plant.refine.search.completeness import explains_own_lines, remaining_spectra, sure_excess
+from sim_plant.refine.search.completeness import (
+    explains_own_lines,
+    leaves_much,
+    remaining_spectra,
+    sure_excess,
+)
 from sim_plant.refine.search.degenerate_pair import better_pair
 from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised, rolling_only
 from sim_plant.refine.search.events import event_candidates
@@ -248,6 +253,10 @@ def _second_of_pair(
             continue
         fit = profile_reinitialised(objective, second.fit)
         if _explains_own_lines(objective, selection, fit):
+            of_one_name = second.hypothesis.effect.name == name
+            if of_one_name and leaves_much(objective, selection.fit, fit):
+                progress("  two of them leave too much: not accepted")
+                continue
             return replace(second, fit=fit)
     return None
 

@@ -32,6 +32,11 @@ class LineSpectrum:
     degrees: int
 
     @property
+    def extent(self) -> float:
+        """Units of the coordinate's inverse (s, m, turns) that the record is long."""
+        return 0.5 / float(self.coordinate[1] - self.coordinate[0])
+
+    @property
     def peak(self) -> tuple[float, float]:
         """Coordinate and chi-square reduction of the strongest line."""
         return self.peak_from(0.0)
