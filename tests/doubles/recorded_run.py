@@ -82,11 +82,17 @@ class RecordedRun:
     Attributes
     ----------
     bench : plant and runtime; ``run``, ``arm`` and ``inject`` as there.
-    folder : writes the run.
+    folder : writes the run; with ``law_too`` what the law says of its orders as well.
     """
 
     def __init__(
-        self, made: Files, runs: Path, *, line_speed_m_s: float = 1.0, segment_s: float = 20.0
+        self,
+        made: Files,
+        runs: Path,
+        *,
+        line_speed_m_s: float = 1.0,
+        segment_s: float = 20.0,
+        law_too: bool = False,
     ) -> None:
         site = load_site(made.site)
         self.bench = Bench(
@@ -100,7 +106,9 @@ class RecordedRun:
             )
         )
         outputs = [f"{name}_m_s" for name in site.actuators]
-        columns = record_columns(tuple(site.gateway.read.channels), outputs, ())
+        law = self.bench.law.telemetry_names() if law_too else ()
+        self._of_law = self.bench.law.telemetry if law_too else tuple
+        columns = record_columns(tuple(site.gateway.read.channels), outputs, law)
         self.folder = RunFolder(
             runs,
             replace(head_of(RunMeta(), UTC), columns=tuple(columns)),
@@ -131,7 +139,7 @@ class RecordedRun:
         return self.path
 
     def _take(self, row: Sequence[float]) -> None:
-        self._rows.append(tuple(row))
+        self._rows.append((*row, *self._of_law()))
         if len(self._rows) >= 50:  # the recorder looks four times a second
             self._write()
 
