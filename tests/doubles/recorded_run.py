@@ -43,6 +43,7 @@ def files(
     echo: bool = True,
     applied: bool = True,
     cancels: str = "r6",
+    site_file: Path = SITE_FILE,
 ) -> Files:
     """Write line, site and PLC files of the Euclid line and return them.
 
@@ -52,10 +53,11 @@ def files(
     reference : the PLC shows the speed reference and the site file maps it.
     echo, applied : the PLC shows these words, and the site file maps them (applied needs echo).
     cancels : idler that the unwind's correction has a block for; empty: the shipped blocks.
+    site_file : of the shipped ones, the one to begin with.
     """
     line = yaml.safe_load(LINE_FILE.read_text()) | {"effects": list(effects)}
     plc = yaml.safe_load(PLC_FILE.read_text())
-    site = yaml.safe_load(SITE_FILE.read_text())
+    site = yaml.safe_load(site_file.read_text())
     shown, read = plc["read"], site["gateway"]["read"]
     for block in (shown, read):
         if not applied:

@@ -18,8 +18,10 @@ from aff_runtime.core.monitor import Trend
 
 MOST_ROWS = 2000
 """Of one stretch: a site file may be anybody's."""
-SETTLED_SHARE = 0.9
-"""Of a stretch, for the size that a law has learned to count."""
+SETTLED_SHARE = 0.5
+"""Of the later half of a stretch, for the size that a law has learned to count. At the noise an
+order is told settled and stalled by turns."""
+LEARNED = (Trend.CONVERGING, Trend.SETTLED, Trend.STALLED)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,9 +107,8 @@ def _learned(window: Window, signal: str, at: tuple[str, int], frequency_Hz: flo
         if word(actuator.section("error").get("signal")) != signal:
             continue
         order = f"{name}.{at[0]}_{at[1]}x"
-        columns = window.table.columns
-        state = columns.get(f"{order}.state")
-        if state is None or not float(np.mean(state == Trend.SETTLED)) >= SETTLED_SHARE:
+        columns = {n: v[v.size // 2 :] for n, v in window.table.columns.items()}
+        if not _is_settled(columns.get(f"{order}.state")):
             continue
         shape = columns.get(f"{order}.shape_mm")
         speed = columns.get(f"{order}.amplitude_m_s")
@@ -122,6 +123,13 @@ def _learned(window: Window, signal: str, at: tuple[str, int], frequency_Hz: flo
             limit_m=largest / omega if speed is not None else _shape_limit(actuator),
         )
     return Learned()
+
+
+def _is_settled(state: Array | None) -> bool:
+    """Return whether an order was learned and went out all along."""
+    if state is None or not np.all(np.isin(state, LEARNED)):
+        return False
+    return bool(np.mean(state == Trend.SETTLED) >= SETTLED_SHARE)
 
 
 def _mean(values: Array, scale: float) -> tuple[float, float]:
