@@ -86,6 +86,8 @@ def add_runs(options: argparse.Namespace) -> int:
             say(f"{shown}: {sentences.taken(taken)}")
             if taken.new:
                 stores.save_store(options.store, store)
+        if store.line:
+            stores.save_store(options.store, store)
     for line in sentences.notes(findings.findings(store, dict(options.limit))):
         say(line)
     return 1 if refused == len(runs) else 0

@@ -53,7 +53,9 @@ def order_rows(window: Window, hour: HourRow) -> Iterator[OrderRow]:
         for signal, values in signals.items():
             for order, (found, frequency_Hz) in estimates(angle, values, window, orders).items():
                 rows += 1
-                if rows > MOST_ROWS or found.turns < FEWEST_TURNS:
+                if rows > MOST_ROWS:
+                    return
+                if found.turns < FEWEST_TURNS:
                     continue
                 learned = _learned(window, signal, (roll, order), frequency_Hz)
                 yield OrderRow(

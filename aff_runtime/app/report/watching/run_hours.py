@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from hashlib import sha256
@@ -20,7 +20,7 @@ from aff_runtime.app.report.watching.tables import HourRow, OrderRow
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_files import text_of, yaml_values
-from aff_runtime.base.run_table import FirstRow, first_rows, read_table
+from aff_runtime.base.run_table import LONGEST_RUN_S, FirstRow, first_rows, read_table
 from aff_runtime.base.run_window import MARK, RunWindow
 from aff_runtime.base.yaml_section import Section
 
@@ -43,6 +43,27 @@ class HourRead:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedHour:
+    """An hour of a run's clock that has rows.
+
+    Attributes
+    ----------
+    hour : its number. ``from_s``, ``to_s`` : its first and last row.
+    web_to_s : until when its web counts: where the next such hour begins, or the run ends.
+    """
+
+    hour: int
+    from_s: float
+    to_s: float
+    web_to_s: float
+
+    @property
+    def covered_s(self) -> float:
+        """Return how much of it is recorded."""
+        return self.to_s - self.from_s
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RunHours:
     """A run folder at a glance; its hours are read one by one when asked for.
 
@@ -50,7 +71,7 @@ class RunHours:
     ----------
     run_id : the same for every copy of the folder.
     line : name of the line. ``start_utc`` : wall time of the row at time ``start_s``.
-    begins_s : of its segments, each at most ``segment_s`` long; 0: not known.
+    hours : that have rows.
     times_s, lengths_m : (points,) of the run's clock, and how much web ran until there.
     """
 
@@ -61,44 +82,35 @@ class RunHours:
     site: Section
     start_utc: datetime
     start_s: float
-    begins_s: Array
-    segment_s: float
+    hours: tuple[RecordedHour, ...]
     times_s: Array
     lengths_m: Array
 
-    def hours(self) -> Iterator[tuple[int, float]]:
-        """Yield the hours that the folder has rows of, and for how many seconds."""
-        first, last = float(self.times_s[0]), float(self.times_s[-1])
-        for hour in range(int(first // HOUR_S), int(last // HOUR_S) + 1):
-            covered_s = min(last, (hour + 1) * HOUR_S) - max(first, hour * HOUR_S)
-            if covered_s > 0.0:
-                yield hour, covered_s
-
-    def moment(self, hour: int) -> np.datetime64:
-        """Return when an hour of the run's clock began."""
-        return self._utc(max(float(self.times_s[0]), hour * HOUR_S))
-
-    def _utc(self, time_s: float) -> np.datetime64:
+    def utc(self, time_s: float) -> np.datetime64:
+        """Return the wall time of a row."""
         at = np.datetime64(self.start_utc.replace(tzinfo=None), "us")
         return at + np.timedelta64(round(1e6 * (time_s - self.start_s)), "us")
 
-    def read(self, hour: int, covered_s: float) -> HourRead:
+    def web_m(self, one: RecordedHour) -> float:
+        """Return how much web ran from an hour's first row to that of the next."""
+        return self._until_m(one.web_to_s) - self._until_m(one.from_s)
+
+    def _until_m(self, time_s: float) -> float:
+        return float(np.interp(time_s, self.times_s, self.lengths_m))
+
+    def read(self, one: RecordedHour) -> HourRead:
         """Return what an hour holds, with the longest stretch that was looked at."""
-        begin_s = max(float(self.times_s[0]), hour * HOUR_S)
         best: Window | None = None
         for place in PLACES:
-            from_s = begin_s + place * max(0.0, covered_s - READ_S)
-            found = self._stretch(from_s, min(from_s + READ_S, (hour + 1) * HOUR_S))
+            from_s = one.from_s + place * max(0.0, one.covered_s - READ_S)
+            found = self._stretch(from_s, min(from_s + READ_S, one.to_s + 1e-6))
             if found is not None and (best is None or _seconds(found) > _seconds(best)):
                 best = found
-            if (best is not None and _seconds(best) >= ENOUGH_S) or covered_s <= READ_S:
+            if (best is not None and _seconds(best) >= ENOUGH_S) or one.covered_s <= READ_S:
                 break
-        return self._row(hour, covered_s, begin_s, best)
+        return self._read(one, best)
 
     def _stretch(self, from_s: float, to_s: float) -> Window | None:
-        near = (self.begins_s < to_s) & (self.begins_s >= from_s - self.segment_s)
-        if self.segment_s > 0.0 and not np.any(near):  # deleted, to bound the disk
-            return None
         window = RunWindow(folder=self.folder, from_s=from_s, to_s=to_s)
         try:
             table = read_table(window, keep=lambda n: "." not in n or n.endswith(LAW_COLUMNS))
@@ -106,29 +118,22 @@ class RunHours:
             return None
         return steady(table, _speed_name(self.site))
 
-    def _row(self, hour: int, covered_s: float, begin_s: float, window: Window | None) -> HourRead:
-        middle_s = (
-            begin_s + 0.5 * covered_s
-            if window is None
-            else 0.5 * float(window.time_s[0] + window.time_s[-1])
-        )
-        begin_m, middle_m, end_m = (
-            float(np.interp(t, self.times_s, self.lengths_m))
-            for t in (begin_s, middle_s, begin_s + covered_s)
-        )
-        hour_row = replace(
+    def _read(self, one: RecordedHour, window: Window | None) -> HourRead:
+        middle_s = 0.5 * (one.from_s + one.to_s)
+        if window is not None:
+            middle_s = 0.5 * float(window.time_s[0] + window.time_s[-1])
+        row = replace(
             _of_stretch(window),
             run_id=self.run_id,
-            hour=hour,
-            time_utc=self._utc(middle_s),
+            hour=one.hour,
+            time_utc=self.utc(middle_s),
             run=printable(self.folder.name, 100),
             config_hash=self.config_hash,
-            covered_s=covered_s,
-            length_m=end_m - begin_m,
-            offset_m=middle_m - begin_m,
+            covered_s=one.covered_s,
+            length_m=self.web_m(one),
+            offset_m=self._until_m(middle_s) - self._until_m(one.from_s),
         )
-        orders = () if window is None else tuple(order_rows(window, hour_row))
-        return HourRead(hour=hour_row, orders=orders)
+        return HourRead(hour=row, orders=() if window is None else tuple(order_rows(window, row)))
 
 
 def run_hours(folder: Path) -> RunHours:
@@ -139,15 +144,14 @@ def run_hours(folder: Path) -> RunHours:
     AffError
         It is no run, has no rows, or does not say when it began.
     """
-    about, begins = first_rows(folder)
+    about, rows = first_rows(folder)
+    begins = _rising(rows)
     shown = printable(str(folder))
     if not begins:
         raise AffError(f"{shown}: no segment of the run holds a row")
     site = _site(folder)
-    name = _speed_name(site)
-    times, speeds = _speeds(folder, begins, name)
-    segment_s = about.get("segment_s")
-    length = float(segment_s) if isinstance(segment_s, int | float) else 0.0
+    times, speeds = _speeds(folder, begins, _speed_name(site))
+    segment_s = _segment_s(about)
     text = text_of(folder / MARK, _LARGEST)
     return RunHours(
         folder=folder,
@@ -156,11 +160,44 @@ def run_hours(folder: Path) -> RunHours:
         line=printable(word(site.section("line").get("name")) or word(about.get("name")), 100),
         site=site,
         start_utc=_start(shown, about),
-        begins_s=np.array([one.values["time_s"] for one in begins]),
-        segment_s=length,
-        start_s=max(0.0, begins[0].values["time_s"] - (begins[0].number - 1) * length),
+        start_s=max(0.0, begins[0].values["time_s"] - (begins[0].number - 1) * segment_s),
+        hours=_hours([one.values["time_s"] for one in begins], segment_s, float(times[-1])),
         times_s=times,
         lengths_m=_lengths(times, speeds),
+    )
+
+
+def _rising(rows: tuple[FirstRow, ...]) -> list[FirstRow]:
+    """Return the segments whose time goes on; where a clock goes back it does not."""
+    found: list[FirstRow] = []
+    for row in rows:
+        time_s = row.values["time_s"]
+        if 0.0 <= time_s < LONGEST_RUN_S and (not found or time_s > found[-1].values["time_s"]):
+            found.append(row)
+    return found
+
+
+def _segment_s(about: Section) -> float:
+    given = about.get("segment_s")
+    return float(given) if isinstance(given, int | float) and 0.0 < given < HOUR_S else HOUR_S
+
+
+def _hours(begins_s: list[float], segment_s: float, last_s: float) -> tuple[RecordedHour, ...]:
+    """Return the hours in which segments lie; those between are deleted, to bound the disk."""
+    spans: dict[int, tuple[float, float]] = {}
+    ends = [*begins_s[1:], max(last_s, begins_s[-1])]
+    for begin, end in zip(begins_s, ends, strict=True):
+        stop = min(end, begin + segment_s)
+        for hour in range(int(begin // HOUR_S), int(stop // HOUR_S) + 1):
+            first, last = max(begin, hour * HOUR_S), min(stop, (hour + 1) * HOUR_S)
+            spans[hour] = (min(first, spans.get(hour, (first, last))[0]), last)
+    starts = [first for first, _ in spans.values()]
+    return tuple(
+        RecordedHour(hour=hour, from_s=first, to_s=last, web_to_s=web_to_s)
+        for (hour, (first, last)), web_to_s in zip(
+            spans.items(), [*starts[1:], last_s], strict=True
+        )
+        if last > first
     )
 
 
@@ -179,15 +216,15 @@ def _start(shown: str, about: Section) -> datetime:
     said = word(about.get("start_utc"))
     try:
         found = datetime.fromisoformat(said)
-    except ValueError:
+        return found.astimezone(UTC) if found.tzinfo else found.replace(tzinfo=UTC)
+    except (ValueError, OverflowError):
         raise AffError(
             f"{shown}: start_utc says {printable(said, 40)!r}, expected a time such as "
             "2026-01-02T03:04:05+00:00; without it nobody knows when the run was"
         ) from None
-    return found.astimezone(UTC) if found.tzinfo else found.replace(tzinfo=UTC)
 
 
-def _speeds(folder: Path, begins: tuple[FirstRow, ...], name: str) -> tuple[Array, Array]:
+def _speeds(folder: Path, begins: list[FirstRow], name: str) -> tuple[Array, Array]:
     """Return times that rise, and the line speed there: where segments begin, and in the last."""
     points = [(one.values["time_s"], one.values.get(name, 0.0)) for one in begins]
     window = RunWindow(folder=folder, from_s=points[-1][0])

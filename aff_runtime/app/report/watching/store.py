@@ -87,18 +87,20 @@ class Store:
             )
         self.line = run.line
         ours = np.flatnonzero(self.hours["run_id"] == run.run_id)
-        covered = dict(zip(self.hours["hour"][ours], self.hours["covered_s"][ours], strict=True))
+        row_of = dict(zip(self.hours["hour"][ours].tolist(), ours.tolist(), strict=True))
         new: list[HourRow] = []
         orders: list[OrderRow] = []
         known = too_old = 0
-        for hour, covered_s in run.hours():
-            if hour in covered and covered_s <= float(covered[hour]) + LONGER_S:
+        for one in run.hours:
+            at = row_of.get(one.hour)
+            if at is not None and one.covered_s <= self.hours["covered_s"][at] + LONGER_S:
                 known += 1
+                self.hours["length_m"][at] = max(self.hours["length_m"][at], run.web_m(one))
                 continue
-            if hour not in covered and run.moment(hour) <= self.thinned_utc:
+            if at is None and run.utc(one.from_s) <= self.thinned_utc:
                 too_old += 1
                 continue
-            read = run.read(hour, covered_s)
+            read = run.read(one)
             new.append(read.hour)
             orders += read.orders
         self._replace(run.run_id, new, orders)
