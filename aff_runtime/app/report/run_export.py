@@ -35,7 +35,10 @@ def export_run(window: RunWindow, path: Path) -> tuple[int, tuple[str, ...]]:
 
 
 def unit_of_column(name: str) -> str:
-    """Return the SI unit (or us, mm, deg) that the end of a column's name says, else nothing."""
+    """Return the SI unit (or us, mm, deg) that the end of a column's name says.
+
+    A ratio has the unit 1, a count or a word none.
+    """
     last = name.rpartition(".")[2]
     if last.startswith(("applied_ratio", "limit_ratio")) or last in RATIOS:
         return "1"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from aff_runtime.app.report.comparison.comparing import LIKE_SPEED
 from aff_runtime.app.report.parquet import Columns
 from aff_runtime.app.report.watching.store import Store
-from aff_runtime.app.report.watching.trend import Array, Jump, Slope, jump, slope
+from aff_runtime.app.report.watching.trend import Array, Jump, Slope, at_least_small, jump, slope
 
 DAY = np.timedelta64(86_400_000_000, "us")
 
@@ -24,7 +24,7 @@ class Quantity:
     Attributes
     ----------
     name, error : of the columns. ``unit`` : SI. ``correcting`` : only where that is so; None: any.
-    word : what it is called in a sentence.
+    word : what it is called in a sentence. ``of_roller`` : the roller's own, not the drive's.
     """
 
     name: str
@@ -32,6 +32,7 @@ class Quantity:
     unit: str
     word: str
     correcting: bool | None = None
+    of_roller: bool = True
 
 
 QUANTITIES = (
@@ -44,6 +45,7 @@ QUANTITIES = (
         unit="",
         word="response ratio",
         correcting=True,
+        of_roller=False,
     ),
 )
 
@@ -178,7 +180,7 @@ def _readings(
     like = _like(speed)
     chosen = {name: values[known][like] for name, values in part.items()}
     groups = _by_run_and_day(chosen)
-    weight = 1.0 / np.maximum(chosen[quantity.error], 1e-300) ** 2
+    weight = 1.0 / at_least_small(chosen[quantity.error], chosen[quantity.name]) ** 2
     means = {
         name: np.array([np.average(values[g], weights=weight[g]) for g in groups])
         for name, values in {

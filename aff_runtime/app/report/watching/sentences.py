@@ -147,9 +147,14 @@ def _jumped(one: Finding) -> str:
     readings, step = one.readings, one.jump
     assert step is not None
     day = np.datetime_as_string(readings.times[step.index], "D")
-    return (
+    text = (
         f"{_name(readings)} jumped from {_shown(readings, step.before)} to "
-        f"{_shown(readings, step.after)} on or before {day}: was {readings.roll} exchanged? "
+        f"{_shown(readings, step.after)} on or before {day}: "
+    )
+    if not readings.quantity.of_roller:
+        return text + "what was changed at drive or web?"
+    return text + (
+        f"was {readings.roll} exchanged? "
         f"If so: aff-runtime watch exchange STORE {readings.roll} --on {day}"
     )
 

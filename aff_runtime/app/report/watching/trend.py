@@ -25,6 +25,7 @@ distribution: with few readings it takes more."""
 JUMP_SIGMA = 5.0
 FEWEST_ON_A_SIDE, FEWEST_FOR_A_JUMP = 4, 12
 HALVINGS = 25
+TINY = 1e-30
 SMALLEST_ERROR = 1e-6
 """Of a reading, as a share of the size: none is known better."""
 
@@ -94,11 +95,16 @@ class Jump:
     after: float
 
 
+def at_least_small(error: Array, size: Array) -> Array:
+    """Return errors of readings, none of which is zero."""
+    return np.maximum(error, SMALLEST_ERROR * np.abs(size) + TINY)
+
+
 def slope(place: Array, size: Array, error: Array) -> Slope | None:
     """Return the line through readings at ``place``; None of too few, or all in one place."""
     if size.size < FEWEST_READINGS or not float(np.ptp(place)) > 0.0:
         return None
-    own = np.maximum(error, SMALLEST_ERROR * np.abs(size) + 1e-300)
+    own = at_least_small(error, size)
     design = np.stack([np.ones_like(place), place - place.mean()], axis=1)
     scatter2 = _scatter(design, size, own)
     weight = 1.0 / (own**2 + scatter2)
@@ -127,7 +133,7 @@ def jump(place: Array, size: Array, error: Array) -> Jump | None:
     count = size.size
     if count < FEWEST_FOR_A_JUMP:
         return None
-    own = np.maximum(error, SMALLEST_ERROR * np.abs(size) + 1e-300)
+    own = at_least_small(error, size)
     best: tuple[float, Jump] | None = None
     along = (place - place.mean()) / (float(np.std(place)) or 1.0)
     growth = [np.ones_like(along), along, along**2]

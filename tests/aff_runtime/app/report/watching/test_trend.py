@@ -62,6 +62,14 @@ def test_of_few_readings_or_of_one_place_nothing_is_said():
     assert slope(np.zeros(20), np.ones(20), np.ones(20)) is None
 
 
+def test_readings_without_error_or_size_are_no_division_by_zero():
+    nothing = np.zeros(20)
+    found = slope(np.arange(20.0), nothing, nothing)
+    assert (found.value, found.stands_out) == (0.0, False)
+    assert jump(np.arange(20.0), nothing, nothing) is None
+    assert slope(np.arange(20.0), np.arange(20.0), nothing).value == pytest.approx(1.0)
+
+
 def test_a_limit_is_reached_where_the_line_says_and_the_interval_holds_the_truth():
     hits = 0
     for seed in range(100):
