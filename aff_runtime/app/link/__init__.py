@@ -13,5 +13,4 @@ __all__ = [
     "runtime_directory",
     "settings_answer",
     "settings_request",
-    "socket_file",
 ]

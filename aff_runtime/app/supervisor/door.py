@@ -27,9 +27,9 @@ from aff_runtime.app.door.messages import (
 )
 from aff_runtime.app.link.peer import peer_of, uids_with
 from aff_runtime.app.link.runtime_directory import WRITTEN_BY_OTHERS
-from aff_runtime.app.link.socket_file import identity, make_room, remove_own
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.socket_file import identity, make_room, remove_own
 from aff_runtime.telemetry.ring import RingReader
 
 VIEWER = "aff-hmi"
