@@ -171,7 +171,8 @@ def _readings(
     limit: tuple[float, str] | None,
 ) -> Readings | None:
     """Return one quantity of one order at like speed, None where it never was read."""
-    known = np.isfinite(part[quantity.name]) & np.isfinite(part[quantity.error])
+    needed = (quantity.name, quantity.error, "speed_m_s", "travelled_km")
+    known = np.all([np.isfinite(part[name]) for name in needed], axis=0)
     if quantity.correcting is not None:
         known &= part["correcting"] == quantity.correcting
     speed = part["speed_m_s"][known]
