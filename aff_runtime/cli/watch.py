@@ -71,7 +71,7 @@ def add_runs(options: argparse.Namespace) -> int:
     runs = list(_runs(options.runs))
     refused = 0
     with stores.alone(options.store):
-        store = stores.load_store(options.store)
+        store = stores.load_store(options.store, begin=True)
         for folder in runs:
             shown = printable(str(folder))
             try:
@@ -116,6 +116,7 @@ def exchange(options: argparse.Namespace) -> int:
     """Begin a new life of a roller."""
     from aff_runtime.app.report.watching import store as stores  # noqa: PLC0415
 
+    stores.load_store(options.store)  # before a folder is made for one that is not there
     with stores.alone(options.store):
         store = stores.load_store(options.store)
         store.exchange(options.roll, options.on, printable(options.why, 200))

@@ -78,6 +78,14 @@ def test_an_exchange_begins_a_new_life(store, tmp_path, capsys):
     assert "knows no such roller; it knows healthy, r6" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("words", [["trend"], ["exchange", "r6", "--on", "2026-01-15"]])
+def test_where_no_store_is_how_to_begin_one_is_said_and_none_is_made(words, tmp_path, capsys):
+    nowhere = tmp_path / "nowhere"
+    assert main(["watch", words[0], str(nowhere), *words[1:]]) == 2
+    assert "holds no store; `aff-runtime watch add STORE RUN_DIR`" in capsys.readouterr().err
+    assert not nowhere.exists()
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

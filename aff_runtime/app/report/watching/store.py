@@ -39,6 +39,7 @@ MOST_EXCHANGES = 10_000
 LONGER_S = 1.0
 """An hour is read anew where a run has more of it by so much: it was still being recorded."""
 FILES = ("hours.parquet", "orders.parquet", "exchanges.parquet")
+LOCK_FLAGS = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
 NEVER = np.datetime64("1970-01-01", "us")
 
 
@@ -191,17 +192,21 @@ class Store:
             orders["life"] += (orders["roll"] == roll) & (orders["time_utc"] >= on)
 
 
-def load_store(folder: Path) -> Store:
-    """Return a store, an empty one where nothing is there yet.
+def load_store(folder: Path, *, begin: bool = False) -> Store:
+    """Return a store; with ``begin`` an empty one where none is there yet.
 
     Raises
     ------
     ConfigError
-        One of its files cannot be read.
+        It is not there, or one of its files cannot be read.
     """
     paths = [folder / name for name in FILES]
     if not paths[0].exists():
-        return Store()
+        if begin:
+            return Store()
+        raise ConfigError(
+            f"{folder}: holds no store; `aff-runtime watch add STORE RUN_DIR` begins one"
+        )
     hours, about = read_parquet(paths[0], HOURS)
     if about.get("version") != VERSION or not about.get("line"):
         raise ConfigError(
@@ -251,7 +256,7 @@ def alone(folder: Path) -> Iterator[None]:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = os.open(folder / ".lock", os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC)
+        lock = os.open(folder / ".lock", LOCK_FLAGS, 0o644)
     except OSError as error:
         raise ConfigError(f"{folder}: no folder for a store ({error.strerror})") from None
     try:

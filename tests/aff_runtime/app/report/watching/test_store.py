@@ -177,7 +177,7 @@ def test_what_is_written_is_read_back(runs, tmp_path):
     save_store(tmp_path, store)
     assert_same(load_store(tmp_path), store)
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted(FILES)
-    assert_same(load_store(tmp_path / "nowhere"), Store())
+    assert_same(load_store(tmp_path / "nowhere", begin=True), Store())
 
 
 def test_a_write_that_fails_leaves_the_store_as_it_was(runs, tmp_path, monkeypatch):
