@@ -122,7 +122,7 @@ def _line(line: Slope | None) -> LineSaid | None:
         low=line.low,
         high=line.high,
         scatter=line.scatter,
-        readings=line.freedom + 2,
+        readings=line.readings,
     )
 
 

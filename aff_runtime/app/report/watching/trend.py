@@ -2,7 +2,8 @@
 
 Weighted least squares whose weights know two sources of error: that of each reading, and how far
 readings of different days scatter beyond it. The variance of the latter is that with which the
-weighted squares of the residuals add up to their freedom (Paule and Mandel).
+weighted squares of the residuals add up to their freedom (Paule and Mandel). What one day is off,
+the next one is in part: the correlation of neighbours makes readings count for fewer.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ Array = NDArray[np.float64]
 
 FEWEST_READINGS = 8
 """Of fewer nothing is said about a slope."""
+FEWEST_FREEDOM = 4
+MOST_CORRELATED = 0.95
 SIGMA = 4.0
 """A slope is told beyond so many of its standard errors, as chance would have it in a normal
 distribution: with few readings it takes more."""
@@ -40,7 +43,8 @@ class Slope:
     low, high : 95 % interval.
     middle : abscissa where level and slope are not correlated; ``level`` there, with its error.
     scatter : standard deviation between readings beyond their own errors.
-    freedom : readings less two.
+    correlation : of what neighbours are off the line; the errors know it.
+    readings : how many. ``freedom`` : what they count for, less two.
     """
 
     value: float
@@ -51,12 +55,15 @@ class Slope:
     level: float
     level_error: float
     scatter: float
+    correlation: float
+    readings: int
     freedom: int
 
     @property
     def stands_out(self) -> bool:
         """Return whether chance explains it less often than 4 sigma."""
-        return abs(self.value) > student_t(self.freedom, SIGMA) * self.error
+        enough = self.freedom >= FEWEST_FREEDOM
+        return enough and abs(self.value) > student_t(self.freedom, SIGMA) * self.error
 
     def at(self, place: float) -> float:
         """Return the size on the line."""
@@ -112,8 +119,10 @@ def slope(place: Array, size: Array, error: Array) -> Slope | None:
     spread = float(np.sum(weight * (place - middle) ** 2))
     level = float(np.average(size, weights=weight))
     value = float(np.sum(weight * (place - middle) * (size - level))) / spread
-    freedom = int(size.size) - 2
-    deviation = 1.0 / math.sqrt(spread)
+    correlation = _correlation((size - level - value * (place - middle)) * np.sqrt(weight))
+    longer = math.sqrt((1.0 + correlation) / (1.0 - correlation))
+    freedom = max(1, round(size.size / longer**2) - 2)
+    deviation = longer / math.sqrt(spread)
     half = student_t(freedom) * deviation
     return Slope(
         value=value,
@@ -122,10 +131,25 @@ def slope(place: Array, size: Array, error: Array) -> Slope | None:
         high=value + half,
         middle=middle,
         level=level,
-        level_error=1.0 / math.sqrt(float(weight.sum())),
+        level_error=longer / math.sqrt(float(weight.sum())),
         scatter=math.sqrt(scatter2),
+        correlation=correlation,
+        readings=int(size.size),
         freedom=freedom,
     )
+
+
+def _correlation(residual: Array) -> float:
+    """Return the correlation of neighbours, 0 at least.
+
+    A straight line takes some of it away: on the average (2 + 4 r) / n, which is put back.
+    """
+    squares = float(np.sum(residual**2))
+    if not squares > 0.0:
+        return 0.0
+    found = float(np.sum(residual[1:] * residual[:-1])) / squares
+    found += (2.0 + 4.0 * max(0.0, found)) / residual.size
+    return min(max(0.0, found), MOST_CORRELATED)
 
 
 def jump(place: Array, size: Array, error: Array) -> Jump | None:
@@ -137,13 +161,16 @@ def jump(place: Array, size: Array, error: Array) -> Jump | None:
     best: tuple[float, Jump] | None = None
     along = (place - place.mean()) / (float(np.std(place)) or 1.0)
     growth = [np.ones_like(along), along, along**2]
-    needed = student_t(count - 4, JUMP_SIGMA)
     for index in range(FEWEST_ON_A_SIDE, count - FEWEST_ON_A_SIDE + 1):
         later = (np.arange(count) >= index).astype(np.float64)
         design = np.stack([*growth, later], axis=1)
-        line = _fit(design, size, own, _first_scatter(design, size, own))
-        ratio = abs(float(line.found[3])) / math.sqrt(float(line.covariance[3, 3]) or 1e-300)
-        if ratio > needed and (best is None or ratio > best[0]):
+        scatter2 = _first_scatter(design, size, own)
+        line = _fit(design, size, own, scatter2)
+        ratio = abs(float(line.found[3])) / math.sqrt(float(line.covariance[3, 3]) or TINY)
+        off = (size - design @ line.found) / np.sqrt(own**2 + scatter2)
+        correlation = _correlation(off)
+        ratio *= math.sqrt((1.0 - correlation) / (1.0 + correlation))
+        if ratio > student_t(count - 4, JUMP_SIGMA) and (best is None or ratio > best[0]):
             before = float(design[index, :3] @ line.found[:3])
             best = ratio, Jump(index=index, before=before, after=before + float(line.found[3]))
     return best[1] if best else None

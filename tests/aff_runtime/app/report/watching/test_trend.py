@@ -31,7 +31,7 @@ def test_the_points_of_students_distribution_are_near_those_of_scipy(freedom, no
 def test_without_scatter_the_slope_and_its_error_are_those_of_weighted_least_squares():
     at, size, own = readings(growth=0.3, scatter=0.0, own=0.5, seed=4)
     own = own * (1.0 + (at > 20))
-    size = 40.0 + 0.3 * at + 0.1 * own * np.cos(at)  # residuals well below the errors
+    size = 40.0 + 0.3 * at + 0.1 * own * (-1.0) ** at  # residuals well below the errors
     found = slope(at, size, own)
     coefficients, covariance = np.polyfit(at, size, 1, w=1.0 / own, cov="unscaled")
     assert found.value == pytest.approx(coefficients[0])
@@ -44,7 +44,8 @@ def test_scatter_beyond_the_readings_own_errors_is_found_and_widens_the_interval
     found = slope(at, size, own)
     expected = stats.linregress(at, size)  # own errors do not count: plain least squares
     assert found.value == pytest.approx(expected.slope, rel=1e-3)
-    assert found.error == pytest.approx(expected.stderr, rel=1e-3)
+    longer = math.sqrt((1.0 + found.correlation) / (1.0 - found.correlation))
+    assert found.error == pytest.approx(longer * expected.stderr, rel=1e-3)
     assert found.scatter == pytest.approx(np.std(size - found.value * at, ddof=2), rel=0.01)
 
 
@@ -60,6 +61,23 @@ def test_of_few_readings_or_of_one_place_nothing_is_said():
     at, size, own = readings(at=DAYS[: FEWEST_READINGS - 1])
     assert slope(at, size, own) is None
     assert slope(np.zeros(20), np.ones(20), np.ones(20)) is None
+
+
+def drifting(seed, keeps):
+    """Sizes that wander: a day keeps so much of what the day before was off."""
+    rng = np.random.default_rng(seed)
+    off = rng.standard_normal(DAYS.size)
+    for day in range(1, off.size):
+        off[day] = keeps * off[day - 1] + math.sqrt(1.0 - keeps**2) * off[day]
+    return DAYS, 40.0 + off, np.full(DAYS.size, 0.1)
+
+
+def test_what_days_keep_of_each_other_widens_the_interval_and_is_no_trend():
+    found = [slope(*drifting(seed, 0.6)) for seed in range(100)]
+    assert np.mean([line.correlation for line in found]) == pytest.approx(0.6, abs=0.1)
+    assert not any(line.stands_out for line in found)
+    assert sum(line.low <= 0.0 <= line.high for line in found) >= 85
+    assert sum(jump(*drifting(seed, 0.6)) is not None for seed in range(50)) <= 1
 
 
 def test_readings_without_error_or_size_are_no_division_by_zero():
