@@ -125,8 +125,12 @@ def test_a_healthy_roller_is_no_note_in_six_weeks(weeks):
 
 def test_with_aff_off_the_ripple_of_the_reading_tells_the_same(tmp_path):
     weeks = Weeks(r6_m=lambda km, _: FIRST_SIZE + GROWS * km, scatter_m=SCATTER, correcting=False)
-    _, found, said = evenings(tmp_path, weeks)
-    line = of(found[-1], quantity="ripple_N").per_km
+    store = Store()
+    for run in write_weeks(weeks, tmp_path, range(LAST)):
+        store.add(run_hours(run))
+    found = findings(store, {"r6": (6e-5, "m")})
+    said = list(notes(found))
+    line = of(found, quantity="ripple_N").per_km
     assert line.low <= GROWS * N_PER_M <= line.high
-    assert "r6 1x ripple grows" in said[-1][0]
-    assert "reaches" not in said[-1][0]  # the limit that was given is a length
+    assert "r6 1x ripple grows" in said[0]
+    assert "reaches" not in said[0]  # the limit that was given is a length
