@@ -16,6 +16,7 @@ from aff_runtime.base.errors import AffError
 from aff_runtime.cli import (
     check,
     compare,
+    export,
     metrics,
     operate,
     probe,
@@ -25,6 +26,7 @@ from aff_runtime.cli import (
     settings,
     status,
     top,
+    watch,
     wire_map,
 )
 from aff_runtime.cli.terminal import complain
@@ -38,6 +40,8 @@ COMMANDS = (
     top,
     roll,
     compare,
+    watch,
+    export,
     metrics,
     probe,
     probe_map,
