@@ -58,6 +58,12 @@ class Code(StrEnum):
     ALREADY = "already"
     FADING = "fading"
     GUARD = "guard"
+    LATE = "late"
+    REPEATED = "repeated"
+    CHANGED = "changed"
+    FAST = "fast"
+    UNRECORDED = "unrecorded"
+    REFUSED = "refused"
 
 
 WORDS = {
@@ -72,6 +78,12 @@ WORDS = {
     Code.ALREADY: "it is armed already",
     Code.FADING: "the correction is on its way to zero; wait",
     Code.GUARD: "blocked by {name}",
+    Code.LATE: "it came too late, nothing was done: press again",
+    Code.REPEATED: "it was heard before, nothing was done",
+    Code.CHANGED: "the state has changed since you looked: it is {name} now",
+    Code.FAST: "too many commands at once: wait a few seconds",
+    Code.UNRECORDED: "the service cannot keep its audit, so no screen arms",
+    Code.REFUSED: "refused: {name}",
 }
 
 
@@ -85,7 +97,7 @@ class Reason:
     @property
     def text(self) -> str:
         """Return it as the service says it."""
-        name = explain(self.name) if self.code is Code.GUARD else printable(self.name, 64)
+        name = explain(self.name) if self.code is Code.GUARD else printable(self.name, 200)
         return WORDS[self.code].replace("{name}", name)
 
 
