@@ -10,6 +10,7 @@ from collections.abc import Callable
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from aff_hmi import frames
+from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout, layout_of
 from aff_hmi.metrics import Metrics
 from aff_hmi.view import view_of
@@ -32,10 +33,12 @@ class Viewer:
     Attributes
     ----------
     shown : number of the newest frame that it has shown. ``echo_ms`` : its newest stamp.
+    own : returns what is of its session alone, as JSON.
     """
 
-    def __init__(self, language: str) -> None:
+    def __init__(self, language: str, own: Callable[[], str]) -> None:
         self.language = language
+        self.own = own
         self.shown = 0
         self.sent = 0
         self.in_flight: list[int] = []
@@ -54,15 +57,16 @@ class Hub:
 
     Parameters
     ----------
-    watch : of the service.
+    watch : of the service. ``hand`` : None on a screen for looking only.
 
     Attributes
     ----------
     boot : changes with every start; a page of an earlier one begins anew.
     """
 
-    def __init__(self, watch: Watch, clock: Clock) -> None:
+    def __init__(self, watch: Watch, clock: Clock, hand: Hand | None = None) -> None:
         self._watch = watch
+        self.hand = hand
         self._clock = clock
         self._viewers: set[Viewer] = set()
         self._frames: dict[str, str] = {}
@@ -80,6 +84,8 @@ class Hub:
                 due_ns = max(due_ns + period_ns, self._clock.now_ns())
                 await asyncio.sleep((due_ns - self._clock.now_ns()) * 1e-9)
                 self._watch.poll()
+                if self.hand is not None:
+                    self.hand.desk.poll()
             self.make_frames(self._watch.seen())
             alive()
 
@@ -90,6 +96,8 @@ class Hub:
         if seen.facts is not None and channels:
             self.layout = layout_of(seen.facts, channels)
         self._number += 1
+        if self.hand is not None:
+            self.hand.look(seen, self._number)
         self._frames = {
             language: frames.encode(
                 view_of(seen, self.layout, say_in(language)), number=self._number, boot=self.boot
@@ -103,13 +111,15 @@ class Hub:
         """Return what is seen now in the text format of Prometheus."""
         return self._metrics.text(self._watch.seen())
 
-    async def serve(self, socket: WebSocket, language: str) -> None:
+    async def serve(
+        self, socket: WebSocket, language: str, own: Callable[[], str] = lambda: ""
+    ) -> None:
         """Look after one socket until it ends."""
         if len(self._viewers) >= MAX_SOCKETS:
             await socket.close(TRY_LATER)
             return
         await socket.accept()
-        viewer = Viewer(language)
+        viewer = Viewer(language, own)
         viewer.heard_ns = self._clock.now_ns()
         self._viewers.add(viewer)
         tasks = [
@@ -153,4 +163,4 @@ class Hub:
                 continue
             viewer.in_flight.append(self._number)
             async with asyncio.timeout(PATIENCE_S):
-                await socket.send_text(frames.opened(frame, viewer.echo_ms))
+                await socket.send_text(frames.opened(frame, viewer.echo_ms, viewer.own()))

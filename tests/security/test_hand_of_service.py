@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import http.client
+import json
 import os
+import re
 import secrets
 import subprocess
 import sys
@@ -12,16 +15,21 @@ from pathlib import Path
 
 import pytest
 
+pytest.importorskip("starlette")
+
+from aff_hmi.accounts import Account, secret_of
 from aff_runtime.app.hand.audit import verify
 from aff_runtime.app.hand.client import HandClient
 from aff_runtime.app.hand.may import Action, Code, Place, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Command, Welcome
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import RefusedError
-from tests.aff_runtime.app.service_run import ServiceRun
+from sim_plant.demo.wires import free_port
+from tests.aff_runtime.app.service_run import ROOT, ServiceRun
 from tests.processes import until
 
 pytestmark = pytest.mark.wire
+PASSWORD = "tension, 90 N"
 
 
 @pytest.fixture(scope="module")
@@ -109,3 +117,82 @@ def test_a_screen_that_is_killed_in_the_middle_changes_nothing(
         assert after[name] == before[name]
     assert len(os.listdir(f"/proc/{service.process.pid}/fd")) < 60
     assert not service.said("Traceback")
+
+
+class Browser:
+    """Speaks HTTP to a screen of its own, as the page does."""
+
+    def __init__(self, service: ServiceRun) -> None:
+        accounts = service.folder / "accounts"
+        line = Account(name="anna", role=Role.OPERATE, secret=secret_of(PASSWORD)).line
+        accounts.write_text(line + "\n")
+        accounts.chmod(0o600)
+        self.port = free_port()
+        self.process = subprocess.Popen(
+            [
+                *(sys.executable, "-m", "aff_hmi.main", "--listen", f"127.0.0.1:{self.port}"),
+                *("--door", str(service.runtime_dir / "door.sock")),
+                *("--hand-socket", str(service.runtime_dir / "hand.sock")),
+                *("--accounts", str(accounts)),
+            ],
+            stdout=subprocess.PIPE,
+            text=True,
+            cwd=ROOT,
+        )
+        assert self.process.stdout is not None
+        assert self.process.stdout.readline().startswith("look: ")
+        self.cookie = self.token = ""
+
+    def ask(self, method: str, path: str, said: object = None) -> tuple[int, str]:
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20.0)
+        headers = {
+            "Origin": f"http://127.0.0.1:{self.port}",
+            "Content-Type": "application/json",
+            "X-Aff-Token": self.token,
+            "Cookie": self.cookie,
+        }
+        body = None if said is None else json.dumps(said)
+        connection.request(method, path, body, headers)
+        answer = connection.getresponse()
+        self.cookie = (answer.getheader("set-cookie") or self.cookie).partition(";")[0]
+        text = answer.read().decode()
+        connection.close()
+        return answer.status, text
+
+    def log_in(self) -> None:
+        assert self.ask("POST", "/login", {"name": "anna", "password": PASSWORD})[0] == 200
+        found = re.search(r'data-token="([^"]+)"', self.ask("GET", "/")[1])
+        assert found is not None
+        self.token = found[1]
+
+    def press(self, action: str, seen: str = "") -> tuple[int, str]:
+        said = {"action": action, "id": secrets.token_hex(16), "seen": seen, "frame": 0}
+        return self.ask("POST", "/act", said)
+
+    def close(self) -> None:
+        self.process.kill()
+        self.process.wait()
+        assert self.process.stdout is not None
+        self.process.stdout.close()
+
+
+def test_a_press_in_a_browser_reaches_the_line_and_the_audit(service: ServiceRun) -> None:
+    with contextlib.closing(Browser(service)) as browser:
+        with contextlib.suppress(RefusedError):
+            service.ask("arm")  # out of BYPASS, wherever it leads
+        before = service.status()["state"]
+        assert browser.press("bypass")[0] == 401
+        assert service.status()["state"] == before
+        browser.log_in()
+        until("the screen is heard", lambda: browser.press("bypass")[0] == 200)
+        until("bypassed", lambda: service.status()["state"] == "BYPASS")
+        status, text = browser.press("arm", "BYPASS")
+        assert (status, json.loads(text)["code"]) == (409, Code.NO_HAND)
+        assert browser.ask("POST", "/hand", {"do": "take"})[0] == 200
+        status, text = browser.press("arm", "BYPASS")
+        assert (status, json.loads(text)["code"]) == (409, Code.GUARD)  # no response measured
+    rows = [json.loads(line) for line in audit_of(service).read_text().splitlines()]
+    assert [row["what"] for row in rows if row["account"] == "anna"][-3:] == [
+        *("login", "bypass", "hand taken")
+    ]
+    assert verify(audit_of(service)).wrong == ""
