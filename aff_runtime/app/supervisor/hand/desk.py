@@ -166,16 +166,17 @@ class HandDesk:
 
     def _bypass(self, visitor: Visitor, command: Command, limits: Limits) -> None:
         """Take the correction back first; everything else comes after."""
-        if limits.bypasses.take():
+        before = self._service.now().state
+        is_at_once = limits.bypasses.take()
+        if is_at_once:
             self._service.bypass()
         else:
             self._bypass_due = True
-        now = self._service.now()
-        entry = replace(_entry_of(command, visitor, now), result="done")
-        if now.state is State.BYPASS:
-            number = self._keep(visitor, limits, entry)
-        else:
+        entry = replace(_entry_of(command, visitor, self._service.now()), result="done")
+        if is_at_once and before not in (None, State.BYPASS):
             number = self._write(entry)
+        else:
+            number = self._keep(visitor, limits, entry)
         visitor.tell(Answer(id=command.id, ok=True, audit=number))
 
     def _arm(self, visitor: Visitor, command: Command, limits: Limits) -> None:

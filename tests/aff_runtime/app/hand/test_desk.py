@@ -175,12 +175,30 @@ def test_a_flood_of_bypasses_costs_ten_a_second_and_the_last_is_done(stand: Stan
         stand.round()
         assert client.receive().ok  # type: ignore[union-attr]
     assert stand.service.bypassed == 10
+    assert len(stand.rows()) == 50  # ten that may change something, the others of the sixty
     stand.clock.ns += S // 10
     stand.round()
     assert stand.service.bypassed == 11
     stand.clock.ns += S
     stand.round()
     assert stand.service.bypassed == 11
+
+
+@pytest.mark.parametrize("state", [None, State.BYPASS])
+def test_a_bypass_that_changes_nothing_is_counted_when_it_comes_too_often(
+    stand: Stand, state: State | None
+) -> None:
+    stand.service.standing = Now(state=state)
+    for _ in range(100):
+        client = stand.client()
+        client.say(stand.command(Action.BYPASS))
+        stand.round()
+        client.close()
+        stand.round()
+    assert len(stand.rows()) == 60
+    stand.clock.ns += 10 * S
+    stand.round()
+    assert stand.rows()[-1]["why"].startswith("40 more")
 
 
 def test_who_says_too_much_is_sent_away_but_his_bypass_is_done(stand: Stand) -> None:
