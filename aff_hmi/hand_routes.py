@@ -17,6 +17,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 from starlette.types import Scope
 
+from aff_hmi.counts import Counts
 from aff_hmi.doorkeeper import Doorkeeper
 from aff_hmi.hand import Hand, said_in
 from aff_hmi.reason import N_
@@ -94,9 +95,16 @@ class HandRoutes:
     """
 
     def __init__(
-        self, hand: Hand, clock: Clock, *, is_tls: bool, say_of: Callable[[HTTPConnection], Say]
+        self,
+        hand: Hand,
+        clock: Clock,
+        counts: Counts,
+        *,
+        is_tls: bool,
+        say_of: Callable[[HTTPConnection], Say],
     ) -> None:
         self._hand = hand
+        self._counts = counts
         self._clock = clock
         self._is_tls = is_tls
         self._say_of = say_of
@@ -182,12 +190,14 @@ class HandRoutes:
     async def _login(self, asked: Asked) -> Response:
         name, password = str(asked.said["name"]), str(asked.said["password"])
         shown = name if is_account_name(name) else NOBODY
-        if self._doorkeeper.is_too_often(shown, asked.address):
-            return _refusal(429, asked.say(WAIT))
         try:
+            if self._doorkeeper.is_too_often(shown, asked.address):
+                raise BlockingIOError
             account = await self._doorkeeper.check(name, password)
         except BlockingIOError:
+            self._counts.logins["waits"] += 1
             return _refusal(429, asked.say(WAIT))
+        self._counts.logins["refused" if account is None else "done"] += 1
         if account is None:
             self._note("login refused", shown, asked.place)
             return _refusal(401, asked.say(WRONG))
@@ -241,6 +251,14 @@ class HandRoutes:
         return _done(asked.say(DONE))
 
     async def _act(self, asked: Asked) -> Response:
+        """Do a press, and count it."""
+        answer = await self._press(asked)
+        if asked.said["action"] in tuple(Action):
+            result = {200: "done", 503: "failed"}.get(answer.status_code, "refused")
+            self._counts.presses[str(asked.said["action"]), result] += 1
+        return answer
+
+    async def _press(self, asked: Asked) -> Response:
         """Judge a press and pass it on."""
         session, said = asked.session, asked.said
         assert session is not None

@@ -5,17 +5,19 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from aff_hmi import frames
+from aff_hmi.counts import Counts
 from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout, layout_of
 from aff_hmi.metrics import Metrics
 from aff_hmi.view import view_of
 from aff_hmi.watch import Seen, Watch
 from aff_hmi.words import say_in
+from aff_runtime.app.report.metrics.readings import Sample
 from aff_runtime.base.ports import Clock
 
 FRAME_S = 0.1
@@ -62,6 +64,7 @@ class Hub:
     Attributes
     ----------
     boot : changes with every start; a page of an earlier one begins anew.
+    counts : what the screen counts of itself.
     """
 
     def __init__(self, watch: Watch, clock: Clock, hand: Hand | None = None) -> None:
@@ -73,6 +76,7 @@ class Hub:
         self._metrics = Metrics(clock)
         self._number = 0
         self.boot = secrets.token_hex(8)
+        self.counts = Counts()
         self.layout = Layout()
 
     async def run(self, alive: Callable[[], None] = lambda: None) -> None:
@@ -109,7 +113,12 @@ class Hub:
 
     def metrics(self) -> str:
         """Return what is seen now in the text format of Prometheus."""
-        return self._metrics.text(self._watch.seen())
+        return self._metrics.text(self._watch.seen(), self._own_samples)
+
+    def _own_samples(self) -> Iterator[Sample]:
+        self.counts.sockets = len(self._viewers)
+        hand = self.hand
+        return self.counts.samples(hand.sessions.by_role() if hand is not None else None)
 
     async def serve(
         self, socket: WebSocket, language: str, own: Callable[[], str] = lambda: ""
@@ -160,7 +169,9 @@ class Hub:
                 return
             frame = self._frames.get(viewer.language)
             if frame is None or viewer.echo_ms is None or len(viewer.in_flight) >= MAX_IN_FLIGHT:
+                self.counts.skipped += len(viewer.in_flight) >= MAX_IN_FLIGHT
                 continue
+            self.counts.sent += 1
             viewer.in_flight.append(self._number)
             async with asyncio.timeout(PATIENCE_S):
                 await socket.send_text(frames.opened(frame, viewer.echo_ms, viewer.own()))

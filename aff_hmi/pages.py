@@ -44,7 +44,9 @@ class Pages:
         self._language = language
         self.presses: HandRoutes | None = None
         if hub.hand is not None:
-            self.presses = HandRoutes(hub.hand, clock, is_tls=is_tls, say_of=self._say_of)
+            self.presses = HandRoutes(
+                hub.hand, clock, hub.counts, is_tls=is_tls, say_of=self._say_of
+            )
         self._texts = {name: (FOLDER / "static" / name).read_bytes() for name in ASSETS}
         self._templates = Environment(
             loader=FileSystemLoader(FOLDER / "templates"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import secrets
+from collections import Counter
 from dataclasses import dataclass, field
 
 from aff_hmi.accounts import Account, Accounts
@@ -81,6 +82,13 @@ class Sessions:
     def end(self, token: str) -> None:
         """End a session, its hand too."""
         self._drop(_key(token))
+
+    def by_role(self) -> Counter[str]:
+        """Return how many sessions there are of every role."""
+        found = Counter({role.word: 0 for role in Role})
+        live = [self._live(key) for key in list(self._sessions)]
+        found.update(one.account.role.word for one in live if one is not None)
+        return found
 
     def press(self, session: Session) -> None:
         """Note that somebody is there, unless the session waits for another login."""

@@ -100,8 +100,11 @@ async function act(action, seen, number) {
   const after = frame?.q ?? 0;
   tell(words.sent);
   awaited = null;
+  const said = { action, id: newId(), seen, frame: number };
   try {
-    const answer = await post("/act", { action, id: newId(), seen, frame: number });
+    // towards zero twice is no harm, and a connection may just have gone to sleep
+    const first = post("/act", said);
+    const answer = await (action === "bypass" ? first.catch(() => post("/act", said)) : first);
     if (!answer.ok) {
       tell(answer.text);
     } else {

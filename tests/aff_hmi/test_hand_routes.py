@@ -446,3 +446,26 @@ def test_the_pages_show_what_can_be_pressed(at: Pressed) -> None:
     assert "Passwort" in page
     assert "default-src 'none'" in at.browser().get("/login").headers["content-security-policy"]
     assert {"hand.js", "login.js", "hand.css"} <= set(ASSETS)
+
+
+def test_presses_logins_and_sessions_are_counted_without_a_name(at: Pressed) -> None:
+    anna = armed(at)
+    anna.act()
+    anna.act(seen="OFF")
+    anna.act("bypass")
+    at.service.rules = None
+    anna.act("bypass")
+    at.browser().post("/login", {"name": "anna", "password": "wrong password"})
+    text = at.browser().get("/metrics").said["text"]
+    for line in (
+        'aff_hmi_presses_total{action="arm",result="done"} 1.0',
+        'aff_hmi_presses_total{action="arm",result="refused"} 1.0',
+        'aff_hmi_presses_total{action="bypass",result="done"} 1.0',
+        'aff_hmi_presses_total{action="bypass",result="failed"} 1.0',
+        'aff_hmi_logins_total{result="done"} 1.0',
+        'aff_hmi_logins_total{result="refused"} 1.0',
+        'aff_hmi_sessions{role="operate"} 1.0',
+        "aff_hmi_sockets 0.0",
+    ):
+        assert line in text
+    assert "anna" not in text

@@ -1,4 +1,4 @@
-"""The hand in a real browser: a login, bypass by key, arming by holding, the reason on the button."""
+"""The hand in a real browser: a login, bypass by key, the reason on the button, two people."""
 
 from __future__ import annotations
 
