@@ -53,11 +53,13 @@ def bounded_effort(
     known = [bound for bound in (soft, hard) if bound != resource.RLIM_INFINITY]
     resource.setrlimit(resource.RLIMIT_AS, (min([limit, *known]), hard))
     working = True
+    collection = _Collection()
 
     def time_is_over(_: int, frame: FrameType | None) -> None:
-        if working and not _is_dropped(frame):
+        if working and not collection.runs and not _finalises(frame):
             raise _TooLong
 
+    collection.begin_to_watch()
     before = signal.signal(signal.SIGALRM, time_is_over)
     signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN_S)
     what_to_do = "A file that it names is too large or too tangled: look at the newest first."
@@ -76,14 +78,36 @@ def bounded_effort(
         working = False
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
+        collection.end_to_watch()
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
-def _is_dropped(frame: FrameType | None) -> bool:
-    """Return whether the interpreter would drop what is raised here: a collection runs it."""
-    collection = {getattr(callback, "__code__", None) for callback in gc.callbacks}
+class _Collection:
+    """Whether a garbage collection runs; ``gc.callbacks`` of others run within it."""
+
+    def __init__(self) -> None:
+        self.runs = False
+
+    def begin_to_watch(self) -> None:
+        gc.callbacks.insert(0, self._on_start)
+        gc.callbacks.append(self._on_stop)
+
+    def end_to_watch(self) -> None:
+        gc.callbacks.remove(self._on_start)
+        gc.callbacks.remove(self._on_stop)
+
+    def _on_start(self, phase: str, _: object) -> None:
+        self.runs = self.runs or phase == "start"
+
+    def _on_stop(self, phase: str, _: object) -> None:
+        self.runs = self.runs and phase != "stop"
+
+
+def _finalises(frame: FrameType | None) -> bool:
+    """Return whether ``frame`` runs for a ``__del__``, or for a callback that came after ours."""
+    callbacks = {getattr(callback, "__code__", None) for callback in gc.callbacks}
     while frame is not None:
-        if frame.f_code in collection or frame.f_code.co_name == "__del__":
+        if frame.f_code.co_name == "__del__" or frame.f_code in callbacks:
             return True
         frame = frame.f_back
     return False

@@ -14,5 +14,4 @@ __all__ = [
     "runtime_directory",
     "settings_answer",
     "settings_request",
-    "socket_file",
 ]

@@ -24,9 +24,9 @@ from aff_runtime.app.door.messages import (
     encode,
 )
 from aff_runtime.app.link.peer import peer_of, uids_with
-from aff_runtime.app.link.socket_file import identity, remove_own
 from aff_runtime.app.supervisor.packet_listener import listening
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.socket_file import identity, remove_own
 from aff_runtime.telemetry.ring import RingReader
 
 VIEWER = "aff-hmi"

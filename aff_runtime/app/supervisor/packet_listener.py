@@ -9,8 +9,8 @@ import stat
 from pathlib import Path
 
 from aff_runtime.app.link.runtime_directory import WRITTEN_BY_OTHERS
-from aff_runtime.app.link.socket_file import make_room
 from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.socket_file import make_room
 
 
 def listening(path: Path, mode: int, backlog: int, another: str) -> socket.socket:

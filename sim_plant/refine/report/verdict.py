@@ -13,7 +13,7 @@ from sim_plant.refine.model.place import Place
 from sim_plant.refine.report.plain import plain
 
 VERSION = 1
-Word = Literal["nothing", "traced", "not_identifiable", "unknown"]
+Answer = Literal["nothing", "traced", "not_identifiable", "unknown"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,11 +81,11 @@ class Verdict:
 
     Attributes
     ----------
-    word : ``nothing``, ``traced``, ``not_identifiable`` or ``unknown``.
+    answer : ``nothing``, ``traced``, ``not_identifiable`` or ``unknown``.
     residual_rms : error by channel on ``holdout``, the path of the record judged.
     """
 
-    word: Word
+    answer: Answer
     effects: tuple[EffectFinding, ...]
     unknown: tuple[UnknownFinding, ...]
     ambiguous: tuple[Ambiguity, ...]
@@ -96,7 +96,7 @@ class Verdict:
         """Return version 1, one key a line."""
         data = {
             "version": VERSION,
-            "verdict": self.word,
+            "verdict": self.answer,
             "effects": [_effect_row(e) for e in self.effects],
             "unknown": [
                 {"class": u.kind, "coordinate": u.coordinate, "strength": u.strength}
@@ -131,12 +131,13 @@ class Verdict:
                     f"verdict: version: read {data['version']!r}; expected {VERSION}, "
                     "as this program writes it"
                 )
-            if data["verdict"] not in get_args(Word):
+            if data["verdict"] not in get_args(Answer):
+                expected = get_args(Answer)
                 raise PlantError(
-                    f"verdict: verdict: read {data['verdict']!r}; expected one of {get_args(Word)}"
+                    f"verdict: verdict: read {data['verdict']!r}; expected one of {expected}"
                 )
             return cls(
-                word=data["verdict"],
+                answer=data["verdict"],
                 effects=tuple(_effect_of(row) for row in data["effects"]),
                 unknown=tuple(
                     UnknownFinding(

@@ -158,7 +158,7 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
         [fit.values[k] for k in kept],
         fit.shifts,
         rounds=4,
-        coarse=False,
+        quick=False,
     )
     periodic = replace(
         selection,
@@ -287,14 +287,14 @@ def chi2_without_last(objective: Objective, fit: Fit) -> float:
     """Return how much the cost rises without the last effect, all else fitted anew from here.
 
     Both at the declared drive tick. A fit that was made again finds a better place for the
-    declared numbers too, and a coarse tick moves the speed at which a quantised loop rests:
+    declared numbers too, and a quick tick moves the speed at which a quantised loop rests:
     those shares are not the effect's.
     """
     there = gauss_newton_fit(
-        objective, fit.hypotheses, fit.values, fit.shifts, rounds=2, coarse=False
+        objective, fit.hypotheses, fit.values, fit.shifts, rounds=2, quick=False
     )
     without = gauss_newton_fit(
-        objective, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=2, coarse=False
+        objective, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=2, quick=False
     )
     return without.cost - there.cost
 

@@ -68,7 +68,7 @@ class RecordVerdict:
     models: Mapping[str, OutputModel] = field(default_factory=dict)
 
     @property
-    def word(self) -> str:
+    def answer(self) -> str:
         """``unknown`` with a spectral line left, else ``traced`` with a general effect."""
         if self.unknown:
             return "unknown"
@@ -78,7 +78,7 @@ class RecordVerdict:
         """Return version 1, one key a line."""
         data = {
             "version": VERSION,
-            "verdict": self.word,
+            "verdict": self.answer,
             "effects": [],
             "unknown": [_row(x) for x in self.unknown],
             "clocks": [{**_row(x), "why": x.clock} for x in self.clocks],

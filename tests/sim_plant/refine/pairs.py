@@ -91,11 +91,11 @@ def faults(run, result):
     wrong = [f"{name} at {place} is not there" for name, place in sorted(found - left)]
     if not run.without:
         wrong += [f"{name} at {place} is missed" for name, place in sorted(left - found)]
-        if result.word != ("traced" if label else "nothing"):
-            wrong.append(f"verdict is {result.word}")
+        if result.answer != ("traced" if label else "nothing"):
+            wrong.append(f"verdict is {result.answer}")
         return wrong
-    if result.word != "unknown":
-        return [*wrong, f"verdict is {result.word}"]
+    if result.answer != "unknown":
+        return [*wrong, f"verdict is {result.answer}"]
     for name, place in label:
         if name in run.without and not any(shows(run, name, place, u) for u in result.unknown):
             wrong.append(f"{name} at {place} is not among the unknown")

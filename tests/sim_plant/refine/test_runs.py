@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from sim_plant.cli.main import main
+from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_match import run_on_line
@@ -25,25 +26,28 @@ HIDDEN = {
     "parameters": {"eccentricity_m": SIZE_M, "angle_rad": 1.0},
 }
 PLANS = {"a": (0.9, 1.2), "b": (1.15, 0.8)}
-OFF, ON = slice(4200, 5500), slice(7200, 8200)
+OFF, ON = slice(4200, 5200), slice(6600, 7300)
 """Samples of run a at its first speed: before arming, and when the ripple is gone."""
 LINE = load_declaration(LINE_FILE)
+RIVALS = {"eccentric_roller", "unbalanced_roller", "out_of_round_roll", "torque_ripple"}
+OTHERS = sorted(set(BY_NAME) - RIVALS)
+"""Left out of the library here, for time: `make demo-loop` and the pairs have all of it."""
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """Two runs of the line with the hidden idler: 28 s off, then armed; a ramp, a tension step."""
+    """Two runs of the line with the hidden idler: 26 s off, then armed; a ramp, a tension step."""
     folder = tmp_path_factory.mktemp("runs")
     made = files(folder, [HIDDEN])
     found = {}
     for name, (first_m_s, then_m_s) in PLANS.items():
         run = RecordedRun(made, folder / f"runs_{name}", line_speed_m_s=first_m_s)
-        run.bench.run(28.0)
-        run.bench.arm(13.0)
-        run.set_speed(then_m_s, 4.0)
-        run.bench.run(7.0)
+        run.bench.run(26.0)
+        run.bench.arm(10.5)
+        run.set_speed(then_m_s, 3.0)
+        run.bench.run(5.0)
         run.bench.plant.set_reference("tension_ref_N", 95.0)
-        run.bench.run(8.0)
+        run.bench.run(4.5)
         found[name] = run.end()
     return found
 
@@ -64,7 +68,7 @@ def phasors(twin, measured, parts):
     def tension(angle_rad=None):
         parameters = (("eccentricity_m", SIZE_M), ("angle_rad", angle_rad))
         effects = () if angle_rad is None else (Added("eccentric_roller", "R6", parameters),)
-        run = twin.simulate(Case(coarse=False, effects=effects))
+        run = twin.simulate(Case(quick=False, effects=effects))
         return run[twin.channels.index("unwind_tension_N")]
 
     without = tension()
@@ -95,6 +99,7 @@ def test_the_idler_is_the_same_where_aff_cancels_it_as_where_it_is_off(runs):
 def refined(runs, line_file, out, capsys):
     """Run the command as a user does; return verdict and what was said."""
     arguments = [str(line_file), str(runs["a"]), "--holdout", str(runs["b"]), "--workers", "1"]
+    arguments += [part for name in OTHERS for part in ("--without", name)]
     assert main(["refine", *arguments, "--out", str(out)]) == 0
     return json.loads((out / "verdict.json").read_text()), capsys.readouterr().out
 
@@ -112,7 +117,7 @@ def test_a_hidden_eccentric_idler_is_traced_with_aff_on_in_half_of_the_run(
         assert error["after"] < 1.10 * error["noise_floor"]
     block = yaml.safe_load((tmp_path / "out/aff_block.yaml").read_text())["blocks"]
     assert [(entry["roll"], entry["orders"]) for entry in block] == [("r6", [1])]
-    assert "AFF on 3" in said
+    assert "AFF on 2" in said
     assert "cannot be claimed" in said.split("simulating")[0]  # before the work
     assert "not recorded: r3_tension_N, rewind_tension_N" in said
 

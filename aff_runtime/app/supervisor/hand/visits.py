@@ -9,8 +9,8 @@ from pathlib import Path
 
 from aff_runtime.app.hand.messages import MAX_PACKET_BYTES, Told, encode
 from aff_runtime.app.link.peer import Peer, peer_of, uids_with
-from aff_runtime.app.link.socket_file import identity, remove_own
 from aff_runtime.app.supervisor.packet_listener import listening
+from aff_runtime.base.socket_file import identity, remove_own
 
 SCREEN = "aff-hmi"
 MAX_VISITORS = 4
