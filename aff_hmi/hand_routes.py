@@ -12,7 +12,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from starlette.requests import HTTPConnection, Request
+from starlette.requests import ClientDisconnect, HTTPConnection, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 from starlette.types import Scope
@@ -308,7 +308,7 @@ async def _body(request: Request, entry: Entry) -> Said | None:
     try:
         text = await asyncio.wait_for(request.body(), BODY_PATIENCE_S)
         said = json.loads(text)
-    except (ValueError, RecursionError, TimeoutError):
+    except (ValueError, RecursionError, TimeoutError, ClientDisconnect):
         return None
     if not isinstance(said, dict) or set(said) != set(entry.keys):
         return None

@@ -132,10 +132,16 @@ class Browser:
         self.token = ""
 
     def ask(
-        self, method: str, path: str, headers: list[tuple[str, str]], body: bytes = b""
+        self,
+        method: str,
+        path: str,
+        headers: list[tuple[str, str]],
+        body: bytes = b"",
+        *,
+        leaves: bool = False,
     ) -> Reply:
         told: list[Message] = []
-        parts = [{"type": "http.request", "body": body, "more_body": False}]
+        parts = [{"type": "http.request", "body": body, "more_body": leaves}]
 
         async def receive() -> Message:
             return parts.pop(0) if parts else {"type": "http.disconnect"}

@@ -153,6 +153,14 @@ def test_what_makes_no_sense_is_refused_without_a_trace_of_it(at: Pressed, body:
     assert "Traceback" not in json.dumps(reply.said)
 
 
+def test_who_leaves_in_the_middle_of_a_press_presses_nothing(at: Pressed) -> None:
+    browser = armed(at)
+    body = json.dumps(GOOD["/act"]).encode()
+    reply = browser.ask("POST", "/act", browser.headers(body), body, leaves=True)
+    assert reply.status == 400
+    assert not at.service.commands
+
+
 # --- arming ------------------------------------------------------------------------------------
 
 

@@ -60,6 +60,12 @@ def test_a_forgery_is_found_and_the_service_does_not_go_on_from_it(
         audit(tmp_path)
 
 
+def test_the_first_of_all_has_nothing_before_it(tmp_path: Path) -> None:
+    path = filled(tmp_path, 1)
+    path.write_bytes(path.read_bytes().replace(b"0" * 64, b"1" * 64))
+    assert "something before it" in verify(path).wrong
+
+
 def test_another_start_goes_on_and_only_one_writes(tmp_path: Path) -> None:
     path = filled(tmp_path, 2)
     first = audit(tmp_path)
