@@ -14,6 +14,7 @@ from aff_runtime import __version__
 from aff_runtime.app.link.runtime_directory import default_directory
 from aff_runtime.base.errors import AffError
 from aff_runtime.cli import (
+    audit,
     check,
     compare,
     export,
@@ -46,6 +47,7 @@ COMMANDS = (
     probe,
     probe_map,
     wire_map,
+    audit,
 )
 
 

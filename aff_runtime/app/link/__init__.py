@@ -4,6 +4,7 @@ __all__ = [
     "answers",
     "files",
     "messages",
+    "packet_client",
     "packets",
     "parameter_record",
     "peer",
