@@ -17,13 +17,14 @@ def encode(view: View, *, number: int, boot: str) -> str:
     return json.dumps(said, ensure_ascii=False, allow_nan=False, separators=(",", ":"))[1:]
 
 
-def opened(frame: str, echo_ms: float) -> str:
+def opened(frame: str, echo_ms: float, own: str = "") -> str:
     """Return a frame for one browser, with the newest of its own stamps that it answers.
 
     The age of that stamp bounds the age of the frame, whatever held it up on its way, and needs
-    no common clock.
+    no common clock. ``own`` : what is of its session alone, as JSON.
     """
-    return f'{{"echo":{json.dumps(echo_ms)},{frame}'
+    session = f'"own":{own},' if own else ""
+    return f'{{"echo":{json.dumps(echo_ms)},{session}{frame}'
 
 
 def said_by(text: str) -> tuple[int, float] | None:

@@ -7,7 +7,7 @@ say, and what is none is 404.
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -17,6 +17,7 @@ from aff_runtime.base.ports import Clock
 PER_SECOND, BURST = 50.0, 100.0
 MAX_ADDRESSES = 1024
 METHODS = ("GET", "HEAD")
+MAX_BODY_BYTES = 4096
 REFUSED_SOCKET = 1008
 HEADERS = {
     "content-security-policy": (
@@ -61,13 +62,24 @@ class Gate:
     ----------
     hosts : ``name:port`` that a browser may have in its address line, lower case.
     is_tls : whether browsers come by https.
+    is_logged_in : whether a request comes from a session, whose presses no flood of others holds
+        up; None where nothing can be pressed.
     """
 
-    def __init__(self, app: ASGIApp, hosts: Iterable[str], rates: Rates, *, is_tls: bool) -> None:
+    def __init__(
+        self,
+        app: ASGIApp,
+        hosts: Iterable[str],
+        rates: Rates,
+        *,
+        is_tls: bool,
+        is_logged_in: Callable[[Scope], bool] | None = None,
+    ) -> None:
         self._app = app
         self._hosts = frozenset(host.lower() for host in hosts)
         self._rates = rates
         self._scheme = "https" if is_tls else "http"
+        self._is_logged_in = is_logged_in
         self._headers = [(k.encode(), v.encode()) for k, v in HEADERS.items()]
         if is_tls:
             self._headers.append((b"strict-transport-security", HSTS.encode()))
@@ -96,7 +108,9 @@ class Gate:
     def _refusal(self, scope: Scope) -> tuple[int, str] | None:
         """Return why a request is not answered; None when it is."""
         client = scope.get("client")
-        if not self._rates.allows(client[0] if client else ""):
+        is_press = scope["type"] == "http" and scope["method"] == "POST"
+        spared = is_press and self._is_logged_in is not None and self._is_logged_in(scope)
+        if not (spared or self._rates.allows(client[0] if client else "")):
             return 429, "too many requests; wait a second"
         host = _one(scope, b"host").lower()
         if host not in self._hosts:
@@ -107,9 +121,29 @@ class Gate:
         if scope["type"] == "websocket":
             own = _one(scope, b"origin").lower() == f"{self._scheme}://{host}"
             return None if own else (403, "a page of somebody else")
+        if is_press and self._is_logged_in is not None:
+            return self._not_pressed_here(scope, host)
         if scope["method"] not in METHODS:
             return 405, "this screen is for looking"
         return None
+
+    def _not_pressed_here(self, scope: Scope, host: str) -> tuple[int, str] | None:
+        """Return why a press is not one of our own page; None when it is."""
+        site = _one(scope, b"sec-fetch-site")
+        is_own = _one(scope, b"origin").lower() == f"{self._scheme}://{host}"
+        if not is_own or (_has(scope, b"sec-fetch-site") and site != "same-origin"):
+            return 403, "a page of somebody else"
+        if _one(scope, b"content-type").lower() != "application/json":
+            return 415, "JSON is needed"
+        length = _one(scope, b"content-length")
+        is_length = length.isascii() and length.isdigit() and len(length) <= 8
+        if not is_length or _has(scope, b"transfer-encoding"):
+            return 411, "the length of what is said is needed"
+        return None if int(length) <= MAX_BODY_BYTES else (413, "that is too much")
+
+
+def _has(scope: Scope, name: bytes) -> bool:
+    return any(key.lower() == name for key, _ in scope["headers"])
 
 
 def _one(scope: Scope, name: bytes) -> str:

@@ -5,16 +5,19 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from aff_hmi import frames
+from aff_hmi.counts import Counts
+from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout, layout_of
 from aff_hmi.metrics import Metrics
 from aff_hmi.view import view_of
 from aff_hmi.watch import Seen, Watch
 from aff_hmi.words import say_in
+from aff_runtime.app.report.metrics.readings import Sample
 from aff_runtime.base.ports import Clock
 
 FRAME_S = 0.1
@@ -32,10 +35,12 @@ class Viewer:
     Attributes
     ----------
     shown : number of the newest frame that it has shown. ``echo_ms`` : its newest stamp.
+    own : returns what is of its session alone, as JSON.
     """
 
-    def __init__(self, language: str) -> None:
+    def __init__(self, language: str, own: Callable[[], str]) -> None:
         self.language = language
+        self.own = own
         self.shown = 0
         self.sent = 0
         self.in_flight: list[int] = []
@@ -54,21 +59,24 @@ class Hub:
 
     Parameters
     ----------
-    watch : of the service.
+    watch : of the service. ``hand`` : None on a screen for looking only.
 
     Attributes
     ----------
     boot : changes with every start; a page of an earlier one begins anew.
+    counts : what the screen counts of itself.
     """
 
-    def __init__(self, watch: Watch, clock: Clock) -> None:
+    def __init__(self, watch: Watch, clock: Clock, hand: Hand | None = None) -> None:
         self._watch = watch
+        self.hand = hand
         self._clock = clock
         self._viewers: set[Viewer] = set()
         self._frames: dict[str, str] = {}
         self._metrics = Metrics(clock)
         self._number = 0
         self.boot = secrets.token_hex(8)
+        self.counts = Counts()
         self.layout = Layout()
 
     async def run(self, alive: Callable[[], None] = lambda: None) -> None:
@@ -80,6 +88,8 @@ class Hub:
                 due_ns = max(due_ns + period_ns, self._clock.now_ns())
                 await asyncio.sleep((due_ns - self._clock.now_ns()) * 1e-9)
                 self._watch.poll()
+                if self.hand is not None:
+                    self.hand.desk.poll()
             self.make_frames(self._watch.seen())
             alive()
 
@@ -90,6 +100,8 @@ class Hub:
         if seen.facts is not None and channels:
             self.layout = layout_of(seen.facts, channels)
         self._number += 1
+        if self.hand is not None:
+            self.hand.look(seen, self._number)
         self._frames = {
             language: frames.encode(
                 view_of(seen, self.layout, say_in(language)), number=self._number, boot=self.boot
@@ -101,15 +113,22 @@ class Hub:
 
     def metrics(self) -> str:
         """Return what is seen now in the text format of Prometheus."""
-        return self._metrics.text(self._watch.seen())
+        return self._metrics.text(self._watch.seen(), self._own_samples)
 
-    async def serve(self, socket: WebSocket, language: str) -> None:
+    def _own_samples(self) -> Iterator[Sample]:
+        self.counts.sockets = len(self._viewers)
+        hand = self.hand
+        return self.counts.samples(hand.sessions.by_role() if hand is not None else None)
+
+    async def serve(
+        self, socket: WebSocket, language: str, own: Callable[[], str] = lambda: ""
+    ) -> None:
         """Look after one socket until it ends."""
         if len(self._viewers) >= MAX_SOCKETS:
             await socket.close(TRY_LATER)
             return
         await socket.accept()
-        viewer = Viewer(language)
+        viewer = Viewer(language, own)
         viewer.heard_ns = self._clock.now_ns()
         self._viewers.add(viewer)
         tasks = [
@@ -150,7 +169,9 @@ class Hub:
                 return
             frame = self._frames.get(viewer.language)
             if frame is None or viewer.echo_ms is None or len(viewer.in_flight) >= MAX_IN_FLIGHT:
+                self.counts.skipped += len(viewer.in_flight) >= MAX_IN_FLIGHT
                 continue
+            self.counts.sent += 1
             viewer.in_flight.append(self._number)
             async with asyncio.timeout(PATIENCE_S):
-                await socket.send_text(frames.opened(frame, viewer.echo_ms))
+                await socket.send_text(frames.opened(frame, viewer.echo_ms, viewer.own()))

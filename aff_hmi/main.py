@@ -10,6 +10,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from aff_hmi import account_command
+from aff_hmi.account_command import INSTALLED_ACCOUNTS
+from aff_hmi.accounts import read_accounts
 from aff_hmi.listening import PORT, Listening, listening
 from aff_hmi.words import LANGUAGES
 from aff_runtime import __version__
@@ -26,7 +29,9 @@ FRAMES_PER_NOTE = 10  # of a living screen, to the service manager
 def build_parser() -> argparse.ArgumentParser:
     """Return the parser."""
     parser = argparse.ArgumentParser(
-        prog="aff-hmi", description="The screen of AFF Runtime, for looking only."
+        prog="aff-hmi",
+        description="The screen of AFF Runtime, for looking only unless it is given a hand.",
+        epilog="aff-hmi account add|remove|list: who may log in",
     )
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     parser.add_argument(
@@ -55,6 +60,20 @@ def build_parser() -> argparse.ArgumentParser:
         ("--client-ca", "let in only browsers with a certificate of this authority, PEM"),
     ):
         parser.add_argument(option, type=Path, metavar="FILE", help=text)
+    parser.add_argument(
+        "--hand-socket",
+        type=Path,
+        metavar="SOCKET",
+        help="let those who log in bypass and arm, at a service that runs with --hand (default: "
+        "for looking only)",
+    )
+    parser.add_argument(
+        "--accounts",
+        type=Path,
+        default=INSTALLED_ACCOUNTS,
+        metavar="FILE",
+        help="who may log in, made by `aff-hmi account add` (default %(default)s)",
+    )
     parser.add_argument("--language", choices=LANGUAGES, default="en", help="where none is asked")
     return parser
 
@@ -68,8 +87,11 @@ def default_door() -> Path:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the screen; return the exit code."""
-    options = build_parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else arguments
     try:
+        if given[:1] == ["account"]:
+            return account_command.run(given[1:])
+        options = build_parser().parse_args(given)
         place = listening(
             options.listen,
             tuple(options.host),
@@ -78,7 +100,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             options.client_ca,
         )
         _check_free(place)
-        return _run(options.door, place, options.language)
+        if options.hand_socket is not None:
+            read_accounts(options.accounts)
+        return _run(options, place)
     except AffError as error:
         _say(f"aff-hmi: {error}", sys.stderr.fileno())
         return error.exit_code
@@ -86,14 +110,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
 
 
-def _run(door: Path, place: Listening, language: str) -> int:
+def _run(options: argparse.Namespace, place: Listening) -> int:
     try:
         from aff_hmi.server import serve  # noqa: PLC0415  heavy, and `--help` is quick without it
     except ImportError as error:
         raise ConfigError(f"{error.name} is needed: install aff-runtime[hmi]") from None
+    from aff_hmi.hand import Hand  # noqa: PLC0415
     from aff_hmi.watch import Watch  # noqa: PLC0415
 
-    watch = Watch(door, MonotonicClock())
+    clock = MonotonicClock()
+    watch = Watch(options.door, clock)
+    hand = Hand(options.hand_socket, options.accounts, clock) if options.hand_socket else None
     notifier = ServiceNotifier(os.environ, every_ticks=FRAMES_PER_NOTE)
 
     def ready() -> None:
@@ -104,9 +131,11 @@ def _run(door: Path, place: Listening, language: str) -> int:
         notifier.tick_done(False)
 
     try:
-        asyncio.run(serve(watch, place, language, ready, alive))
+        asyncio.run(serve(watch, hand, place, options.language, ready, alive))
     finally:
         watch.close()
+        if hand is not None:
+            hand.desk.close()
         notifier.close()
     return 0
 

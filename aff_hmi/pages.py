@@ -8,34 +8,45 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from starlette.applications import Starlette
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import HTMLResponse, Response
-from starlette.routing import Route, WebSocketRoute
+from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
+from aff_hmi.hand_routes import HandRoutes, place_of
 from aff_hmi.hub import Hub
-from aff_hmi.words import LANGUAGES, NAMES, language_of, say_in
+from aff_hmi.words import LANGUAGES, NAMES, Say, language_of, say_in
 from aff_runtime import __version__
 from aff_runtime.app.report.metrics.exposition import CONTENT_TYPE
+from aff_runtime.base.ports import Clock
 
 FOLDER = Path(__file__).parent
 ASSETS = {
     "overview.js": "text/javascript; charset=utf-8",
     "freshness.js": "text/javascript; charset=utf-8",
+    "hand.js": "text/javascript; charset=utf-8",
+    "login.js": "text/javascript; charset=utf-8",
     "overview.css": "text/css; charset=utf-8",
+    "hand.css": "text/css; charset=utf-8",
     "icon.svg": "image/svg+xml",
 }
 
 
 class Pages:
-    """Serves the overview.
+    """Serves the overview, and what can be pressed where the hub has a hand.
 
     Parameters
     ----------
     language : of a reader whose browser asks for none that there is.
+    is_tls : whether browsers come by https.
     """
 
-    def __init__(self, hub: Hub, language: str) -> None:
+    def __init__(self, hub: Hub, language: str, clock: Clock, *, is_tls: bool = False) -> None:
         self._hub = hub
         self._language = language
+        self.presses: HandRoutes | None = None
+        if hub.hand is not None:
+            self.presses = HandRoutes(
+                hub.hand, clock, hub.counts, is_tls=is_tls, say_of=self._say_of
+            )
         self._texts = {name: (FOLDER / "static" / name).read_bytes() for name in ASSETS}
         self._templates = Environment(
             loader=FileSystemLoader(FOLDER / "templates"),
@@ -47,27 +58,37 @@ class Pages:
 
     def app(self) -> Starlette:
         """Return the routes."""
-        return Starlette(
-            routes=[
-                Route("/", self.overview),
-                Route("/static/{name}", self.asset),
-                Route("/metrics", self.metrics),
-                WebSocketRoute("/live", self.live),
-            ]
-        )
+        routes: list[BaseRoute] = [
+            Route("/", self.overview),
+            Route("/static/{name}", self.asset),
+            Route("/metrics", self.metrics),
+            WebSocketRoute("/live", self.live),
+        ]
+        if self.presses is not None:
+            routes += [Route("/login", self.login), *self.presses.routes()]
+        return Starlette(routes=routes)
 
     async def overview(self, request: Request) -> Response:
         """Return the page; numbers come by the socket."""
+        return self._page("overview.html", request)
+
+    async def login(self, request: Request) -> Response:
+        """Return the page on which one logs in."""
+        return self._page("login.html", request)
+
+    def _page(self, name: str, request: Request) -> Response:
         language = self._language_of(request)
-        page = self._templates.get_template("overview.html").render(
+        page = self._templates.get_template(name).render(
             _=say_in(language),
             language=language,
             others=[(one, NAMES[one]) for one in LANGUAGES if one != language],
             layout=self._hub.layout,
             boot=self._hub.boot,
             version=__version__,
+            has_hand=self.presses is not None,
+            session=self.presses.session_of(request) if self.presses is not None else None,
         )
-        return HTMLResponse(page, headers={"vary": "accept-language"})
+        return HTMLResponse(page, headers={"vary": "accept-language, cookie"})
 
     async def asset(self, request: Request) -> Response:
         """Return one of the files that there are."""
@@ -82,7 +103,15 @@ class Pages:
 
     async def live(self, socket: WebSocket) -> None:
         """Look after one browser's socket."""
-        await self._hub.serve(socket, self._language_of(socket))
+        language, presses, hand = self._language_of(socket), self.presses, self._hub.hand
+        if presses is None or hand is None:
+            await self._hub.serve(socket, language)
+            return
+        token, place, say = presses.token_of(socket), place_of(socket), say_in(language)
+        await self._hub.serve(socket, language, lambda: hand.own(token, place, say))
+
+    def _say_of(self, asked: HTTPConnection) -> Say:
+        return say_in(self._language_of(asked))
 
     def _language_of(self, asked: HTTPConnection) -> str:
         wanted = asked.query_params.get("lang", "")

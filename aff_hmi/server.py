@@ -11,6 +11,7 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from aff_hmi.gate import Gate, Rates
+from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
 from aff_hmi.listening import Listening
 from aff_hmi.pages import Pages
@@ -48,7 +49,14 @@ def config_of(listening: Listening, hub: Hub, language: str) -> uvicorn.Config:
         When certificate or key cannot be used.
     """
     clock, authority = MonotonicClock(), listening.client_ca
-    app = Gate(Pages(hub, language).app(), listening.hosts, Rates(clock), is_tls=listening.is_tls)
+    pages = Pages(hub, language, clock, is_tls=listening.is_tls)
+    app = Gate(
+        pages.app(),
+        listening.hosts,
+        Rates(clock),
+        is_tls=listening.is_tls,
+        is_logged_in=pages.presses.is_logged_in if pages.presses is not None else None,
+    )
     config = uvicorn.Config(
         app,
         host=listening.address,
@@ -83,6 +91,7 @@ def config_of(listening: Listening, hub: Hub, language: str) -> uvicorn.Config:
 
 async def serve(
     watch: Watch,
+    hand: Hand | None,
     listening: Listening,
     language: str,
     ready: Callable[[], None],
@@ -92,7 +101,7 @@ async def serve(
 
     ``ready`` is called once browsers are heard, ``alive`` with every frame.
     """
-    hub = Hub(watch, MonotonicClock())
+    hub = Hub(watch, MonotonicClock(), hand)
     server = uvicorn.Server(config_of(listening, hub, language))
     polling = asyncio.create_task(hub.run(alive))
     serving = asyncio.create_task(server.serve())

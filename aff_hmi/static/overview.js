@@ -168,6 +168,7 @@ function connect() {
     showFrame();
     look();
     root.dataset.seq = String(frame.q);
+    document.dispatchEvent(new CustomEvent("frame", { detail: frame }));
     answer(frame.q);
   };
   own.onclose = () => {
@@ -181,6 +182,7 @@ function connect() {
 function blank() {
   frame = null;
   lost_ms = null;
+  document.dispatchEvent(new CustomEvent("frame", { detail: null }));
   for (const slot of document.querySelectorAll("[data-slot]")) put(slot, words.none);
   for (const name of ["alarms", "coming", "events"]) {
     shownLists.delete(name);

@@ -13,6 +13,7 @@ __all__ = [
     "run_table",
     "run_window",
     "signals",
+    "socket_file",
     "suggest",
     "units",
     "yaml_places",

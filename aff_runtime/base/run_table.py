@@ -90,9 +90,7 @@ def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> 
     about = _about(folder)
     names: list[str] = about.data["columns"]
     wanted = [k for k, name in enumerate(names) if keep is None or k == 0 or keep(name)]
-    segments = sorted(
-        (int(m[1]), p) for p in folder.iterdir() if (m := _SEGMENT.fullmatch(p.name))
-    )
+    segments = _segments(folder)
     lost = few(list(_missing([number for number, _ in segments])))
     lost += _summary_losses(folder)
     torn: list[str] = []
@@ -119,6 +117,36 @@ def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> 
         events=tuple(events),
         lost=(*lost, *few(torn), *said),
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FirstRow:
+    """The first row of one segment: by column name; ``number`` is the segment's."""
+
+    number: int
+    values: Mapping[str, float]
+
+
+def first_rows(folder: Path) -> tuple[Section, tuple[FirstRow, ...]]:
+    """Return ``run.yaml`` and the first row of every segment that has one: a run at a glance.
+
+    Raises
+    ------
+    AffError
+        The folder is no run.
+    """
+    about = _about(folder)
+    names: list[str] = about.data["columns"]
+    found = ((number, _first_row(path, len(names))) for number, path in _segments(folder))
+    return about, tuple(
+        FirstRow(number=number, values=dict(zip(names, row, strict=True)))
+        for number, row in found
+        if row
+    )
+
+
+def _segments(folder: Path) -> list[tuple[int, Path]]:
+    return sorted((int(m[1]), p) for p in folder.iterdir() if (m := _SEGMENT.fullmatch(p.name)))
 
 
 def few(sentences: Sequence[str]) -> list[str]:
@@ -187,14 +215,19 @@ def _within(
 
 def _first_time(path: Path, n_columns: int) -> float | None:
     """Return the time of a segment's first row, None where there is none."""
+    row = _first_row(path, n_columns)
+    return row[0] if row else None
+
+
+def _first_row(path: Path, n_columns: int) -> list[float]:
+    """Return a segment's first row, empty where there is none."""
     try:
         with open_plain(path) as packed, gzip.open(packed) as file:
             file.readline(_CHUNK)
-            row = file.readline(_CHUNK).split(b",")
-        first = float(row[0])
-        return first if len(row) == n_columns and math.isfinite(first) else None
+            row = [float(cell) for cell in file.readline(_CHUNK).split(b",")]
+        return row if len(row) == n_columns and math.isfinite(row[0]) else []
     except (EOFError, OSError, zlib.error, ValueError):
-        return None
+        return []
 
 
 def _span(segments: Sequence[tuple[int, Path]], names: Sequence[str]) -> str:

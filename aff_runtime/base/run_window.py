@@ -16,7 +16,10 @@ _TIME = re.compile(r"(?:(?:(?P<h>\d{1,9}):)?(?P<m>\d{1,9}):)?(?P<s>\d{1,9}(?:\.\
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunWindow:
-    """A run folder and the times in it that are meant, s since the run began.
+    """A run folder and the times in it that are meant, s of its column ``time_s``.
+
+    That clock begins with the control process: a folder that was begun later, since the columns
+    changed, does not begin at 0.
 
     Attributes
     ----------
@@ -84,7 +87,7 @@ def _seconds(whole: str, text: str, absent: float) -> float:
     match = _TIME.fullmatch(text)
     if match is None:
         raise AffError(
-            f"{printable(whole)}: read {printable(text, 20)!r} for a time; write seconds since "
-            "the run began (120), minutes (2:00) or hours (1:02:00), such as RUN@2:00..12:00"
+            f"{printable(whole)}: read {printable(text, 20)!r} for a time; write seconds of "
+            "its time_s (120), minutes (2:00) or hours (1:02:00), such as RUN@2:00..12:00"
         )
     return 3600.0 * int(match["h"] or 0) + 60.0 * int(match["m"] or 0) + float(match["s"])

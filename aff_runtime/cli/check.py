@@ -28,7 +28,7 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         "may be repeated",
     )
     parser.add_argument(
-        "--brief", action="store_true", help="only errors, warnings and the verdict"
+        "--brief", action="store_true", help="only errors, warnings and the result"
     )
     add_state_dir(parser)
     parser.set_defaults(command=check)

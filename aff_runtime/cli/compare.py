@@ -23,7 +23,7 @@ def add(commands: Any, _service: argparse.ArgumentParser) -> None:
     """Add the command to the parser."""
     text = "compare two windows of recorded runs: ripple per roll and order, with intervals"
     parser = commands.add_parser("compare", help=text)
-    window = "RUN_DIR, or RUN_DIR@FROM..TO: seconds since the run began, m:s or h:m:s"
+    window = "RUN_DIR, or RUN_DIR@FROM..TO: seconds of its column time_s, m:s or h:m:s"
     parser.add_argument("before", metavar="RUN@A..B", help=window)
     parser.add_argument("after", metavar="RUN@C..D", help="the same, of this run or another")
     parser.add_argument(

@@ -14,8 +14,10 @@ from aff_runtime import __version__
 from aff_runtime.app.link.runtime_directory import default_directory
 from aff_runtime.base.errors import AffError
 from aff_runtime.cli import (
+    audit,
     check,
     compare,
+    export,
     metrics,
     operate,
     probe,
@@ -25,6 +27,7 @@ from aff_runtime.cli import (
     settings,
     status,
     top,
+    watch,
     wire_map,
 )
 from aff_runtime.cli.terminal import complain
@@ -38,10 +41,13 @@ COMMANDS = (
     top,
     roll,
     compare,
+    watch,
+    export,
     metrics,
     probe,
     probe_map,
     wire_map,
+    audit,
 )
 
 

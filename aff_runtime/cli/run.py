@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.hand.may import ROLES, Place
+from aff_runtime.base.errors import ConfigError
 from aff_runtime.cli.service import add_state_dir, paths_of
 
 
@@ -31,6 +33,26 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         help="folder of the door for screens of another user, aff-hmi (default: the runtime "
         "directory, for our own user alone)",
     )
+    parser.add_argument(
+        "--hand",
+        choices=tuple(ROLES),
+        help="hear a screen, at most so: view (bypass only), operate (arm too), commission "
+        "(default: no screen is heard)",
+    )
+    parser.add_argument(
+        "--hand-from",
+        choices=tuple(Place),
+        default=Place.PANEL,
+        help="where a screen may arm: at the machine, or on its network too (default panel)",
+    )
+    parser.add_argument(
+        "--hand-dir",
+        type=Path,
+        default=None,
+        metavar="DIR",
+        help="folder of the hand's socket for screens of another user, aff-hmi (default: the "
+        "runtime directory, for our own user alone)",
+    )
     add_state_dir(parser)
     parser.add_argument(
         "--forget",
@@ -42,6 +64,8 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Serve until stopped."""
+    if options.hand is None and options.hand_dir is not None:
+        raise ConfigError("--hand-dir: needs --hand as well: view, operate or commission")
     from aff_runtime.app.supervisor.run_options import RunOptions  # noqa: PLC0415  keeps `arm` quick
     from aff_runtime.app.supervisor.service_log import open_log  # noqa: PLC0415
     from aff_runtime.app.supervisor.supervisor import Supervisor  # noqa: PLC0415
@@ -54,6 +78,9 @@ def run(options: argparse.Namespace) -> int:
             record_directory=options.record_dir,
             state_directory=options.state_dir,
             door_directory=options.door_dir,
+            hand=ROLES[options.hand] if options.hand else None,
+            hand_from=Place(options.hand_from),
+            hand_directory=options.hand_dir,
             shadow=options.shadow,
             forget=options.forget,
         )

@@ -157,7 +157,7 @@ def record_summary(verdict: RecordVerdict, out: Path, *, held: bool) -> str:
     """Return the verdict on records without a line as text."""
     from sim_plant.refine.without_line.wording import effect_text, line_text  # noqa: PLC0415 - heavy imports
 
-    lines = [f"\nverdict: {verdict.word}"]
+    lines = [f"\nverdict: {verdict.answer}"]
     lines += [f"  {effect_text(x)}" for x in verdict.general]
     lines += [f"  {x.kind}: {line_text(x)}" for x in verdict.unknown]
     lines += [f"  no effect: {x.coordinate:.4g} Hz {x.clock}" for x in verdict.clocks]
@@ -181,7 +181,7 @@ def summary(outcome: Outcome) -> str:
     from sim_plant.refine.report.wording import coordinate_text, size_of  # noqa: PLC0415
 
     verdict = outcome.verdict
-    lines = [f"\nverdict: {verdict.word}"]
+    lines = [f"\nverdict: {verdict.answer}"]
     for e in verdict.effects:
         lines.append(f"  {e.place}: {size_of(e)}")
         lines.append(

@@ -157,7 +157,7 @@ def check_runs(pool: SimulationPool, records: Sequence[Recording]) -> None:
     PlantError
         When a simulation of it, at the quick or at the declared drive tick, comes to no end.
     """
-    for runs in pool.run([Case(), Case(coarse=False)]):
+    for runs in pool.run([Case(), Case(quick=False)]):
         for record, run in zip(records, runs, strict=True):
             if not np.isfinite(run).all():
                 raise PlantError(

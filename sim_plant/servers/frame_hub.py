@@ -5,11 +5,11 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import socket
-import stat
 import struct
 from pathlib import Path
 
-from aff_runtime.base.errors import WireError
+from aff_runtime.base.errors import RefusedError, WireError
+from aff_runtime.base.socket_file import make_room
 from sim_plant.servers.can_frames import CanFrame, Take
 
 _FRAME = struct.Struct("=IB3x8s")
@@ -18,6 +18,7 @@ _REMOTE = 0x4000_0000
 _ERROR = 0x2000_0000
 _BUS_OFF = 0x40
 _BUS_ERROR = 0x80
+_ANOTHER = "name another --channel"
 
 
 class FrameHub:
@@ -45,13 +46,13 @@ class FrameHub:
         listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         listener.setblocking(False)
         try:
-            _make_room(self._path)
+            make_room(self._path, _ANOTHER)
             listener.bind(str(self._path))
             self._path.chmod(0o600)
             listener.listen(8)
-        except WireError:
+        except RefusedError as error:
             listener.close()
-            raise
+            raise WireError(str(error)) from None
         except OSError as error:
             listener.close()
             raise WireError(f"{self._path}: cannot listen there ({error})") from error
@@ -76,8 +77,8 @@ class FrameHub:
             loop.remove_reader(self._listener.fileno())
             self._listener.close()
             self._listener = None
-            with contextlib.suppress(OSError, WireError):
-                _make_room(self._path)
+            with contextlib.suppress(OSError, RefusedError):
+                make_room(self._path, _ANOTHER)
         for descriptor in tuple(self._parties):
             self._forget(descriptor)
 
@@ -125,17 +126,6 @@ class FrameHub:
         if party is not None:
             asyncio.get_running_loop().remove_reader(descriptor)
             party.close()
-
-
-def _make_room(path: Path) -> None:
-    """Take a socket away that was left at ``path``; WireError for what is none, which stays."""
-    try:
-        kind = path.lstat().st_mode
-    except FileNotFoundError:
-        return
-    if not stat.S_ISSOCK(kind):
-        raise WireError(f"{path}: is no socket and stays. Take it away, or name another --channel")
-    path.unlink()
 
 
 def _listens(path: Path) -> bool:

@@ -39,7 +39,7 @@ class Clock:
 def screen(tmp_path, clock: Clock, *, is_tls: bool = False) -> tuple[Gate, Hub]:
     """Return the whole app behind its gate, and the hub in it."""
     hub = Hub(Watch(tmp_path / "door.sock", clock), clock)
-    return Gate(Pages(hub, "en").app(), [HOST], Rates(clock), is_tls=is_tls), hub
+    return Gate(Pages(hub, "en", clock).app(), [HOST], Rates(clock), is_tls=is_tls), hub
 
 
 def scope(path: str, headers: list[tuple[str, str]], kind: str, method: str) -> dict[str, object]:

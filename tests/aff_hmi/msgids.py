@@ -6,6 +6,7 @@ import ast
 import re
 from pathlib import Path
 
+from aff_runtime.app.hand.may import WORDS
 from aff_runtime.app.report.block_status import SHAPE_WHY, WHY
 from aff_runtime.app.report.status import PERMISSIVES
 from aff_runtime.base.events import TABLE
@@ -32,8 +33,11 @@ def of_pages() -> set[str]:
 
 def of_service() -> set[str]:
     """Return the sentences of the service's own tables."""
+    of_hand = set(WORDS.values())
     events = {text for event in TABLE for text in (event.text, event.action)}
-    return events | set(PERMISSIVES.values()) | set(WHY.values()) | set(SHAPE_WHY.values())
+    return (
+        of_hand | events | set(PERMISSIVES.values()) | set(WHY.values()) | set(SHAPE_WHY.values())
+    )
 
 
 def all_texts() -> set[str]:

@@ -43,6 +43,7 @@ def files(
     echo: bool = True,
     applied: bool = True,
     cancels: str = "r6",
+    site_file: Path = SITE_FILE,
 ) -> Files:
     """Write line, site and PLC files of the Euclid line and return them.
 
@@ -52,10 +53,11 @@ def files(
     reference : the PLC shows the speed reference and the site file maps it.
     echo, applied : the PLC shows these words, and the site file maps them (applied needs echo).
     cancels : idler that the unwind's correction has a block for; empty: the shipped blocks.
+    site_file : of the shipped ones, the one to begin with.
     """
     line = yaml.safe_load(LINE_FILE.read_text()) | {"effects": list(effects)}
     plc = yaml.safe_load(PLC_FILE.read_text())
-    site = yaml.safe_load(SITE_FILE.read_text())
+    site = yaml.safe_load(site_file.read_text())
     shown, read = plc["read"], site["gateway"]["read"]
     for block in (shown, read):
         if not applied:
@@ -82,11 +84,17 @@ class RecordedRun:
     Attributes
     ----------
     bench : plant and runtime; ``run``, ``arm`` and ``inject`` as there.
-    folder : writes the run.
+    folder : writes the run; with ``law_too`` what the law says of its orders as well.
     """
 
     def __init__(
-        self, made: Files, runs: Path, *, line_speed_m_s: float = 1.0, segment_s: float = 20.0
+        self,
+        made: Files,
+        runs: Path,
+        *,
+        line_speed_m_s: float = 1.0,
+        segment_s: float = 20.0,
+        law_too: bool = False,
     ) -> None:
         site = load_site(made.site)
         self.bench = Bench(
@@ -100,7 +108,9 @@ class RecordedRun:
             )
         )
         outputs = [f"{name}_m_s" for name in site.actuators]
-        columns = record_columns(tuple(site.gateway.read.channels), outputs, ())
+        law = self.bench.law.telemetry_names() if law_too else ()
+        self._of_law = self.bench.law.telemetry if law_too else tuple
+        columns = record_columns(tuple(site.gateway.read.channels), outputs, law)
         self.folder = RunFolder(
             runs,
             replace(head_of(RunMeta(), UTC), columns=tuple(columns)),
@@ -131,7 +141,7 @@ class RecordedRun:
         return self.path
 
     def _take(self, row: Sequence[float]) -> None:
-        self._rows.append(tuple(row))
+        self._rows.append((*row, *self._of_law()))
         if len(self._rows) >= 50:  # the recorder looks four times a second
             self._write()
 

@@ -9,6 +9,7 @@ from tests.fuzz import (
     can_targets,
     config_targets,
     door_targets,
+    hand_targets,
     modbus_targets,
     record_targets,
     socket_targets,
@@ -46,4 +47,5 @@ TARGETS = {
     "shape_file": Target(run=config_targets.shape, seeds=config_targets.SEEDS),
     "control_socket": Target(run=socket_targets.socket_lines, seeds=socket_targets.SEEDS),
     "door_packet": Target(run=door_targets.packet, seeds=door_targets.SEEDS),
+    "hand_packet": Target(run=hand_targets.packet, seeds=hand_targets.SEEDS),
 }

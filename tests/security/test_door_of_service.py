@@ -83,6 +83,7 @@ def test_a_flood_of_the_deaf_and_of_the_talkative_changes_nothing(service: Servi
     until("all are let go", lambda: ends_at(path) == 1)
     assert not service.said("CONTROL_DIED")
     assert not service.said("Traceback")
+    assert not (service.runtime_dir / "hand.sock").exists()  # nobody asked for one
 
 
 def test_a_door_that_is_taken_away_takes_only_the_sight(service: ServiceRun) -> None:

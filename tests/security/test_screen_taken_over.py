@@ -12,9 +12,15 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.app.door.messages import Hello, decode
+from aff_runtime.app.hand.client import HandClient
+from aff_runtime.app.hand.may import Action, Role
+from aff_runtime.app.hand.messages import Answer, Command, Welcome
 from aff_runtime.app.link.request_socket import RequestSocket
 from aff_runtime.app.supervisor import door as door_module
+from aff_runtime.app.supervisor.hand import visits as visits_module
+from aff_runtime.app.supervisor.hand.desk import HandRules
 from tests.aff_runtime.app.door.stand import Stand
+from tests.aff_runtime.app.hand.stand import Stand as HandStand
 
 pytestmark = pytest.mark.skipif(os.geteuid() != 0, reason="only root can be another user")
 NOBODY, DOOR_GROUP = 65534, 60
@@ -136,3 +142,69 @@ def test_root_can_so_that_the_refusals_above_mean_something(
     place: Place, deed: Callable[[Place], object]
 ) -> None:
     assert is_done(lambda: deed(place))
+
+
+def in_child_as_screen(deed: Callable[[], object]) -> int:
+    """Begin a deed as the screen's user; its process."""
+    child = os.fork()
+    if not child:
+        os._exit(not as_screen(deed))
+    return child
+
+
+@pytest.fixture
+def hand(monkeypatch: pytest.MonkeyPatch) -> Iterator[HandStand]:
+    """A hand at the lowest ceiling, its socket in a folder of the door's group."""
+    monkeypatch.setattr(visits_module, "screen_uids", lambda: frozenset({0, NOBODY}))
+    with tempfile.TemporaryDirectory() as root:
+        Path(root).chmod(0o755)
+        found = HandStand(Path(root), HandRules(ceiling=Role.VIEW))
+        for path, mode in ((found.path.parent, 0o2750), (found.path, 0o660)):
+            os.chown(path, 0, DOOR_GROUP)
+            path.chmod(mode)
+        yield found
+        found.close()
+
+
+@pytest.mark.parametrize("action", Action)
+def test_whatever_role_it_claims_it_gets_the_ceiling_and_no_more(
+    hand: HandStand, action: Action
+) -> None:
+    said: Command = hand.command(action, role=Role.COMMISSION)
+
+    def press() -> None:
+        client = HandClient(hand.path)
+        client.say(said)
+        told = []
+        while len(told) < 2:
+            message = client.receive()
+            told += [message] if message is not None else []
+        welcome, answer = told
+        assert isinstance(welcome, Welcome)
+        assert isinstance(answer, Answer)
+        assert answer.ok is (action is Action.BYPASS)
+
+    child = in_child_as_screen(press)
+    while (ended := os.waitpid(child, os.WNOHANG))[0] == 0:
+        hand.round()
+    assert os.waitstatus_to_exitcode(ended[1]) == 0
+    assert not hand.service.asked
+    assert hand.service.bypassed == (action is Action.BYPASS)
+    (row,) = hand.rows()
+    assert row["peer"].startswith(f"uid {NOBODY}")
+
+
+AUDIT_DEEDS: dict[str, Callable[[HandStand], object]] = {
+    "read": lambda stand: stand.audit.path.read_bytes(),
+    "write": lambda stand: stand.audit.path.open("ab").close(),
+    "take away": lambda stand: stand.audit.path.unlink(),
+    "move": lambda stand: stand.audit.path.parent.rename(stand.audit.path.parent.with_name("x")),
+    "lock": lambda stand: stand.audit.path.with_name("audit.lock").open("r+b").close(),
+    "put another socket": lambda stand: stand.path.unlink(),
+}
+
+
+@pytest.mark.parametrize("deed", AUDIT_DEEDS.values(), ids=AUDIT_DEEDS)
+def test_it_cannot_touch_the_audit(hand: HandStand, deed: Callable[[HandStand], object]) -> None:
+    assert not as_screen(lambda: deed(hand))
+    assert hand.audit.path.exists()

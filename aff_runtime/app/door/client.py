@@ -16,10 +16,13 @@ from aff_runtime.app.door.messages import (
     RingPassed,
     decode,
 )
-from aff_runtime.app.link.peer import peer_of, service_uids, user_name
-from aff_runtime.app.link.runtime_directory import check_trusted
-from aff_runtime.base.errors import RefusedError, WireError
+from aff_runtime.app.link.packet_client import connected
+from aff_runtime.base.errors import WireError
 
+NOBODY = (
+    "no service opens this door ({error}); start it with `aff-runtime run SITE.yaml`, or name "
+    "its --door"
+)
 _DESCRIPTOR = struct.Struct("i")
 
 
@@ -40,29 +43,7 @@ class DoorClient:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        check_trusted(path.parent)
-        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        try:
-            self._connect()
-        except BaseException:
-            self._socket.close()
-            raise
-
-    def _connect(self) -> None:
-        self._socket.setblocking(False)
-        try:
-            self._socket.connect(str(self._path))
-        except OSError as error:
-            raise WireError(
-                f"{self._path}: no service opens this door ({error.strerror or error}); start it "
-                "with `aff-runtime run SITE.yaml`, or name its --door"
-            ) from None
-        peer = peer_of(self._socket)
-        if peer.uid not in service_uids():
-            raise RefusedError(
-                f"{self._path}: process {peer.pid} of uid {peer.uid} ({user_name(peer.uid)}) "
-                "listens there, which is no service of ours"
-            )
+        self._socket = connected(path, NOBODY)
 
     def receive(self) -> DoorMessage | None:
         """Return the next message, None while there is none.

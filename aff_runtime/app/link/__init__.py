@@ -4,6 +4,7 @@ __all__ = [
     "answers",
     "files",
     "messages",
+    "packet_client",
     "packets",
     "parameter_record",
     "peer",
@@ -13,5 +14,4 @@ __all__ = [
     "runtime_directory",
     "settings_answer",
     "settings_request",
-    "socket_file",
 ]

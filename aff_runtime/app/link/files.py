@@ -12,7 +12,12 @@ NEW_FILE_MODE = 0o666  # less what the process's umask takes
 
 
 def replace_text(path: Path, text: str, *, keep_owner: bool = False) -> None:
-    """Write ``text`` to ``path`` so that a reader sees the old file or the whole new one.
+    """Write ``text`` as UTF-8, as ``replace_bytes`` does."""
+    replace_bytes(path, text.encode("utf-8"), keep_owner=keep_owner)
+
+
+def replace_bytes(path: Path, content: bytes, *, keep_owner: bool = False) -> None:
+    """Write ``content`` to ``path`` so that a reader sees the old file or the whole new one.
 
     The new file is made under a name that nobody can know before, and never through a link: in a
     folder that others may write to, what lies there already is not followed and not written. The
@@ -24,13 +29,13 @@ def replace_text(path: Path, text: str, *, keep_owner: bool = False) -> None:
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
     descriptor = os.open(fresh, flags, NEW_FILE_MODE)
     try:
-        with open(descriptor, "w", encoding="utf-8") as file:
+        with open(descriptor, "wb") as file:
             if (found := _present(path)) is not None:
                 if keep_owner:
                     with contextlib.suppress(OSError):
                         os.fchown(descriptor, found.st_uid, found.st_gid)
                 os.fchmod(descriptor, found.st_mode & 0o777)
-            file.write(text)
+            file.write(content)
             file.flush()
             os.fsync(descriptor)
         fresh.replace(path)

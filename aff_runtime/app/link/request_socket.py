@@ -17,9 +17,9 @@ from aff_runtime.app.link.answers import Answer, refusal
 from aff_runtime.app.link.peer import Peer, peer_of
 from aff_runtime.app.link.requests import MAX_REQUEST_BYTES, Ident, Request, longest
 from aff_runtime.app.link.runtime_directory import make_private
-from aff_runtime.app.link.socket_file import identity, make_room, remove_own
 from aff_runtime.base.errors import AffError, RefusedError
 from aff_runtime.base.printable import printable
+from aff_runtime.base.socket_file import identity, make_room, remove_own
 
 MAX_CALLERS = 16
 BACKLOG = 64

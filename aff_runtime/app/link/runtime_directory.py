@@ -22,7 +22,7 @@ from aff_runtime.base.errors import RefusedError
 INSTALLED = Path("/run/aff-runtime")
 OF_OTHERS = stat.S_IRWXG | stat.S_IRWXO
 WRITTEN_BY_OTHERS = stat.S_IWGRP | stat.S_IWOTH
-OURS = frozenset({"control.sock", "control.lock", "door.sock"})
+OURS = frozenset({"control.sock", "control.lock", "door.sock", "hand.sock"})
 ANOTHER = "name another one with --runtime-dir"
 
 
@@ -43,6 +43,11 @@ class RuntimePaths:
     def door(self) -> Path:
         """Socket of who looks on, unless the service was given a folder for it."""
         return self.directory / "door.sock"
+
+    @property
+    def hand(self) -> Path:
+        """Socket of a screen that may command, unless the service was given a folder for it."""
+        return self.directory / "hand.sock"
 
 
 def default_directory(environment: Mapping[str, str] = os.environ) -> Path:

@@ -7,7 +7,9 @@ __all__ = [
     "line_facts",
     "metrics",
     "roll_page",
+    "run_export",
     "status",
     "status_answer",
     "tick_row",
+    "watching",
 ]

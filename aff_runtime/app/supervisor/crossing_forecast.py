@@ -14,11 +14,11 @@ from aff_runtime.config.crossings import Crossing, crossings_of
 from aff_runtime.config.models import Site
 
 EVERY_S = 1.0
-KEPT = 120
-LEAST = 10
+KEPT = 120  # readings: two minutes
+LEAST = 10  # readings before a slope counts
 GAP_S = 5.0
-JUMP_SHARE = 0.01
-SIGMAS = 4.0
+JUMP_SHARE = 0.01  # of the radius, between two readings: another roll
+SIGMAS = 4.0  # slope over its standard error: below, it may as well be nothing
 STANDSTILL_M_S = 0.01
 FORESEEN_S = 86_400.0  # no roll lasts longer: a slope that says so is rounding
 
@@ -41,7 +41,7 @@ class RadiusTrack:
             self._seen.append((self._web_m, radius_m * radius_m))
 
     def slope_m(self) -> float:
-        """Return d(R^2)/d(web), m; NaN while it is not surely other than zero."""
+        """Return d(R^2)/d(web), m; NaN until it is SIGMAS standard errors off zero."""
         if len(self._seen) < LEAST:
             return math.nan
         web, square = np.array(self._seen).T
@@ -108,7 +108,7 @@ class CrossingForecast:
         """Return the next meeting of every actuator with the time to it, s."""
         if self._site is None:
             return []
-        speed_m_s = abs(self._latest.number(self._site.line.speed))
+        speed_m_s = self._latest.number(self._site.line.speed)
         found = []
         for name, crossings in self._crossings.items():
             coming = [(self._time_s(c, speed_m_s), c) for c in crossings]
@@ -122,7 +122,7 @@ class CrossingForecast:
         assert self._site is not None
         radius_m = self._latest.number(self._site.rolls[crossing.roll].radius)
         slope_m = self._tracks[crossing.roll].slope_m()
-        if not speed_m_s > STANDSTILL_M_S:
+        if not abs(speed_m_s) > STANDSTILL_M_S:
             return math.nan
         return (crossing.radius_m**2 - radius_m**2) / (slope_m * speed_m_s)
 

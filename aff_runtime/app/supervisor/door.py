@@ -7,11 +7,9 @@ there, so there is nothing to buffer and no half line.
 
 from __future__ import annotations
 
-import contextlib
 import os
 import selectors
 import socket
-import stat
 from collections.abc import Callable
 from pathlib import Path
 
@@ -26,10 +24,9 @@ from aff_runtime.app.door.messages import (
     encode,
 )
 from aff_runtime.app.link.peer import peer_of, uids_with
-from aff_runtime.app.link.runtime_directory import WRITTEN_BY_OTHERS
-from aff_runtime.app.link.socket_file import identity, make_room, remove_own
-from aff_runtime.base.errors import RefusedError
+from aff_runtime.app.supervisor.packet_listener import listening
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.socket_file import identity, remove_own
 from aff_runtime.telemetry.ring import RingReader
 
 VIEWER = "aff-hmi"
@@ -87,7 +84,9 @@ class Door:
         self._told_ns = -HURRY_NS
         self._facts_due_ns = 0
         self._visitors: dict[int, Visitor] = {}
-        self._listener = _listening(self._path, 0o600 if is_private else 0o660)
+        self._listener = listening(
+            self._path, 0o600 if is_private else 0o660, MAX_VISITORS, _ANOTHER
+        )
         self._made = identity(self._path)
         selector.register(self._listener, selectors.EVENT_READ)
 
@@ -187,43 +186,3 @@ class Door:
 def viewer_uids() -> frozenset[int]:
     """Return who may look on: root, ourselves, and the screen's own user where there is one."""
     return uids_with(VIEWER)
-
-
-def _listening(path: Path, mode: int) -> socket.socket:
-    """Return a listening socket of ``mode`` at ``path``."""
-    try:
-        _check_folder(path.parent)
-        _check_free(path)
-        make_room(path, _ANOTHER)
-        listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET | socket.SOCK_NONBLOCK)
-        before = os.umask(0o777 & ~mode)
-        try:
-            listener.bind(str(path))
-            listener.listen(MAX_VISITORS)
-        except BaseException:
-            listener.close()
-            raise
-        finally:
-            os.umask(before)
-    except OSError as error:
-        raise RefusedError(f"{path}: {error.strerror or error}; {_ANOTHER}") from None
-    return listener
-
-
-def _check_folder(folder: Path) -> None:
-    """Refuse a folder in which somebody else could put a door of his own."""
-    found = folder.lstat()
-    if not stat.S_ISDIR(found.st_mode) or found.st_uid not in (0, os.geteuid()):
-        raise RefusedError(f"{folder}: is no folder of user {os.geteuid()} or root; {_ANOTHER}")
-    if found.st_mode & WRITTEN_BY_OTHERS:
-        mode = stat.S_IMODE(found.st_mode)
-        raise RefusedError(f"{folder}: its mode {mode:04o} lets others write in it; {_ANOTHER}")
-
-
-def _check_free(path: Path) -> None:
-    """Refuse a door at which another service stands."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as probe:
-        probe.setblocking(False)
-        with contextlib.suppress(OSError):
-            probe.connect(str(path))
-            raise RefusedError(f"{path}: another service stands at this door; {_ANOTHER}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.link.runtime_directory import RuntimePaths
 from aff_runtime.config.site_paths import STATE_DIRECTORY
 
@@ -21,6 +22,9 @@ class RunOptions:
     state_directory : second folder, after the site file's own, that named files may lie in.
     shadow : compute and record, transmit zero.
     door_directory : folder of the door, opened to a group of screens; None: the private one.
+    hand : the most that a screen may do; None: no screen is heard.
+    hand_from : the farthest place that a screen may arm from.
+    hand_directory : folder of the hand's socket, opened to a group; None: the private one.
     forget : start without the saved shapes of rolls that are exchanged.
     """
 
@@ -29,5 +33,8 @@ class RunOptions:
     record_directory: Path | None = None
     state_directory: Path = STATE_DIRECTORY
     door_directory: Path | None = None
+    hand: Role | None = None
+    hand_from: Place = Place.PANEL
+    hand_directory: Path | None = None
     shadow: bool = False
     forget: bool = False

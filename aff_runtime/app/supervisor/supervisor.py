@@ -37,6 +37,7 @@ from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
 from aff_runtime.app.supervisor.door import Door
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.file_watch import FileWatch
+from aff_runtime.app.supervisor.hand.opening import open_hand
 from aff_runtime.app.supervisor.pending import AnswerOf, Pending
 from aff_runtime.app.supervisor.probe_session import ProbeSession
 from aff_runtime.app.supervisor.processes import Processes
@@ -88,6 +89,9 @@ class Supervisor:
         self._processes = Processes(
             options, verdict.checked(), self._clock, on_change=self._watch_link
         )
+        self._hand = open_hand(
+            options, self._selector, self._clock, self._processes, self._pending
+        )
         self._states = StateLog()
         self._forecast = CrossingForecast()
         self._link_fd: int | None = None
@@ -126,7 +130,9 @@ class Supervisor:
     def _serve(self, timeout_s: float) -> None:
         """Wait for callers and for the control process, and hear them."""
         for key, events in self._selector.select(timeout_s):
-            if not self._desk.serve(key, events) and not self._door.serve(key):
+            if self._desk.serve(key, events) or self._door.serve(key):
+                continue
+            if self._hand is None or not self._hand.serve(key):
                 self._hear_control()
 
     def _look_after(self) -> None:
@@ -147,6 +153,8 @@ class Supervisor:
         if self._probe is not None and self._probe.has_answered():
             self._probe = None
         self._desk.look_after()
+        if self._hand is not None:
+            self._hand.step()
         self._door.step(self._processes.ring, self._facts)
         if self._ready_announced and self._processes.ring is None:
             self._notifier.tick_done(True)  # nothing goes out before the first tick
@@ -354,6 +362,8 @@ class Supervisor:
             asked.answer(Done())
         self._desk.close()
         self._door.close()
+        if self._hand is not None:
+            self._hand.close()
         self._selector.close()  # after those who are registered with it
         self._notifier.close()
         LOG.info("stopped%s", "; the correction reached zero" if zero else "")

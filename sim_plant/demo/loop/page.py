@@ -76,7 +76,7 @@ def _json(story: Story, proof: Proof) -> str:
     said = {
         "seed": story.plan.seed,
         "hidden": [hidden.entry() for hidden in story.hidden],
-        "verdict": proof.verdict.word,
+        "verdict": proof.verdict.answer,
         "named": proof.named,
         "before_N": proof.before_N,
         "after_N": proof.after_N,

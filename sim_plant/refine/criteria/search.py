@@ -172,6 +172,13 @@ class CompletenessCriteria:
         "an effect that is no line explains more; so does a line beside something that is none",
         "the largest of up to three true ones does, an imitation of something else seldom",
     )
+    twins_left_share: float = criterion(
+        0.01,
+        "of what was explained",
+        "two of one effect at one spectral line leave less",
+        "their four numbers answer most lines in part; true ones leave what the model has wrong, "
+        "at most 4 model_error",
+    )
     sure_sd: float = criterion(
         3.0,
         "standard deviations of a chi-square cost",
@@ -246,6 +253,18 @@ class UnexplainedCriteria:
     )
     periodic_share: float = criterion(
         0.12, "of what is left", "a free spectral line above is what is left", DEVELOPMENT
+    )
+    line_cycles: float = criterion(
+        8.0,
+        "cycles a record",
+        "that a spectral line has which is no step: a step's are slow",
+        "the same as of an alias (spectra.alias_cycles)",
+    )
+    ringing_share: float = criterion(
+        0.5,
+        "of what begins at a moment",
+        "a spectral line above is what begins",
+        "a resonance that a speed brings to sound; a step has most of its power in a few cycles",
     )
     remainder_share: float = criterion(
         0.04,

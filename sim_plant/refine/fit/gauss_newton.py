@@ -65,11 +65,11 @@ def case_of(
     hypotheses: Sequence[Hypothesis],
     values: Sequence[Sequence[float]],
     shifts: Mapping[str, float],
-    coarse: bool = True,
+    quick: bool = True,
 ) -> Case:
     """Return the simulation of these effects and shifts."""
     effects = tuple(h.added(v) for h, v in zip(hypotheses, values, strict=True))
-    return Case(effects=effects, shifts=tuple(sorted(shifts.items())), coarse=coarse)
+    return Case(effects=effects, shifts=tuple(sorted(shifts.items())), quick=quick)
 
 
 def nominal_fit(objective: Objective, shifts: dict[str, float] | None = None) -> Fit:
@@ -83,7 +83,7 @@ def jacobian(
     values: Values,
     shifts: dict[str, float],
 ) -> Array:
-    """Return the columns of all numbers; always from coarse runs: only their zero matters."""
+    """Return the columns of all numbers; always from quick runs: only their zero matters."""
     cases, increments = [], []
     for at, (h, v) in enumerate(zip(hypotheses, values, strict=True)):
         for k, increment in enumerate(h.increments(v)):
@@ -113,11 +113,11 @@ def gauss_newton_fit(
     start: Sequence[Sequence[float]],
     shifts: dict[str, float],
     rounds: int = 6,
-    coarse: bool = True,
+    quick: bool = True,
 ) -> Fit:
     """Return the best fit near ``start``: linearise, step, shorten a step that does not improve.
 
-    ``coarse`` takes the quick simulation, else the declared tick for all but the slopes. With no
+    ``quick`` takes the quick simulation, else the declared tick for all but the slopes. With no
     ``rounds`` the start is weighed as it is.
 
     Raises
@@ -127,7 +127,7 @@ def gauss_newton_fit(
     """
     hypotheses = tuple(hypotheses)
     values = tuple(tuple(float(x) for x in v) for v in start)
-    here = _simulated(objective, hypotheses, values, dict(shifts), coarse)
+    here = _simulated(objective, hypotheses, values, dict(shifts), quick)
     covariance = np.zeros((0, 0))
     if not np.isfinite(here.cost):
         rounds, here = 0, replace(here, residual=np.zeros_like(here.residual))
@@ -138,7 +138,7 @@ def gauss_newton_fit(
         step = objective.projector.with_columns(columns).estimate(here.residual)
         if columns.size:
             covariance = objective.projector.linear_fit(here.residual, columns).covariance
-        better = _stepped(objective, hypotheses, here, step, coarse)
+        better = _stepped(objective, hypotheses, here, step, quick)
         if better is None:
             break
         gained, here = here.cost - better.cost, better
@@ -159,16 +159,16 @@ def _simulated(
     hypotheses: Sequence[Hypothesis],
     values: Values,
     shifts: dict[str, float],
-    coarse: bool,
+    quick: bool,
 ) -> _Point:
-    run = objective.pool.one(case_of(hypotheses, values, shifts, coarse))
-    residual = objective.residual(run, shifts, coarse)
+    run = objective.pool.one(case_of(hypotheses, values, shifts, quick))
+    residual = objective.residual(run, shifts, quick)
     cost = objective.projector.cost(residual)
     return _Point(values=values, shifts=shifts, residual=residual, cost=cost)
 
 
 def _stepped(
-    objective: Objective, hypotheses: Sequence[Hypothesis], here: _Point, step: Array, coarse: bool
+    objective: Objective, hypotheses: Sequence[Hypothesis], here: _Point, step: Array, quick: bool
 ) -> _Point | None:
     """Return the first point along ``step`` (nuisances, then numbers) that costs less, or None."""
     split = objective.projector.nuisances.shape[1]
@@ -180,7 +180,7 @@ def _stepped(
         if _astray(objective, here.shifts, shifts):
             continue
         try:
-            there = _simulated(objective, hypotheses, values, shifts, coarse)
+            there = _simulated(objective, hypotheses, values, shifts, quick)
         except PlantError:
             continue
         if there.cost < here.cost:

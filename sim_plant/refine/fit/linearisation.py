@@ -59,8 +59,8 @@ def linearised_at(
     PlantError
         When the line does not run at the end of a tolerance.
     """
-    point = replace(case, coarse=True)
-    quick, declared = (tuple(run) for run in pool.run([point, replace(case, coarse=False)]))
+    point = replace(case, quick=True)
+    quick, declared = (tuple(run) for run in pool.run([point, replace(case, quick=False)]))
     if nuisance_changes is None:
         nuisance_changes = changes_by_nuisances(pool, nuisances, point, quick)
     bodies = tuple(sorted(set(free_bodies)))

@@ -93,16 +93,16 @@ class Objective:
         return cost - self.expected_cost - unsure
 
     def residual(
-        self, run: Sequence[Array], shifts: dict[str, float] | None = None, coarse: bool = True
+        self, run: Sequence[Array], shifts: dict[str, float] | None = None, quick: bool = True
     ) -> Array:
         """Return the residual vector of a run made with these nuisance shifts.
 
-        ``coarse``: the run is at the quick drive tick. The difference between the declared and
+        ``quick``: the run is at the quick drive tick. The difference between the declared and
         the quick tick, as it is at the linearisation point, is added to it.
         """
         here = self.linearisation
         residuals = [
-            m - (y + d - q) if coarse else m - y
+            m - (y + d - q) if quick else m - y
             for m, y, d, q in zip(
                 self.measured, run, here.declared_tick, here.quick_tick, strict=True
             )

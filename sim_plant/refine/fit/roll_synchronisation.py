@@ -50,7 +50,7 @@ def synchronised(objective: Objective, fit: Fit) -> Fit:
     shifts = synchronising_shifts(objective, fit.shifts, fit.hypotheses, fit.values)
     if shifts == fit.shifts:
         return fit
-    return gauss_newton_fit(objective, fit.hypotheses, fit.values, shifts, rounds=0, coarse=False)
+    return gauss_newton_fit(objective, fit.hypotheses, fit.values, shifts, rounds=0, quick=False)
 
 
 def effective_radius_of(roller: str) -> str:

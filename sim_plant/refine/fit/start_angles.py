@@ -37,7 +37,7 @@ def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]
     bare = _with_effects(twin, others)
     pool = SimulationPool([bare], workers=1)
     case = Case(effects=stated)
-    runs = pool.run([replace(case, coarse=False), replace(case, coarse=False, seed=0)])
+    runs = pool.run([replace(case, quick=False), replace(case, quick=False, seed=0)])
     if not all(np.isfinite(run[0]).all() for run in runs):
         return twin, {}
     model = declared_noise(bare, (runs[1][0] - runs[0][0])[None])

@@ -52,7 +52,7 @@ def declared_whitening(pool: SimulationPool, point: Case, quiet: Sequence[Array]
     PlantError
         When a channel has no noise at all.
     """
-    cases = [replace(point, coarse=False, seed=seed) for seed in range(CRITERIA.fit.noise_runs)]
+    cases = [replace(point, quick=False, seed=seed) for seed in range(CRITERIA.fit.noise_runs)]
     runs = pool.run(cases, keep=False)
     noisy = [np.stack([run[t] for run in runs]) for t in range(len(pool.twins))]
     realisations = tuple(noise - y[None] for noise, y in zip(noisy, quiet, strict=True))

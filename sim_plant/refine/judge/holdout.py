@@ -81,7 +81,7 @@ def evaluate(
     start angle differs from record to record and is found anew (``find_angles``).
     """
     twin = pool.twins[0]
-    runs = pool.run([Case(coarse=False), Case(coarse=False, seed=0)])
+    runs = pool.run([Case(quick=False), Case(quick=False, seed=0)])
     declared, noisy = runs[0][0], runs[1][0]
     model = declared_noise(twin, (noisy - declared)[None])
     first = model.first
@@ -95,7 +95,7 @@ def evaluate(
         final, unwound = with_unwound_lengths(
             pool, measured, Case(effects=final, shifts=shifts), model
         )
-    changed = Case(effects=final, shifts=shifts, coarse=False)
+    changed = Case(effects=final, shifts=shifts, quick=False)
     amended = pool.one(changed)[0] if final or shifts else declared
     return Evaluation(
         channels=twin.channels,

@@ -95,7 +95,7 @@ def twin_of(line: Declaration, record: Recording) -> Twin:
         word_steps=word_steps(record, channels),
     )
     try:
-        twin.line(Case(coarse=False))
+        twin.line(Case(quick=False))
     except PlantError as error:
         raise PlantError(f"{record.path}: its line cannot be built: {error}") from error
     return twin

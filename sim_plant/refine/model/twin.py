@@ -20,8 +20,8 @@ from sim_plant.line.with_effects import apply_effects
 
 COARSE_TICK_S = 0.005
 """Longest drive tick of a quick simulation, of which only differences are used."""
-COARSE_SETTLE_S = 10.0
-FINE_SETTLE_S = 20.0
+QUICK_SETTLE_S = 10.0
+DECLARED_SETTLE_S = 20.0
 """How long a line runs before its record begins, at a quick and at the declared tick."""
 WORDS = 1
 """Stream of random numbers that stands for the rounding of words."""
@@ -52,7 +52,7 @@ class Case:
     """One simulation: effects put on the line, declared numbers shifted, noise, step.
 
     ``shifts`` are (nuisance name, amount); ``ripples`` are (body, order, cos_m, sin_m) of the
-    support function, for shapes of any order. ``coarse`` takes the quick drive tick, longer
+    support function, for shapes of any order. ``quick`` takes the quick drive tick, longer
     than the declared one: only differences between two such runs are used, never their level.
     """
 
@@ -60,7 +60,7 @@ class Case:
     ripples: tuple[tuple[int, int, float, float], ...] = ()
     shifts: tuple[tuple[str, float], ...] = ()
     seed: int | None = None
-    coarse: bool = True
+    quick: bool = True
 
 
 def seen_by(case: Case, record: int) -> Case:
@@ -114,7 +114,7 @@ class Twin:
             When an effect or a correction cannot be put on this line.
         """
         line = self.declaration
-        if case.coarse:
+        if case.quick:
             sample = line.sample_time_s
             ratio = max(1, round(sample / COARSE_TICK_S))
             tick = max(line.control.drive_sample_time_s, sample / ratio)
@@ -146,7 +146,7 @@ class Twin:
     def _outputs(self, case: Case) -> tuple[Array, Array]:
         run = self.line(case)
         # a line that runs has its noise before a record begins as well
-        run.settle(COARSE_SETTLE_S if case.coarse else FINE_SETTLE_S, quiet=case.seed is None)
+        run.settle(QUICK_SETTLE_S if case.quick else DECLARED_SETTLE_S, quiet=case.seed is None)
         out = run.simulate(self.speed_m_s, self.tension_N, self.aff_m_s, self.aff_N_m)
         if case.seed is not None:
             self._put_in_words(out, case.seed)

@@ -15,7 +15,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.records.run_grid import Rows
 
 LEAST_COUNT = 1e-12
-"""SI; a finer word has no effect on what was sent, and could not be counted in."""
+"""SI per count of the word; a smaller one is not worth rounding to."""
 USUAL_CYCLES = 2
 """From a snapshot to the scan whose output has its correction: sent one tick later, and then the
 scan after that takes it."""
@@ -56,19 +56,20 @@ def delivered(
     """
     shown = columns.get(f"plc_applied_{output}")
     if shown is not None and bool(np.isfinite(shown[rows]).all()):
-        return Delivered(values=shown[rows], how="as the PLC says it added it", known=True)
+        return Delivered(values=shown[rows], how="as the PLC reports it applied", known=True)
     sent = np.nan_to_num(columns[f"correction_{output}"])
     if count > LEAST_COUNT:
         sent = np.rint(sent / count) * count
     tick = columns["tick"]
     age = columns.get("echo_age", np.full(tick.shape, -1.0))[rows]
     if bool(np.all(age >= 0.0)):
-        of_tick = tick[rows] - age - 1.0
+        of_tick = tick[rows] - age - 1.0  # a tick sends what the one before it computed
         return Delivered(
             values=_at_tick(sent, tick, of_tick),
             how="as sent, with the command that the PLC's echo names",
             known=True,
         )
+    # a declared delay counts the cycle in which the drive takes it, these cycles do not
     cycles = USUAL_CYCLES if delay_s is None else max(0, round(delay_s / cycle_s) - 1)
     said = "the usual" if delay_s is None else "the site file's"
     return Delivered(

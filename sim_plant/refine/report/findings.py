@@ -13,11 +13,11 @@ from sim_plant.refine.report.confidence import interval, standard_deviations
 from sim_plant.refine.report.experiments import experiments
 from sim_plant.refine.report.verdict import (
     Ambiguity,
+    Answer,
     ChannelError,
     EffectFinding,
     UnknownFinding,
     Verdict,
-    Word,
 )
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 
@@ -25,7 +25,7 @@ from sim_plant.refine.search.selection import AcceptedEffect, Selection
 def verdict_of(selection: Selection, evaluation: Evaluation | None, holdout: str) -> Verdict:
     """Return the whole verdict; ``holdout`` is the path of the record judged."""
     return Verdict(
-        word=_word(selection),
+        answer=_answer(selection),
         effects=effect_findings(selection),
         unknown=tuple(
             UnknownFinding(kind=u.kind, coordinate=u.coordinate, strength=u.strength)
@@ -45,7 +45,7 @@ def verdict_of(selection: Selection, evaluation: Evaluation | None, holdout: str
     )
 
 
-def _word(selection: Selection) -> Word:
+def _answer(selection: Selection) -> Answer:
     if selection.unknown:
         return "unknown"
     if any(accepted.ambiguous for accepted in selection.accepted):

@@ -34,7 +34,7 @@ SHOWN_SHIFTS = 5
 
 def headline(verdict: Verdict) -> str:
     """Return the verdict in a few sentences: what, where, how large."""
-    if verdict.word == "nothing":
+    if verdict.answer == "nothing":
         return "Nothing found: the declared line explains the record fitted to its noise."
     names = [
         place_words(e.place) + (f", {size_of(e)}" if size_of(e) else "") for e in verdict.effects

@@ -13,7 +13,7 @@ from sim_plant.refine.model.place import Place
 from sim_plant.refine.report.plain import plain
 
 VERSION = 1
-Word = Literal["nothing", "traced", "not_identifiable", "unknown"]
+Answer = Literal["nothing", "traced", "not_identifiable", "unknown"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,10 +22,10 @@ class EffectFinding:
 
     Attributes
     ----------
-    place : what and where; an effect that version 1 does not know has its name there.
-    parameters : as a declaration takes them, and amplitude and angle of a pair of components.
+    place : what and where; an effect unknown to version 1 goes by its name in the catalogue.
+    parameters : as a declaration takes them; a cosine and a sine part also as amplitude and angle.
     interval95 : low and high of the fitted ones, 95 %.
-    score, margin : chi-square less the price of the numbers, and by how much the next is behind.
+    score, margin : chi-square less the penalty of the numbers, and by how much the next is behind.
     runner_up : the next best explanation, if there is one.
     cancel : whether a drive can cancel it by feed-forward.
     text : what the effect is, a sentence without a stop.
@@ -81,11 +81,11 @@ class Verdict:
 
     Attributes
     ----------
-    word : ``nothing``, ``traced``, ``not_identifiable`` or ``unknown``.
+    answer : ``nothing``, ``traced``, ``not_identifiable`` or ``unknown``.
     residual_rms : error by channel on ``holdout``, the path of the record judged.
     """
 
-    word: Word
+    answer: Answer
     effects: tuple[EffectFinding, ...]
     unknown: tuple[UnknownFinding, ...]
     ambiguous: tuple[Ambiguity, ...]
@@ -96,7 +96,7 @@ class Verdict:
         """Return version 1, one key a line."""
         data = {
             "version": VERSION,
-            "verdict": self.word,
+            "verdict": self.answer,
             "effects": [_effect_row(e) for e in self.effects],
             "unknown": [
                 {"class": u.kind, "coordinate": u.coordinate, "strength": u.strength}
@@ -126,32 +126,12 @@ class Verdict:
         """
         try:
             data = json.loads(text)
-            if data["version"] != VERSION:
-                raise PlantError(
-                    f"verdict: version: read {data['version']!r}; expected {VERSION}, "
-                    "as this program writes it"
-                )
-            if data["verdict"] not in get_args(Word):
-                raise PlantError(
-                    f"verdict: verdict: read {data['verdict']!r}; expected one of {get_args(Word)}"
-                )
+            _check(data)
             return cls(
-                word=data["verdict"],
-                effects=tuple(_effect_of(row) for row in data["effects"]),
-                unknown=tuple(
-                    UnknownFinding(
-                        kind=u["class"], coordinate=u["coordinate"], strength=u["strength"]
-                    )
-                    for u in data["unknown"]
-                ),
-                ambiguous=tuple(
-                    Ambiguity(
-                        place=Place.parse(a["effect"]),
-                        alternatives=tuple(map(Place.parse, a["with"])),
-                        experiments=tuple(a["experiments"]),
-                    )
-                    for a in data["ambiguous"]
-                ),
+                answer=data["verdict"],
+                effects=tuple(map(_effect_of, data["effects"])),
+                unknown=tuple(map(_unknown_of, data["unknown"])),
+                ambiguous=tuple(map(_ambiguity_of, data["ambiguous"])),
                 residual_rms={
                     name: ChannelError(**row) for name, row in data["residual_rms"].items()
                 },
@@ -161,6 +141,36 @@ class Verdict:
             raise PlantError(f"verdict: {error.args[0]} is missing") from error
         except (TypeError, ValueError, AttributeError) as error:
             raise PlantError(f"verdict: no verdict of version {VERSION} ({error})") from error
+
+
+def _check(data: Any) -> None:
+    """Raise PlantError for another schema or an answer that is none."""
+    if "schema" in data:
+        raise PlantError(
+            f"verdict: schema: read {data['schema']!r}; expected none: this one is of a line"
+        )
+    if data["version"] != VERSION:
+        raise PlantError(
+            f"verdict: version: read {data['version']!r}; expected {VERSION}, "
+            "as this program writes it"
+        )
+    if data["verdict"] not in get_args(Answer):
+        expected = get_args(Answer)
+        raise PlantError(f"verdict: verdict: read {data['verdict']!r}; expected one of {expected}")
+
+
+def _unknown_of(row: Any) -> UnknownFinding:
+    return UnknownFinding(
+        kind=row["class"], coordinate=row["coordinate"], strength=row["strength"]
+    )
+
+
+def _ambiguity_of(row: Any) -> Ambiguity:
+    return Ambiguity(
+        place=Place.parse(row["effect"]),
+        alternatives=tuple(map(Place.parse, row["with"])),
+        experiments=tuple(row["experiments"]),
+    )
 
 
 def rms_rows(errors: Mapping[str, ChannelError]) -> dict[str, dict[str, float]]:

@@ -64,6 +64,15 @@ def explains_own_lines(
     return True
 
 
+def leaves_much(objective: Objective, base: Fit, fit: Fit) -> bool:
+    """Return whether ``fit`` leaves more than two true effects at one line would.
+
+    Two of one effect have four free numbers at one coordinate: they answer any line in part.
+    """
+    left = objective.excess(fit.cost, fit.residual) - sure_excess(objective)
+    return left > COMPLETENESS.twins_left_share * (base.cost - fit.cost)
+
+
 def _strongest_support(h: Hypothesis, travels: Sequence[Travel], found: Spectra) -> float:
     rows = zip(travels, found, strict=True)
     return max(periodic_support(h, travel, record) or 0.0 for travel, record in rows)

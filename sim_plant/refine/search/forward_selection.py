@@ -14,7 +14,12 @@ from sim_plant.refine.fit.objective import Objective, conditioned_on
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
-from sim_plant.refine.search.completeness import explains_own_lines, remaining_spectra, sure_excess
+from sim_plant.refine.search.completeness import (
+    explains_own_lines,
+    leaves_much,
+    remaining_spectra,
+    sure_excess,
+)
 from sim_plant.refine.search.degenerate_pair import better_pair
 from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised, rolling_only
 from sim_plant.refine.search.events import event_candidates
@@ -158,7 +163,7 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
         [fit.values[k] for k in kept],
         fit.shifts,
         rounds=4,
-        coarse=False,
+        quick=False,
     )
     periodic = replace(
         selection,
@@ -248,6 +253,10 @@ def _second_of_pair(
             continue
         fit = profile_reinitialised(objective, second.fit)
         if _explains_own_lines(objective, selection, fit):
+            of_one_name = second.hypothesis.effect.name == name
+            if of_one_name and leaves_much(objective, selection.fit, fit):
+                progress("  two of them leave too much: not accepted")
+                continue
             return replace(second, fit=fit)
     return None
 
@@ -287,14 +296,14 @@ def chi2_without_last(objective: Objective, fit: Fit) -> float:
     """Return how much the cost rises without the last effect, all else fitted anew from here.
 
     Both at the declared drive tick. A fit that was made again finds a better place for the
-    declared numbers too, and a coarse tick moves the speed at which a quantised loop rests:
+    declared numbers too, and a quick tick moves the speed at which a quantised loop rests:
     those shares are not the effect's.
     """
     there = gauss_newton_fit(
-        objective, fit.hypotheses, fit.values, fit.shifts, rounds=2, coarse=False
+        objective, fit.hypotheses, fit.values, fit.shifts, rounds=2, quick=False
     )
     without = gauss_newton_fit(
-        objective, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=2, coarse=False
+        objective, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=2, quick=False
     )
     return without.cost - there.cost
 

@@ -41,7 +41,7 @@ class PriorConflict:
 def total_shifts(objective: Objective, fit: Fit) -> dict[str, float]:
     """Return every nuisance shift of a fit, simulated and linear parts together."""
     run = objective.pool.one(fit.case)
-    residual = objective.residual(run, fit.shifts, fit.case.coarse)
+    residual = objective.residual(run, fit.shifts, fit.case.quick)
     estimate = objective.projector.estimate(residual)[: len(objective.nuisances)]
     return {
         n.name: fit.shifts.get(n.name, 0.0) + float(e)

@@ -28,14 +28,14 @@ def joint_refit(objective: Objective, fit: Fit) -> tuple[Objective, Fit]:
     orders for what is searched next: a further effect must explain more than a detail of them.
     """
     exact = gauss_newton_fit(
-        objective, fit.hypotheses, fit.values, fit.shifts, rounds=4, coarse=False
+        objective, fit.hypotheses, fit.values, fit.shifts, rounds=4, quick=False
     )
     if not np.isfinite(exact.cost):
         return objective, fit
     weak = _leaves_responses(objective, exact)
     near = relinearised_at(objective, exact.case, keep_nuisance_changes=weak)
     exact = gauss_newton_fit(
-        near, fit.hypotheses, exact.values, exact.shifts, rounds=3, coarse=False
+        near, fit.hypotheses, exact.values, exact.shifts, rounds=3, quick=False
     )
     better = with_profile_details(near, exact)
     if better is not exact:
@@ -45,7 +45,7 @@ def joint_refit(objective: Objective, fit: Fit) -> tuple[Objective, Fit]:
     if bodies:
         near = with_free_shapes(near, bodies)
     rest = gauss_newton_fit(
-        near, better.hypotheses, better.values, better.shifts, rounds=0, coarse=False
+        near, better.hypotheses, better.values, better.shifts, rounds=0, quick=False
     )
     return near, replace(better, cost=rest.cost, residual=rest.residual)
 
@@ -105,7 +105,7 @@ def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
         shifts = synchronising_shifts(objective, {}, there.hypotheses, there.values)
         aged.append(
             gauss_newton_fit(
-                objective, there.hypotheses, there.values, shifts, rounds=8, coarse=False
+                objective, there.hypotheses, there.values, shifts, rounds=8, quick=False
             )
         )
     return likeliest_age(fit, aged, sure_excess(objective))
@@ -144,7 +144,7 @@ def with_paying_numbers(objective: Objective, fit: Fit, at: int, names: tuple[st
     if not improves_cross_validation(own[:rows], wider.residual[:rows], plain, halves):
         return fit
     better = gauss_newton_fit(
-        objective, wider.hypotheses, wider.values, fit.shifts, rounds=4, coarse=False
+        objective, wider.hypotheses, wider.values, fit.shifts, rounds=4, quick=False
     )
     return better if better.cost < fit.cost - bic_penalty(objective, len(names)) else fit
 

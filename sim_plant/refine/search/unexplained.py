@@ -87,9 +87,21 @@ def event_or_line(
 ) -> Unknown | None:
     """Return what has a coordinate: a moment first, for a step looks like a slow rhythm."""
     event = event_left(objective, fit)
-    if event is not None:
-        return Unknown(kind="event", coordinate=event[0], strength=event[1])
-    return periodic_left(after, excess)
+    line = periodic_left(after, excess)
+    if event is None or (line is not None and rings(after, event[1])):
+        return line
+    return Unknown(kind="event", coordinate=event[0], strength=event[1])
+
+
+def rings(after: Sequence[Sequence[LineSpectrum]], strength: float) -> bool:
+    """Return whether most of what begins at a moment, of this ``strength``, is a spectral line.
+
+    A resonance begins to sound when the line comes to its speed. A step has strong lines too, but
+    of a few cycles only.
+    """
+    spectrum, at, of_line = strongest_peak(after)
+    sure = at * spectrum.extent >= UNEXPLAINED.line_cycles
+    return sure and of_line > UNEXPLAINED.ringing_share * strength
 
 
 def periodic_left(after: Sequence[Sequence[LineSpectrum]], excess: float) -> Unknown | None:

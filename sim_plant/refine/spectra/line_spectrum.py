@@ -1,4 +1,4 @@
-"""Generic terms that compete with the library: free lines in time, travel and roll angle."""
+"""Terms that compete with the library: free spectral lines in time, travel and roll angle."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ OVERSAMPLING = 8
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LineSpectrum:
-    """What a free line explains at every coordinate.
+    """What a free spectral line explains at every coordinate.
 
     Attributes
     ----------
     kind : ``time`` (Hz), ``travel`` (1/m) or ``angle`` (order).
     roll : body whose angle it is, empty else.
     coordinate : cycles per unit (bins,).
-    drop : fall of the cost per bin: chi-square with ``degrees`` when there is no line.
-    degrees : degrees of freedom.
+    chi2_reduction : by how much chi-square falls per bin; itself chi-square distributed, with
+        ``degrees`` degrees of freedom, when there is no line.
     """
 
     kind: str
@@ -32,12 +32,17 @@ class LineSpectrum:
     degrees: int
 
     @property
+    def extent(self) -> float:
+        """Units of the coordinate's inverse (s, m, turns) that the record is long."""
+        return 0.5 / float(self.coordinate[1] - self.coordinate[0])
+
+    @property
     def peak(self) -> tuple[float, float]:
-        """Coordinate and drop of the strongest line."""
+        """Coordinate and chi-square reduction of the strongest line."""
         return self.peak_from(0.0)
 
     def peak_from(self, lowest: float) -> tuple[float, float]:
-        """Coordinate and drop of the strongest line at no less than ``lowest``."""
+        """Coordinate and chi-square reduction of the strongest line from ``lowest`` on."""
         within = np.where(self.coordinate >= lowest, self.chi2_reduction, -np.inf)
         at = int(np.argmax(within))
         return float(self.coordinate[at]), float(within[at])
@@ -71,10 +76,13 @@ def line_spectrum(
     highest: float,
     lowest: float,
 ) -> LineSpectrum:
-    """Return the drop for a line in ``phase_cycles`` (samples,), free size in every channel.
+    """Return the chi-square reduction of a line in ``phase_cycles`` (samples,).
+
+    Its size is free in every channel.
 
     Equation: D(k) = 2/N sum_channels sum_weights |sum_n w_n x_n exp(-2 pi j k u_n)|^2, by binning
     the samples on a grid of u fine enough for ``highest`` and one FFT per row (error below 2 %).
+    k: coordinate, n: sample, w: ``weights``, x: ``whitened``, u: ``phase_cycles``.
     """
     start = phase_cycles - phase_cycles[0]
     extent = float(start[-1])

@@ -1,4 +1,7 @@
-"""The verdict on records without a line declaration, and version 1 of it as JSON."""
+"""The verdict on records without a line declaration, and its JSON.
+
+A schema of its own: `report.verdict.Verdict.from_json` does not read it.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sim_plant.refine.report.plain import plain
-from sim_plant.refine.report.verdict import VERSION, ChannelError, rms_rows
+from sim_plant.refine.report.verdict import VERSION, Answer, ChannelError, rms_rows
 from sim_plant.refine.without_line.free_spectral_lines import SpectralLine
 from sim_plant.refine.without_line.general.findings import Finding
 from sim_plant.refine.without_line.general.judging import Row
 from sim_plant.refine.without_line.wording import effect_text, line_text
+
+SCHEMA = "record-verdict/1"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,8 +30,8 @@ class OutputModel:
     fell_back : plain least squares took the place of the model chosen.
     plain_rms, chosen_rms : of plain least squares and of the model chosen, spectral lines
         left out.
-    with_lines : the share of spectral lines is in the error after; it is not where it would make
-        that larger.
+    with_lines : the error after has the spectral lines taken out too; False where that would
+        make it larger.
     tried : everything that was tried, with what it gave.
     delays : by input, s and interval: how far the output is behind it by a gain alone.
     at_stamps : rms on the readings as they came, where stamps are uneven: ``declared``,
@@ -68,20 +73,21 @@ class RecordVerdict:
     models: Mapping[str, OutputModel] = field(default_factory=dict)
 
     @property
-    def word(self) -> str:
-        """``unknown`` with a spectral line left, else ``traced`` with a general effect."""
+    def answer(self) -> Answer:
+        """``unknown`` with a line, else ``traced`` with a general effect, or ``nothing``."""
         if self.unknown:
             return "unknown"
         return "traced" if self.general else "nothing"
 
     def to_json(self) -> str:
-        """Return version 1, one key a line."""
+        """Return it with its schema, one key a line."""
         data = {
+            "schema": SCHEMA,
             "version": VERSION,
-            "verdict": self.word,
+            "verdict": self.answer,
             "effects": [],
-            "unknown": [_row(x) for x in self.unknown],
-            "clocks": [{**_row(x), "why": x.clock} for x in self.clocks],
+            "unknown": [_line_row(x) for x in self.unknown],
+            "clocks": [{**_line_row(x), "why": x.clock} for x in self.clocks],
             "not_claimed": self.not_claimed,
             "residual_rms": rms_rows(self.residual_rms),
             "holdout": self.holdout,
@@ -91,27 +97,27 @@ class RecordVerdict:
         return json.dumps(plain(data), indent=1) + "\n"
 
 
-def _row(spectral: SpectralLine) -> dict[str, Any]:
+def _line_row(spectral: SpectralLine) -> dict[str, Any]:
     found: dict[str, Any] = {
         "class": spectral.kind,
         "coordinate": spectral.where,
         "per_record": spectral.per_record,
         "strength": spectral.strength,
     }
-    where = spectral.seen
-    if where is not None:
-        found["seen_at"] = where.scope
-        found["present"] = where.present
-        found["speeds_m_s"] = where.speeds_m_s
-        if where.other:
+    seen = spectral.seen
+    if seen is not None:
+        found["seen_at"] = seen.scope
+        found["present"] = seen.present
+        found["speeds_m_s"] = seen.speeds_m_s
+        if seen.other:
             found["or_else"] = (
-                {"wavenumber_1_m": where.other}
+                {"wavenumber_1_m": seen.other}
                 if spectral.kind == "time"
-                else {"frequency_Hz": where.other}
+                else {"frequency_Hz": seen.other}
             )
-        if where.order:
-            found["order"] = where.order
-            found["fundamental_1_m"] = where.fundamental
+        if seen.order:
+            found["order"] = seen.order
+            found["fundamental_1_m"] = seen.fundamental
     return found
 
 
@@ -180,8 +186,8 @@ def next_step(verdict: RecordVerdict, *, travel: bool) -> str:
         )
     if verdict.unknown:
         said.append(
-            "Look for what turns or swings so; the rms below says what it is worth. A line "
-            "declaration (config/lines/euclid.yaml) would name the place."
+            "Look for what turns or vibrates at that frequency; the rms below says what it is "
+            "worth. A line declaration (config/lines/euclid.yaml) would name the place."
         )
     elif verdict.general and not said:
         said.append("Look for it at the place named; the rms below says what it is worth.")

@@ -140,10 +140,10 @@ def finding(effect, location, parameters, **more):
     return EffectFinding(place=Place(effect, location), parameters=parameters, **(given | more))
 
 
-def verdict_with(*effects, unknown=(), ambiguous=(), word="traced"):
+def verdict_with(*effects, unknown=(), ambiguous=(), answer="traced"):
     """Return a verdict that nothing was judged on."""
     return Verdict(
-        word=word,
+        answer=answer,
         effects=effects,
         unknown=tuple(unknown),
         ambiguous=tuple(ambiguous),

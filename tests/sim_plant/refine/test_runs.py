@@ -68,7 +68,7 @@ def phasors(twin, measured, parts):
     def tension(angle_rad=None):
         parameters = (("eccentricity_m", SIZE_M), ("angle_rad", angle_rad))
         effects = () if angle_rad is None else (Added("eccentric_roller", "R6", parameters),)
-        run = twin.simulate(Case(coarse=False, effects=effects))
+        run = twin.simulate(Case(quick=False, effects=effects))
         return run[twin.channels.index("unwind_tension_N")]
 
     without = tension()

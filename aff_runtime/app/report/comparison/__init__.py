@@ -1,3 +1,3 @@
 """Two windows of runs, before and after."""
 
-__all__ = ["comparing", "page"]
+__all__ = ["comparing", "page", "turns", "window"]

@@ -153,10 +153,10 @@ def _facts(window: Window, angles: Mapping[str, RollAngle]) -> Facts:
         seconds=float(time_s[-1] - time_s[0]),
         speed_m_s=_three(speed),
         radius_m={name: a.radius_m for name, a in angles.items()},
-        mean_N={n: float(np.nanmean(v)) for n, v in _tensions(window)},
+        mean_N={n: float(np.nanmean(v)) for n, v in tensions(window)},
         corrections=dict(_corrections(window)),
         states={s.name: share for s in State if (share := window.in_state(s)) > 0.0},
-        times_us={n: _times(columns[n]) for n in TIMES if n in columns},
+        times_us={n: percentiles(columns[n]) for n in TIMES if n in columns},
         missed=round(float(np.sum(missed))),
         labels=tuple(window.labels),
     )
@@ -172,7 +172,8 @@ def _three(values: Any) -> tuple[float, float, float]:
     return float(np.nanmean(values)), float(np.nanmin(values)), float(np.nanmax(values))
 
 
-def _times(values: Any) -> tuple[float, float, float, float]:
+def percentiles(values: Any) -> tuple[float, float, float, float]:
+    """Return median, 99 %, 99.9 % and largest of what is a number; NaN where nothing is."""
     finite = values[np.isfinite(values)]
     if not finite.size:
         return math.nan, math.nan, math.nan, math.nan
@@ -180,7 +181,7 @@ def _times(values: Any) -> tuple[float, float, float, float]:
     return float(a), float(b), float(c), float(d)
 
 
-def _tensions(window: Window) -> Iterator[tuple[str, Any]]:
+def tensions(window: Window) -> Iterator[tuple[str, Any]]:
     """Yield every measured tension; set points are none."""
     references = {
         word(actuator.section("error").get("reference"))
@@ -215,7 +216,7 @@ def _rows(
     facts: tuple[Facts, Facts],
 ) -> Iterator[OrderRow]:
     """Yield every order of every roll in every tension that both windows have."""
-    signals = [dict(_tensions(window)) for window in pair]
+    signals = [dict(tensions(window)) for window in pair]
     for roll in angles[0]:
         if roll not in angles[1]:
             continue
@@ -224,7 +225,7 @@ def _rows(
             if signal not in signals[1]:
                 continue
             ends = [
-                _estimates(angles[k][roll], signals[k][signal], pair[k], orders) for k in (0, 1)
+                estimates(angles[k][roll], signals[k][signal], pair[k], orders) for k in (0, 1)
             ]
             for order in orders:
                 if order in ends[0] and order in ends[1]:
@@ -241,7 +242,7 @@ def _rows(
                     )
 
 
-def _estimates(
+def estimates(
     angle: RollAngle, values: Any, window: Window, orders: Sequence[int]
 ) -> dict[int, tuple[Estimate, float]]:
     """Return estimate and mean frequency per order; orders with too few samples are left out."""

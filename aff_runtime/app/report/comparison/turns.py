@@ -21,6 +21,8 @@ BLOCK_TURNS = 20
 """Of a roll without encoder: turns in which its angle is taken to keep its zero."""
 FEWEST_SAMPLES = 8
 """Samples a turn of the highest order needs per period, less is left out."""
+TWO_SIDED = 1.959963985
+"""95 % of a normal distribution are within so many sigma."""
 NOISE_LIMIT = math.sqrt(math.log(20.0))
 """Noise alone is larger once in 20 times: exp(-a^2 / sigma^2) = 0.05."""
 
@@ -141,9 +143,12 @@ def _by_size(blocks: Complex, turns: int) -> Estimate:
     )
 
 
-def student_t(freedom: int) -> float:
-    """Return the 97.5 % point of Student's distribution, from its expansion in 1 / freedom."""
-    z, v = 1.959963985, float(max(1, freedom))
+def student_t(freedom: int, normal: float = TWO_SIDED) -> float:
+    """Return the point of Student's distribution that ``normal`` is of the normal one.
+
+    From its expansion in 1 / freedom; by default the 97.5 % point.
+    """
+    z, v = normal, float(max(1, freedom))
     return (
         z
         + (z**3 + z) / (4.0 * v)

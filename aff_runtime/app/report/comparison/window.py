@@ -84,20 +84,23 @@ def load_window(window: RunWindow) -> Window:
     AffError
         The folder is no run, or holds no rows there.
     """
-    table = read_table(window, keep=lambda name: "." not in name or name == PROBE)
+    found = window_of(read_table(window, keep=lambda name: "." not in name or name == PROBE))
+    found.labels.extend([*found.table.lost, *_odd(found)])
+    return found
+
+
+def window_of(table: RunTable) -> Window:
+    """Return rows of a run with their site file; nothing is said about what is odd in them."""
     columns = table.columns
     shows = (_of(columns, "outcome", Outcome.OK) == Outcome.OK) & (_of(columns, "fresh", 1.0) > 0)
     time_s = columns["time_s"][shows]
-    found = Window(
+    return Window(
         table=table,
         site=_site(table.site_text),
         rows=shows,
         time_s=time_s,
         good=_goes_on(columns, shows, time_s),
-        labels=[],
     )
-    found.labels.extend([*table.lost, *_odd(found)])
-    return found
 
 
 def number(value: object, unit: str) -> float:

@@ -76,5 +76,16 @@ CATALOGUE: tuple[Metric, ...] = (
     Metric("aff_recorder_rows_total", COUNTER, (), "rows written since the run folder was made"),
     Metric("aff_recorder_rows_lost_total", COUNTER, (), "rows that no file took"),
     Metric("aff_ring_overruns_total", COUNTER, ("reader",), "rows that a reader was too late for"),
+    Metric("aff_hmi_sockets", GAUGE, (), "browsers that look at this screen"),
+    Metric("aff_hmi_frames_total", COUNTER, (), "frames that the screen has sent"),
+    Metric("aff_hmi_frames_skipped_total", COUNTER, (), "frames that slow browsers did without"),
+    Metric("aff_hmi_sessions", GAUGE, ("role",), "who has logged in"),
+    Metric("aff_hmi_logins_total", COUNTER, ("result",), "logins: done, refused, told to wait"),
+    Metric(
+        "aff_hmi_presses_total",
+        COUNTER,
+        ("action", "result"),
+        "bypass and arm: done, refused, or failed for want of a service",
+    ),
 )
 BY_NAME = {metric.name: metric for metric in CATALOGUE}

@@ -1,3 +1,3 @@
 """Other settings for a while: history, return, and the requests about them."""
 
-__all__ = ["desk"]
+__all__ = ["desk", "history"]

@@ -28,10 +28,15 @@ def digest(text: str) -> str:
 
 
 def history_folder(site: Path, state: Path) -> Path:
-    """Return where a history is kept: in the service's state, else beside what it learns."""
+    """Return where a history is kept."""
+    return kept_folder(site, state, "settings")
+
+
+def kept_folder(site: Path, state: Path, room: str) -> Path:
+    """Return a folder of one site: in the service's state, else beside what it learns."""
     root = state if os.access(state, os.W_OK | os.X_OK) else site.absolute().parent / "learned"
     name = hashlib.sha256(os.fsencode(os.path.realpath(site))).hexdigest()[:8]
-    return root / "settings" / f"{site.stem}-{name}"
+    return root / room / f"{site.stem}-{name}"
 
 
 class SiteHistory:

@@ -55,6 +55,12 @@ def test_the_time_to_a_meeting_is_that_of_the_winding_roll(speed_m_s):
     assert roll.told_min() == pytest.approx(roll.expected_s(speed_m_s) / 60.0, abs=0.6, rel=0.05)
 
 
+def test_a_roll_that_runs_backwards_grows_and_meets_what_lies_above_it():
+    roll = Roll(0.140)
+    roll.run(40, -1.0)
+    assert roll.told_min() == pytest.approx(roll.expected_s(-1.0) / 60.0, rel=0.1, abs=0.6)
+
+
 def test_a_meeting_that_is_near_is_told_in_seconds():
     roll = Roll(0.157)
     while not roll.time_s or roll.expected_s(1.0) > 42.0:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.demo.loop.correcting import ATTEMPTS, OF_A_PAUSE, correct
+from sim_plant.demo.loop.correcting import ATTEMPTS, NOT_TRIED, OF_A_PAUSE, correct
 from sim_plant.demo.loop.judging import BlockOrder, Judgement, new_orders, strongest
 from sim_plant.demo.runtime_status import RuntimeStatus
 
@@ -19,14 +19,19 @@ STAY = Judgement(order=R9, before_N=1.0, after_N=0.99, change_dB=-0.1, fell=Fals
 class Line:
     """Answers as the service would; keeps what was done in ``done``."""
 
-    def __init__(self, judgement, unsure=(), ends=()):
+    def __init__(self, judgement, unsure=(), ends=(), late=()):
         self.judgement, self.unsure, self.ends = judgement, unsure, list(ends)
+        self.late = list(late)
+        """Why tries end after the last look, one each; empty: they do not."""
         self.done, self.trying = [], ""
         self.rows = ["   1  started"]
 
     def settings(self, *words):
         if words[0] == "history":
             return "\n".join(self.rows)
+        if words[0] == "keep" and self.late and (end := self.late.pop(0)):
+            self._end(end)
+            raise PlantError(f"aff-runtime keep: exit 4: aff-runtime: {NOT_TRIED}")
         self.done.append(words[0])
         self.trying = "settings 0123 by somebody" if words[0] == "try" else ""
         return words[0]
@@ -50,8 +55,11 @@ class Line:
 
     def _pass(self):
         if self.trying and self.ends and (end := self.ends.pop(0)):
-            self.trying = ""
-            self.rows.append(f"   2  returned by the service: {end}")
+            self._end(end)
+
+    def _end(self, why):
+        self.trying = ""
+        self.rows.append(f"   2  returned by the service: {why}")
 
     def probe_again(self):
         assert not self.trying, "a probe is refused while settings are tried"
@@ -118,6 +126,49 @@ def test_a_machine_that_pauses_in_every_try_keeps_nothing():
     line = Line(FALL, ends=[OF_A_PAUSE] * ATTEMPTS)
     assert not decided(line).kept
     assert "keep" not in line.done
+
+
+@pytest.mark.parametrize(
+    ("unsure", "then"),
+    [
+        ((), ["judge", "try", "judge", "keep"]),
+        (["unwind.r9_1x"], ["try", "keep", "probe", "judge"]),
+    ],
+)
+def test_a_try_that_ended_after_the_last_look_is_begun_again(unsure, then):
+    line = Line(FALL, unsure=unsure, late=[OF_A_PAUSE])
+    assert decided(line).kept
+    assert line.done == ["try", *then]
+
+
+def test_a_try_that_ripple_ended_after_the_last_look_counts_as_undone_and_the_page_says_so():
+    line = Line(FALL, late=["ripple of unwind_tension_N rose from 0.8 to 1.3 N"])
+    decision = decided(line)
+    assert (line.done, decision.kept) == (["try", "judge"], False)
+    assert decision.why.startswith("the try ended by itself:")
+    assert "rose from 0.8 to 1.3 N" in decision.why
+
+
+def test_a_useless_block_whose_try_ended_during_the_judgement_is_not_undone_twice():
+    line = Line(STAY)
+    line.judge = lambda *_: line._end(OF_A_PAUSE) or STAY
+    decision = decided(line)
+    assert (line.done, decision.kept) == (["try"], False)
+    assert decision.why.endswith("the try ended by itself")
+
+
+def test_a_keep_that_is_refused_for_another_reason_stops_the_demo():
+    line = Line(FALL)
+    settings = line.settings
+
+    def refusing(*words):
+        if words[0] == "keep":
+            raise PlantError("site.yaml: somebody has saved it meanwhile; nothing is kept")
+        return settings(*words)
+
+    line.settings = refusing
+    with pytest.raises(PlantError, match="somebody has saved it"):
+        decided(line)
 
 
 def row(order, before, value_dB, high_dB, bound="", roll="r9"):

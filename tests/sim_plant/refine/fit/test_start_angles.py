@@ -35,7 +35,7 @@ def roller(angle_rad):
 
 @pytest.mark.parametrize("start_rad", [0.3, 2.5, -1.2])
 def test_a_declared_roller_begins_where_the_record_shows_it(start_rad):
-    measured = twin(roller(start_rad)).simulate(Case(coarse=False, seed=3))
+    measured = twin(roller(start_rad)).simulate(Case(quick=False, seed=3))
     found, angles = at_start_angles(twin(roller(1.0)), measured)
     (entry,) = found.declaration.effects
     off = math.remainder(entry.parameters["angle_rad"] - start_rad, 2.0 * math.pi)
@@ -56,7 +56,7 @@ def test_a_profile_declared_without_an_angle_is_turned_too():
         effect="out_of_round_roll", location="unwind", parameters={"shape": "flat", "size_m": 0.01}
     )
     measured = twin(flat.model_copy(update={"parameters": {**flat.parameters, "angle_rad": 2.0}}))
-    found, _ = at_start_angles(twin(flat), measured.simulate(Case(coarse=False, seed=5)))
+    found, _ = at_start_angles(twin(flat), measured.simulate(Case(quick=False, seed=5)))
     (entry,) = found.declaration.effects
     assert math.remainder(entry.parameters["angle_rad"] - 2.0, 2.0 * math.pi) == pytest.approx(
         0.0, abs=0.01

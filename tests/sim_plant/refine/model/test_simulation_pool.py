@@ -36,11 +36,11 @@ def test_workers_end_with_a_parent_that_was_killed(tmp_path, how):
 
 
 def test_a_declared_line_that_does_not_run_is_refused_with_its_record():
-    def coarse_only(case):
-        return np.full((1, 5), 0.0 if case.coarse else np.nan)
+    def quick_only(case):
+        return np.full((1, 5), 0.0 if case.quick else np.nan)
 
     good = formula_twin(lambda _: np.zeros((1, 5)), ["unwind_tension_N"], 5)
-    bad = formula_twin(coarse_only, ["unwind_tension_N"], 5)
+    bad = formula_twin(quick_only, ["unwind_tension_N"], 5)
     records = [
         Recording(path=Path(name), sha256=name, sample_time_s=0.01, columns={})
         for name in ("a.csv", "b.csv")

@@ -54,7 +54,7 @@ def test_the_verdict_names_the_equals_and_the_experiment():
         nominal=fit_of(), fit=fit, travels=(), before=(), after=(), accepted=(accepted,)
     )
     verdict = verdict_of(found, None, "b.csv")
-    assert verdict.word == "not_identifiable"
+    assert verdict.answer == "not_identifiable"
     (same,) = verdict.ambiguous
     assert same.alternatives == (Place("torque_ripple", "swrap"),)
     assert "drive off" in same.experiments[0]

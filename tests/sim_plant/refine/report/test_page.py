@@ -144,7 +144,7 @@ def test_what_stays_above_noise_is_named_but_no_sums():
     ],
 )
 def test_an_unknown_is_said_with_units(kind, where, said):
-    assert said in headline(verdict_with(unknown=[unknown(kind, where)], word="unknown"))
+    assert said in headline(verdict_with(unknown=[unknown(kind, where)], answer="unknown"))
 
 
 def test_numbers_that_used_most_of_their_tolerance_come_first():

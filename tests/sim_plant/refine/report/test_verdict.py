@@ -16,7 +16,7 @@ from sim_plant.refine.report.verdict import (
 )
 
 VERDICT = Verdict(
-    word="not_identifiable",
+    answer="not_identifiable",
     effects=(
         EffectFinding(
             place=Place("eccentric_roller", "R6"),

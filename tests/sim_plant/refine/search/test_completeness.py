@@ -5,7 +5,7 @@ import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.search.completeness import explains_own_lines
+from sim_plant.refine.search.completeness import explains_own_lines, leaves_much
 from tests.sim_plant.refine.small import (
     fit_of,
     formula_twin,
@@ -47,3 +47,13 @@ def test_a_small_effect_in_a_record_that_is_else_at_its_floor_is_taken():
 
 def test_an_effect_that_is_no_line_does_not_stand_beside_a_strong_line():
     assert not claimed(NOISE + 20_000.0, NOISE + 12_000.0, line=15_000.0)
+
+
+@pytest.mark.parametrize(("left", "much"), [(0.04, True), (0.005, False)])
+def test_two_of_one_effect_that_leave_a_share_of_their_line_imitate_it(left, much):
+    """Four numbers at one line answer most of any; true ones leave what the model has wrong."""
+    explained = 100_000.0
+    residual = np.full(4 * 20_000 + 1, np.sqrt((NOISE + left * explained) / (4 * 20_000)))
+    fit = replace(fit_of(cost=NOISE + left * explained), residual=residual)
+    base = fit_of(cost=NOISE + (1.0 + left) * explained)
+    assert leaves_much(OBJECTIVE, base, fit) is much

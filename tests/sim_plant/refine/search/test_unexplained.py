@@ -96,3 +96,27 @@ def test_a_line_is_claimed_above_what_healthy_records_show(strength, kinds):
 def test_free_lines_are_sought_in_channels_with_noise_of_their_own(objective, channels):
     spectra = remaining_spectra(objective, left(), [travel_at(np.ones(JUDGED))])
     assert {s.degrees for s in spectra[0]} == {2 * channels}  # cos and sin each, one speed
+
+
+def begun(shape):
+    """Return what is left, and its spectra, of what has this shape from 20 s on, 0 before."""
+    time_s = STEP_S * np.arange(JUDGED)
+    part = white((3, JUDGED), seed=6)
+    part[0] += np.where(time_s > 20.0, shape(time_s), 0.0)
+    residual = np.append(part.ravel(), np.zeros(len(OBJECTIVE.nuisances)))
+    fit = fit_of(residual=residual, cost=float(residual @ residual))
+    return fit, remaining_spectra(OBJECTIVE, fit, [travel_at(np.ones(JUDGED))])
+
+
+@pytest.mark.parametrize(
+    ("shape", "kinds"),
+    [
+        (lambda t: 4.0 * np.sin(2.0 * np.pi * 3.0 * t), ("time", "travel")),
+        (lambda t: np.full(t.shape, 3.0), ("event",)),
+    ],
+    ids=["a resonance", "a step"],
+)
+def test_what_a_speed_brings_to_sound_is_a_line_and_a_step_is_an_event(shape, kinds):
+    fit, spectra = begun(shape)
+    found = unexplained_parts(OBJECTIVE, fit, fit, spectra)
+    assert [u.kind in kinds for u in found] == [True]

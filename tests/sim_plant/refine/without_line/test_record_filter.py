@@ -86,7 +86,7 @@ def test_a_travel_line_is_found_with_its_radius_and_judged_held_out(plan):
 def test_no_line_no_claim(plan, tmp_path):
     quiet = [write_belt(tmp_path / f"q{k}.csv", 10 + k, 1.3, amplitude=0.0) for k in (0, 1)]
     still = Plan(line=plan.line, records=tuple(quiet), holdout=(), out=tmp_path / "quiet")
-    assert refined(still).word == "nothing"
+    assert refined(still).answer == "nothing"
     page = (still.out / "report.html").read_text()
     assert "Nothing found: what the declared filter leaves" in page
     assert "no proof" in page
@@ -133,7 +133,7 @@ def test_the_winding_record_names_its_clock_and_no_roller(tmp_path):
         records=(SHARED / "winding/winding.dat.gz",),
     )
     result = refined(plan)
-    assert result.word == "nothing"
+    assert result.answer == "nothing"
     assert result.unknown == ()
     assert [round(c.coordinate, 3) for c in result.clocks] == [1.0]
     assert any("no roller" in text for text in result.not_claimed)

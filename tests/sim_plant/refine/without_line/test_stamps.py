@@ -70,7 +70,7 @@ def test_a_shift_is_found_through_uneven_stamps_and_judged_on_them(declaration, 
         out=tmp_path / "out",
     )
     result = refine_records(plan, declaration, lambda _: None)
-    assert result.word == "traced"
+    assert result.answer == "traced"
     (shift,) = result.general
     assert shift.numbers["shift_s of b.csv"] == pytest.approx(0.0234, abs=2e-4)
     assert shift.numbers["shift_s of c.csv"] == pytest.approx(-0.0071, abs=2e-4)

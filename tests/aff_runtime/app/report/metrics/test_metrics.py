@@ -34,7 +34,7 @@ START_NS = 5_000_000_000
 NEED = ["LINE_RUN", "WEB_INTACT"]
 UNITS = ("newtons", "meters", "meters_per_second", "radians_per_second", "radians", "hertz")
 UNITS += ("seconds", "newton_meters", "ratio", "bytes")
-UNITLESS = {"up", "state", "active", "ok", "resting", "granted", "differs"}
+UNITLESS = {"up", "state", "active", "ok", "resting", "granted", "differs", "sessions", "sockets"}
 
 
 def answer(*, age_s: float = 0.004, state: State = State.ACTIVE) -> StatusAnswer:

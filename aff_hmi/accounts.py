@@ -1,0 +1,162 @@
+"""Accounts of the screen: a file of one line each, made by ``aff-hmi account`` on the machine.
+
+``name:role:scrypt:N:r:p:salt:hash``; nobody but its owner writes it, nobody outside its group
+reads it. What cannot be read, or not trusted, is no account at all.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import hmac
+import os
+import secrets
+import stat
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from aff_runtime.app.hand.may import ROLES, Role
+from aff_runtime.app.hand.messages import is_account_name
+from aff_runtime.app.link.files import replace_text
+from aff_runtime.base.errors import ConfigError
+
+LEAST_CHARACTERS = 10
+MOST_CHARACTERS = 256
+MAX_BYTES = 64 << 10
+_N, _R, _P = 1 << 15, 8, 3
+_MOST_MEMORY = 64 << 20
+_METHOD = "scrypt"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Account:
+    """One account; ``secret`` is what its line says of the password."""
+
+    name: str
+    role: Role
+    secret: str
+
+    @property
+    def line(self) -> str:
+        """Return it as the file has it."""
+        return f"{self.name}:{self.role.word}:{self.secret}"
+
+
+class Accounts:
+    """The file as it is now; looked at again whenever it is another one."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._stamp: tuple[int, ...] = ()
+        self._found: dict[str, Account] = {}
+        self._nobody = Account(
+            name="nobody", role=Role.VIEW, secret=secret_of(secrets.token_hex())
+        )
+
+    def find(self, name: str) -> Account | None:
+        """Return an account, None when there is none of this name."""
+        self._look()
+        return self._found.get(name)
+
+    def __len__(self) -> int:
+        """Return how many accounts there are."""
+        self._look()
+        return len(self._found)
+
+    def check(self, name: str, password: str) -> Account | None:
+        """Return the account whose password this is; takes a third of a second either way."""
+        found = self.find(name)
+        is_right = is_password(password, (found or self._nobody).secret)
+        return found if is_right else None
+
+    def _look(self) -> None:
+        try:
+            now = self._path.stat()
+            stamp = (now.st_ino, now.st_mtime_ns, now.st_size)
+            if stamp != self._stamp:
+                self._found = {one.name: one for one in read_accounts(self._path)}
+                self._stamp = stamp
+        except (OSError, ConfigError):
+            self._found, self._stamp = {}, ()
+
+
+def read_accounts(path: Path) -> list[Account]:
+    """Return the accounts of a file.
+
+    Raises
+    ------
+    ConfigError
+        When it cannot be read, others could have written it or may read it, or a line is none.
+    """
+    try:
+        with path.open("rb") as file:
+            mode = stat.S_IMODE(os.fstat(file.fileno()).st_mode)
+            text = file.read(MAX_BYTES + 1).decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        why = error.strerror if isinstance(error, OSError) else "is no text"
+        raise ConfigError(f"{path}: {why}; make it with `aff-hmi account add NAME`") from None
+    if mode & (stat.S_IWGRP | stat.S_IRWXO):
+        raise ConfigError(f"{path}: mode {mode:04o} opens it to others; `chmod 640` it")
+    if len(text) > MAX_BYTES:
+        raise ConfigError(f"{path}: has more than {MAX_BYTES} bytes")
+    return [_account(line, f"{path}:{at}") for at, line in enumerate(text.splitlines(), start=1)]
+
+
+def write_accounts(path: Path, accounts: Iterable[Account]) -> None:
+    """Replace the file whole; owner, group and mode of one that is there are kept.
+
+    Raises
+    ------
+    ConfigError
+        When it cannot be written.
+    """
+    text = "".join(f"{one.line}\n" for one in sorted(accounts, key=lambda one: one.name))
+    is_new = not path.exists()
+    try:
+        before = os.umask(0o077)
+        try:
+            replace_text(path, text, keep_owner=True)
+        finally:
+            os.umask(before)
+        if is_new:  # the group of its folder is the screen's
+            os.chown(path, -1, path.parent.stat().st_gid)
+            path.chmod(0o640)
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror}; name another file with --accounts") from None
+
+
+def secret_of(password: str) -> str:
+    """Return what a file keeps of a password."""
+    salt = secrets.token_bytes(16)
+    words = (_METHOD, str(_N), str(_R), str(_P), _text(salt), _text(_hash(password, salt)))
+    return ":".join(words)
+
+
+def is_password(password: str, secret: str) -> bool:
+    """Return whether a password is the one of a secret."""
+    _, _, _, _, salt, kept = secret.split(":")
+    return hmac.compare_digest(_hash(password, base64.b64decode(salt)), base64.b64decode(kept))
+
+
+def _account(line: str, where: str) -> Account:
+    name, _, rest = line.partition(":")
+    role, _, secret = rest.partition(":")
+    words = secret.split(":")
+    try:
+        is_whole = words[:4] == [_METHOD, str(_N), str(_R), str(_P)] and len(words) == 6
+        is_whole = is_whole and all(base64.b64decode(word, validate=True) for word in words[4:])
+    except ValueError:
+        is_whole = False
+    if not (is_account_name(name) and role in ROLES and is_whole):
+        raise ConfigError(f"{where}: is no account; `aff-hmi account add NAME` writes one")
+    return Account(name=name, role=ROLES[role], secret=secret)
+
+
+def _hash(password: str, salt: bytes) -> bytes:
+    said = password.encode("utf-8", "surrogatepass")
+    return hashlib.scrypt(said, salt=salt, n=_N, r=_R, p=_P, maxmem=_MOST_MEMORY, dklen=32)
+
+
+def _text(data: bytes) -> str:
+    return base64.b64encode(data).decode()

@@ -1,0 +1,125 @@
+"""The hand of this screen: what one session may do now, and what its page shows of that."""
+
+from __future__ import annotations
+
+import json
+from collections import deque
+from dataclasses import dataclass
+from pathlib import Path
+
+from aff_hmi.accounts import Accounts
+from aff_hmi.press_desk import PressDesk
+from aff_hmi.reason import explained
+from aff_hmi.sessions import Session, Sessions
+from aff_hmi.watch import Seen
+from aff_hmi.words import Say
+from aff_runtime.app.hand.may import (
+    WORDS,
+    Action,
+    Circumstances,
+    Code,
+    Person,
+    Place,
+    Reason,
+    Role,
+    may,
+)
+from aff_runtime.app.hand.messages import VALID_NS, Welcome
+from aff_runtime.base.ports import Clock
+from aff_runtime.base.printable import printable
+from aff_runtime.base.signals import State
+
+FRESH_S = 0.7
+KEPT_MOMENTS = 64
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Moment:
+    """What a frame showed: its number, when it was made, and the guard's state in it."""
+
+    number: int
+    made_ns: int
+    state: str
+
+
+class Hand:
+    """Everything beside looking.
+
+    Attributes
+    ----------
+    accounts, sessions : who may log in, who has. ``desk`` : the way to the service.
+    """
+
+    def __init__(self, socket: Path, accounts: Path, clock: Clock) -> None:
+        self._clock = clock
+        self.accounts = Accounts(accounts)
+        self.sessions = Sessions(self.accounts, clock)
+        self.desk = PressDesk(socket, clock)
+        self._moments: deque[Moment] = deque(maxlen=KEPT_MOMENTS)
+        self._state: State | None = None
+        self._blocked = ""
+
+    def look(self, seen: Seen, number: int) -> None:
+        """Take note of what the frame of this number shows."""
+        age_s = seen.tick_age_s
+        is_fresh = seen.writer_lives and age_s is not None and age_s < FRESH_S
+        self._state = seen.row.state if seen.row is not None and is_fresh else None
+        self._blocked = seen.facts.blocked if seen.facts is not None else ""
+        shown = self._state.name if self._state is not None else ""
+        self._moments.append(Moment(number=number, made_ns=self._clock.now_ns(), state=shown))
+
+    def valid_until_ns(self, number: int, state: str) -> int:
+        """Return until when a press counts that saw this state in this frame; 0: not at all."""
+        for moment in self._moments:
+            if moment.number == number and moment.state == state:
+                return moment.made_ns + VALID_NS
+        return 0
+
+    def reasons(self, action: Action, session: Session | None, place: Place) -> tuple[Reason, ...]:
+        """Return why a session may not do something now; empty when it may."""
+        return may(action, self.person(session, place), self._circumstances())
+
+    def person(self, session: Session | None, place: Place) -> Person:
+        """Return who asks."""
+        return self.sessions.person(session, place)
+
+    def own(self, token: str, place: Place, say: Say) -> str:
+        """Return what a frame shows of one browser's session, as JSON."""
+        session = self.sessions.find(token, place)
+        held = self.sessions.holder()
+        has_hand = held is not None and held.session is session
+        said = {
+            "account": session.account.name if session is not None else "",
+            "has_hand": has_hand,
+            "hand_of": held.session.account.name if held is not None else "",
+            "hand_from": held.session.place if held is not None else "",
+            "lost_to": session.lost_to if session is not None else "",
+            "hears": self.desk.rules is not None,
+            "why": {
+                action.value: [said_in(one, say) for one in self.reasons(action, session, place)]
+                for action in Action
+            },
+        }
+        return json.dumps(said, ensure_ascii=False, separators=(",", ":"))
+
+    def _circumstances(self) -> Circumstances:
+        rules, held = self.desk.rules, self.sessions.holder()
+        hand_of = held.session.account.name if held is not None else ""
+        if rules is None:  # what it would allow is not known; nothing is, while it is silent
+            rules = Welcome(version="", ceiling=Role.COMMISSION, arms_from=Place.NETWORK)
+        return Circumstances(
+            state=self._state if self.desk.rules is not None else None,
+            blocked=self._blocked,
+            ceiling=rules.ceiling,
+            arms_from=rules.arms_from,
+            hand_of=hand_of,
+        )
+
+
+def said_in(reason: Reason, say: Say) -> str:
+    """Return a reason in the reader's language."""
+    is_guards = reason.code is Code.GUARD
+    name = explained(printable(reason.name, 200), say)[0] if is_guards else reason.name
+    if reason.code is Code.CHANGED:
+        name = say(name)
+    return say(WORDS[reason.code]).replace("{name}", printable(name, 300))

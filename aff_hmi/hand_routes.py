@@ -1,0 +1,328 @@
+"""What a browser may ask for beside looking: one table, and one gate before every entry of it.
+
+Nothing here is reached by GET but the page for the login. What is not in the table is 404.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import json
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from starlette.requests import ClientDisconnect, HTTPConnection, Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+from starlette.types import Scope
+
+from aff_hmi.counts import Counts
+from aff_hmi.doorkeeper import Doorkeeper
+from aff_hmi.hand import Hand, said_in
+from aff_hmi.reason import N_
+from aff_hmi.sessions import Session
+from aff_hmi.words import Say
+from aff_runtime.app.hand.may import Action, Code, Place, Reason, Role
+from aff_runtime.app.hand.messages import Command, Notice, is_account_name, is_command_id
+from aff_runtime.base.errors import WireError
+from aff_runtime.base.ports import Clock
+from aff_runtime.base.signals import State
+
+BODY_PATIENCE_S = 10.0
+NOBODY = "nobody"
+LOOPBACK = ("127.0.0.1", "::1")
+WRONG = N_("name or password is wrong")
+WAIT = N_("too many tries: wait a minute")
+NO_TOKEN = N_("this page is older than your login: load it again")
+NO_SENSE = N_("that is no request of this screen")
+NOT_HEARD = N_("the service does not hear this screen: use the switch at the line")
+TAKEN = N_("{name} has the hand; take it over?")
+DONE = N_("done")
+ROLE_WORDS = (N_("view"), N_("operate"), N_("commission"))
+Said: TypeAlias = dict[str, str | int | bool]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """One request past the gate; ``session`` is there wherever the table asks for it."""
+
+    said: Said
+    session: Session | None
+    token: str
+    place: Place
+    address: str
+    say: Say
+
+
+Answering: TypeAlias = Callable[[Asked], Awaitable[Response]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """One row of the table.
+
+    Attributes
+    ----------
+    role : the least that the account must be for; None needs no login.
+    keys : of its JSON body, with their kinds. ``needs_token`` : None leaves it to the entry.
+    """
+
+    role: Role | None
+    keys: dict[str, type]
+    needs_token: bool | None = True
+
+
+TABLE = {
+    "/login": Entry(role=None, keys={"name": str, "password": str}, needs_token=False),
+    "/logout": Entry(role=Role.VIEW, keys={}),
+    "/hand": Entry(role=Role.OPERATE, keys={"do": str}),
+    "/act": Entry(
+        role=Role.VIEW,
+        keys={"action": str, "id": str, "seen": str, "frame": int},
+        needs_token=None,
+    ),
+}
+
+
+class HandRoutes:
+    """Answers the table.
+
+    Parameters
+    ----------
+    is_tls : whether browsers come by https.
+    say_of : the language of a request.
+    """
+
+    def __init__(
+        self,
+        hand: Hand,
+        clock: Clock,
+        counts: Counts,
+        *,
+        is_tls: bool,
+        say_of: Callable[[HTTPConnection], Say],
+    ) -> None:
+        self._hand = hand
+        self._counts = counts
+        self._clock = clock
+        self._is_tls = is_tls
+        self._say_of = say_of
+        self._doorkeeper = Doorkeeper(hand.accounts, clock)
+        self._answers: dict[str, Answering] = {
+            "/login": self._login,
+            "/logout": self._logout,
+            "/hand": self._take,
+            "/act": self._act,
+        }
+
+    def routes(self) -> list[Route]:
+        """Return the routes of the table."""
+        return [Route(path, self._behind(path), methods=["POST"]) for path in TABLE]
+
+    def cookie_name(self) -> str:
+        """Return the name of the session's cookie."""
+        return "__Host-aff" if self._is_tls else "aff"
+
+    def token_of(self, asked: HTTPConnection) -> str:
+        """Return what a browser shows of its session, empty for nothing."""
+        return asked.cookies.get(self.cookie_name(), "")
+
+    def session_of(self, asked: HTTPConnection) -> Session | None:
+        """Return the session of a request."""
+        return self._hand.sessions.find(self.token_of(asked), place_of(asked))
+
+    def is_logged_in(self, scope: Scope) -> bool:
+        """Return whether a request comes from a session, for the gate."""
+        return self.session_of(HTTPConnection(scope)) is not None
+
+    # --- the gate ---------------------------------------------------------------------------
+
+    def _behind(self, path: str) -> Callable[[Request], Awaitable[Response]]:
+        """Return an endpoint that a request reaches only as its row of the table says."""
+        entry, answer = TABLE[path], self._answers[path]
+
+        async def endpoint(request: Request) -> Response:
+            say = self._say_of(request)
+            said = await _body(request, entry)
+            if said is None:
+                return _refusal(400, say(NO_SENSE))
+            token = self.token_of(request)
+            place = place_of(request)
+            session = self._hand.sessions.find(token, place)
+            if entry.role is not None and session is None:
+                return _because(401, Reason(code=Code.LOGGED_OUT), say)
+            if session is not None and not self._has_token(request, session, entry, said):
+                return _refusal(403, say(NO_TOKEN))
+            if session is not None and entry.role is not None:
+                if session.account.role < entry.role:
+                    return _because(403, Reason(code=Code.ROLE), say)
+                if said.get("action") != Action.BYPASS and not session.presses.take():
+                    return _because(429, Reason(code=Code.FAST), say)
+            return await answer(
+                Asked(
+                    said=said,
+                    session=session,
+                    token=token,
+                    place=place,
+                    address=request.client.host if request.client else "",
+                    say=say,
+                )
+            )
+
+        return endpoint
+
+    @staticmethod
+    def _has_token(request: Request, session: Session, entry: Entry, said: Said) -> bool:
+        """Return whether the page says the session's own token.
+
+        A bypass does without: the origin was checked, and a page that is older than the login must
+        still take the correction back.
+        """
+        needs = entry.needs_token
+        if needs is None:
+            needs = said.get("action") != Action.BYPASS
+        given = request.headers.get("x-aff-token", "").encode()
+        return not needs or hmac.compare_digest(given, session.csrf.encode())
+
+    # --- logins -----------------------------------------------------------------------------
+
+    async def _login(self, asked: Asked) -> Response:
+        name, password = str(asked.said["name"]), str(asked.said["password"])
+        shown = name if is_account_name(name) else NOBODY
+        try:
+            if self._doorkeeper.is_too_often(shown, asked.address):
+                raise BlockingIOError
+            account = await self._doorkeeper.check(name, password)
+        except BlockingIOError:
+            self._counts.logins["waits"] += 1
+            return _refusal(429, asked.say(WAIT))
+        self._counts.logins["refused" if account is None else "done"] += 1
+        if account is None:
+            self._note("login refused", shown, asked.place)
+            return _refusal(401, asked.say(WRONG))
+        self._hand.sessions.end(asked.token)
+        token = self._hand.sessions.begin(account, asked.place)
+        self._note("login", account.name, asked.place)
+        answer = _done(asked.say(DONE))
+        answer.set_cookie(
+            self.cookie_name(),
+            token,
+            path="/",
+            secure=self._is_tls,
+            httponly=True,
+            samesite="strict",
+        )
+        return answer
+
+    async def _logout(self, asked: Asked) -> Response:
+        assert asked.session is not None
+        self._hand.sessions.end(asked.token)
+        self._note("logout", asked.session.account.name, asked.place)
+        answer = _done(asked.say(DONE))
+        answer.delete_cookie(
+            self.cookie_name(), path="/", secure=self._is_tls, httponly=True, samesite="strict"
+        )
+        return answer
+
+    # --- the hand ---------------------------------------------------------------------------
+
+    async def _take(self, asked: Asked) -> Response:
+        """Take the hand, take it over from somebody, or release it."""
+        session, sessions = asked.session, self._hand.sessions
+        assert session is not None
+        name = session.account.name
+        if sessions.is_idle(session):
+            return _because(403, Reason(code=Code.IDLE), asked.say)
+        sessions.press(session)
+        match asked.said["do"]:
+            case "release":
+                if sessions.release(session):
+                    self._note("hand released", name, asked.place)
+            case "take" | "take over" as do:
+                held = sessions.holder()
+                if held is not None and held.session is not session and do == "take":
+                    words = asked.say(TAKEN).replace("{name}", held.session.account.name)
+                    return _refusal(409, words, "other hand")
+                before = sessions.take(session)
+                self._note("hand taken over" if before else "hand taken", name, asked.place)
+            case _:
+                return _refusal(400, asked.say(NO_SENSE))
+        return _done(asked.say(DONE))
+
+    async def _act(self, asked: Asked) -> Response:
+        """Do a press, and count it."""
+        answer = await self._press(asked)
+        if asked.said["action"] in tuple(Action):
+            result = {200: "done", 503: "failed"}.get(answer.status_code, "refused")
+            self._counts.presses[str(asked.said["action"]), result] += 1
+        return answer
+
+    async def _press(self, asked: Asked) -> Response:
+        """Judge a press and pass it on."""
+        session, said = asked.session, asked.said
+        assert session is not None
+        action, ident, seen = str(said["action"]), str(said["id"]), str(said["seen"])
+        is_known = action in tuple(Action) and is_command_id(ident)
+        if not is_known or seen not in ("", *State.__members__):
+            return _refusal(400, asked.say(NO_SENSE))
+        self._hand.sessions.press(session)
+        until_ns = 0
+        if action != Action.BYPASS:
+            reasons = self._hand.reasons(Action(action), session, asked.place)
+            if reasons:
+                return _because(409, reasons[0], asked.say)
+            until_ns = self._hand.valid_until_ns(int(said["frame"]), seen)
+            if self._clock.now_ns() > until_ns:
+                return _because(409, Reason(code=Code.LATE), asked.say)
+        command = Command(
+            id=ident,
+            action=Action(action),
+            account=session.account.name,
+            role=session.account.role,
+            place=asked.place,
+            seen=seen,
+            valid_until_ns=until_ns,
+        )
+        try:
+            answer = await self._hand.desk.press(command)
+        except WireError:
+            return _refusal(503, asked.say(NOT_HEARD))
+        if answer.reason is not None:
+            return _because(409, answer.reason, asked.say)
+        return _done(asked.say(DONE))
+
+    def _note(self, what: str, account: str, place: Place) -> None:
+        self._hand.desk.notice(Notice(what=what, account=account, place=place))
+
+
+def place_of(asked: HTTPConnection) -> Place:
+    """Return where a browser is: loopback is the panel, unless somebody passes it on."""
+    is_passed_on = any(name in asked.headers for name in ("forwarded", "x-forwarded-for", "via"))
+    is_loopback = asked.client is not None and asked.client.host in LOOPBACK
+    return Place.PANEL if is_loopback and not is_passed_on else Place.NETWORK
+
+
+async def _body(request: Request, entry: Entry) -> Said | None:
+    """Return the body: the keys of its entry, of their kinds; None for anything else."""
+    try:
+        text = await asyncio.wait_for(request.body(), BODY_PATIENCE_S)
+        said = json.loads(text)
+    except (ValueError, RecursionError, TimeoutError, ClientDisconnect):
+        return None
+    if not isinstance(said, dict) or set(said) != set(entry.keys):
+        return None
+    is_right = all(type(said[key]) is kind for key, kind in entry.keys.items())
+    return said if is_right else None
+
+
+def _done(text: str) -> Response:
+    return JSONResponse({"ok": True, "text": text})
+
+
+def _because(status: int, reason: Reason, say: Say) -> Response:
+    return _refusal(status, said_in(reason, say), reason.code)
+
+
+def _refusal(status: int, text: str, code: str = "") -> Response:
+    return JSONResponse({"ok": False, "text": text, "code": code}, status)

@@ -1,0 +1,193 @@
+// Bypass in one press, arming by holding. What the service would refuse cannot be pressed, and says
+// why. A press is done when the line shows it, not when the server has answered.
+const HOLD_MS = 1000;
+const CONFIRM_MS = { bypass: 1000, arm: 2000 };
+const PATIENCE_MS = 4000;
+const SHOWS = { bypass: ["BYPASS", "FAULT"], arm: ["ARMED", "ACTIVE"] };
+const root = document.documentElement;
+const byId = (name) => document.getElementById(name);
+const hand = byId("hand");
+const words = byId("hand-words").dataset;
+const arm = byId("arm");
+const bypass = byId("bypass");
+
+let frame = null;
+let hold = null;
+let awaited = null;
+
+function put(element, text) {
+  if (element && element.textContent !== text) element.textContent = text;
+}
+
+function tell(text) {
+  put(byId("hand-said"), text);
+}
+
+function newId() {
+  const bytes = crypto.getRandomValues(new Uint8Array(16));
+  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
+async function post(path, said) {
+  const answer = await fetch(`${path}?lang=${root.lang}`, {
+    method: "POST",
+    headers: { "content-type": "application/json", "x-aff-token": hand.dataset.token },
+    body: JSON.stringify(said),
+    signal: AbortSignal.timeout(PATIENCE_MS),
+  });
+  return answer.json();
+}
+
+// --- what may be pressed now -------------------------------------------------------------------
+
+function isStale() {
+  return frame === null || root.dataset.broken !== "";
+}
+
+function show() {
+  const own = frame?.own;
+  if (!own) return;
+  if (own.account !== hand.dataset.account) {
+    location.reload();
+    return;
+  }
+  const why = isStale() ? [words.stale] : own.why.arm;
+  const cannot = why.length > 0;
+  if (arm.disabled !== cannot) arm.disabled = cannot;
+  put(byId("arm-why"), why.join("; "));
+  const against = own.why.bypass;
+  bypass.disabled = against.length > 0;
+  put(byId("bypass-why"), against.join("; "));
+  const other = own.hand_of ? words.other.replace("{name}", own.hand_of) : words.none;
+  const lost = own.lost_to ? words.lost.replace("{name}", own.lost_to) : "";
+  put(byId("hand-of"), lost || (own.has_hand ? words.mine : other));
+  byId("hand-of")?.classList.toggle("lost", lost !== "");
+  if (byId("take")) {
+    byId("take").hidden = own.has_hand;
+    byId("release").hidden = !own.has_hand;
+  }
+}
+
+function confirmPress() {
+  if (awaited === null) return;
+  if (!isStale() && frame.q > awaited.after && SHOWS[awaited.action].includes(frame.state)) {
+    tell(words.seen);
+    awaited = null;
+  } else if (performance.now() > awaited.until_ms) {
+    tell(words.unseen);
+    awaited = null;
+  }
+}
+
+document.addEventListener("frame", (event) => {
+  frame = event.detail;
+  if (hold !== null && frame !== null && frame.state !== hold.state) {
+    tell(words.changed.replace("{name}", frame.word));
+    letGo();
+  }
+  show();
+  confirmPress();
+});
+setInterval(() => {
+  show();
+  if (hold !== null && isStale()) letGo();
+  confirmPress();
+}, 100);
+
+// --- pressing ----------------------------------------------------------------------------------
+
+async function act(action, seen, number) {
+  const after = frame?.q ?? 0;
+  tell(words.sent);
+  awaited = null;
+  const said = { action, id: newId(), seen, frame: number };
+  try {
+    // towards zero twice is no harm, and a connection may just have gone to sleep
+    const first = post("/act", said);
+    const answer = await (action === "bypass" ? first.catch(() => post("/act", said)) : first);
+    if (!answer.ok) {
+      tell(answer.text);
+    } else {
+      awaited = { action, after, until_ms: performance.now() + CONFIRM_MS[action] };
+    }
+  } catch {
+    tell(words.failed);
+  }
+}
+
+function pressBypass() {
+  if (!bypass.disabled) act("bypass", "", frame?.q ?? 0);
+}
+
+function begin() {
+  if (hold !== null || arm.disabled || isStale()) return;
+  hold = { state: frame.state, timer: setTimeout(finish, HOLD_MS) };
+  arm.classList.add("holding");
+}
+
+function finish() {
+  const { state } = hold;
+  letGo();
+  if (!isStale() && frame.state === state && !arm.disabled) act("arm", frame.state, frame.q);
+}
+
+function letGo() {
+  if (hold === null) return;
+  clearTimeout(hold.timer);
+  hold = null;
+  arm.classList.remove("holding");
+}
+
+function letGoEarly() {
+  if (hold === null) return;
+  letGo();
+  tell(words.held);
+}
+
+bypass.onclick = pressBypass;
+arm.onpointerdown = (event) => {
+  if (event.isPrimary && event.button === 0) begin();
+};
+for (const name of ["pointerup", "pointerleave", "pointercancel", "blur"]) {
+  arm.addEventListener(name, letGoEarly);
+}
+arm.oncontextmenu = (event) => event.preventDefault();
+arm.onkeydown = (event) => {
+  if (event.key !== " " && event.key !== "Enter") return;
+  event.preventDefault();
+  if (!event.repeat) begin();
+};
+arm.onkeyup = letGoEarly;
+document.addEventListener("visibilitychange", letGoEarly);
+document.addEventListener("keydown", (event) => {
+  if (event.key !== "F9" || event.repeat) return;
+  event.preventDefault();
+  pressBypass();
+});
+
+async function ask(path, said) {
+  try {
+    return await post(path, said);
+  } catch {
+    return { ok: false, text: words.failed };
+  }
+}
+
+// no dialog asks: it would stand before the bypass
+async function take() {
+  const button = byId("take");
+  const answer = await ask("/hand", { do: button.dataset.do });
+  const isTaken = answer.code === "other hand";
+  button.dataset.do = isTaken ? "take over" : "take";
+  put(button, isTaken ? words.over : words.take);
+  tell(answer.text);
+}
+
+byId("take")?.addEventListener("click", take);
+byId("release")?.addEventListener("click", async () => {
+  tell((await ask("/hand", { do: "release" })).text);
+});
+byId("logout")?.addEventListener("click", async () => {
+  await ask("/logout", {});
+  location.reload();
+});

@@ -1,0 +1,178 @@
+"""Whether a person may do something now: one pure function, before the press and at the press.
+
+The screen asks it to grey a button and to say why; the service asks it again with what it knows
+itself. The guard has the last word: what is allowed here is asked of it, and may still be refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum, StrEnum
+
+from aff_runtime.app.report.status import explain
+from aff_runtime.base.printable import printable
+from aff_runtime.base.signals import LATCHED_STATES, State
+
+
+class Action(StrEnum):
+    """What can be asked for."""
+
+    BYPASS = "bypass"
+    ARM = "arm"
+
+
+class Role(IntEnum):
+    """What an account is for; a later one may all that an earlier one may."""
+
+    VIEW = 0
+    OPERATE = 1
+    COMMISSION = 2
+
+    @property
+    def word(self) -> str:
+        """Return the role as people write it."""
+        return self.name.lower()
+
+
+ROLES = {role.word: role for role in Role}
+
+
+class Place(StrEnum):
+    """Where a person is: at the machine itself, or somewhere on its network."""
+
+    PANEL = "panel"
+    NETWORK = "network"
+
+
+class Code(StrEnum):
+    """Why not."""
+
+    LOGGED_OUT = "logged out"
+    SILENT = "silent"
+    CEILING = "ceiling"
+    PLACE = "place"
+    ROLE = "role"
+    IDLE = "idle"
+    NO_HAND = "no hand"
+    OTHER_HAND = "other hand"
+    ALREADY = "already"
+    FADING = "fading"
+    GUARD = "guard"
+    LATE = "late"
+    REPEATED = "repeated"
+    CHANGED = "changed"
+    FAST = "fast"
+    UNRECORDED = "unrecorded"
+    REFUSED = "refused"
+
+
+WORDS = {
+    Code.LOGGED_OUT: "log in first",
+    Code.SILENT: "no fresh data from the control process",
+    Code.CEILING: "the service lets no screen arm; arm on the gateway: aff-runtime arm",
+    Code.PLACE: "arming is for the panel at the machine, not for the network",
+    Code.ROLE: "this account may not arm; the role operate is needed",
+    Code.IDLE: "nothing was pressed for too long: log in again",
+    Code.NO_HAND: "take the hand first",
+    Code.OTHER_HAND: "{name} has the hand",
+    Code.ALREADY: "it is armed already",
+    Code.FADING: "the correction is on its way to zero; wait",
+    Code.GUARD: "blocked by {name}",
+    Code.LATE: "it came too late, nothing was done: press again",
+    Code.REPEATED: "it was heard before, nothing was done",
+    Code.CHANGED: "the state has changed since you looked: it is {name} now",
+    Code.FAST: "too many commands at once: wait a few seconds",
+    Code.UNRECORDED: "the service cannot keep its audit, so no screen arms",
+    Code.REFUSED: "refused: {name}",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reason:
+    """One reason why not; ``name`` is what ``{name}`` of its words stands for."""
+
+    code: Code
+    name: str = ""
+
+    @property
+    def text(self) -> str:
+        """Return it as the service says it."""
+        name = explain(self.name) if self.code is Code.GUARD else printable(self.name, 200)
+        return WORDS[self.code].replace("{name}", name)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Person:
+    """Who asks.
+
+    Attributes
+    ----------
+    role : of the account; None for somebody who has not logged in.
+    has_hand : whether this very session has it. ``is_idle`` : nothing was pressed for too long.
+    """
+
+    role: Role | None
+    place: Place
+    has_hand: bool = False
+    is_idle: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Circumstances:
+    """How the service stands.
+
+    Attributes
+    ----------
+    state : of the guard; None where no fresh tick is known.
+    blocked : the guard's first reason against an armed output, empty for none; REMOTE is one.
+    ceiling : the most that a screen may do here. ``arms_from`` : the farthest place to arm from.
+    hand_of : account that has the hand, empty for none.
+    """
+
+    state: State | None
+    blocked: str = ""
+    ceiling: Role = Role.VIEW
+    arms_from: Place = Place.PANEL
+    hand_of: str = ""
+
+
+def may(action: Action, person: Person, now: Circumstances) -> tuple[Reason, ...]:
+    """Return every reason why not, the first to be said first; empty when it is allowed.
+
+    Towards zero needs a login and nothing else: no state, place, hand or age stands against it.
+    """
+    if action is Action.BYPASS:
+        return () if person.role is not None else (Reason(code=Code.LOGGED_OUT),)
+    found = [Reason(code=code) for code in _of_person(person, now)]
+    if not person.has_hand and now.hand_of:
+        found.append(Reason(code=Code.OTHER_HAND, name=now.hand_of))
+    elif not person.has_hand:
+        found.append(Reason(code=Code.NO_HAND))
+    return (*found, *_of_guard(now))
+
+
+def _of_person(person: Person, now: Circumstances) -> list[Code]:
+    against = {
+        Code.LOGGED_OUT: person.role is None,
+        Code.CEILING: now.ceiling < Role.OPERATE,
+        Code.PLACE: person.place is Place.NETWORK and now.arms_from is not Place.NETWORK,
+        Code.ROLE: person.role is not None and person.role < Role.OPERATE,
+        Code.IDLE: person.is_idle,
+    }
+    return [code for code, stands in against.items() if stands]
+
+
+def _of_guard(now: Circumstances) -> tuple[Reason, ...]:
+    """Return what the guard would say, from its own words."""
+    if now.state is None:
+        return (Reason(code=Code.SILENT),)
+    if now.state in (State.ARMED, State.ACTIVE):
+        return (Reason(code=Code.ALREADY),)
+    if now.blocked and not _is_confirmed_by_arming(now):
+        return (Reason(code=Code.GUARD, name=now.blocked),)
+    return (Reason(code=Code.FADING),) if now.state is State.FADING else ()
+
+
+def _is_confirmed_by_arming(now: Circumstances) -> bool:
+    """Whether to arm is itself what ends the reason: another roll is confirmed by it."""
+    return now.state in LATCHED_STATES and now.blocked.split(" ", maxsplit=1)[0] == "RADIUS_JUMP"

@@ -1,0 +1,144 @@
+"""Tables as Parquet files that DuckDB and pandas read as they are; units in the fields' metadata.
+
+pyarrow comes with the extra ``records``: the gateway's own install does without.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Literal, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aff_runtime.app.link.files import replace_bytes
+from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.printable import printable
+
+Kind = Literal["number", "whole", "text", "truth", "moment"]
+Columns = dict[str, NDArray[Any]]
+UNIT = "unit"
+EXTRA = 'pip install "aff-runtime[records]"'
+_DTYPES: Mapping[Kind, Any] = {
+    "number": np.float64,
+    "whole": np.int64,
+    "text": np.object_,
+    "truth": np.bool_,
+    "moment": "datetime64[us]",
+}
+_KINDS: Mapping[type, Kind] = {
+    float: "number",
+    int: "whole",
+    str: "text",
+    bool: "truth",
+    np.datetime64: "moment",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Field:
+    """One column: its name, what it holds, and its unit (empty: it has none).
+
+    A moment is UTC. A number that is not known is NaN.
+    """
+
+    name: str
+    kind: Kind = "number"
+    unit: str = ""
+
+
+def empty(columns: Sequence[Field]) -> Columns:
+    """Return a table without rows."""
+    return {c.name: np.empty(0, dtype=_DTYPES[c.kind]) for c in columns}
+
+
+def fields_of(row: type) -> tuple[Field, ...]:
+    """Return the columns of a table whose rows are such records; units are in their metadata."""
+    kinds = get_type_hints(row)
+    return tuple(
+        Field(name=one.name, kind=_KINDS[kinds[one.name]], unit=one.metadata.get(UNIT, ""))
+        for one in fields(row)
+    )
+
+
+def table(columns: Sequence[Field], rows: Sequence[object]) -> Columns:
+    """Return records as columns; every record has an attribute per column."""
+    return {
+        c.name: np.array([getattr(row, c.name) for row in rows], dtype=_DTYPES[c.kind])
+        for c in columns
+    }
+
+
+def write_parquet(
+    path: Path, layout: Sequence[Field], columns: Columns, about: Mapping[str, str]
+) -> None:
+    """Replace a file by this table, whole or not at all; ``about`` goes into its metadata.
+
+    Raises
+    ------
+    ConfigError
+        pyarrow is not there, or the file cannot be written.
+    """
+    pyarrow, parquet = _library()
+    kinds = {
+        "number": pyarrow.float64(),
+        "whole": pyarrow.int64(),
+        "text": pyarrow.string(),
+        "truth": pyarrow.bool_(),
+        "moment": pyarrow.timestamp("us", tz="UTC"),
+    }
+    schema = pyarrow.schema(
+        [pyarrow.field(c.name, kinds[c.kind], metadata=_said(c)) for c in layout],
+        metadata=dict(about),
+    )
+    arrays = [pyarrow.array(columns[c.name], type=kinds[c.kind]) for c in layout]
+    into = pyarrow.BufferOutputStream()
+    parquet.write_table(pyarrow.Table.from_arrays(arrays, schema=schema), into)
+    try:
+        replace_bytes(path, into.getvalue().to_pybytes())
+    except OSError as error:
+        reason = error.strerror or error
+        raise ConfigError(f"{path}: cannot be written ({reason}); nothing is changed") from None
+
+
+def _said(column: Field) -> Mapping[str, str] | None:
+    return {UNIT: column.unit} if column.unit else None
+
+
+def read_parquet(path: Path, layout: Sequence[Field]) -> tuple[Columns, dict[str, str]]:
+    """Return a table that ``write_parquet`` wrote, and what its metadata say.
+
+    Raises
+    ------
+    ConfigError
+        pyarrow is not there, or the file is none with these columns.
+    """
+    pyarrow, parquet = _library()
+    try:
+        found = parquet.read_table(path)
+        about = {k.decode(): v.decode() for k, v in (found.schema.metadata or {}).items()}
+        columns = {c.name: _column(found.column(c.name), c) for c in layout}
+    except (OSError, KeyError, ValueError, TypeError, pyarrow.lib.ArrowException) as error:
+        raise ConfigError(
+            f"{path}: cannot be read ({printable(str(error), 200)}); expected a table of "
+            f"{len(layout)} columns that this release wrote. Move it away to begin anew"
+        ) from None
+    return columns, about
+
+
+def _column(column: Any, layout: Field) -> NDArray[Any]:
+    if layout.kind == "moment":
+        column = column.cast("timestamp[us]")
+    found: NDArray[Any] = column.to_numpy()
+    return found.astype(_DTYPES[layout.kind])
+
+
+def _library() -> tuple[Any, Any]:
+    try:
+        import pyarrow  # noqa: PLC0415 - an extra, for this alone
+        import pyarrow.parquet  # noqa: PLC0415
+    except ImportError:
+        raise ConfigError(f"Parquet files need pyarrow: {EXTRA}") from None
+    return pyarrow, pyarrow.parquet

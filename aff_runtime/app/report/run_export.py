@@ -1,0 +1,48 @@
+"""A recorded run as one Parquet file: the columns of its rows, each with its unit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from aff_runtime.app.report.parquet import Field, write_parquet
+from aff_runtime.base.printable import printable, word
+from aff_runtime.base.run_table import read_table
+from aff_runtime.base.run_window import RunWindow
+from aff_runtime.config.channel_units import unit_of_channel
+
+RATIOS = ("share", "gain_of_P")
+ENDS = (("_us", "us"), ("_mm", "mm"), ("_deg", "deg"), ("_s", "s"), ("_Hz", "Hz"))
+
+
+def export_run(window: RunWindow, path: Path) -> tuple[int, tuple[str, ...]]:
+    """Write a window; return its number of rows and what the run has lost.
+
+    Raises
+    ------
+    AffError
+        It is no run, has no row there, or the file cannot be written.
+    """
+    table = read_table(window)
+    fields = [Field(name=name, unit=unit_of_column(name)) for name in table.columns]
+    about = {
+        "line": printable(word(table.about.get("name")), 100),
+        "start_utc": printable(word(table.about.get("start_utc")), 40),
+        "config_hash": printable(word(table.about.get("config_hash")), 64),
+        "run": printable(str(window), 500),
+    }
+    write_parquet(path, fields, table.columns, about)
+    return int(table.columns["time_s"].size), table.lost
+
+
+def unit_of_column(name: str) -> str:
+    """Return the SI unit (or us, mm, deg) that the end of a column's name says.
+
+    A ratio has the unit 1, a count or a word none.
+    """
+    last = name.rpartition(".")[2]
+    if last.startswith(("applied_ratio", "limit_ratio")) or last in RATIOS:
+        return "1"
+    known = unit_of_channel(last)
+    if known is not None:
+        return known
+    return next((unit for end, unit in ENDS if last.endswith(end)), "")

@@ -1,0 +1,226 @@
+"""What a store says of each roller and order: its trend, a jump, and when it reaches a limit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aff_runtime.app.report.comparison.comparing import LIKE_SPEED
+from aff_runtime.app.report.parquet import Columns
+from aff_runtime.app.report.watching.store import Store
+from aff_runtime.app.report.watching.trend import Array, Jump, Slope, at_least_small, jump, slope
+
+DAY = np.timedelta64(86_400_000_000, "us")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quantity:
+    """A column of ``ORDERS`` that is followed over weeks.
+
+    Attributes
+    ----------
+    name, error : of the columns. ``unit`` : SI. ``correcting`` : only where that is so; None: any.
+    word : what it is called in a sentence. ``of_roller`` : the roller's own, not the drive's.
+    """
+
+    name: str
+    error: str
+    unit: str
+    word: str
+    correcting: bool | None = None
+    of_roller: bool = True
+
+
+QUANTITIES = (
+    Quantity(name="shape_m", error="shape_error_m", unit="m", word="shape"),
+    Quantity(name="stroke_m", error="stroke_error_m", unit="m", word="stroke", correcting=True),
+    Quantity(name="ripple_N", error="ripple_error_N", unit="N", word="ripple", correcting=False),
+    Quantity(
+        name="response_ratio",
+        error="response_ratio_error",
+        unit="",
+        word="response ratio",
+        correcting=True,
+        of_roller=False,
+    ),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Readings:
+    """One quantity of one order in the present life of a roller, one reading per run and day.
+
+    Attributes
+    ----------
+    limit : in the quantity's unit, NaN where nobody gave one. ``at_m_s`` : the like speed.
+    times : UTC. ``days`` : since the first. ``travelled_km``, ``size``, ``error`` beside it.
+    left_out : hours at another speed.
+    """
+
+    signal: str
+    roll: str
+    order: int
+    life: int
+    quantity: Quantity
+    at_m_s: float
+    limit: float
+    times: NDArray[np.datetime64]
+    days: Array
+    travelled_km: Array
+    size: Array
+    error: Array
+    left_out: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """What the readings say.
+
+    Attributes
+    ----------
+    per_km, per_day : lines through them; None of too few.
+    jump : a step that no growth explains: perhaps an exchange that nobody told.
+    weeks : from the last reading until the limit, with its interval; None where the slope does
+        not stand out, leads away from the limit, or there is none.
+    """
+
+    readings: Readings
+    per_km: Slope | None
+    per_day: Slope | None
+    jump: Jump | None
+    weeks: tuple[float, float, float] | None
+
+    @property
+    def stands_out(self) -> bool:
+        """Return whether there is a trend beyond 4 sigma, by web and by day, and no jump."""
+        lines = (self.per_km, self.per_day)
+        return self.jump is None and all(line is not None and line.stands_out for line in lines)
+
+
+def findings(store: Store, limits: Mapping[str, tuple[float, str]] | None = None) -> list[Finding]:
+    """Return what the store says of every roller; rolls of web have no life and are left out.
+
+    Parameters
+    ----------
+    limits : by roller, a size and its SI unit; else what the site file lets the law use.
+    """
+    return [_finding(one) for one in _all_readings(store.orders, limits or {})]
+
+
+def _finding(readings: Readings) -> Finding:
+    per_km = slope(readings.travelled_km, readings.size, readings.error)
+    per_day = slope(readings.days, readings.size, readings.error)
+    stands_out = all(line is not None and line.stands_out for line in (per_km, per_day))
+    found = Finding(
+        readings=readings,
+        per_km=per_km,
+        per_day=per_day,
+        jump=jump(readings.days, readings.size, readings.error),
+        weeks=None,
+    )
+    if not stands_out or found.jump is not None or per_day is None:
+        return found
+    return Finding(
+        readings=readings,
+        per_km=per_km,
+        per_day=per_day,
+        jump=None,
+        weeks=_weeks(per_day, readings.limit, float(readings.days[-1])),
+    )
+
+
+def _weeks(line: Slope, limit: float, today: float) -> tuple[float, float, float] | None:
+    if not math.isfinite(limit) or (limit - line.at(today)) * line.value <= 0.0:
+        return None
+    value, low, high = line.reaches(limit)
+    return (value - today) / 7.0, max(0.0, (low - today) / 7.0), (high - today) / 7.0
+
+
+def _all_readings(orders: Columns, limits: Mapping[str, tuple[float, str]]) -> Iterator[Readings]:
+    rollers = ~orders["is_roll"]
+    keys = sorted(
+        set(
+            zip(
+                orders["roll"][rollers],
+                orders["order"][rollers].tolist(),
+                orders["signal"][rollers],
+                strict=True,
+            )
+        )
+    )
+    for roll, order, signal in keys:
+        mine = (orders["roll"] == roll) & (orders["order"] == order)
+        mine &= orders["signal"] == signal
+        life = int(orders["life"][orders["roll"] == roll].max())
+        mine &= orders["life"] == life
+        part = {name: values[mine] for name, values in orders.items()}
+        for quantity in QUANTITIES:
+            found = _readings(part, quantity, (signal, roll, order, life), limits.get(roll))
+            if found is not None:
+                yield found
+
+
+def _readings(
+    part: Columns,
+    quantity: Quantity,
+    at: tuple[str, str, int, int],
+    limit: tuple[float, str] | None,
+) -> Readings | None:
+    """Return one quantity of one order at like speed, None where it never was read."""
+    needed = (quantity.name, quantity.error, "speed_m_s", "travelled_km")
+    known = np.all([np.isfinite(part[name]) for name in needed], axis=0)
+    if quantity.correcting is not None:
+        known &= part["correcting"] == quantity.correcting
+    speed = part["speed_m_s"][known]
+    if not speed.size:
+        return None
+    like = _like(speed)
+    chosen = {name: values[known][like] for name, values in part.items()}
+    groups = _by_run_and_day(chosen)
+    weight = 1.0 / at_least_small(chosen[quantity.error], chosen[quantity.name]) ** 2
+    means = {
+        name: np.array([np.average(values[g], weights=weight[g]) for g in groups])
+        for name, values in {
+            "days": (chosen["time_utc"] - chosen["time_utc"][0]) / DAY,
+            "km": chosen["travelled_km"],
+            "size": chosen[quantity.name],
+        }.items()
+    }
+    largest = chosen["limit_m"][-1] if quantity.unit == "m" else math.nan
+    if limit is not None:
+        largest = limit[0] if limit[1] == quantity.unit else math.nan
+    return Readings(
+        signal=at[0],
+        roll=at[1],
+        order=at[2],
+        life=at[3],
+        quantity=quantity,
+        at_m_s=float(np.median(speed[like])),
+        limit=float(largest),
+        times=np.array([chosen["time_utc"][g[-1]] for g in groups]),
+        days=means["days"],
+        travelled_km=means["km"],
+        size=means["size"],
+        error=np.array([1.0 / math.sqrt(float(weight[g].sum())) for g in groups]),
+        left_out=int(np.sum(~like)),
+    )
+
+
+def _like(speed: Array) -> NDArray[np.bool_]:
+    """Return which readings are at the speed that most are at."""
+    places = np.unique(np.round(speed, 3))
+    near = [np.abs(speed - place) <= 0.5 * LIKE_SPEED * place for place in places]
+    return max(near, key=np.count_nonzero)
+
+
+def _by_run_and_day(chosen: Columns) -> list[NDArray[np.intp]]:
+    """Return the rows of each run and day: what differs between days is shared within one."""
+    days = chosen["time_utc"].astype("datetime64[D]").astype(np.int64)
+    keys: dict[tuple[str, int], list[int]] = {}
+    for index, key in enumerate(zip(chosen["run_id"], days.tolist(), strict=True)):
+        keys.setdefault(key, []).append(index)
+    return [np.array(rows, dtype=np.intp) for rows in keys.values()]

@@ -1,0 +1,156 @@
+"""What one steady stretch says of every order of every roll."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from aff_runtime.app.report.comparison.comparing import estimates, tensions
+from aff_runtime.app.report.comparison.turns import BATCHES, FEWEST_TURNS, TWO_SIDED, Array
+from aff_runtime.app.report.comparison.window import Window, number, orders_of, roll_angle
+from aff_runtime.app.report.watching.tables import HourRow, OrderRow
+from aff_runtime.base.printable import printable, word
+from aff_runtime.base.yaml_section import Section
+from aff_runtime.core.monitor import Trend
+
+MOST_ROWS = 2000
+"""Of one stretch: a site file may be anybody's."""
+SETTLED_SHARE = 0.5
+"""Of the later half of a stretch, for the size that a law has learned to count. At the noise an
+order is told settled and stalled by turns."""
+LEARNED = (Trend.CONVERGING, Trend.SETTLED, Trend.STALLED)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Learned:
+    """What a law has of one order, each with its error; NaN where it has none.
+
+    Attributes
+    ----------
+    shape_m : deviation of the roll. ``stroke_m`` : the correction as a length of web.
+    limit_m : largest that the site file lets it be.
+    """
+
+    shape_m: tuple[float, float] = (math.nan, math.nan)
+    stroke_m: tuple[float, float] = (math.nan, math.nan)
+    response_ratio: tuple[float, float] = (math.nan, math.nan)
+    limit_m: float = math.nan
+
+
+def order_rows(window: Window, hour: HourRow) -> Iterator[OrderRow]:
+    """Yield what a stretch says of every order that turned often enough in it."""
+    signals = dict(tensions(window))
+    rows = 0
+    for name, given in window.section("rolls").items():
+        roll, section = str(name), Section.of(given)
+        angle = roll_angle(window, section)
+        if angle is None:
+            continue
+        orders = orders_of(window.site, roll)
+        for signal, values in signals.items():
+            for order, (found, frequency_Hz) in estimates(angle, values, window, orders).items():
+                rows += 1
+                if rows > MOST_ROWS:
+                    return
+                if found.turns < FEWEST_TURNS:
+                    continue
+                learned = _learned(window, signal, (roll, order), frequency_Hz)
+                yield OrderRow(
+                    run_id=hour.run_id,
+                    hour=hour.hour,
+                    time_utc=hour.time_utc,
+                    signal=printable(signal, 100),
+                    roll=printable(roll, 100),
+                    order=order,
+                    is_roll=is_wound(section),
+                    correcting=hour.correcting,
+                    roll_id=_roll_id(window),
+                    speed_m_s=hour.speed_m_s,
+                    radius_m=float(np.mean(angle.radius_m)),
+                    frequency_Hz=frequency_Hz,
+                    turns=found.turns,
+                    ripple_N=found.amplitude,
+                    ripple_error_N=(found.high - found.amplitude) / TWO_SIDED,
+                    floor_N=found.floor,
+                    noise_N=_noise(values),
+                    shape_m=learned.shape_m[0],
+                    shape_error_m=learned.shape_m[1],
+                    stroke_m=learned.stroke_m[0],
+                    stroke_error_m=learned.stroke_m[1],
+                    response_ratio=learned.response_ratio[0],
+                    response_ratio_error=learned.response_ratio[1],
+                    limit_m=learned.limit_m,
+                )
+
+
+def is_wound(roll: Section) -> bool:
+    """Return whether a section of ``rolls`` is of wound web, which is exchanged in operation."""
+    return bool(word(roll.get("radius"))) or roll.get("resets_on") == "splice"
+
+
+def _roll_id(window: Window) -> int:
+    column = window.table.columns.get("roll_id", np.zeros(1))
+    return int(np.clip(np.nan_to_num(column[-1]), -(2.0**53), 2.0**53))
+
+
+def _noise(values: Array) -> float:
+    """Return the noise of one reading: what three neighbours are off a line, over root 6."""
+    bends = np.diff(values[np.isfinite(values)], n=2)
+    return float(np.std(bends)) / math.sqrt(6.0) if bends.size else math.nan
+
+
+def _learned(window: Window, signal: str, at: tuple[str, int], frequency_Hz: float) -> Learned:
+    """Return what the law of the actuator that keeps ``signal`` quiet has of a roll's order."""
+    for name, given in window.section("actuators").items():
+        actuator = Section.of(given)
+        if word(actuator.section("error").get("signal")) != signal:
+            continue
+        order = f"{name}.{at[0]}_{at[1]}x"
+        columns = {n: v[v.size // 2 :] for n, v in window.table.columns.items()}
+        if not _is_settled(columns.get(f"{order}.state")):
+            continue
+        shape = columns.get(f"{order}.shape_mm")
+        speed = columns.get(f"{order}.amplitude_m_s")
+        omega = math.tau * max(frequency_Hz, 1e-9)
+        ratio = columns.get(f"{order}.gain_of_P")
+        largest = _largest(actuator, at[0])
+        none = (math.nan, math.nan)
+        return Learned(
+            shape_m=_mean(shape, 1e-3) if shape is not None else none,
+            stroke_m=_mean(speed, 1.0 / omega) if speed is not None else none,
+            response_ratio=_mean(ratio, 1.0) if ratio is not None else none,
+            limit_m=largest / omega if speed is not None else _shape_limit(actuator),
+        )
+    return Learned()
+
+
+def _is_settled(state: Array | None) -> bool:
+    """Return whether an order was learned and went out all along."""
+    if state is None or not np.all(np.isin(state, LEARNED)):
+        return False
+    return bool(np.mean(state == Trend.SETTLED) >= SETTLED_SHARE)
+
+
+def _mean(values: Array, scale: float) -> tuple[float, float]:
+    """Return mean and its error from how batches differ."""
+    finite = scale * values[np.isfinite(values)]
+    if finite.size < 2 * BATCHES:
+        return math.nan, math.nan
+    batches = [float(part.mean()) for part in np.array_split(finite, BATCHES)]
+    return float(finite.mean()), float(np.std(batches, ddof=1)) / math.sqrt(BATCHES)
+
+
+def _largest(actuator: Section, roll: str) -> float:
+    """Return the largest correction of a roll's block, m/s, NaN where the file has none."""
+    blocks = actuator.get("blocks")
+    for block in blocks if isinstance(blocks, list) else ():
+        if isinstance(block, dict) and block.get("roll") == roll and "amp_limit_m_s" in block:
+            return number(block["amp_limit_m_s"], "m/s")
+    return number(actuator.get("limit_m_s"), "m/s")
+
+
+def _shape_limit(actuator: Section) -> float:
+    return number(actuator.get("shape_limit_m"), "m")

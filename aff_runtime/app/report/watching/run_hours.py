@@ -1,0 +1,273 @@
+"""What a store takes of one run folder: its hours, and one steady stretch of each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+
+from aff_runtime.app.report.comparison.comparing import percentiles
+from aff_runtime.app.report.comparison.turns import Array
+from aff_runtime.app.report.comparison.window import DEFAULT_SPEED, Window
+from aff_runtime.app.report.watching.order_rows import order_rows
+from aff_runtime.app.report.watching.stretches import SHORTEST_S, is_correcting, steady
+from aff_runtime.app.report.watching.tables import HourRow, OrderRow
+from aff_runtime.base.errors import AffError
+from aff_runtime.base.printable import printable, word
+from aff_runtime.base.run_files import text_of, yaml_values
+from aff_runtime.base.run_table import LONGEST_RUN_S, FirstRow, first_rows, read_table
+from aff_runtime.base.run_window import MARK, RunWindow
+from aff_runtime.base.yaml_section import Section
+
+HOUR_S = 3600.0
+READ_S = 150.0
+"""Of an hour read at once; a stretch is at most ``stretches.LONGEST_S`` of it."""
+PLACES = (0.0, 1.0 / 3.0, 2.0 / 3.0)
+"""Where in an hour a stretch is looked for, until one is long enough."""
+ENOUGH_S = 60.0
+LAW_COLUMNS = (".shape_mm", ".amplitude_m_s", ".state", ".gain_of_P", "probe.stage")
+_LARGEST = 1 << 20
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HourRead:
+    """One hour of a run: its row, and those of its orders."""
+
+    hour: HourRow
+    orders: tuple[OrderRow, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedHour:
+    """An hour of a run's clock that has rows.
+
+    Attributes
+    ----------
+    hour : its number. ``from_s``, ``to_s`` : its first and last row.
+    web_to_s : until when its web counts: where the next such hour begins, or the run ends.
+    """
+
+    hour: int
+    from_s: float
+    to_s: float
+    web_to_s: float
+
+    @property
+    def covered_s(self) -> float:
+        """Return how much of it is recorded."""
+        return self.to_s - self.from_s
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunHours:
+    """A run folder at a glance; its hours are read one by one when asked for.
+
+    Attributes
+    ----------
+    run_id : the same for every copy of the folder.
+    line : name of the line. ``start_utc`` : wall time of the row at time ``start_s``.
+    hours : that have rows.
+    times_s, lengths_m : (points,) of the run's clock, and how much web ran until there.
+    """
+
+    folder: Path
+    run_id: str
+    config_hash: str
+    line: str
+    site: Section
+    start_utc: datetime
+    start_s: float
+    hours: tuple[RecordedHour, ...]
+    times_s: Array
+    lengths_m: Array
+
+    def utc(self, time_s: float) -> np.datetime64:
+        """Return the wall time of a row."""
+        at = np.datetime64(self.start_utc.replace(tzinfo=None), "us")
+        return at + np.timedelta64(round(1e6 * (time_s - self.start_s)), "us")
+
+    def web_m(self, one: RecordedHour) -> float:
+        """Return how much web ran from an hour's first row to that of the next."""
+        return self._until_m(one.web_to_s) - self._until_m(one.from_s)
+
+    def _until_m(self, time_s: float) -> float:
+        return float(np.interp(time_s, self.times_s, self.lengths_m))
+
+    def read(self, one: RecordedHour) -> HourRead:
+        """Return what an hour holds, with the longest stretch that was looked at."""
+        best: Window | None = None
+        for place in PLACES:
+            from_s = one.from_s + place * max(0.0, one.covered_s - READ_S)
+            found = self._stretch(from_s, min(from_s + READ_S, one.to_s + 1e-6))
+            if found is not None and (best is None or _seconds(found) > _seconds(best)):
+                best = found
+            if (best is not None and _seconds(best) >= ENOUGH_S) or one.covered_s <= READ_S:
+                break
+        return self._read(one, best)
+
+    def _stretch(self, from_s: float, to_s: float) -> Window | None:
+        window = RunWindow(folder=self.folder, from_s=from_s, to_s=to_s)
+        try:
+            table = read_table(window, keep=lambda n: "." not in n or n.endswith(LAW_COLUMNS))
+        except AffError:  # a hole in the record
+            return None
+        return steady(table, _speed_name(self.site))
+
+    def _read(self, one: RecordedHour, window: Window | None) -> HourRead:
+        middle_s = 0.5 * (one.from_s + one.to_s)
+        if window is not None:
+            middle_s = 0.5 * float(window.time_s[0] + window.time_s[-1])
+        row = replace(
+            _of_stretch(window),
+            run_id=self.run_id,
+            hour=one.hour,
+            time_utc=self.utc(middle_s),
+            run=printable(self.folder.name, 100),
+            config_hash=self.config_hash,
+            covered_s=one.covered_s,
+            length_m=self.web_m(one),
+            offset_m=self._until_m(middle_s) - self._until_m(one.from_s),
+        )
+        return HourRead(hour=row, orders=() if window is None else tuple(order_rows(window, row)))
+
+
+def run_hours(folder: Path) -> RunHours:
+    """Return what a run folder holds.
+
+    Raises
+    ------
+    AffError
+        It is no run, has no rows, or does not say when it began.
+    """
+    about, rows = first_rows(folder)
+    begins = _rising(rows)
+    shown = printable(str(folder))
+    if not begins:
+        raise AffError(f"{shown}: no segment of the run holds a row")
+    site = _site(folder)
+    times, speeds = _speeds(folder, begins, _speed_name(site))
+    segment_s = _segment_s(about)
+    text = text_of(folder / MARK, _LARGEST)
+    return RunHours(
+        folder=folder,
+        run_id=sha256(text.encode()).hexdigest()[:16],
+        config_hash=printable(word(about.get("config_hash")), 64),
+        line=printable(word(site.section("line").get("name")) or word(about.get("name")), 100),
+        site=site,
+        start_utc=_start(shown, about),
+        start_s=max(0.0, begins[0].values["time_s"] - (begins[0].number - 1) * segment_s),
+        hours=_hours([one.values["time_s"] for one in begins], segment_s, float(times[-1])),
+        times_s=times,
+        lengths_m=_lengths(times, speeds),
+    )
+
+
+def _rising(rows: tuple[FirstRow, ...]) -> list[FirstRow]:
+    """Return the segments whose time goes on; where a clock goes back it does not."""
+    found: list[FirstRow] = []
+    for row in rows:
+        time_s = row.values["time_s"]
+        if 0.0 <= time_s < LONGEST_RUN_S and (not found or time_s > found[-1].values["time_s"]):
+            found.append(row)
+    return found
+
+
+def _segment_s(about: Section) -> float:
+    given = about.get("segment_s")
+    return float(given) if isinstance(given, int | float) and 0.0 < given < HOUR_S else HOUR_S
+
+
+def _hours(begins_s: list[float], segment_s: float, last_s: float) -> tuple[RecordedHour, ...]:
+    """Return the hours in which segments lie; those between are deleted, to bound the disk."""
+    spans: dict[int, tuple[float, float]] = {}
+    ends = [*begins_s[1:], max(last_s, begins_s[-1])]
+    for begin, end in zip(begins_s, ends, strict=True):
+        stop = min(end, begin + segment_s)
+        for hour in range(int(begin // HOUR_S), int(stop // HOUR_S) + 1):
+            first, last = max(begin, hour * HOUR_S), min(stop, (hour + 1) * HOUR_S)
+            spans[hour] = (min(first, spans.get(hour, (first, last))[0]), last)
+    starts = [first for first, _ in spans.values()]
+    return tuple(
+        RecordedHour(hour=hour, from_s=first, to_s=last, web_to_s=web_to_s)
+        for (hour, (first, last)), web_to_s in zip(
+            spans.items(), [*starts[1:], last_s], strict=True
+        )
+        if last > first
+    )
+
+
+def _site(folder: Path) -> Section:
+    try:
+        return Section.of(yaml_values(text_of(folder / "site.yaml", _LARGEST)))
+    except ValueError:
+        return Section()
+
+
+def _speed_name(site: Section) -> str:
+    return word(site.section("line").get("speed"), DEFAULT_SPEED)
+
+
+def _start(shown: str, about: Section) -> datetime:
+    said = word(about.get("start_utc"))
+    try:
+        found = datetime.fromisoformat(said)
+        return found.astimezone(UTC) if found.tzinfo else found.replace(tzinfo=UTC)
+    except (ValueError, OverflowError):
+        raise AffError(
+            f"{shown}: start_utc says {printable(said, 40)!r}, expected a time such as "
+            "2026-01-02T03:04:05+00:00; without it nobody knows when the run was"
+        ) from None
+
+
+def _speeds(folder: Path, begins: list[FirstRow], name: str) -> tuple[Array, Array]:
+    """Return times that rise, and the line speed there: where segments begin, and in the last."""
+    points = [(one.values["time_s"], one.values.get(name, 0.0)) for one in begins]
+    window = RunWindow(folder=folder, from_s=points[-1][0])
+    keep: Callable[[str], bool] = name.__eq__
+    last = read_table(window, keep=keep).columns
+    every = max(1, last["time_s"].size // 100)
+    tail = last.get(name, np.zeros_like(last["time_s"]))
+    points += list(zip(last["time_s"][::every], tail[::every], strict=True))
+    points.append((last["time_s"][-1], tail[-1]))
+    time_s, speed = np.array(points).T
+    rising = time_s > np.maximum.accumulate(np.concatenate([[-math.inf], time_s[:-1]]))
+    return time_s[rising], np.abs(np.nan_to_num(speed[rising]))
+
+
+def _lengths(times_s: Array, speeds_m_s: Array) -> Array:
+    steps = 0.5 * (speeds_m_s[1:] + speeds_m_s[:-1]) * np.diff(times_s)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _seconds(window: Window) -> float:
+    return float(window.time_s[-1] - window.time_s[0]) if window.time_s.size else 0.0
+
+
+def _of_stretch(window: Window | None) -> HourRow:
+    """Return a row with what a stretch says; the rest of it is to be filled in."""
+    nobody = HourRow(run_id="", hour=0, time_utc=np.datetime64(0, "us"), run="", config_hash="")
+    if window is None:
+        lacks = f"no {SHORTEST_S:.0f} s at one speed without splice, probe or limit"
+        return replace(nobody, lacks=lacks)
+    columns = window.table.columns
+    none = np.full(1, math.nan)
+    wake, io, tick = (percentiles(columns.get(f"{n}_us", none)) for n in ("wake", "io", "tick"))
+    missed = columns.get("missed_count", none)
+    speed = window.speed
+    return replace(
+        nobody,
+        stretch_s=_seconds(window),
+        speed_m_s=math.nan if speed is None else float(np.nanmean(np.abs(speed))),
+        correcting=is_correcting(window),
+        missed_count=int(np.nan_to_num(missed[-1] - missed[0])),
+        wake_p99_us=wake[1],
+        io_p99_us=io[1],
+        tick_p50_us=tick[0],
+        tick_p99_us=tick[1],
+        tick_max_us=tick[3],
+    )

@@ -1,0 +1,191 @@
+"""Findings in words, and as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from aff_runtime.app.report.watching.findings import Finding, Readings
+from aff_runtime.app.report.watching.store import Taken
+from aff_runtime.app.report.watching.trend import SIGMA, Slope
+
+SHOWN = {"m": ("um", 1e6), "N": ("N", 1.0), "": ("", 1.0)}
+PER_KM = 1000.0
+A_LONG_TIME_WEEKS = 520.0
+
+
+def notes(found: Sequence[Finding]) -> Iterator[str]:
+    """Yield what somebody should know: a trend beyond 4 sigma, and a jump that may be a change."""
+    for one in found:
+        if one.jump is not None:
+            yield _jumped(one)
+        elif one.stands_out:
+            yield _grows(one)
+
+
+def table(found: Sequence[Finding]) -> Iterator[str]:
+    """Yield one line per quantity that has been read at all."""
+    for one in found:
+        readings = one.readings
+        count = readings.size.size
+        left = f"; {readings.left_out} hours at another speed" if readings.left_out else ""
+        head = (
+            f"{_name(readings)} ({readings.signal}): {count} readings in "
+            f"{np.ptp(readings.days):.0f} days at {readings.at_m_s:.3g} m/s{left}"
+        )
+        if one.per_km is None:
+            yield f"{head}; {_shown(readings, float(readings.size[-1]))}, too few for a trend"
+        else:
+            yield f"{head}; {_size_now(readings, one.per_km)}, {_slope(readings, one.per_km)}"
+
+
+def taken(what: Taken) -> str:
+    """Return what became of a run."""
+    parts = [f"{what.new} hours new"]
+    if what.lacking:
+        parts.append(f"{what.lacking} of them without a steady stretch")
+    if what.known:
+        parts.append(f"{what.known} known already")
+    if what.too_old:
+        parts.append(f"{what.too_old} older than what was thinned out, left out")
+    return ", ".join(parts)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LineSaid:
+    """A slope with its 95 % interval, for programs."""
+
+    value: float
+    low: float
+    high: float
+    scatter: float
+    readings: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Said:
+    """A finding for programs, SI; what is not known is None."""
+
+    signal: str
+    roll: str
+    order: int
+    life: int
+    quantity: str
+    readings: int
+    hours_at_another_speed: int
+    speed_m_s: float
+    last: float
+    limit: float | None
+    stands_out: bool
+    per_km: LineSaid | None
+    per_day: LineSaid | None
+    weeks_to_limit: tuple[float | None, ...] | None
+    jump_on: str | None
+
+
+def as_json(line: str, found: Sequence[Finding]) -> str:
+    """Return findings for programs, SI; what is not known is null."""
+    said = {"version": 1, "line": line, "findings": [asdict(_said(one)) for one in found]}
+    return json.dumps(said, allow_nan=False)
+
+
+def _said(one: Finding) -> Said:
+    readings, step = one.readings, one.jump
+    return Said(
+        signal=readings.signal,
+        roll=readings.roll,
+        order=readings.order,
+        life=readings.life,
+        quantity=readings.quantity.name,
+        readings=int(readings.size.size),
+        hours_at_another_speed=readings.left_out,
+        speed_m_s=readings.at_m_s,
+        last=float(readings.size[-1]),
+        limit=_number(readings.limit),
+        stands_out=one.stands_out,
+        per_km=_line(one.per_km),
+        per_day=_line(one.per_day),
+        weeks_to_limit=None if one.weeks is None else tuple(_number(w) for w in one.weeks),
+        jump_on=None if step is None else str(readings.times[step.index].astype("M8[D]")),
+    )
+
+
+def _line(line: Slope | None) -> LineSaid | None:
+    if line is None:
+        return None
+    return LineSaid(
+        value=line.value,
+        low=line.low,
+        high=line.high,
+        scatter=line.scatter,
+        readings=line.readings,
+    )
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _grows(one: Finding) -> str:
+    readings, line = one.readings, one.per_km
+    assert line is not None
+    verb = "grows" if line.value > 0.0 else "falls"
+    text = (
+        f"{_name(readings)} {verb}: {_slope(readings, line)}, beyond {SIGMA:g} sigma in "
+        f"{np.ptp(readings.days):.0f} days; {_size_now(readings, line)}"
+    )
+    if one.weeks is not None:
+        text += f"; reaches {_shown(readings, readings.limit)} in {_weeks(one.weeks)}"
+    return text
+
+
+def _jumped(one: Finding) -> str:
+    readings, step = one.readings, one.jump
+    assert step is not None
+    day = np.datetime_as_string(readings.times[step.index], "D")
+    text = (
+        f"{_name(readings)} jumped from {_shown(readings, step.before)} to "
+        f"{_shown(readings, step.after)} on or before {day}: "
+    )
+    if not readings.quantity.of_roller:
+        return text + "what was changed at drive or web?"
+    return text + (
+        f"was {readings.roll} exchanged? "
+        f"If so: aff-runtime watch exchange STORE {readings.roll} --on {day}"
+    )
+
+
+def _name(readings: Readings) -> str:
+    life = f", life {readings.life}" if readings.life > 1 else ""
+    return f"{readings.roll} {readings.order}x {readings.quantity.word}{life}"
+
+
+def _slope(readings: Readings, line: Slope) -> str:
+    unit, factor = SHOWN[readings.quantity.unit]
+    value, low, high = (f"{PER_KM * factor * v:.3g}" for v in (line.value, line.low, line.high))
+    return f"{value} {unit} per 1000 km ({low} to {high})".replace("  ", " ")
+
+
+def _size_now(readings: Readings, line: Slope) -> str:
+    return f"{_shown(readings, line.at(float(readings.travelled_km[-1])))} now"
+
+
+def _shown(readings: Readings, size: float) -> str:
+    unit, factor = SHOWN[readings.quantity.unit]
+    return f"{factor * size:.3g} {unit}".strip()
+
+
+def _weeks(weeks: tuple[float, float, float]) -> str:
+    value, low, high = weeks
+    if value < 1.0:
+        about = f"about {7.0 * value:.0f} days"
+    elif value > A_LONG_TIME_WEEKS:
+        return "more than 10 years"
+    else:
+        about = f"about {value:.0f} weeks"
+    end = "without end" if not math.isfinite(high) else f"{high:.1f}"
+    return f"{about} ({low:.1f} to {end} weeks)"

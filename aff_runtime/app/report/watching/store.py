@@ -1,0 +1,276 @@
+"""One line's store: a folder with three Parquet files, bounded, in which nothing counts twice."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aff_runtime.app.report.parquet import (
+    Columns,
+    Field,
+    empty,
+    read_parquet,
+    table,
+    write_parquet,
+)
+from aff_runtime.app.report.watching.run_hours import RunHours
+from aff_runtime.app.report.watching.tables import (
+    EXCHANGES,
+    HOURS,
+    ORDERS,
+    ExchangeRow,
+    HourRow,
+    OrderRow,
+)
+from aff_runtime.base.errors import ConfigError
+
+VERSION = "1"
+MOST_HOURS, MOST_ORDERS = 10_000, 300_000
+"""Rows of a store. Above that every second of the older half of its hours goes."""
+MOST_EXCHANGES = 10_000
+LONGER_S = 1.0
+"""An hour is read anew where a run has more of it by so much: it was still being recorded."""
+FILES = ("hours.parquet", "orders.parquet", "exchanges.parquet")
+LOCK_FLAGS = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
+NEVER = np.datetime64("1970-01-01", "us")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Taken:
+    """What became of a run folder: hours that are new, known already, or older than what is kept.
+
+    ``lacking`` of the new ones have no steady stretch; their web counts.
+    """
+
+    new: int = 0
+    known: int = 0
+    too_old: int = 0
+    lacking: int = 0
+
+
+@dataclass(slots=True, kw_only=True)
+class Store:
+    """What is known of one line over months.
+
+    Attributes
+    ----------
+    line : its name; empty until the first run.
+    hours, orders, exchanges : columns of the tables.
+    thinned_utc : newest of the hours that were thinned out: what is older is not taken again.
+    """
+
+    line: str = ""
+    hours: Columns = field(default_factory=lambda: empty(HOURS))
+    orders: Columns = field(default_factory=lambda: empty(ORDERS))
+    exchanges: Columns = field(default_factory=lambda: empty(EXCHANGES))
+    thinned_utc: np.datetime64 = NEVER
+
+    def add(self, run: RunHours) -> Taken:
+        """Take every hour of a run that is not here yet, or was shorter.
+
+        Raises
+        ------
+        ConfigError
+            It is a run of another line.
+        """
+        if self.line and run.line != self.line:
+            raise ConfigError(
+                f"{run.folder}: a run of line {run.line}, the store is of {self.line}; nothing is "
+                "taken of it. Give each line a store of its own"
+            )
+        self.line = run.line
+        ours = np.flatnonzero(self.hours["run_id"] == run.run_id)
+        row_of = dict(zip(self.hours["hour"][ours].tolist(), ours.tolist(), strict=True))
+        new: list[HourRow] = []
+        orders: list[OrderRow] = []
+        known = too_old = 0
+        for one in run.hours:
+            at = row_of.get(one.hour)
+            if at is not None and one.covered_s <= self.hours["covered_s"][at] + LONGER_S:
+                known += 1
+                self.hours["length_m"][at] = max(self.hours["length_m"][at], run.web_m(one))
+                continue
+            if at is None and run.utc(one.from_s) <= self.thinned_utc:
+                too_old += 1
+                continue
+            read = run.read(one)
+            new.append(read.hour)
+            orders += read.orders
+        self._replace(run.run_id, new, orders)
+        return Taken(
+            new=len(new), known=known, too_old=too_old, lacking=sum(bool(one.lacks) for one in new)
+        )
+
+    def exchange(self, roll: str, on: datetime, why: str) -> None:
+        """Begin a new life of a roller; the same again changes nothing.
+
+        Raises
+        ------
+        ConfigError
+            The store knows no such roller, or it is a roll of web.
+        """
+        names = sorted(set(self.orders["roll"]))
+        if roll not in names:
+            known = ", ".join(names) or "none yet"
+            raise ConfigError(f"{roll}: the store knows no such roller; it knows {known}")
+        if bool(np.any(self.orders["is_roll"][self.orders["roll"] == roll])):
+            raise ConfigError(
+                f"{roll}: is a roll of web; each has its own shape, and no life here"
+            )
+        at = np.datetime64(on.replace(tzinfo=None), "us")
+        told = self.exchanges
+        if np.any((told["roll"] == roll) & (told["on_utc"] == at)):
+            return
+        if told["roll"].size >= MOST_EXCHANGES:
+            raise ConfigError(f"the store holds {MOST_EXCHANGES} exchanges; begin another one")
+        row = ExchangeRow(roll=roll, on_utc=at, why=why)
+        self.exchanges = _joined(told, table(EXCHANGES, [row]), EXCHANGES)
+        self._number()
+
+    def _replace(self, run_id: str, hours: list[HourRow], orders: list[OrderRow]) -> None:
+        """Put rows in the place of those of the same hours."""
+        again = [row.hour for row in hours]
+        for name, fields, rows in (("hours", HOURS, hours), ("orders", ORDERS, orders)):
+            old: Columns = getattr(self, name)
+            stays = ~((old["run_id"] == run_id) & np.isin(old["hour"], again))
+            setattr(self, name, _joined(_chosen(old, stays), table(fields, rows), fields))
+        self._sort()
+        while self.hours["hour"].size > MOST_HOURS or self.orders["hour"].size > MOST_ORDERS:
+            if not self._thin_out():
+                break
+        self._number()
+
+    def _sort(self) -> None:
+        self.hours = _chosen(self.hours, np.argsort(self.hours["time_utc"], kind="stable"))
+        self.orders = _chosen(self.orders, np.argsort(self.orders["time_utc"], kind="stable"))
+
+    def _thin_out(self) -> bool:
+        """Take every second hour of the older half out; its web counts for the one before."""
+        half = self.hours["hour"].size // 2
+        gone = np.arange(1, half, 2)
+        if not gone.size:
+            return False
+        self.hours["length_m"][gone - 1] += self.hours["length_m"][gone]
+        self.thinned_utc = max(self.thinned_utc, self.hours["time_utc"][gone[-1]])
+        stays = np.ones(self.hours["hour"].size, dtype=np.bool_)
+        stays[gone] = False
+        self.hours = _chosen(self.hours, stays)
+        self.drop_orphans()
+        return True
+
+    def drop_orphans(self) -> None:
+        """Take out what belongs to no hour: a crash between two files leaves some."""
+        known = set(zip(self.hours["run_id"], self.hours["hour"], strict=True))
+        keys = zip(self.orders["run_id"], self.orders["hour"], strict=True)
+        stays = np.fromiter((key in known for key in keys), np.bool_, self.orders["hour"].size)
+        self.orders = _chosen(self.orders, stays)
+
+    def _number(self) -> None:
+        """Work out how far the web had run at each hour, and the life of each roller."""
+        hours, orders = self.hours, self.orders
+        before = np.cumsum(hours["length_m"]) - hours["length_m"]
+        hours["travelled_km"] = 1e-3 * (before + hours["offset_m"])
+        at = dict(
+            zip(
+                zip(hours["run_id"], hours["hour"], strict=True),
+                hours["travelled_km"],
+                strict=True,
+            )
+        )
+        keys = zip(orders["run_id"], orders["hour"], strict=True)
+        orders["travelled_km"] = np.fromiter((at[key] for key in keys), np.float64)
+        orders["life"] = np.ones(orders["hour"].size, dtype=np.int64)
+        for roll, on in zip(self.exchanges["roll"], self.exchanges["on_utc"], strict=True):
+            orders["life"] += (orders["roll"] == roll) & (orders["time_utc"] >= on)
+
+
+def load_store(folder: Path, *, begin: bool = False) -> Store:
+    """Return a store; with ``begin`` an empty one where none is there yet.
+
+    Raises
+    ------
+    ConfigError
+        It is not there, or one of its files cannot be read.
+    """
+    paths = [folder / name for name in FILES]
+    if not paths[0].exists():
+        if begin:
+            return Store()
+        raise ConfigError(
+            f"{folder}: holds no store; `aff-runtime watch add STORE RUN_DIR` begins one"
+        )
+    hours, about = read_parquet(paths[0], HOURS)
+    if about.get("version") != VERSION or not about.get("line"):
+        raise ConfigError(
+            f"{paths[0]}: is no store of this release's `aff-runtime watch`; move it away"
+        )
+    tables = [
+        read_parquet(path, fields)[0] if path.exists() else empty(fields)
+        for path, fields in zip(paths[1:], (ORDERS, EXCHANGES), strict=True)
+    ]
+    store = Store(
+        line=about["line"],
+        hours=hours,
+        orders=tables[0],
+        exchanges=tables[1],
+        thinned_utc=np.datetime64(about.get("thinned_utc", str(NEVER)), "us"),
+    )
+    store.drop_orphans()
+    return store
+
+
+def save_store(folder: Path, store: Store) -> None:
+    """Replace the files of a store, each whole or not at all; the hours last: they count.
+
+    Raises
+    ------
+    ConfigError
+        One cannot be written.
+    """
+    about = {"line": store.line, "version": VERSION, "thinned_utc": str(store.thinned_utc)}
+    named = (
+        (FILES[2], EXCHANGES, store.exchanges),
+        (FILES[1], ORDERS, store.orders),
+        (FILES[0], HOURS, store.hours),
+    )
+    for name, fields, columns in named:
+        write_parquet(folder / name, fields, columns, about)
+
+
+@contextlib.contextmanager
+def alone(folder: Path) -> Iterator[None]:
+    """Hold a store for oneself while it is read, changed and written.
+
+    Raises
+    ------
+    ConfigError
+        Another command has it, or the folder cannot be used.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = os.open(folder / ".lock", LOCK_FLAGS, 0o644)
+    except OSError as error:
+        raise ConfigError(f"{folder}: no folder for a store ({error.strerror})") from None
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    except BlockingIOError:
+        raise ConfigError(f"{folder}: another `aff-runtime watch` is at it; try again") from None
+    finally:
+        os.close(lock)
+
+
+def _chosen(columns: Columns, which: NDArray[np.bool_] | NDArray[np.intp]) -> Columns:
+    return {name: values[which] for name, values in columns.items()}
+
+
+def _joined(first: Columns, second: Columns, fields: Sequence[Field]) -> Columns:
+    return {f.name: np.concatenate([first[f.name], second[f.name]]) for f in fields}

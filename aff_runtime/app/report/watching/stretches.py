@@ -1,0 +1,106 @@
+"""The longest stretch of a recorded window in which nothing changed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from aff_runtime.app.report.comparison.turns import Array, Flags
+from aff_runtime.app.report.comparison.window import (
+    EXCITING,
+    PROBE,
+    Window,
+    sum_of_corrections,
+    window_of,
+)
+from aff_runtime.base.run_table import RunTable
+from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.signals import StateBits, Status
+
+BLOCK_S = 1.0
+SHORTEST_S, LONGEST_S = 20.0, 120.0
+SAME_SPEED = 0.01
+"""Of a stretch, its speed block by block; the window of a comparison may have twice as much."""
+SLOWEST_M_S = 0.02
+WHOLLY = 0.98
+"""Share of a block's rows that carry a correction, or none."""
+
+
+def steady(table: RunTable, speed_name: str) -> Window | None:
+    """Return the longest stretch at one speed, corrected all along or not at all; None without.
+
+    Left out are splices, the probe's excitation and what ran into a limit.
+    """
+    speed = table.columns.get(speed_name)
+    if speed is None or speed.size < 2:
+        return None
+    time_s = table.columns["time_s"]
+    block = np.floor((time_s - time_s[0]) / BLOCK_S).astype(np.int64)
+    starts = np.flatnonzero(np.diff(block, prepend=block[0] - 1))
+    mean = _means(np.nan_to_num(speed), starts)
+    going = _means((sum_of_corrections(table.columns) > 0.0).astype(np.float64), starts)
+    good = (_means(_disturbed(table), starts) == 0.0) & (np.abs(mean) > SLOWEST_M_S)
+    good &= (going >= WHOLLY) | (going <= 1.0 - WHOLLY)
+    good[1:] &= np.diff(time_s[starts]) < 2.0 * BLOCK_S
+    first, last = _longest(good, mean, going > 0.5)
+    if (last - first) * BLOCK_S < SHORTEST_S:
+        return None
+    from_s = float(time_s[starts[first]])
+    end = starts[last] if last < starts.size else time_s.size
+    to_s = min(float(time_s[end - 1]) + 1e-6, from_s + LONGEST_S)
+    return window_of(_cut(table, from_s, to_s))
+
+
+def is_correcting(window: Window) -> bool:
+    """Return whether corrections went out in a stretch."""
+    return bool(np.mean(sum_of_corrections(window.table.columns) > 0.0) > 0.5)
+
+
+def _means(values: Array, starts: np.typing.NDArray[np.intp]) -> Array:
+    sums: Array = np.add.reduceat(values, starts)
+    return sums / np.diff(np.append(starts, values.size))
+
+
+def _disturbed(table: RunTable) -> Array:
+    """Return per row whether a splice, the probe or a limit is in it."""
+    columns = table.columns
+    nothing = np.zeros(columns["time_s"].shape)
+    found: Flags = nothing > 0.0
+    words = (("status", Status.SPLICE_ACTIVE), ("state_bits", StateBits.SATURATED))
+    for name, bit in words:
+        word = np.clip(np.nan_to_num(columns.get(name, nothing)), 0.0, 2.0**32).astype(np.int64)
+        found |= (word & int(bit)) != 0
+    found |= columns.get(PROBE, nothing) == EXCITING
+    return found.astype(np.float64)
+
+
+def _longest(good: Flags, speed: Array, going: Flags) -> tuple[int, int]:
+    """Return the longest run of good blocks, alike in speed and correction, as [first, last)."""
+    best, first = (0, 0), 0
+    for k in range(good.size + 1):
+        goes_on = (
+            k < good.size
+            and good[k]
+            and (
+                k == first
+                or (
+                    going[k] == going[first]
+                    and abs(speed[k] - speed[first]) <= SAME_SPEED * abs(speed[first])
+                )
+            )
+        )
+        if goes_on:
+            continue
+        if k - first > best[1] - best[0]:
+            best = (first, k)
+        first = k if k < good.size and good[k] else k + 1
+    return best
+
+
+def _cut(table: RunTable, from_s: float, to_s: float) -> RunTable:
+    time_s = table.columns["time_s"]
+    keep = (time_s >= from_s) & (time_s < to_s)
+    window = RunWindow(folder=table.window.folder, from_s=from_s, to_s=to_s)
+    columns = {name: values[keep] for name, values in table.columns.items()}
+    return replace(table, window=window, columns=columns, events=())

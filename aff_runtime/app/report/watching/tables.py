@@ -1,0 +1,104 @@
+"""The three tables of a store: one class per row, every column with its unit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from aff_runtime.app.report.parquet import UNIT, fields_of
+
+
+def _si(unit: str) -> Any:
+    """Return a number in ``unit``, NaN where it is not known."""
+    return field(default=math.nan, metadata={UNIT: unit})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HourRow:
+    """One hour of a run's clock: when, how much web ran, how the ticks were.
+
+    Attributes
+    ----------
+    covered_s : of the hour that is recorded. ``stretch_s``: of that, was measured.
+    length_m : all web of the hour. ``offset_m`` : what ran of it until the middle of the stretch.
+    travelled_km : all that the store knows until there.
+    lacks : why nothing was measured; empty where it was.
+    """
+
+    run_id: str
+    hour: int
+    time_utc: np.datetime64
+    run: str
+    config_hash: str
+    covered_s: float = _si("s")
+    length_m: float = _si("m")
+    offset_m: float = _si("m")
+    travelled_km: float = _si("km")
+    stretch_s: float = _si("s")
+    speed_m_s: float = _si("m/s")
+    correcting: bool = False
+    missed_count: int = 0
+    wake_p99_us: float = _si("us")
+    io_p99_us: float = _si("us")
+    tick_p50_us: float = _si("us")
+    tick_p99_us: float = _si("us")
+    tick_max_us: float = _si("us")
+    lacks: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OrderRow:
+    """One order of one roll in one tension, in the stretch of one hour; NaN where not known.
+
+    Attributes
+    ----------
+    is_roll : it is wound web, exchanged in operation, so that it has no life to follow.
+    correcting : corrections went out. ``turns`` : that the ripple rests on.
+    floor_N : what noise alone exceeds once in 20 stretches. ``noise_N`` : of one reading.
+    shape_m : deviation that law shape has learned. ``stroke_m`` : the plain law's correction as a
+        length of web: its speed amplitude over its angular frequency.
+    response_ratio : the true response over the measured one.
+    limit_m : largest shape or stroke that the site file lets the law use.
+    """
+
+    run_id: str
+    hour: int
+    time_utc: np.datetime64
+    signal: str
+    roll: str
+    order: int
+    is_roll: bool
+    correcting: bool
+    travelled_km: float = _si("km")
+    life: int = 1
+    roll_id: int = 0
+    speed_m_s: float = _si("m/s")
+    radius_m: float = _si("m")
+    frequency_Hz: float = _si("Hz")
+    turns: int = 0
+    ripple_N: float = _si("N")
+    ripple_error_N: float = _si("N")
+    floor_N: float = _si("N")
+    noise_N: float = _si("N")
+    shape_m: float = _si("m")
+    shape_error_m: float = _si("m")
+    stroke_m: float = _si("m")
+    stroke_error_m: float = _si("m")
+    response_ratio: float = _si("1")
+    response_ratio_error: float = _si("1")
+    limit_m: float = _si("m")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExchangeRow:
+    """A roller that was exchanged, as a technician said; it begins a new life."""
+
+    roll: str
+    on_utc: np.datetime64
+    why: str
+
+
+HOURS, ORDERS, EXCHANGES = (fields_of(row) for row in (HourRow, OrderRow, ExchangeRow))

@@ -1,0 +1,284 @@
+"""What a screen asks is judged here, done, and put on record: bypass at once, arming with care."""
+
+from __future__ import annotations
+
+import logging
+import selectors
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Protocol
+
+from aff_runtime import __version__
+from aff_runtime.app.hand.audit import Audit, Entry
+from aff_runtime.app.hand.bucket import Bucket
+from aff_runtime.app.hand.may import Action, Circumstances, Code, Person, Place, Reason, Role, may
+from aff_runtime.app.hand.messages import (
+    VALID_NS,
+    Answer,
+    Command,
+    HandMessageError,
+    Notice,
+    Welcome,
+    read_said,
+)
+from aff_runtime.app.link.messages import Reply
+from aff_runtime.app.supervisor.hand.visits import Visitor, Visits
+from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.ports import Clock
+from aff_runtime.base.signals import State
+
+REMEMBERED_NS = 5 * VALID_NS
+SHOWN_HASH = 12
+LOG = logging.getLogger("aff_runtime")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HandRules:
+    """What this installation lets a screen do: the most of a role, the farthest place to arm."""
+
+    ceiling: Role
+    arms_from: Place = Place.PANEL
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Now:
+    """How the service stands; ``state`` None without a tick."""
+
+    state: State | None
+    blocked: str = ""
+    tick: int = 0
+    config: str = ""
+
+
+class Commanded(Protocol):
+    """The service, as far as a screen reaches it."""
+
+    def now(self) -> Now:
+        """Return how it stands."""
+
+    def bypass(self) -> None:
+        """Take the correction back."""
+
+    def arm(self, answer: Callable[[Reply], None]) -> None:
+        """Ask the control process; ``answer`` is called once, now or later."""
+
+    def note(self, text: str) -> None:
+        """Put a sentence into the log and the record."""
+
+
+class Limits:
+    """How much of one user is heard, and how much of that is written line by line.
+
+    What is written for long, 0.1 lines/s and three for each of 0.2 arms/s, is 27 MB a day: the
+    audit reaches back for two days at the worst.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self.packets = Bucket(clock, per_s=50.0, burst=100.0)
+        self.commands = Bucket(clock, per_s=0.2, burst=10.0)
+        self.bypasses = Bucket(clock, per_s=10.0, burst=10.0)
+        self.lines = Bucket(clock, per_s=0.1, burst=60.0)
+
+
+class HandDesk:
+    """Hears the screens.
+
+    A bypass is never refused, whatever it carries; more than ten a second are done as ten. What
+    arms is refused when it comes late, twice, for a state that is gone, too often, against
+    ``may``, or when it cannot be put on record first.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        selector: selectors.BaseSelector,
+        clock: Clock,
+        *,
+        is_private: bool,
+        rules: HandRules,
+        audit: Audit,
+        service: Commanded,
+    ) -> None:
+        self._clock = clock
+        self._rules = rules
+        self._audit = audit
+        self._service = service
+        self._limits: dict[int, Limits] = {}
+        self._ids: OrderedDict[str, int] = OrderedDict()
+        self._bypass_due = False
+        self._unwritten: dict[int, int] = {}
+        self._audit_ails = ""
+        self._visits = Visits(folder, selector, self._welcome, self._hear, is_private=is_private)
+
+    def serve(self, key: selectors.SelectorKey) -> bool:
+        """Do what a selector's event asks for; False when it is none of the hand's."""
+        return self._visits.serve(key)
+
+    def step(self) -> None:
+        """Do what had to wait a moment."""
+        if self._bypass_due and any(one.bypasses.take() for one in self._limits.values()):
+            self._bypass_due = False
+            self._service.bypass()
+        for uid, count in list(self._unwritten.items()):
+            if self._limits[uid].lines.take():
+                del self._unwritten[uid]
+                why = f"{count} more of uid {uid}, not written one by one"
+                self._write(Entry(what="more", result="noted", why=why))
+
+    def close(self) -> None:
+        """Send the screens away; the audit ends."""
+        self._visits.close()
+        self._audit.close()
+
+    # --- one visitor ------------------------------------------------------------------------
+
+    def _welcome(self, visitor: Visitor) -> None:
+        rules = self._rules
+        said = Welcome(version=__version__, ceiling=rules.ceiling, arms_from=rules.arms_from)
+        visitor.tell(said)
+
+    def _hear(self, visitor: Visitor, packet: bytes) -> bool:
+        """Do what one packet says; False when its visitor has to go."""
+        limits = self._limits.setdefault(visitor.peer.uid, Limits(self._clock))
+        is_heard = limits.packets.take()
+        try:
+            said = read_said(packet)
+        except HandMessageError as error:
+            self._refuse_babble(visitor, str(error), limits)
+            return False
+        if isinstance(said, Command) and said.action is Action.BYPASS:
+            self._bypass(visitor, said, limits)
+        elif is_heard and isinstance(said, Command):
+            self._arm(visitor, said, limits)
+        elif is_heard and isinstance(said, Notice):
+            self._keep(visitor, limits, _entry_of(said, visitor))
+        else:
+            self._count(visitor)
+        return is_heard
+
+    def _refuse_babble(self, visitor: Visitor, why: str, limits: Limits) -> None:
+        entry = Entry(what="no command", result="refused", why=why, peer=str(visitor.peer))
+        self._keep(visitor, limits, entry)
+
+    # --- commands ---------------------------------------------------------------------------
+
+    def _bypass(self, visitor: Visitor, command: Command, limits: Limits) -> None:
+        """Take the correction back first; everything else comes after."""
+        before = self._service.now().state
+        is_at_once = limits.bypasses.take()
+        if is_at_once:
+            self._service.bypass()
+        else:
+            self._bypass_due = True
+        entry = replace(_entry_of(command, visitor, self._service.now()), result="done")
+        if is_at_once and before not in (None, State.BYPASS):
+            number = self._write(entry)
+        else:
+            number = self._keep(visitor, limits, entry)
+        visitor.tell(Answer(id=command.id, ok=True, audit=number))
+
+    def _arm(self, visitor: Visitor, command: Command, limits: Limits) -> None:
+        now = self._service.now()
+        entry = _entry_of(command, visitor, now)
+        against = self._against(command, now, limits)
+        if against is not None:
+            refused = replace(entry, result="refused", why=against.text)
+            number = self._keep(visitor, limits, refused)
+            visitor.tell(Answer(id=command.id, ok=False, reason=against, audit=number))
+        elif not self._write(replace(entry, result="asked")):
+            reason = Reason(code=Code.UNRECORDED)
+            visitor.tell(Answer(id=command.id, ok=False, reason=reason))
+        else:
+            self._service.arm(lambda reply: self._answered(visitor, command, reply))
+
+    def _against(self, command: Command, now: Now, limits: Limits) -> Reason | None:
+        """Return the first reason why nothing is done; None when it is."""
+        if not limits.commands.take():
+            return Reason(code=Code.FAST)
+        now_ns = self._clock.now_ns()
+        if not now_ns <= command.valid_until_ns <= now_ns + VALID_NS:
+            return Reason(code=Code.LATE)
+        if not self._is_new(command.id, now_ns):
+            return Reason(code=Code.REPEATED)
+        if now.state is not None and command.seen != now.state.name:
+            return Reason(code=Code.CHANGED, name=now.state.name)
+        # whose session has the hand, the screen alone can know
+        person = Person(role=command.role, place=command.place, has_hand=True)
+        circumstances = Circumstances(
+            state=now.state,
+            blocked=now.blocked,
+            ceiling=self._rules.ceiling,
+            arms_from=self._rules.arms_from,
+        )
+        reasons = may(command.action, person, circumstances)
+        return reasons[0] if reasons else None
+
+    def _is_new(self, ident: str, now_ns: int) -> bool:
+        """Return whether an id was never heard; it is remembered for longer than it is valid."""
+        while self._ids and now_ns - next(iter(self._ids.values())) > REMEMBERED_NS:
+            self._ids.popitem(last=False)
+        if ident in self._ids:
+            return False
+        self._ids[ident] = now_ns
+        return True
+
+    def _answered(self, visitor: Visitor, command: Command, reply: Reply) -> None:
+        """Put the control process's answer on record and pass it on."""
+        entry = _entry_of(command, visitor, self._service.now())
+        result = "done" if reply.ok else "refused"
+        number = self._write(replace(entry, result=result, why=reply.message))
+        reason = None if reply.ok else Reason(code=Code.REFUSED, name=reply.message)
+        visitor.tell(Answer(id=command.id, ok=reply.ok, reason=reason, audit=number))
+
+    # --- the record -------------------------------------------------------------------------
+
+    def _keep(self, visitor: Visitor, limits: Limits, entry: Entry) -> int:
+        """Write what changes nothing; of a flood the count is written."""
+        if limits.lines.take():
+            return self._write(entry)
+        self._count(visitor)
+        return 0
+
+    def _count(self, visitor: Visitor) -> None:
+        self._unwritten[visitor.peer.uid] = self._unwritten.get(visitor.peer.uid, 0) + 1
+
+    def _write(self, entry: Entry) -> int:
+        """Write one line, here and into the service's log; its number, 0 when it cannot be."""
+        try:
+            number = self._audit.add(entry)
+        except RefusedError as error:
+            if str(error) != self._audit_ails:
+                self._audit_ails = str(error)
+                LOG.error("the audit is not kept, no screen arms: %s", error)
+            return 0
+        self._audit_ails = ""
+        who = f' by "{entry.account}" of a screen as it says' if entry.account else ""
+        why = f" ({entry.why})" if entry.why else ""
+        kept = f"audit {number} {self._audit.newest[:SHOWN_HASH]}"
+        self._service.note(f"{entry.what} {entry.result}{who}{why}; {entry.peer}; {kept}")
+        return number
+
+
+def _entry_of(said: Command | Notice, visitor: Visitor, now: Now | None = None) -> Entry:
+    """Return what is known of what was said, without what became of it."""
+    peer = str(visitor.peer)
+    if isinstance(said, Notice):
+        return Entry(
+            what=said.what, result="noted", account=said.account, place=said.place, peer=peer
+        )
+    state = now.state.name if now is not None and now.state is not None else ""
+    return Entry(
+        what=said.action,
+        result="asked",
+        account=said.account,
+        role=said.role.word,
+        place=said.place,
+        peer=peer,
+        seen=said.seen,
+        state=state,
+        tick=now.tick if now is not None else 0,
+        config=now.config if now is not None else "",
+        id=said.id,
+    )

@@ -1,0 +1,95 @@
+"""Opens the hand over the service's own processes, where the command line asks for one."""
+
+from __future__ import annotations
+
+import logging
+import selectors
+from collections.abc import Callable
+
+from aff_runtime.app.hand.audit import Audit
+from aff_runtime.app.link.answers import Done, as_answer
+from aff_runtime.app.link.messages import Arm, Reply
+from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules, Now
+from aff_runtime.app.supervisor.pending import Pending
+from aff_runtime.app.supervisor.processes import Processes
+from aff_runtime.app.supervisor.run_options import RunOptions
+from aff_runtime.app.supervisor.settings.history import kept_folder
+from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.ports import Clock
+from aff_runtime.config.revision import SHORT
+
+ARM_PATIENCE_S = 2.0
+LOG = logging.getLogger("aff_runtime")
+
+
+class ServiceEnd:
+    """What a screen reaches of the service: bypass, arm, and how it stands."""
+
+    def __init__(self, processes: Processes, pending: Pending) -> None:
+        self._processes = processes
+        self._pending = pending
+
+    def now(self) -> Now:
+        """Return how the service stands."""
+        processes = self._processes
+        latest = processes.latest() if processes.control is not None else None
+        return Now(
+            state=latest.state if latest is not None else None,
+            blocked=processes.blocked.removeprefix("blocked by "),
+            tick=int(latest.number("tick")) if latest is not None else 0,
+            config=processes.record.config_hash[:SHORT],
+        )
+
+    def bypass(self) -> None:
+        """Take the correction back."""
+        self._processes.bypass()
+
+    def arm(self, answer: Callable[[Reply], None]) -> None:
+        """Ask the control process to arm."""
+
+        def said(reply: Reply) -> Done:
+            answer(reply)
+            return as_answer(reply)
+
+        ident = self._pending.expect(None, said, ARM_PATIENCE_S)
+        control = self._processes.control
+        if control is None or not control.link.send(Arm(id=ident)):
+            text = "the control process is not running; see `aff-runtime status`"
+            self._pending.resolve(Reply(id=ident, ok=False, message=text))
+
+    def note(self, text: str) -> None:
+        """Put a sentence into the log and the record."""
+        self._processes.note("SCREEN", text)
+
+
+def open_hand(
+    options: RunOptions,
+    selector: selectors.BaseSelector,
+    clock: Clock,
+    processes: Processes,
+    pending: Pending,
+) -> HandDesk | None:
+    """Return the hand of a service; None unless it was asked for and its audit can be kept.
+
+    Raises
+    ------
+    RefusedError
+        When the socket cannot be made.
+    """
+    if options.hand is None:
+        return None
+    try:
+        audit = Audit(kept_folder(options.site, options.state_directory, "audit"))
+    except RefusedError as error:
+        LOG.error("no screen is heard until the audit can be kept: %s", error)
+        return None
+    folder = options.hand_directory
+    return HandDesk(
+        folder or options.paths.directory,
+        selector,
+        clock,
+        is_private=folder is None,
+        rules=HandRules(ceiling=options.hand, arms_from=options.hand_from),
+        audit=audit,
+        service=ServiceEnd(processes, pending),
+    )

@@ -1,0 +1,172 @@
+"""``aff-runtime watch add | trend | exchange``: one line over weeks, from the runs it recorded."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.base.effort import bounded_effort
+from aff_runtime.base.errors import AffError, ConfigError
+from aff_runtime.base.printable import printable
+from aff_runtime.base.run_window import names_a_run
+from aff_runtime.base.units import UnitError, read_number
+from aff_runtime.cli.terminal import complain, say
+
+LONGEST_S = 600.0
+MEMORY_BYTES = 2 << 30
+"""Of one run: what it is read from may be somebody else's."""
+
+
+def add(commands: Any, _service: argparse.ArgumentParser) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser(
+        "watch", help="what recorded runs say of each roller over weeks: trends, lives, limits"
+    )
+    acts = parser.add_subparsers(required=True, metavar="ACT")
+    act = acts.add_parser("add", help="take what is new of runs into a store, and say what grows")
+    _add_store(act)
+    act.add_argument(
+        "runs", type=Path, nargs="+", metavar="RUN_DIR", help="a run, or a folder of runs"
+    )
+    _add_limits(act)
+    act.set_defaults(command=add_runs)
+    act = acts.add_parser("trend", help="every trend that a store knows")
+    _add_store(act)
+    _add_limits(act)
+    act.add_argument("--json", action="store_true", help="for programs, SI")
+    act.set_defaults(command=trend)
+    act = acts.add_parser("exchange", help="a roller was exchanged: it begins a new life")
+    _add_store(act)
+    act.add_argument("roll", metavar="ROLLER", help="as the site file names it")
+    act.add_argument("--on", required=True, type=_day, metavar="DATE", help="2026-03-02[T14:30]")
+    act.add_argument("--why", default="", metavar="TEXT", help="serial numbers, reason")
+    act.set_defaults(command=exchange)
+
+
+def _add_store(act: argparse.ArgumentParser) -> None:
+    text = "folder of the line's store: hours, orders and exchanges as Parquet"
+    act.add_argument("store", type=Path, metavar="STORE", help=text)
+
+
+def _add_limits(act: argparse.ArgumentParser) -> None:
+    act.add_argument(
+        "--limit",
+        type=_limit,
+        action="append",
+        default=[],
+        metavar="ROLLER=SIZE",
+        help="largest size of a roller's orders, with unit: 'r6=0.2 mm' (shape, stroke), "
+        "'r6=2 N' (ripple); may be repeated. Default: what the site file lets the law use",
+    )
+
+
+def add_runs(options: argparse.Namespace) -> int:
+    """Take runs into the store; 1 where none could be read."""
+    from aff_runtime.app.report.watching import findings, run_hours, sentences  # noqa: PLC0415
+    from aff_runtime.app.report.watching import store as stores  # noqa: PLC0415 - numpy, pyarrow
+
+    runs = list(_runs(options.runs))
+    refused = 0
+    with stores.alone(options.store):
+        store = stores.load_store(options.store, begin=True)
+        for folder in runs:
+            shown = printable(str(folder))
+            try:
+                with bounded_effort(
+                    shown, ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES
+                ):
+                    taken = store.add(run_hours.run_hours(folder))
+            except AffError as error:
+                refused += 1
+                complain(f"left out: {error}")
+                continue
+            say(f"{shown}: {sentences.taken(taken)}")
+            if taken.new:
+                stores.save_store(options.store, store)
+        if store.line:
+            stores.save_store(options.store, store)
+    for line in sentences.notes(findings.findings(store, dict(options.limit))):
+        say(line)
+    return 1 if refused == len(runs) else 0
+
+
+def trend(options: argparse.Namespace) -> int:
+    """Print what the store says: what to know first, then everything."""
+    from aff_runtime.app.report.watching import findings, sentences  # noqa: PLC0415
+    from aff_runtime.app.report.watching.store import load_store  # noqa: PLC0415
+
+    store = load_store(options.store)
+    found = findings.findings(store, dict(options.limit))
+    if options.json:
+        say(sentences.as_json(store.line, found))
+        return 0
+    for line in sentences.notes(found):
+        say(line)
+    for line in sentences.table(found):
+        say(f"  {line}")
+    if not found:
+        say("no roller has been read yet: give `aff-runtime watch add` runs at a steady speed")
+    return 0
+
+
+def exchange(options: argparse.Namespace) -> int:
+    """Begin a new life of a roller."""
+    from aff_runtime.app.report.watching import store as stores  # noqa: PLC0415
+
+    stores.load_store(options.store)  # before a folder is made for one that is not there
+    with stores.alone(options.store):
+        store = stores.load_store(options.store)
+        store.exchange(options.roll, options.on, printable(options.why, 200))
+        stores.save_store(options.store, store)
+    say(f"{printable(options.roll)}: a new life from {options.on:%Y-%m-%d %H:%M} UTC")
+    return 0
+
+
+def _runs(given: list[Path]) -> Iterator[Path]:
+    """Yield the runs that are named, those of a folder of runs in the order of their names."""
+    for path in given:
+        try:
+            inside = sorted(p for p in path.iterdir() if names_a_run(p)) if path.is_dir() else []
+        except OSError as error:
+            raise ConfigError(f"{printable(str(path))}: {error.strerror}") from None
+        yield from inside if inside and not names_a_run(path) else [path]
+
+
+def _limit(text: str) -> tuple[str, tuple[float, str]]:
+    """Return roller, size and SI unit of ``ROLLER=SIZE``.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        It is none.
+    """
+    roll, _, size = text.partition("=")
+    if not roll or not size or size.replace(".", "").isdigit():
+        raise argparse.ArgumentTypeError(f"read {text!r}, expected ROLLER=SIZE such as r6=0.2mm")
+    said = ""
+    for unit in ("m", "N"):
+        try:
+            return roll, (read_number(size, unit), unit)
+        except UnitError as error:
+            said = said or str(error)
+    raise argparse.ArgumentTypeError(f"read {text!r}: {said}")
+
+
+def _day(text: str) -> datetime:
+    """Return a day or a moment, UTC where no zone is said.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        It is none.
+    """
+    try:
+        found = datetime.fromisoformat(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"read {text!r}, expected a date such as 2026-03-02 or 2026-03-02T14:30"
+        ) from None
+    return found.astimezone(UTC) if found.tzinfo else found.replace(tzinfo=UTC)

@@ -1,0 +1,89 @@
+"""The hand in a real browser: a login, bypass by key, the reason on the button, two people."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from aff_hmi.accounts import Account, secret_of
+from aff_runtime.app.hand.may import Role
+from tests.aff_hmi.browser.conftest import Screen
+from tests.aff_hmi.browser.eyes import Page
+from tests.aff_hmi.browser.test_overview import CONTRAST, SMALL
+from tests.aff_runtime.app.service_run import ServiceRun
+from tests.processes import until
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(300)]
+PASSWORD = "tension, 90 N"
+
+
+@pytest.fixture(scope="module")
+def with_hand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Screen]:
+    """A screen that may arm, of a service that hears it."""
+    folder = tmp_path_factory.mktemp("hand")
+    (folder / "state").mkdir()
+    service = ServiceRun(folder, "--hand", "operate", "--state-dir", str(folder / "state"))
+    accounts = folder / "accounts"
+    secret = secret_of(PASSWORD)
+    rows = [Account(name=name, role=Role.OPERATE, secret=secret).line for name in ("anna", "bert")]
+    accounts.write_text("\n".join(rows) + "\n")
+    accounts.chmod(0o600)
+    hand = str(service.runtime_dir / "hand.sock")
+    screen = Screen(service, "--hand-socket", hand, "--accounts", str(accounts))
+    yield screen
+    screen.close()
+    service.close()
+
+
+def logged_in(chromium: object, screen: Screen, name: str, **context: object) -> Page:
+    """Return the overview of somebody who has typed name and password."""
+    page = Page(chromium, f"{screen.url}login", **context)
+    page.page.fill("#name", name)
+    page.page.fill("#password", PASSWORD)
+    page.page.press("#password", "Enter")
+    page.await_selector("#arm")
+    page.await_live()
+    return page
+
+
+@pytest.mark.parametrize(("width", "language"), [(360, "de"), (1280, "en")])
+def test_it_fits_is_readable_and_obeys_the_policy(
+    chromium, with_hand: Screen, pictures: Path, width: int, language: str
+) -> None:
+    view = {"width": width, "height": 800}
+    page = logged_in(chromium, with_hand, "anna", viewport=view, locale=language)
+    page.picture(pictures / f"hand-{width}-{language}.png")
+    assert page.run("() => document.documentElement.scrollWidth") <= width
+    ratio, where = page.run(CONTRAST)
+    assert ratio >= 4.5, where
+    assert page.run(SMALL) == []
+    assert page.complaints == []
+
+
+def test_bypass_is_one_key_and_is_done_when_the_line_shows_it(chromium, with_hand: Screen) -> None:
+    page = logged_in(chromium, with_hand, "anna")
+    page.page.keyboard.press("F9")
+    page.await_selector("html[data-state='BYPASS']")
+    until("bypassed", lambda: with_hand.service.status()["state"] == "BYPASS")
+
+
+def test_the_reason_stands_on_the_button_and_the_hand_changes_hands(
+    chromium, with_hand: Screen
+) -> None:
+    anna = logged_in(chromium, with_hand, "anna")
+    bert = logged_in(chromium, with_hand, "bert")
+    anna.page.click("#take")
+    anna.page.wait_for_selector("#release:not([hidden])")
+    wanted = json.dumps("anna has the hand")
+    bert.page.wait_for_function(
+        f"() => document.getElementById('arm-why').textContent.startsWith({wanted})"
+    )
+    bert.page.click("#take")
+    bert.page.wait_for_selector("#take[data-do='take over']")
+    bert.page.click("#take")
+    anna.page.wait_for_selector("#hand-of.lost")
+    assert anna.page.is_disabled("#arm")
+    assert not anna.page.is_disabled("#bypass")

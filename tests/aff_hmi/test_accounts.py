@@ -1,0 +1,161 @@
+"""Accounts are made on the machine, and a file that is not to be trusted holds none."""
+
+from __future__ import annotations
+
+import io
+import sys
+from pathlib import Path
+
+import pytest
+
+from aff_hmi import accounts
+from aff_hmi.accounts import Account, Accounts, is_password, read_accounts, secret_of
+from aff_hmi.main import main
+from aff_hmi.sessions import MAX_SESSIONS, Sessions
+from aff_runtime.app.hand.may import Place, Role
+from aff_runtime.base.errors import ConfigError
+from tests.aff_hmi.asgi import Clock
+from tests.aff_hmi.pressed import quick
+
+PASSWORD = "tension, 90 N"
+
+
+@pytest.fixture(autouse=True)
+def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    quick(monkeypatch)
+
+
+def account(*words: str, typed: str = PASSWORD) -> int:
+    before = sys.stdin
+    sys.stdin = io.StringIO(f"{typed}\n")
+    try:
+        return main(["account", *words])
+    finally:
+        sys.stdin = before
+
+
+def test_an_account_is_made_listed_changed_and_taken_away(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "accounts"
+    where = ("--accounts", str(file))
+    assert account("add", "anna", "--role", "operate", *where) == 0
+    assert account("add", "vera", "--role", "view", *where) == 0
+    assert file.stat().st_mode & 0o777 == 0o640
+    assert PASSWORD not in file.read_text()
+    found = Accounts(file)
+    assert found.check("anna", PASSWORD) == found.find("anna")
+    assert found.check("anna", PASSWORD + " ") is None
+    assert account("list", *where) == 0
+    assert "anna  operate\nvera  view\n" in capfd.readouterr().out
+    assert account("add", "anna", "--role", "view", *where, typed="another password") == 0
+    changed = found.check("anna", "another password")
+    assert changed is not None
+    assert changed.role is Role.VIEW
+    assert account("remove", "anna", *where) == 0
+    assert found.find("anna") is None
+    assert account("remove", "anna", *where) == 4
+
+
+@pytest.mark.parametrize(
+    ("name", "password"),
+    [
+        ("anna", "short"),
+        ("anna", "x" * 257),
+        ("a:b", PASSWORD),
+        ("-anna", PASSWORD),
+        ("", PASSWORD),
+    ],
+)
+def test_what_makes_no_account_is_said(
+    tmp_path: Path, name: str, password: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    words = ("add", "--role", "view", "--accounts", str(tmp_path / "a"), "--", name)
+    assert account(*words, typed=password) == 2
+    assert "has" in capfd.readouterr().err
+    assert not (tmp_path / "a").exists()
+
+
+@pytest.mark.parametrize("mode", [0o644, 0o660, 0o602])
+def test_a_file_that_is_open_to_others_is_refused(tmp_path: Path, mode: int) -> None:
+    file = tmp_path / "accounts"
+    file.write_text(Account(name="anna", role=Role.VIEW, secret=secret_of(PASSWORD)).line + "\n")
+    file.chmod(mode)
+    with pytest.raises(ConfigError, match="opens it to others"):
+        read_accounts(file)
+    assert Accounts(file).find("anna") is None
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "anna",
+        "anna:operate:plain:x",
+        "anna:root:{secret}",
+        "an na:view:{secret}",
+        "anna:view:{secret}:more",
+        "anna:view:scrypt:1:8:3:AAAA:AAAA",
+        "anna:view:scrypt:2:8:3:\u00e4:AAAA",
+        "anna:view:scrypt:2:8:3::",
+    ],
+)
+def test_a_line_that_is_no_account_is_named(tmp_path: Path, line: str) -> None:
+    file = tmp_path / "accounts"
+    good = Account(name="vera", role=Role.VIEW, secret=secret_of(PASSWORD))
+    file.write_text(f"{good.line}\n{line.replace('{secret}', good.secret)}\n")
+    file.chmod(0o600)
+    with pytest.raises(ConfigError, match=":2: is no account"):
+        read_accounts(file)
+    assert Accounts(file).find("vera") is None
+
+
+def test_a_name_that_is_none_costs_what_a_wrong_password_costs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "accounts"
+    accounts.write_accounts(
+        file, [Account(name="anna", role=Role.VIEW, secret=secret_of(PASSWORD))]
+    )
+    found, hashed = Accounts(file), list[str]()
+    real = accounts._hash
+
+    def counted(password: str, salt: bytes) -> bytes:
+        hashed.append(password)
+        return real(password, salt)
+
+    monkeypatch.setattr(accounts, "_hash", counted)
+    assert found.check("anna", "wrong") is None
+    assert found.check("nobody", "wrong") is None
+    assert hashed == ["wrong", "wrong"]
+
+
+def test_any_text_may_be_a_password() -> None:
+    for password in ("pa:ss:word:x", "\u00fc\u20ac\U0001f511 long enough", "\udcff" * 10):
+        assert is_password(password, secret_of(password))
+        assert not is_password(password + "x", secret_of(password))
+
+
+def test_sessions_are_not_kept_without_end(tmp_path: Path) -> None:
+    file = tmp_path / "accounts"
+    one = Account(name="anna", role=Role.VIEW, secret=secret_of(PASSWORD))
+    accounts.write_accounts(file, [one])
+    sessions = Sessions(Accounts(file), Clock())
+    tokens = [sessions.begin(one, Place.PANEL) for _ in range(MAX_SESSIONS + 3)]
+    there = [sessions.find(token, Place.PANEL) is not None for token in tokens]
+    assert there == [False] * 3 + [True] * MAX_SESSIONS
+
+
+def test_without_accounts_nothing_is_served(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    words = ["--hand-socket", str(tmp_path / "hand.sock"), "--accounts", str(tmp_path / "none")]
+    assert main([*words, "--listen", "127.0.0.1:9"]) == 2
+    assert "aff-hmi account add" in capfd.readouterr().err
+
+
+def test_with_a_hand_a_network_is_refused_without_tls(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    words = ["--hand-socket", str(tmp_path / "hand.sock"), "--accounts", str(tmp_path / "none")]
+    assert main([*words, "--listen", "0.0.0.0:8480"]) == 2
+    assert "needs TLS" in capfd.readouterr().err

@@ -1,0 +1,114 @@
+"""The screen's way to the service, on a real socket: answers find their press, silence is told."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from aff_hmi import press_desk
+from aff_hmi.press_desk import RETRY_NS, PressDesk
+from aff_runtime.app.hand.may import Action, Place, Role
+from aff_runtime.app.hand.messages import Answer, Notice
+from aff_runtime.base.errors import WireError
+from tests.aff_hmi.asgi import Clock
+from tests.aff_runtime.app.hand.stand import Stand
+
+
+@pytest.fixture
+def stand(tmp_path: Path) -> Iterator[Stand]:
+    with contextlib.closing(Stand(tmp_path)) as found:
+        yield found
+
+
+def play(desk: PressDesk, stand: Stand | None, deed: Callable[[], Awaitable[object]]) -> object:
+    """Do something while service and desk have their turns."""
+
+    async def both() -> object:
+        task = asyncio.ensure_future(deed())
+        while not task.done():
+            await asyncio.sleep(0)
+            if stand is not None:
+                stand.round()
+                if stand.service.asked:
+                    stand.service.answer()
+            desk.poll()
+        return task.result()
+
+    return asyncio.run(both())
+
+
+def test_a_press_is_answered_and_the_rules_are_known(stand: Stand) -> None:
+    desk = PressDesk(stand.path, Clock())
+    command = stand.command()
+    answer = play(desk, stand, lambda: desk.press(command))
+    assert answer == Answer(id=command.id, ok=True, audit=2)
+    assert desk.rules is not None
+    assert (desk.rules.ceiling, desk.rules.arms_from) == (Role.OPERATE, Place.PANEL)
+    play(desk, stand, lambda: desk.press(stand.command(Action.BYPASS)))
+    assert stand.service.bypassed == 1
+    desk.notice(Notice(what="logout", account="anna", place=Place.PANEL))
+    stand.round()
+    assert stand.rows()[-1]["what"] == "logout"
+    desk.close()
+
+
+def test_two_presses_at_once_get_each_its_own_answer(stand: Stand) -> None:
+    desk = PressDesk(stand.path, Clock())
+    good, late = stand.command(), stand.command(valid_until_ns=0)
+
+    async def both() -> list[Answer]:
+        return list(await asyncio.gather(desk.press(good), desk.press(late)))
+
+    first, second = play(desk, stand, both)  # type: ignore[misc]
+    assert (first.id, first.ok) == (good.id, True)
+    assert (second.id, second.ok) == (late.id, False)
+    desk.close()
+
+
+def test_without_a_service_a_press_fails_at_once_and_later_ones_find_it(tmp_path: Path) -> None:
+    clock = Clock()
+    desk = PressDesk(tmp_path / "run" / "hand.sock", clock)
+    with contextlib.closing(Stand(tmp_path)) as stand:
+        stand.path.rename(stand.path.with_name("gone"))
+        with pytest.raises(WireError, match="no service hears this screen"):
+            play(desk, None, lambda: desk.press(stand.command()))
+        assert desk.rules is None
+        stand.path.with_name("gone").rename(stand.path)
+        bypass = stand.command(Action.BYPASS)
+        assert play(desk, stand, lambda: desk.press(bypass))  # it does not wait to try again
+    clock.ns += RETRY_NS + 1
+    desk.poll()
+    assert desk.rules is None
+    assert "hung up" in desk.trouble
+    desk.close()
+
+
+def test_a_service_that_says_nothing_is_not_waited_for_without_end(
+    stand: Stand, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(press_desk, "PATIENCE_S", 0.01)
+    desk = PressDesk(stand.path, Clock())
+    with pytest.raises(WireError, match="does not answer"):
+        play(desk, None, lambda: desk.press(stand.command()))
+    assert not desk._waiting
+    desk.close()
+
+
+def test_who_waits_is_told_when_the_service_hangs_up(tmp_path: Path) -> None:
+    stand = Stand(tmp_path)
+    desk = PressDesk(stand.path, Clock())
+
+    async def cut() -> None:
+        press = asyncio.ensure_future(desk.press(stand.command()))
+        await asyncio.sleep(0)
+        stand.close()
+        desk.poll()
+        await press
+
+    with pytest.raises(WireError, match=r"hung up|reset"):
+        asyncio.run(cut())
+    desk.close()

@@ -1,0 +1,279 @@
+"""What a screen asks is done or refused, and put on record either way."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from aff_runtime.app.hand.audit import verify
+from aff_runtime.app.hand.may import Action, Code, Place, Role
+from aff_runtime.app.hand.messages import VALID_NS, Answer, Notice
+from aff_runtime.app.supervisor.hand import visits
+from aff_runtime.app.supervisor.hand.desk import REMEMBERED_NS, HandRules, Now
+from aff_runtime.app.supervisor.hand.visits import MAX_VISITORS
+from aff_runtime.base.errors import RefusedError, WireError
+from aff_runtime.base.signals import State
+from tests.aff_runtime.app.hand.stand import Stand
+
+S = 10**9
+
+
+@pytest.fixture
+def stand(tmp_path: Path) -> Iterator[Stand]:
+    with contextlib.closing(Stand(tmp_path)) as found:
+        yield found
+
+
+def code(answer: Answer | None) -> Code | None:
+    assert answer is not None
+    assert not answer.ok
+    assert answer.reason is not None
+    return answer.reason.code
+
+
+def test_an_arm_is_put_on_record_asked_passed_on_and_answered(stand: Stand) -> None:
+    client = stand.client()
+    command = stand.command()
+    assert stand.say(client, command) is None
+    stand.service.answer()
+    assert client.receive() == Answer(id=command.id, ok=True, audit=2)
+    asked, done = stand.rows()
+    assert (asked["result"], done["result"]) == ("asked", "done")
+    assert asked["account"] == "anna"
+    assert asked["peer"].startswith(f"uid {os.geteuid()}")
+    assert (asked["seen"], asked["state"], asked["tick"], asked["config"]) == (
+        *("READY", "READY"),
+        *(7, "3f9a"),
+    )
+    assert verify(stand.audit.path).last == 2
+    assert stand.audit.newest[:12] in stand.service.notes[-1]
+
+
+def test_a_refusal_of_the_guard_comes_in_its_own_words(stand: Stand) -> None:
+    client = stand.client()
+    stand.say(client, stand.command())
+    stand.service.answer(ok=False, message="READY: blocked by WEB_INTACT=0")
+    answer = client.receive()
+    assert isinstance(answer, Answer)
+    assert code(answer) is Code.REFUSED
+    assert answer.reason is not None
+    assert answer.reason.text == "refused: READY: blocked by WEB_INTACT=0"
+    assert stand.rows()[-1]["why"] == "READY: blocked by WEB_INTACT=0"
+
+
+SPOILT: dict[str, tuple[Callable[[Stand], dict[str, object]], Code]] = {
+    "late": (lambda s: {"valid_until_ns": s.clock.ns - 1}, Code.LATE),
+    "valid for too long": (lambda s: {"valid_until_ns": s.clock.ns + VALID_NS + 1}, Code.LATE),
+    "another state": (lambda s: {"seen": "BYPASS"}, Code.CHANGED),
+    "no state seen": (lambda s: {"seen": ""}, Code.CHANGED),
+    "view": (lambda s: {"role": Role.VIEW}, Code.ROLE),
+    "from the network": (lambda s: {"place": Place.NETWORK}, Code.PLACE),
+}
+
+
+@pytest.mark.parametrize(("spoil", "why"), SPOILT.values(), ids=SPOILT)
+def test_what_does_not_fit_is_refused_and_recorded(
+    stand: Stand, spoil: Callable[[Stand], dict[str, object]], why: Code
+) -> None:
+    answer = stand.say(stand.client(), stand.command(**spoil(stand)))
+    assert code(answer) is why
+    assert not stand.service.asked
+    (row,) = stand.rows()
+    assert row["result"] == "refused"
+    assert row["why"] == answer.reason.text  # type: ignore[union-attr]
+
+
+def test_an_id_does_nothing_a_second_time_however_it_is_dressed(stand: Stand) -> None:
+    client = stand.client()
+    command = stand.command()
+    stand.say(client, command)
+    stand.service.answer()
+    client.receive()
+    for step_ns in (0, VALID_NS, REMEMBERED_NS // 2):
+        stand.clock.ns += step_ns
+        again = replace(command, account="bert", valid_until_ns=stand.clock.ns + 1)
+        assert code(stand.say(client, again)) is Code.REPEATED
+    assert not stand.service.asked
+    stand.clock.ns += REMEMBERED_NS
+    assert code(stand.say(client, command)) is Code.LATE
+    stand.say(client, stand.command())
+    assert len(stand.desk._ids) == 1
+
+
+@pytest.mark.parametrize("ceiling", Role)
+def test_the_ceiling_holds_against_every_role_that_is_claimed(
+    tmp_path: Path, ceiling: Role
+) -> None:
+    with contextlib.closing(Stand(tmp_path, HandRules(ceiling=ceiling))) as stand:
+        answer = stand.say(stand.client(), stand.command(role=Role.COMMISSION))
+        if ceiling is Role.VIEW:
+            assert code(answer) is Code.CEILING
+        assert bool(stand.service.asked) is (ceiling is not Role.VIEW)
+
+
+def test_from_the_network_only_where_the_service_says_so(tmp_path: Path) -> None:
+    rules = HandRules(ceiling=Role.OPERATE, arms_from=Place.NETWORK)
+    with contextlib.closing(Stand(tmp_path, rules)) as stand:
+        stand.say(stand.client(), stand.command(place=Place.NETWORK))
+        assert stand.service.asked
+
+
+def test_what_the_guard_is_known_to_refuse_is_not_asked(stand: Stand) -> None:
+    stand.service.standing = Now(state=State.READY, blocked="WEB_INTACT=0")
+    answer = stand.say(stand.client(), stand.command())
+    assert code(answer) is Code.GUARD
+    stand.service.standing = Now(state=None)
+    assert code(stand.say(stand.client(), stand.command())) is Code.SILENT
+
+
+@pytest.mark.parametrize("state", [None, *State])
+@pytest.mark.parametrize("role", Role)
+@pytest.mark.parametrize("place", Place)
+def test_a_bypass_is_done_whatever_it_carries(
+    stand: Stand, state: State | None, role: Role, place: Place
+) -> None:
+    stand.service.standing = Now(state=state, blocked="REMOTE=1: the PLC arms, by its reset")
+    client = stand.client()
+    late = stand.command(
+        Action.BYPASS, role=role, place=place, seen="ACTIVE", valid_until_ns=0, id="a" * 16
+    )
+    for times in (1, 2):
+        answer = stand.say(client, late)
+        assert answer is not None
+        assert answer.ok
+        assert stand.service.bypassed == times
+
+
+def test_a_flood_of_arms_is_bounded_counted_and_does_not_hold_up_a_bypass(stand: Stand) -> None:
+    client = stand.client()
+    for _ in range(90):
+        client.say(stand.command(seen="ACTIVE"))
+        stand.round()
+    answers = [client.receive() for _ in range(90)]
+    fast = [one for one in answers if isinstance(one, Answer) and code(one) is Code.FAST]
+    assert len(fast) == 80
+    client.say(stand.command(Action.BYPASS, seen="READY"))
+    stand.round()
+    assert stand.service.bypassed == 1
+    assert len(stand.rows()) == 61
+    stand.clock.ns += 10 * S
+    stand.round()
+    assert stand.rows()[-1]["what"] == "more"
+    assert stand.rows()[-1]["why"].startswith("30 more")
+
+
+def test_a_flood_of_bypasses_costs_ten_a_second_and_the_last_is_done(stand: Stand) -> None:
+    client = stand.client()
+    for _ in range(50):
+        client.say(stand.command(Action.BYPASS))
+        stand.round()
+        assert client.receive().ok  # type: ignore[union-attr]
+    assert stand.service.bypassed == 10
+    assert len(stand.rows()) == 50  # ten that may change something, the others of the sixty
+    stand.clock.ns += S // 10
+    stand.round()
+    assert stand.service.bypassed == 11
+    stand.clock.ns += S
+    stand.round()
+    assert stand.service.bypassed == 11
+
+
+@pytest.mark.parametrize("state", [None, State.BYPASS])
+def test_a_bypass_that_changes_nothing_is_counted_when_it_comes_too_often(
+    stand: Stand, state: State | None
+) -> None:
+    stand.service.standing = Now(state=state)
+    for _ in range(100):
+        client = stand.client()
+        client.say(stand.command(Action.BYPASS))
+        stand.round()
+        client.close()
+        stand.round()
+    assert len(stand.rows()) == 60
+    stand.clock.ns += 10 * S
+    stand.round()
+    assert stand.rows()[-1]["why"].startswith("40 more")
+
+
+def test_who_says_too_much_is_sent_away_but_his_bypass_is_done(stand: Stand) -> None:
+    client = stand.client()
+    for _ in range(101):
+        client.say(stand.command(seen="OFF"))
+        stand.round()
+    with pytest.raises(WireError):
+        client.say(stand.command())
+    late = stand.client()
+    late.say(stand.command(Action.BYPASS))
+    stand.round()
+    assert stand.service.bypassed == 1
+
+
+def test_without_a_record_nothing_arms_and_a_bypass_is_still_done(
+    stand: Stand, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    client = stand.client()
+
+    def full(entry: object) -> int:
+        raise RefusedError("No space left on device")
+
+    monkeypatch.setattr(stand.audit, "add", full)
+    assert code(stand.say(client, stand.command())) is Code.UNRECORDED
+    assert not stand.service.asked
+    answer = stand.say(client, stand.command(Action.BYPASS))
+    assert answer is not None
+    assert (answer.ok, answer.audit, stand.service.bypassed) == (True, 0, 1)
+
+
+@pytest.mark.parametrize("packet", [b"{}", b"\xff", b"x" * 3000, b'{"say":"command"}', b"null"])
+def test_who_babbles_is_recorded_and_sent_away(stand: Stand, packet: bytes) -> None:
+    client = stand.client()
+    client._socket.send(packet)
+    stand.round()
+    with pytest.raises(WireError):
+        client.receive()
+    assert stand.rows()[-1]["what"] == "no command"
+
+
+def test_sessions_are_noted(stand: Stand) -> None:
+    stand.say(stand.client(), Notice(what="hand taken", account="anna", place=Place.PANEL))
+    (row,) = stand.rows()
+    assert (row["what"], row["result"], row["account"]) == ("hand taken", "noted", "anna")
+
+
+def test_who_leaves_before_the_answer_disturbs_nobody(stand: Stand) -> None:
+    client = stand.client()
+    stand.say(client, stand.command())
+    client.close()
+    stand.round()
+    stand.service.answer()
+    assert stand.rows()[-1]["result"] == "done"
+
+
+def test_the_first_goes_when_there_are_too_many(stand: Stand) -> None:
+    clients = [stand.client() for _ in range(MAX_VISITORS + 1)]
+    with pytest.raises(WireError):
+        clients[0].receive()
+    assert clients[1].receive() is None
+
+
+def test_a_user_who_is_none_of_ours_is_not_let_in(
+    stand: Stand, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(visits, "screen_uids", frozenset)
+    end = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    end.connect(str(stand.path))
+    stand.round()
+    assert end.recv(100) == b""
+    end.close()
+
+
+def test_the_socket_is_for_our_own_user_alone(stand: Stand) -> None:
+    assert stand.path.stat().st_mode & 0o777 == 0o600
+    assert stand.audit.path.stat().st_mode & 0o777 == 0o600
+    assert stand.audit.path.parent.stat().st_mode & 0o777 == 0o700

@@ -1,0 +1,104 @@
+"""Who may do what, over every state, role, place and hand; the reasons in their order."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+
+from aff_runtime.app.hand.may import (
+    WORDS,
+    Action,
+    Circumstances,
+    Code,
+    Person,
+    Place,
+    Reason,
+    Role,
+    may,
+)
+from aff_runtime.base.signals import State
+
+STATES = (None, *State)
+ROLES = (None, *Role)
+BLOCKED = ("", "WEB_INTACT=0", "REMOTE=1: the PLC arms, by its reset", "SHADOW=1")
+OWN = Person(role=Role.OPERATE, place=Place.PANEL, has_hand=True)
+OPEN = Circumstances(state=State.READY, ceiling=Role.OPERATE)
+
+
+def codes(action: Action, person: Person, now: Circumstances) -> list[Code]:
+    return [reason.code for reason in may(action, person, now)]
+
+
+@pytest.mark.parametrize("role", ROLES)
+def test_bypass_is_for_everybody_who_has_logged_in_whatever_else_is(role: Role | None) -> None:
+    for state, place, idle, ceiling, hand, blocked in product(
+        STATES, Place, (False, True), Role, ("", "anna"), BLOCKED
+    ):
+        person = Person(role=role, place=place, is_idle=idle)
+        now = Circumstances(state=state, ceiling=ceiling, hand_of=hand, blocked=blocked)
+        assert codes(Action.BYPASS, person, now) == ([Code.LOGGED_OUT] if role is None else [])
+
+
+def test_arming_needs_every_one_of_its_conditions() -> None:
+    allowed = 0
+    for state, role, place, farthest, ceiling, hand, idle, blocked in product(
+        STATES, ROLES, Place, Place, Role, ("own", "nobody", "other"), (False, True), BLOCKED
+    ):
+        person = Person(role=role, place=place, has_hand=hand == "own", is_idle=idle)
+        now = Circumstances(
+            state=state,
+            blocked=blocked,
+            ceiling=ceiling,
+            arms_from=farthest,
+            hand_of="" if hand == "nobody" else "anna",
+        )
+        is_fit = (
+            role in (Role.OPERATE, Role.COMMISSION)
+            and ceiling in (Role.OPERATE, Role.COMMISSION)
+            and (place, farthest) != (Place.NETWORK, Place.PANEL)
+            and hand == "own"
+            and not idle
+            and not blocked
+            and state in (State.FAULT, State.BYPASS, State.OFF, State.READY, State.SHADOW)
+        )
+        assert (may(Action.ARM, person, now) == ()) is is_fit
+        allowed += is_fit
+    assert allowed == 5 * 2 * 2 * 3
+
+
+@pytest.mark.parametrize(
+    ("person", "now", "expected"),
+    [
+        (OWN, OPEN, []),
+        (Person(role=None, place=Place.PANEL), OPEN, [Code.LOGGED_OUT, Code.NO_HAND]),
+        (OWN, Circumstances(state=State.READY), [Code.CEILING]),
+        (Person(role=Role.VIEW, place=Place.PANEL, has_hand=True), OPEN, [Code.ROLE]),
+        (Person(role=Role.OPERATE, place=Place.NETWORK, has_hand=True), OPEN, [Code.PLACE]),
+        (Person(role=Role.OPERATE, place=Place.PANEL, is_idle=True), OPEN, ["idle", "no hand"]),
+        (OWN, Circumstances(state=None, ceiling=Role.OPERATE), [Code.SILENT]),
+        (OWN, Circumstances(state=State.ACTIVE, ceiling=Role.OPERATE), [Code.ALREADY]),
+        (OWN, Circumstances(state=State.FADING, ceiling=Role.OPERATE), [Code.FADING]),
+    ],
+)
+def test_the_reasons_come_in_their_order(
+    person: Person, now: Circumstances, expected: list[Code]
+) -> None:
+    assert codes(Action.ARM, person, now) == expected
+
+
+def test_another_roll_is_confirmed_by_arming_and_only_from_rest() -> None:
+    jumped = {"blocked": "RADIUS_JUMP (unwind_radius_m 0.21)", "ceiling": Role.OPERATE}
+    assert may(Action.ARM, OWN, Circumstances(state=State.FAULT, **jumped)) == ()
+    assert codes(Action.ARM, OWN, Circumstances(state=State.OFF, **jumped)) == [Code.GUARD]
+
+
+def test_every_reason_has_its_words_and_names_what_it_is_about() -> None:
+    assert set(WORDS) == set(Code)
+    assert (
+        Reason(code=Code.OTHER_HAND, name="anna\x1b\u202e").text == r"anna\x1b\u202e has the hand"
+    )
+    blocked = Reason(code=Code.GUARD, name="WEB_INTACT=0").text
+    assert blocked == "blocked by WEB_INTACT=0: the PLC sees no web"
+    remote = Reason(code=Code.GUARD, name="REMOTE=1: the PLC arms, by its reset").text
+    assert remote == "blocked by REMOTE=1: the PLC arms, by its reset"

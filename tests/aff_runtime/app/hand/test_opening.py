@@ -1,0 +1,81 @@
+"""When a service has a hand, and what it answers while no control process runs."""
+
+from __future__ import annotations
+
+import logging
+import selectors
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from aff_runtime.app.hand.audit import NAME
+from aff_runtime.app.hand.may import Role
+from aff_runtime.app.link.messages import Reply
+from aff_runtime.app.link.runtime_directory import runtime_paths
+from aff_runtime.app.supervisor.hand.desk import HandDesk
+from aff_runtime.app.supervisor.hand.opening import ServiceEnd, open_hand
+from aff_runtime.app.supervisor.pending import Pending
+from aff_runtime.app.supervisor.run_options import RunOptions
+from aff_runtime.base.errors import RefusedError
+from tests.aff_runtime.app.door.stand import Clock
+
+
+def opened(tmp_path: Path, hand: Role | None) -> HandDesk | None:
+    options = RunOptions(
+        site=tmp_path / "site.yaml",
+        paths=runtime_paths(tmp_path / "run"),
+        state_directory=tmp_path,
+        hand=hand,
+    )
+    with selectors.DefaultSelector() as selector:
+        found = open_hand(options, selector, Clock(), SimpleNamespace(), Pending(Clock()))  # type: ignore[arg-type]
+        if found is not None:
+            found.close()
+    return found
+
+
+@pytest.fixture(autouse=True)
+def runtime_folder(tmp_path: Path) -> None:
+    (tmp_path / "run").mkdir(mode=0o700)
+
+
+def test_there_is_none_unless_it_is_asked_for(tmp_path: Path) -> None:
+    assert opened(tmp_path, None) is None
+    assert not (tmp_path / "audit").exists()
+    assert opened(tmp_path, Role.VIEW) is not None
+
+
+def test_a_damaged_audit_closes_the_hand_and_not_the_service(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    opened(tmp_path, Role.OPERATE)
+    (path,) = (tmp_path / "audit").glob(f"*/{NAME}")
+    path.write_text("{}\n")
+    with caplog.at_level(logging.ERROR):
+        assert opened(tmp_path, Role.OPERATE) is None
+    assert "no screen is heard until the audit can be kept" in caplog.text
+    assert not (tmp_path / "run" / "hand.sock").exists()
+
+
+def test_a_folder_that_others_may_write_in_is_no_place_for_it(tmp_path: Path) -> None:
+    (tmp_path / "run").chmod(0o777)
+    with pytest.raises(RefusedError, match="--hand-dir"):
+        opened(tmp_path, Role.VIEW)
+
+
+def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_error() -> None:
+    bypassed, replies = [], list[Reply]()
+    processes = SimpleNamespace(
+        control=None,
+        blocked="blocked by X=0",
+        record=SimpleNamespace(config_hash="3f9a" * 16),
+        bypass=lambda: bypassed.append(1),
+    )
+    end = ServiceEnd(processes, Pending(Clock()))  # type: ignore[arg-type]
+    assert end.now().state is None
+    assert end.now().blocked == "X=0"
+    end.arm(replies.append)
+    assert "not running" in replies[0].message
+    end.bypass()
+    assert bypassed

@@ -1,0 +1,83 @@
+"""What the store takes from a line in virtual time, against what the plant has."""
+
+import duckdb
+import numpy as np
+import pandas as pd
+import pytest
+from pyarrow.parquet import read_schema as schema_of
+
+from aff_runtime.app.report.run_export import export_run
+from aff_runtime.app.report.watching.run_hours import run_hours
+from aff_runtime.app.report.watching.store import Store
+from aff_runtime.base.run_table import read_table
+from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.signals import State
+from tests.doubles.recorded_run import RecordedRun, files
+
+pytestmark = pytest.mark.timeout(300)
+
+
+def eccentric(size_m):
+    return {
+        "effect": "eccentric_roller",
+        "location": "R6",
+        "parameters": {"eccentricity_m": size_m, "angle_rad": 0.5},
+    }
+
+
+def recorded(folder, size_m):
+    """Return a run of 27 s on the demo's line, AFF on with a block for R6."""
+    run = RecordedRun(files(folder, [eccentric(size_m)]), folder / "runs", law_too=True)
+    run.bench.run(1.0)
+    run.bench.arm(26.0)
+    return run.end()
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    return [recorded(tmp_path_factory.mktemp("run"), size_m) for size_m in (1e-4, 2e-4)]
+
+
+def of(run):
+    store = Store()
+    store.add(run_hours(run))
+    return store
+
+
+def r6(store, column):
+    chosen = (store.orders["roll"] == "r6") & (store.orders["signal"] == "unwind_tension_N")
+    return float(store.orders[column][chosen][0])
+
+
+def test_the_stroke_is_proportional_to_the_eccentricity_though_its_ripple_is_cancelled(runs):
+    once, twice = map(of, runs)
+    assert r6(twice, "stroke_m") == pytest.approx(2.0 * r6(once, "stroke_m"), rel=0.03)
+    assert 1e-4 < r6(once, "stroke_m") < 4e-4  # two spans, and a drive that follows 4 Hz in part
+    assert r6(once, "ripple_N") < 0.1
+    assert once.orders["correcting"].all()
+    assert once.orders["is_roll"][once.orders["roll"] == "unwind"].all()
+    assert not once.orders["is_roll"][once.orders["roll"] == "r6"].any()
+    assert np.isnan(once.orders["stroke_m"][once.orders["roll"] == "unwind"]).all()
+
+
+def test_duckdb_and_pandas_read_the_records_of_the_demos_line_with_their_units(runs, tmp_path):
+    path = tmp_path / "run.parquet"
+    rows, lost = export_run(RunWindow(folder=runs[0]), path)
+    assert (rows, lost) == (27 * 200, ())
+    columns = read_table(RunWindow(folder=runs[0])).columns
+    frame = pd.read_parquet(path)
+    for name, values in columns.items():
+        np.testing.assert_array_equal(frame[name], values)
+    speed, error = duckdb.sql(
+        f"""select avg(line_speed_m_s), stddev(unwind_tension_N - tension_ref_N) from '{path}'
+        where state = {int(State.ACTIVE)} and time_s > 10"""
+    ).fetchone()
+    assert speed == pytest.approx(1.0, abs=0.002)
+    assert error == pytest.approx(0.25, rel=0.1)  # the cell's noise: what repeats is cancelled
+    units = {f.name: (f.metadata or {}).get(b"unit", b"").decode() for f in schema_of(path)}
+    bare = {name for name, unit in units.items() if not unit}
+    assert {units["unwind_tension_N"], units["line_speed_m_s"]} == {"N", "m/s"}
+    assert units["unwind.r6_1x.amplitude_m_s"] == "m/s"
+    counts = {"tick", "periods_count", "fresh", "plc_heartbeat", "roll_id", "echo_age"}
+    words = {"state", "state_bits", "alarm", "outcome", "status", "missed_count"}
+    assert {name for name in bare if "." not in name} == counts | words

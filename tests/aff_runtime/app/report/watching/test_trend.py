@@ -1,0 +1,118 @@
+"""Slopes over weeks: expected are the formulas of least squares, and what chance does to them."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from aff_runtime.app.report.comparison.turns import student_t
+from aff_runtime.app.report.watching.trend import FEWEST_READINGS, jump, slope
+
+DAYS = np.arange(42.0)
+
+
+def readings(growth=0.0, scatter=1.0, own=0.1, seed=1, at=DAYS, exchange=None):
+    """Sizes that grow, scatter from day to day, and fall by ``exchange[1]`` on a day."""
+    rng = np.random.default_rng(seed)
+    size = 40.0 + growth * at + math.hypot(scatter, own) * rng.standard_normal(at.size)
+    if exchange is not None:
+        size[at >= exchange[0]] -= exchange[1]
+    return at, size, np.full(at.size, own)
+
+
+@pytest.mark.parametrize("freedom", [6, 8, 12, 40])
+@pytest.mark.parametrize(("normal", "within"), [(1.959963985, 0.002), (4.0, 0.045)])
+def test_the_points_of_students_distribution_are_near_those_of_scipy(freedom, normal, within):
+    exact = stats.t.isf(stats.norm.sf(normal), freedom)
+    assert student_t(freedom, normal) == pytest.approx(exact, rel=within)
+
+
+def test_without_scatter_the_slope_and_its_error_are_those_of_weighted_least_squares():
+    at, size, own = readings(growth=0.3, scatter=0.0, own=0.5, seed=4)
+    own = own * (1.0 + (at > 20))
+    size = 40.0 + 0.3 * at + 0.1 * own * (-1.0) ** at  # residuals well below the errors
+    found = slope(at, size, own)
+    coefficients, covariance = np.polyfit(at, size, 1, w=1.0 / own, cov="unscaled")
+    assert found.value == pytest.approx(coefficients[0])
+    assert found.error == pytest.approx(math.sqrt(covariance[0, 0]))
+    assert found.scatter == 0.0
+
+
+def test_scatter_beyond_the_readings_own_errors_is_found_and_widens_the_interval():
+    at, size, own = readings(scatter=1.0, own=0.01)
+    found = slope(at, size, own)
+    expected = stats.linregress(at, size)  # own errors do not count: plain least squares
+    assert found.value == pytest.approx(expected.slope, rel=1e-3)
+    longer = math.sqrt((1.0 + found.correlation) / (1.0 - found.correlation))
+    assert found.error == pytest.approx(longer * expected.stderr, rel=1e-3)
+    assert found.scatter == pytest.approx(np.std(size - found.value * at, ddof=2), rel=0.01)
+
+
+def test_the_interval_holds_the_true_slope_in_about_95_of_100_lines():
+    hits = sum(
+        found.low <= 0.05 <= found.high
+        for found in (slope(*readings(growth=0.05, seed=seed)) for seed in range(200))
+    )
+    assert 181 <= hits <= 198  # 95 % of 200, three standard deviations either way
+
+
+def test_of_few_readings_or_of_one_place_nothing_is_said():
+    at, size, own = readings(at=DAYS[: FEWEST_READINGS - 1])
+    assert slope(at, size, own) is None
+    assert slope(np.zeros(20), np.ones(20), np.ones(20)) is None
+
+
+def drifting(seed, keeps):
+    """Sizes that wander: a day keeps so much of what the day before was off."""
+    rng = np.random.default_rng(seed)
+    off = rng.standard_normal(DAYS.size)
+    for day in range(1, off.size):
+        off[day] = keeps * off[day - 1] + math.sqrt(1.0 - keeps**2) * off[day]
+    return DAYS, 40.0 + off, np.full(DAYS.size, 0.1)
+
+
+def test_what_days_keep_of_each_other_widens_the_interval_and_is_no_trend():
+    found = [slope(*drifting(seed, 0.6)) for seed in range(100)]
+    assert np.mean([line.correlation for line in found]) == pytest.approx(0.6, abs=0.1)
+    assert not any(line.stands_out for line in found)
+    assert sum(line.low <= 0.0 <= line.high for line in found) >= 85
+    assert sum(jump(*drifting(seed, 0.6)) is not None for seed in range(50)) <= 1
+
+
+def test_readings_without_error_or_size_are_no_division_by_zero():
+    nothing = np.zeros(20)
+    found = slope(np.arange(20.0), nothing, nothing)
+    assert (found.value, found.stands_out) == (0.0, False)
+    assert jump(np.arange(20.0), nothing, nothing) is None
+    assert slope(np.arange(20.0), np.arange(20.0), nothing).value == pytest.approx(1.0)
+
+
+def test_a_limit_is_reached_where_the_line_says_and_the_interval_holds_the_truth():
+    hits = 0
+    for seed in range(100):
+        found = slope(*readings(growth=0.2, seed=seed))
+        value, low, high = found.reaches(60.0)
+        assert low < value < high
+        assert found.at(value) == pytest.approx(60.0)
+        hits += low <= 100.0 <= high  # 40 + 0.2 * 100
+    assert 88 <= hits <= 100
+
+
+def test_a_slope_that_may_be_none_gives_no_day():
+    found = slope(*readings(growth=0.0, seed=3))
+    assert not found.stands_out
+    assert found.reaches(60.0)[1:] == (-math.inf, math.inf)
+
+
+@pytest.mark.parametrize("day", [5.0, 20.0, 37.0])
+def test_an_exchange_is_a_jump_on_its_day_with_its_size(day):
+    found = jump(*readings(growth=0.2, scatter=0.5, exchange=(day, 15.0)))
+    assert DAYS[found.index] == day
+    assert found.before - found.after == pytest.approx(15.0, abs=2.0)
+
+
+def test_a_growth_that_quickens_is_no_jump_and_nor_is_scatter():
+    at, size, own = readings(growth=0.2, scatter=0.5)
+    assert jump(at, size + 0.01 * at**2, own) is None
+    assert not any(jump(*readings(seed=seed)) for seed in range(100))

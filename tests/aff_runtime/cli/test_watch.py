@@ -1,0 +1,143 @@
+"""``aff-runtime watch`` and ``export`` as they are typed."""
+
+import json
+import shutil
+import sys
+
+import duckdb
+import numpy as np
+import pandas as pd
+import pyarrow.parquet
+import pytest
+
+from aff_runtime.app.report.run_export import unit_of_column
+from aff_runtime.base.run_table import read_table
+from aff_runtime.base.run_window import run_window
+from aff_runtime.cli.main import main
+from tests.doubles.virtual_weeks import Weeks, write_weeks
+
+DAYS = 14
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    weeks = Weeks(r6_m=lambda km, _: 4e-5 + 2e-8 * km, scatter_m=2e-7)
+    folder = tmp_path_factory.mktemp("runs")
+    list(write_weeks(weeks, folder, range(DAYS)))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def store(runs, tmp_path_factory):
+    store = tmp_path_factory.mktemp("made") / "store"
+    assert main(["watch", "add", str(store), str(runs)]) == 0
+    return store
+
+
+def test_a_folder_of_runs_is_taken_and_what_grows_is_said(runs, tmp_path, capsys):
+    store = tmp_path / "store"
+    assert main(["watch", "add", str(store), str(runs), "--limit", "r6=60 um"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert sum("2 hours new, 1 of them without a steady stretch" in one for one in said) == DAYS
+    assert said[-1].startswith("r6 1x stroke grows: ")
+    assert "reaches 60 um in about " in said[-1]
+    assert main(["watch", "add", str(store), str(runs)]) == 0
+    assert "0 hours new, 2 known already" in capsys.readouterr().out
+
+
+def test_what_is_no_run_is_named_and_the_others_are_taken(runs, store, tmp_path, capsys):
+    assert (
+        main(["watch", "add", str(tmp_path / "s"), str(tmp_path), str(min(runs.iterdir()))]) == 0
+    )
+    said = capsys.readouterr()
+    assert "left out: " in said.err
+    assert "not a run folder" in said.err
+    assert "2 hours new" in said.out
+    assert main(["watch", "add", str(tmp_path / "s"), str(tmp_path / "nowhere")]) == 1
+
+
+def test_every_trend_is_listed_and_told_to_programs(store, capsys):
+    assert main(["watch", "trend", str(store)]) == 0
+    said = capsys.readouterr().out
+    assert "  healthy 1x stroke (unwind_tension_N): 14 readings in 13 days at 1 m/s; 20" in said
+    assert main(["watch", "trend", str(store), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    r6 = next(f for f in found["findings"] if (f["roll"], f["quantity"]) == ("r6", "stroke_m"))
+    assert r6["stands_out"]
+    assert r6["per_km"]["low"] <= 2e-8 <= r6["per_km"]["high"]
+
+
+def test_an_exchange_begins_a_new_life(store, tmp_path, capsys):
+    own = shutil.copytree(store, tmp_path / "store")
+    words = ["watch", "exchange", str(own), "r6", "--on", "2026-01-15", "--why", "serial 4711"]
+    assert main(words) == 0
+    assert "r6: a new life from 2026-01-15 00:00 UTC" in capsys.readouterr().out
+    assert main(["watch", "trend", str(own)]) == 0
+    assert "r6 1x stroke, life 2 (unwind_tension_N): 4 readings" in capsys.readouterr().out
+    assert main(["watch", "exchange", str(own), "R6", "--on", "2026-01-15"]) == 2
+    assert "knows no such roller; it knows healthy, r6" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["trend"], ["exchange", "r6", "--on", "2026-01-15"]])
+def test_where_no_store_is_how_to_begin_one_is_said_and_none_is_made(words, tmp_path, capsys):
+    nowhere = tmp_path / "nowhere"
+    assert main(["watch", words[0], str(nowhere), *words[1:]]) == 2
+    assert "holds no store; `aff-runtime watch add STORE RUN_DIR`" in capsys.readouterr().err
+    assert not nowhere.exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["exchange", "STORE", "r6", "--on", "31.1.2026"], "expected a date such as"),
+        (["trend", "STORE", "--limit", "r6"], "expected ROLLER=SIZE such as"),
+        (["trend", "STORE", "--limit", "r6=60"], "expected ROLLER=SIZE such as"),
+        (["trend", "STORE", "--limit", "r6=60 s"], "is a time, expected a length"),
+    ],
+)
+def test_what_cannot_be_read_says_what_was_expected(words, said, store, capsys):
+    with pytest.raises(SystemExit):
+        main(["watch", *[str(store) if w == "STORE" else w for w in words]])
+    assert said in capsys.readouterr().err
+
+
+def test_without_pyarrow_the_extra_is_named(runs, tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    run = str(min(runs.iterdir()))
+    for words in (["watch", "add", str(tmp_path / "s")], ["export", "--out", str(tmp_path / "x")]):
+        assert main([*words, run]) == 2
+        assert 'pip install "aff-runtime[records]"' in capsys.readouterr().err
+
+
+def test_duckdb_and_pandas_read_an_exported_run_with_its_units(runs, tmp_path, capsys):
+    run, path = min(runs.iterdir()), tmp_path / "run.parquet"
+    assert main(["export", f"{run}@0..30", "--out", str(path)]) == 0
+    assert "1500 rows" in capsys.readouterr().out
+    columns = read_table(run_window(f"{run}@0..30")).columns
+    frame = pd.read_parquet(path)
+    assert list(frame) == list(columns)
+    np.testing.assert_array_equal(frame["unwind_tension_N"], columns["unwind_tension_N"])
+    mean = duckdb.sql(f"select avg(unwind_tension_N), max(time_s) from '{path}'").fetchone()
+    assert mean[0] == pytest.approx(columns["unwind_tension_N"].mean())
+    schema = pyarrow.parquet.read_schema(path)
+    assert schema.metadata[b"line"] == b"Weeks"
+    units = {f.name: (f.metadata or {}).get(b"unit", b"").decode() for f in schema}
+    wanted = {"time_s": "s", "unwind_tension_N": "N", "line_speed_m_s": "m/s", "tick_us": "us"}
+    wanted |= {"correction_unwind_m_s": "m/s", "unwind.r6_1x.amplitude_m_s": "m/s", "state": ""}
+    assert {name: units[name] for name in wanted} == wanted
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("unwind_angle_rad", "rad"),
+        ("applied_ratio_unwind_m_s", "1"),
+        ("unwind.unwind_1x.shape_mm", "mm"),
+        ("unwind.unwind_1x.phase_deg", "deg"),
+        ("unwind.unwind_1x.gain_of_P", "1"),
+        ("age_s", "s"),
+        ("roll_id", ""),
+    ],
+)
+def test_a_columns_unit_is_what_its_name_ends_with(name, unit):
+    assert unit_of_column(name) == unit

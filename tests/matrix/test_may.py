@@ -1,0 +1,237 @@
+"""``may`` against the service: over guard state and fault, what it says is what is answered.
+
+The control process's own outside answers ``arm`` in lockstep; nothing is real time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+
+import pytest
+
+from aff_runtime.app.control.outside import ControlOutside
+from aff_runtime.app.hand.may import Action, Circumstances, Code, Person, Place, Role, may
+from aff_runtime.app.link import messages
+from aff_runtime.app.link.packets import Link, link_pair
+from aff_runtime.app.wiring.assemble import controller_of
+from aff_runtime.app.wiring.law_slot import LawSlot
+from aff_runtime.base.signals import State, Status
+from aff_runtime.loop.cycle import Cycle
+from aff_runtime.telemetry.header import RunMeta
+from tests.matrix.bench import SITES, MatrixBench
+from tests.matrix.cells import TABLE
+from tests.parameter_records import record_of
+
+OWN = Person(role=Role.OPERATE, place=Place.PANEL, has_hand=True)
+ANSWERED_TICKS = 130
+SHOWN_S = 0.35
+
+
+@cache
+def slot() -> LawSlot:
+    return LawSlot(controller_of(SITES["modbus"], {}, {}))
+
+
+class ServiceBench(MatrixBench):
+    """The matrix's bench, with the control process's own outside and a link to it."""
+
+    def __init__(self) -> None:
+        self.blocked, self.asked, self.replies = "", 0, dict[int, messages.Reply]()
+        super().__init__("modbus")
+        kept = self.cycle
+        ours, theirs = link_pair()
+        self.link, self.outside_link = Link(ours), Link(theirs)
+        assembly = SimpleNamespace(
+            site=self.site,
+            guard=self.guard,
+            gateway=kept._gateway,
+            law=slot(),
+            record=record_of(self.site),
+        )
+        self.outside = ControlOutside(assembly, self.outside_link, RunMeta())  # type: ignore[arg-type]
+        self.cycle = Cycle(
+            settings=kept._settings,
+            clock=self.clock,
+            gateway=kept._gateway,
+            guard=self.guard,
+            law=self.law,
+            outside=self.outside,
+        )
+        self.cycle._ticker.start()
+
+    def step(self) -> float:
+        found = super().step()
+        self.hear()
+        return found
+
+    def hear(self) -> None:
+        while (message := self.link.receive()) is not None:
+            if isinstance(message, messages.Blocked):
+                self.blocked = message.text.removeprefix("blocked by ")
+            elif isinstance(message, messages.Reply):
+                self.replies[message.id] = message
+
+    def arm(self) -> None:
+        self.ask()
+
+    def ask(self) -> int:
+        self.asked += 1
+        self.link.send(messages.Arm(id=self.asked))
+        return self.asked
+
+    def bypass(self) -> None:
+        self.link.send(messages.Bypass())
+
+    def begin(self, spec: str) -> None:
+        if spec == "remote":
+            self.plant.plc.set_status(Status.REMOTE, True)
+        elif spec:
+            super().begin(spec)
+
+    def reply(self) -> messages.Reply:
+        ident = self.ask()
+        for _ in range(ANSWERED_TICKS):
+            self.run(self.sample_s)
+            if ident in self.replies:
+                return self.replies[ident]
+        raise AssertionError("no answer")
+
+    def close(self) -> None:
+        self.outside.close()
+        self.link.close()
+        self.outside_link.close()
+
+
+@pytest.fixture
+def bench() -> Iterator[ServiceBench]:
+    with contextlib.closing(ServiceBench()) as found:
+        yield found
+
+
+def _powered(bench: ServiceBench) -> None:
+    bench.run(0.3)
+
+
+def _bypassed(bench: ServiceBench) -> None:
+    bench.run(0.3)
+    bench.bypass()
+    bench.run(0.1)
+
+
+def _shadowed(bench: ServiceBench) -> None:
+    bench.run(0.3)
+    bench.link.send(messages.Shadow(id=99, on=True))
+    bench.run(0.1)
+
+
+def _ready(bench: ServiceBench) -> None:
+    _shadowed(bench)
+    bench.link.send(messages.Shadow(id=99, on=False))
+    bench.run(0.1)
+
+
+def _off(bench: ServiceBench) -> None:
+    _ready(bench)
+    bench.plant.plc.set_status(Status.WEB_INTACT, False)
+    bench.run(0.1)
+
+
+def _active(bench: ServiceBench) -> None:
+    bench.run(0.3)
+    bench.arm()
+    assert bench.until(State.ACTIVE, within_s=1.0)
+    bench.run(0.3)
+
+
+def _armed(bench: ServiceBench) -> None:
+    outputs = tuple(replace(a, active_above_m_s=50.0) for a in bench.guard.params.actuators)
+    bench.guard.adopt(replace(bench.guard.params, actuators=outputs))
+    bench.run(0.3)
+    bench.arm()
+    bench.run(0.1)
+
+
+def _fading(bench: ServiceBench) -> None:
+    _active(bench)
+    bench.plant.plc.set_status(Status.LINE_RUN, False)
+    bench.run(0.05)
+
+
+WAYS: dict[State, Callable[[ServiceBench], None]] = {
+    State.FAULT: _powered,
+    State.BYPASS: _bypassed,
+    State.SHADOW: _shadowed,
+    State.READY: _ready,
+    State.OFF: _off,
+    State.ARMED: _armed,
+    State.ACTIVE: _active,
+    State.FADING: _fading,
+}
+# of the runtime's own death nobody is left to answer
+FAULTS = {
+    row["name"]: row["spec"]
+    for row in TABLE["faults"]
+    if row["modbus"] != "-" and not row["spec"].startswith(("!kill", "!supervisor", "!stall"))
+}
+OF_EACH_KIND = {
+    "none": "",
+    "remote": "remote",
+    "silent": FAULTS["heartbeat frozen with a live server"],
+    "not to be believed": FAULTS["tension absurd"],
+    "permissive": FAULTS["permissive lost"],
+    "splice": FAULTS["splice"],
+    "somebody else": FAULTS["third station that overwrites state and corrections"],
+}
+CELLS = [(State.BYPASS, name, spec) for name, spec in FAULTS.items()]
+CELLS += [(state, name, spec) for state in WAYS for name, spec in OF_EACH_KIND.items()]
+
+
+def shows(bench: ServiceBench, spec: str) -> bool:
+    """Let a fault show, unless the state itself is over by then."""
+    bench.begin(spec)
+    bench.run(0.02 if bench.guard.state is State.FADING else SHOWN_S)
+    return bench.running
+
+
+def test_there_is_a_way_into_every_state() -> None:
+    assert set(WAYS) == set(State)
+
+
+@pytest.mark.parametrize(("state", "fault", "spec"), CELLS, ids=lambda one: str(one)[:40])
+def test_what_may_says_is_what_the_service_answers(
+    bench: ServiceBench, state: State, fault: str, spec: str
+) -> None:
+    WAYS[state](bench)
+    assert bench.guard.state is state
+    shows(bench, spec)
+    before = bench.guard.state
+    now = Circumstances(state=before, blocked=bench.blocked, ceiling=Role.OPERATE)
+    reasons = may(Action.ARM, OWN, now)
+    answer = bench.reply()
+    if not reasons:
+        assert answer.ok, (before, answer.message)
+    elif reasons[0].code is Code.ALREADY:
+        assert answer.ok
+        assert before in (State.ARMED, State.ACTIVE)
+    else:
+        assert not answer.ok, (before, reasons[0].text)
+        if reasons[0].code is Code.GUARD:
+            assert answer.message.endswith(reasons[0].text)
+
+
+@pytest.mark.parametrize("spec", ["", OF_EACH_KIND["silent"]], ids=["none", "silent"])
+@pytest.mark.parametrize("state", WAYS)
+def test_bypass_is_never_refused_and_always_done(
+    bench: ServiceBench, state: State, spec: str
+) -> None:
+    WAYS[state](bench)
+    shows(bench, spec)
+    now = Circumstances(state=bench.guard.state, blocked=bench.blocked)
+    assert may(Action.BYPASS, Person(role=Role.VIEW, place=Place.NETWORK), now) == ()
+    bench.bypass()
+    bench.run(0.05)
+    assert bench.guard.state is State.BYPASS
