@@ -18,8 +18,6 @@ STATES = ("OFF", "SOFT_START", "ACTIVE", "FADING", "BYPASS")
 ZERO_S = TABLE["zero_ms"] * 1e-3
 PLAUSIBLE = 2000.0  # N: nothing above the site's own maximum may reach a law
 OLDEST_SCANS = 3
-FLOWS_S = 0.25
-"""From ACTIVE to the correction at its full size: the soft start of the bench is 0.2 s."""
 _ROUNDING = 1.0 + 1e-6
 NOT_OURS = BY_NAME["APPLIED_DIFFERS"].code
 
@@ -103,10 +101,8 @@ def _reacts(  # noqa: PLR0911 (one return per verdict)
     if cell.reaction == "fade":
         if any(during[zero_from:]):
             return f"not zero {ZERO_S * 1e3:.0f} ms after the fault began"
-        if cell.state == "FADING":
-            return ""
-        back = any(any(bench.run(SAMPLE_S)) for _ in range(round(1.5 / SAMPLE_S)))
-        return "" if back else "did not come back by itself"
+        back = bench.run(1.5)
+        return "" if cell.state == "FADING" or any(back) else "did not come back by itself"
     if cell.state != "FADING" and (bench.guard.state is not State.ACTIVE or not any(after[-20:])):
         return f"did not ride through: {bench.guard.state.name}"
     return ""
@@ -161,7 +157,7 @@ def _reach(bench: MatrixBench, state: str) -> str:
     if state == "SOFT_START":
         bench.run(0.05)
         return ""
-    bench.run(FLOWS_S)
+    bench.run(0.4)
     if not any(bench.applied[-20:]):
         return f"no correction at the plant: {bench.plant.refusal}"
     if state == "BYPASS":
@@ -181,7 +177,7 @@ def _recovers(bench: MatrixBench) -> str:
         bench.arm()
         if bench.until(State.ACTIVE, within_s=0.7):
             break
-    bench.run(FLOWS_S)
+    bench.run(0.4)
     if bench.guard.state is not State.ACTIVE or not any(bench.applied[-20:]):
         return (
             f"does not recover: {bench.guard.state.name} {bench.guard.first_blocking()} "
