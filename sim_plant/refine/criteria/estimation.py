@@ -85,7 +85,7 @@ class SpectraCriteria:
         "a ramp or two in a minute have lines below",
     )
     nyquist_share: float = criterion(
-        0.98, "of half the sample rate", "a faster line is none", NOT_RECORDED
+        0.98, "of half the sample rate", "a faster line in travel is none", NOT_RECORDED
     )
     least_travel_m: float = criterion(
         1.0, "m", "lines in web travel need more of it", NOT_RECORDED

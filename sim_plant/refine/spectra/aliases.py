@@ -50,9 +50,11 @@ def origins_Hz(
     travels: Sequence[Travel],
     found: Sequence[Sequence[LineSpectrum]],
 ) -> list[float]:
-    """Return every frequency from which the strongest line in time may come, without repeats.
+    """Return the frequency from which the strongest line in time of each record may come.
 
-    Not of a slow one: what goes with speed or tension has lines there too, and mains wander more.
+    The lowest: the others fold to the same line and answer with the same sizes, so no record
+    tells them apart, and harmonics of mains are weaker. Not of a slow line: what goes with speed or
+    tension has lines there too, and mains wander more.
     """
     highest = h.effect.accepts[shows.parameter].high
     origins: list[float] = []
@@ -63,7 +65,8 @@ def origins_Hz(
         folded = [
             k * rate + sign * seen for k in range(int(highest / rate) + 2) for sign in (1, -1)
         ]
-        origins += [f for f in folded if 0.0 < f <= highest and _near(f, shows)]
+        near = [f for f in folded if 0.0 < f <= highest and _near(f, shows)]
+        origins += sorted(near)[:1]
     return sorted(dict.fromkeys(round(f, 4) for f in origins))
 
 

@@ -59,7 +59,11 @@ def travel_of(twin: Twin, measured: Array, case: Case, first: int) -> Travel:
 
 
 def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
-    """Return free-line spectra in time, travel and the angle of both material rolls."""
+    """Return free-line spectra in time, travel and the angle of both material rolls.
+
+    A line in time is one up to half the sample rate less as many cycles as the slowest has: mains
+    of 49.7 Hz in records of 10 ms are there.
+    """
     weights = speed_weights(travel.speed_m_s)
     nyquist = 0.5 / travel.sample_time_s
     slow = SPECTRA.fewest_cycles / (travel.time_s[-1] - travel.time_s[0])
@@ -67,12 +71,7 @@ def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
     length = float(travel.travel_m[-1] - travel.travel_m[0])
     found = [
         line_spectrum(
-            whitened,
-            travel.time_s,
-            weights,
-            kind="time",
-            highest=SPECTRA.nyquist_share * nyquist,
-            lowest=slow,
+            whitened, travel.time_s, weights, kind="time", highest=nyquist - slow, lowest=slow
         )
     ]
     if length > SPECTRA.least_travel_m:

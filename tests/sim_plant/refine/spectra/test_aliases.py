@@ -55,3 +55,13 @@ def test_a_slow_change_is_no_alias_of_the_mains_and_hides_none():
     assert all(
         abs(f - k * rate_Hz) > 1.5 * slow_Hz for f in hum_origins(4.0) for k in range(1, 12)
     )
+
+
+@pytest.mark.parametrize(("frequency_Hz", "seen_Hz"), [(49.7, 49.7), (99.7, 0.3)])
+def test_mains_at_half_the_sample_rate_or_folded_are_named_by_their_lowest_harmonic(
+    frequency_Hz, seen_Hz
+):
+    """At 100 Hz, 50.3, 149.7 and 350.3 fold to 49.7 Hz as well; 200.3 and 299.7 to 0.3 Hz."""
+    assert LINE.sample_time_s == 0.01
+    cycles = seen_Hz * 5999 * LINE.sample_time_s
+    assert hum_origins(cycles) == pytest.approx([frequency_Hz], abs=0.01)
