@@ -22,7 +22,7 @@ from aff_runtime.base.printable import printable
 
 MAX_BYTES = 8 << 20
 KEPT_FILES = 8
-LONGEST_LINE = 4096
+LONGEST_LINE = 8192
 NAME = "audit.jsonl"
 START = "0" * 64
 _FLAGS = os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
@@ -101,6 +101,9 @@ class Audit:
             raise RefusedError(f"{self.path}: {error.strerror}; no hand without it") from None
         try:
             self._continue()
+        except OSError as error:
+            self.close()
+            raise RefusedError(f"{self.path}: {error.strerror}; no hand without it") from None
         except BaseException:
             self.close()
             raise

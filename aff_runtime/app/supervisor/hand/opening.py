@@ -38,6 +38,7 @@ class ServiceEnd:
             blocked=processes.blocked.removeprefix("blocked by "),
             tick=int(latest.number("tick")) if latest is not None else 0,
             config=processes.record.config_hash[:SHORT],
+            bypassed_ns=processes.bypassed_ns,
         )
 
     def bypass(self) -> None:

@@ -70,6 +70,7 @@ def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_e
         control=None,
         blocked="blocked by X=0",
         record=SimpleNamespace(config_hash="3f9a" * 16),
+        bypassed_ns=0,
         bypass=lambda: bypassed.append(1),
     )
     end = ServiceEnd(processes, Pending(Clock()))  # type: ignore[arg-type]
