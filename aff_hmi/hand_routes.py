@@ -32,6 +32,8 @@ from aff_runtime.base.signals import State
 BODY_PATIENCE_S = 10.0
 NOBODY = "nobody"
 LOOPBACK = ("127.0.0.1", "::1")
+PANEL_NAMES = ("127.0.0.1", "localhost", "[::1]")
+PASSED_ON = ("forwarded", "via", "x-real-ip", "x-client-ip")
 WRONG = N_("name or password is wrong")
 WAIT = N_("too many tries: wait a minute")
 NO_TOKEN = N_("this page is older than your login: load it again")
@@ -297,10 +299,15 @@ class HandRoutes:
 
 
 def place_of(asked: HTTPConnection) -> Place:
-    """Return where a browser is: loopback is the panel, unless somebody passes it on."""
-    is_passed_on = any(name in asked.headers for name in ("forwarded", "x-forwarded-for", "via"))
+    """Return where a browser is: loopback is the panel, unless somebody passes it on.
+
+    Not everybody who passes on says so, but a browser elsewhere calls us by a name of the network.
+    """
+    heads = asked.headers
+    is_passed_on = any(name in PASSED_ON or name.startswith("x-forwarded") for name in heads)
     is_loopback = asked.client is not None and asked.client.host in LOOPBACK
-    return Place.PANEL if is_loopback and not is_passed_on else Place.NETWORK
+    is_called_so = heads.get("host", "").lower().rpartition(":")[0] in PANEL_NAMES
+    return Place.PANEL if is_loopback and is_called_so and not is_passed_on else Place.NETWORK
 
 
 async def _body(request: Request, entry: Entry) -> Said | None:

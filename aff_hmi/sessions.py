@@ -62,7 +62,7 @@ class Sessions:
         for key in [key for key in self._sessions if self._live(key) is None]:
             self._drop(key)
         while len(self._sessions) >= MAX_SESSIONS:
-            self._drop(next(iter(self._sessions)))
+            self._drop(self._oldest_of_most())
         token = secrets.token_urlsafe(32)
         session = Session(
             account=account,
@@ -156,6 +156,12 @@ class Sessions:
         """Return whether its time is not over and its account is what it was at the login."""
         is_young = self._clock.now_ns() - session.begun_ns <= LASTS_NS
         return is_young and self._accounts.find(session.account.name) == session.account
+
+    def _oldest_of_most(self) -> str:
+        """Return the oldest session of the account with most, so that none drives out others."""
+        count = Counter(one.account.name for one in self._sessions.values())
+        name, _ = count.most_common(1)[0]
+        return next(key for key, one in self._sessions.items() if one.account.name == name)
 
     def _drop(self, key: str) -> None:
         session = self._sessions.pop(key, None)

@@ -11,16 +11,17 @@ import pytest
 
 pytest.importorskip("starlette")
 
+from starlette.requests import HTTPConnection
 from starlette.routing import Route
 
 from aff_hmi.gate import BURST, MAX_BODY_BYTES
-from aff_hmi.hand_routes import TABLE
+from aff_hmi.hand_routes import TABLE, place_of
 from aff_hmi.pages import ASSETS
 from aff_hmi.sessions import HAND_NS, IDLE_NS, LASTS_NS
 from aff_runtime.app.hand.may import Code, Place, Reason, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Welcome
 from aff_runtime.base.signals import State
-from tests.aff_hmi.asgi import HOST
+from tests.aff_hmi.asgi import HOST, scope
 from tests.aff_hmi.pressed import NAMES, ORIGIN, PASSWORD, Browser, Pressed, quick
 
 BY_ROLE = {None: "", Role.VIEW: "vera", Role.OPERATE: "anna", Role.COMMISSION: "carl"}
@@ -256,6 +257,27 @@ def test_somebody_passed_on_by_a_proxy_is_not_at_the_panel(at: Pressed) -> None:
     said = {"name": "anna", "password": PASSWORD}
     assert browser.post("/login", said, x_forwarded_for="10.0.0.1").status == 200
     assert browser.session() is None  # it began elsewhere
+
+
+PLACES: dict[str, tuple[dict[str, str], Place]] = {
+    "the gateway itself": ({"host": HOST}, Place.PANEL),
+    "its name": ({"host": "LocalHost:8480"}, Place.PANEL),
+    "IPv6": ({"host": "[::1]:8480"}, Place.PANEL),
+    "a tunnel to another port": ({"host": "127.0.0.1:9000"}, Place.PANEL),
+    "a proxy that keeps the name": ({"host": "aff-line1:8480"}, Place.NETWORK),
+    "a name that begins alike": ({"host": "127.0.0.1.evil.example:8480"}, Place.NETWORK),
+    "no name": ({}, Place.NETWORK),
+    "X-Real-IP": ({"host": HOST, "x-real-ip": "10.0.0.1"}, Place.NETWORK),
+    "X-Forwarded-Host": ({"host": HOST, "x-forwarded-host": "aff-line1"}, Place.NETWORK),
+    "Via": ({"host": HOST, "via": "1.1 edge"}, Place.NETWORK),
+}
+
+
+@pytest.mark.parametrize(("heads", "place"), PLACES.values(), ids=PLACES)
+def test_only_who_calls_the_gateway_itself_is_at_the_panel(
+    heads: dict[str, str], place: Place
+) -> None:
+    assert place_of(HTTPConnection(scope("/", list(heads.items()), "http", "GET"))) is place
 
 
 def test_a_session_presses_so_often_and_a_bypass_is_not_counted(at: Pressed) -> None:
