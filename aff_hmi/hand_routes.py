@@ -47,11 +47,17 @@ Said: TypeAlias = dict[str, str | int | bool]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Asked:
-    """One request past the gate; ``session`` is there wherever the table asks for it."""
+    """One request past the gate; ``session`` is there wherever the table asks for it.
+
+    Attributes
+    ----------
+    token : of the session, in the cookie of the name ``cookie``.
+    """
 
     said: Said
     session: Session | None
     token: str
+    cookie: str
     place: Place
     address: str
     say: Say
@@ -122,13 +128,17 @@ class HandRoutes:
         """Return the routes of the table."""
         return [Route(path, self._behind(path), methods=["POST"]) for path in TABLE]
 
-    def cookie_name(self) -> str:
-        """Return the name of the session's cookie."""
-        return "__Host-aff" if self._is_tls else "aff"
+    def cookie_name(self, asked: HTTPConnection) -> str:
+        """Return the name of the session's cookie: screens of one machine have each their own.
+
+        A cookie holds for all ports of a name, so the port is in its name.
+        """
+        port = asked.headers.get("host", "").rpartition(":")[2]
+        return f"__Host-aff-{port}" if self._is_tls else f"aff-{port}"
 
     def token_of(self, asked: HTTPConnection) -> str:
         """Return what a browser shows of its session, empty for nothing."""
-        return asked.cookies.get(self.cookie_name(), "")
+        return asked.cookies.get(self.cookie_name(asked), "")
 
     def session_of(self, asked: HTTPConnection) -> Session | None:
         """Return the session of a request."""
@@ -166,6 +176,7 @@ class HandRoutes:
                     said=said,
                     session=session,
                     token=token,
+                    cookie=self.cookie_name(request),
                     place=place,
                     address=request.client.host if request.client else "",
                     say=say,
@@ -208,12 +219,7 @@ class HandRoutes:
         self._note("login", account.name, asked.place)
         answer = _done(asked.say(DONE))
         answer.set_cookie(
-            self.cookie_name(),
-            token,
-            path="/",
-            secure=self._is_tls,
-            httponly=True,
-            samesite="strict",
+            asked.cookie, token, path="/", secure=self._is_tls, httponly=True, samesite="strict"
         )
         return answer
 
@@ -223,7 +229,7 @@ class HandRoutes:
         self._note("logout", asked.session.account.name, asked.place)
         answer = _done(asked.say(DONE))
         answer.delete_cookie(
-            self.cookie_name(), path="/", secure=self._is_tls, httponly=True, samesite="strict"
+            asked.cookie, path="/", secure=self._is_tls, httponly=True, samesite="strict"
         )
         return answer
 

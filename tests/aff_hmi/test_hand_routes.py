@@ -412,6 +412,26 @@ def test_an_account_that_changes_ends_its_sessions(at: Pressed, spoil: str) -> N
         assert at.browser("bert").act("bypass").status == 200
 
 
+ENDED: dict[str, Callable[[Pressed, Browser], object]] = {
+    "nothing pressed": lambda at, _: _later(at, HAND_NS + 1),
+    "twelve hours": lambda at, _: _later(at, LASTS_NS + 1),
+    "account gone": lambda at, _: (at.file.write_text(""), at.show(State.READY)),
+    "another login": lambda at, anna: anna.post("/login", GOOD["/login"]),
+    "logout": lambda at, anna: anna.post("/logout", {}),
+}
+
+
+@pytest.mark.parametrize("how", ENDED)
+def test_a_hand_that_ends_without_a_press_is_put_on_record_once(at: Pressed, how: str) -> None:
+    anna = armed(at)
+    before = len(at.service.notices)
+    ENDED[how](at, anna)
+    at.show(State.READY)
+    said = at.service.notices[before:]
+    assert said.count("hand ended anna") == 1
+    assert said.count("session ended anna") == (how in ("twelve hours", "account gone"))
+
+
 @pytest.mark.parametrize("is_tls", [False, True])
 def test_the_cookie_is_for_this_screen_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_tls: bool
@@ -423,7 +443,7 @@ def test_the_cookie_is_for_this_screen_alone(
     said = {part.lower() for part in parts}
     assert {"httponly", "samesite=strict", "path=/"} <= said
     assert ("secure" in said) is is_tls
-    assert name.startswith("__Host-aff=" if is_tls else "aff=")
+    assert name.startswith("__Host-aff-8480=" if is_tls else "aff-8480=")
     assert not any(part.startswith(("domain", "max-age", "expires")) for part in said)
     assert len(name.partition("=")[2]) >= 43  # 256 bits
 
