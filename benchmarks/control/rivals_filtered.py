@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from padasip.filters import FilterLMS
 
 from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.core.impulse import LoopModel
@@ -70,6 +69,8 @@ class FxLms(Rival):
         self._order = np.array([float(n) for _, n in columns])
         self._filter = LoopFilter(loop, count)
         self._own = phases["unwind"]
+        from padasip.filters import FilterLMS  # with scipy.stats, half the start of a worker
+
         self._lms = FilterLMS(2 * count, mu=0.0, w="zeros")
         self._w = np.zeros(count, dtype=np.complex128)
         self._q = np.zeros(count, dtype=np.complex128)

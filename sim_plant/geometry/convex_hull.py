@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 from sim_plant.geometry.shapes import MAX_ORDER, Floats, Shape
 
@@ -13,6 +12,8 @@ Points = NDArray[np.complex128]
 
 def hull(points: Points) -> Points:
     """Return the vertices of the convex hull, counterclockwise; a taut web touches no others."""
+    from scipy.spatial import ConvexHull  # noqa: PLC0415  half the start of a line without corners
+
     vertices = ConvexHull(np.column_stack([points.real, points.imag])).vertices
     corners: Points = points[vertices]
     return corners

@@ -14,6 +14,7 @@ from sim_plant.line.load import LineFile
 from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.fit.start_angles import at_start_angles
 from sim_plant.refine.judge.holdout import Evaluation, evaluate
+from sim_plant.refine.judge.refutation import as_declared, refuted
 from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.record_match import limits, twin_of
 from sim_plant.refine.model.run_limits import run_limits
@@ -33,7 +34,7 @@ from sim_plant.refine.report.site_edit import FILE as SITE
 from sim_plant.refine.report.site_edit import Proposal, SiteFile, proposed
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.forward_selection import forward_selection
-from sim_plant.refine.search.selection import Selection
+from sim_plant.refine.search.selection import Selection, withdrawn
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -73,6 +74,10 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     judged = held[0] if held else fitted[0]
     progress(f"judging on {judged.record.path.name}")
     evaluation = judge(judged, selection, plan.workers, progress, held_out=bool(held))
+    if held and selection.accepted and not selection.unknown and refuted(evaluation):
+        cannot.append(not_confirmed(selection, judged.record))
+        progress(cannot[-1])
+        selection, evaluation = withdrawn(selection), as_declared(evaluation)
     outcome = Outcome(
         plan=plan,
         line=line,
@@ -174,6 +179,12 @@ def judge(
     shifts = tuple(sorted(selection.corrections.items()))
     with SimulationPool([judged.twin], workers, progress) as pool:
         return evaluate(pool, judged.measured, selection.fit.effects, shifts, find_angles=held_out)
+
+
+def not_confirmed(selection: Selection, record: Recording) -> str:
+    """Return what is said of effects that the record held out refutes."""
+    found = " and ".join(str(accepted.hypothesis.key) for accepted in selection.accepted)
+    return f"not claimed: {found}: explains what was fitted, and not {record.path.name}"
 
 
 def write_all(outcome: Outcome, command: str) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from sim_plant.refine.criteria.estimation import FitCriteria, NoiseCriteria, SpectraCriteria
 from sim_plant.refine.criteria.records import MatchCriteria, ModelCriteria, RecordCriteria
-from sim_plant.refine.criteria.reporting import ReportCriteria, WithoutLineCriteria
+from sim_plant.refine.criteria.reporting import JudgeCriteria, ReportCriteria, WithoutLineCriteria
 from sim_plant.refine.criteria.search import SearchCriteria
 
 
@@ -24,6 +24,7 @@ class Criteria:
     spectra: SpectraCriteria = field(default_factory=SpectraCriteria)
     fit: FitCriteria = field(default_factory=FitCriteria)
     search: SearchCriteria = field(default_factory=SearchCriteria)
+    judge: JudgeCriteria = field(default_factory=JudgeCriteria)
     report: ReportCriteria = field(default_factory=ReportCriteria)
     without_line: WithoutLineCriteria = field(default_factory=WithoutLineCriteria)
 

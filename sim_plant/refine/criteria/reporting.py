@@ -8,6 +8,24 @@ from sim_plant.refine.criteria.criterion import NOT_RECORDED, criterion
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class JudgeCriteria:
+    """When a record held out refutes what was found on the records fitted."""
+
+    least_power: float = criterion(
+        1.0,
+        "of the power of noise, mean over channels",
+        "beyond noise, by which the record held out shows that there is something to explain",
+        "below, what declared numbers leave within their tolerance is as much",
+    )
+    refuted_share: float = criterion(
+        0.5,
+        "of that power",
+        "effects that leave more are no explanation of it",
+        "right effects leave 0.01 to 0.1 (refine-pairs); half is no matter of a model's accuracy",
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ReportCriteria:
     """What a report says of numbers that were found."""
 

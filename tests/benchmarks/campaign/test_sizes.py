@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from benchmarks.campaign import alike as told_by
+from benchmarks.campaign import record as recording
 from benchmarks.campaign import sizes
+from benchmarks.campaign import stage as staging
 from benchmarks.campaign.alike import beside, beside_tolerances
 from benchmarks.campaign.cases import Case
 from benchmarks.campaign.effect_table import BY_NAME
@@ -21,9 +23,14 @@ CASE = Case(number=0, group="single 0.4", seed=3, snr=0.4)
 
 @pytest.fixture(scope="module", autouse=True)
 def few_tolerances():
-    """Let six declared numbers be uncertain, the modulus among them: each is a simulation."""
+    """Let six declared numbers be uncertain, the modulus among them: each is a simulation.
+
+    Of 30 s of a line that has settled for 20 s, not of 60 s after 40 s as in the campaign.
+    """
     draws = told_by.tolerances(CASE)[:6]
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(staging, "ROWS", 3000)
+        patch.setattr(recording, "SETTLE_S", 20.0)
         patch.setattr(told_by, "tolerances", lambda _: draws)
         beside_tolerances.cache_clear()
         yield

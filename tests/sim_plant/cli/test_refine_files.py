@@ -82,8 +82,9 @@ def write_mdf(columns, path):
 WRITERS = {"csv.gz": write_csv, "parquet": write_parquet, "mf4": write_mdf}
 
 
+EXACT = {"tolerances": {"*": 0.0}}
 FEW = [w for name in BY_NAME if name != "bearing_drag" for w in ("--without", name)]
-"""One effect in the library: what is compared is the record's way, not the search."""
+"""Exact numbers and one effect in the library: what is compared is the record's way."""
 
 
 def refined(line_file, record, out, *more):
@@ -94,7 +95,7 @@ def refined(line_file, record, out, *more):
 @pytest.fixture(scope="module")
 def from_csv(columns, tmp_path_factory):
     folder = tmp_path_factory.mktemp("plain")
-    (folder / "line.yaml").write_text(yaml.safe_dump(declaration(), sort_keys=False))
+    (folder / "line.yaml").write_text(yaml.safe_dump(declaration() | EXACT, sort_keys=False))
     write_csv(columns, folder / "r.csv")
     assert refined(folder / "line.yaml", folder / "r.csv", folder / "out", *FEW) == 0
     return json.loads((folder / "out" / "verdict.json").read_text())
@@ -116,6 +117,7 @@ def test_a_container_whose_stamps_are_rounded_gives_the_verdict_of_the_plain_fil
 ):
     record = tmp_path / "r.mf4"
     write_mdf(columns, record)
+    line_file.write_text(yaml.safe_dump(declaration() | EXACT, sort_keys=False))
     assert refined(line_file, record, tmp_path / "out", *FEW) == 0
     found = json.loads((tmp_path / "out" / "verdict.json").read_text())
     assert found.pop("holdout") == str(record)

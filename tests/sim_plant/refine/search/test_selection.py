@@ -16,6 +16,7 @@ from sim_plant.refine.search.selection import (
     preferred,
     score,
     standing,
+    withdrawn,
 )
 from tests.sim_plant.refine.small import fit_of, one_peak, quiet
 
@@ -156,3 +157,12 @@ def test_beside_something_that_is_no_line_only_strong_periodic_effects_are_claim
     assert standing(effects, 5000.0) == [0]
     assert standing(effects, 1000.0) == [0, 2]
     assert standing(effects, 0.0) == [0, 2]
+
+
+@pytest.mark.parametrize(("line", "kind"), [(5000.0, "time"), (100.0, "broadband")])
+def test_effects_that_are_withdrawn_leave_their_line_unknown_or_something_irregular(line, kind):
+    known = AcceptedEffect(hypothesis=DRAG, score=900.0, runner_up=None, margin=900.0, rejected=())
+    found = selection(cost=COST - 900.0, nominal=COST, accepted=(known,), corrections={"x": 1.0})
+    left = withdrawn(replace(found, before=one_peak(line)))
+    assert [u.kind for u in left.unknown] == [kind]
+    assert (left.accepted, left.corrections, left.fit) == ((), {}, left.nominal)

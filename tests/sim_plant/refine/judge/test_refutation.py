@@ -1,0 +1,55 @@
+"""A record held out confirms what was found, or refutes it."""
+
+import numpy as np
+import pytest
+
+from sim_plant.refine.judge.holdout import Evaluation
+from sim_plant.refine.judge.refutation import as_declared, refuted
+
+CHANNELS = ("unwind_tension_N", "pull_roll_speed_m_s", "unwind_angle_rad")
+
+
+def evaluation(before, after):
+    """Return errors as multiples of the floor."""
+    series = np.zeros((3, 4))
+    return Evaluation(
+        channels=CHANNELS,
+        before=np.array(before),
+        after=np.array(after),
+        floor=np.ones(3),
+        measured=series,
+        declared=series,
+        amended=series + 1.0,
+        effects=(),
+        angles_rad={"R3": 0.1},
+        unwound_m={},
+        first=0,
+        travel_m=np.zeros(4),
+    )
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "is_refuted"),
+    [
+        ((4.3, 9.4, 1.0), (4.1, 9.4, 1.0), True),  # explains nothing of it
+        ((4.3, 9.4, 1.0), (1.2, 2.0, 1.0), False),
+        ((4.3, 9.4, 1.0), (5.0, 12.0, 1.0), True),  # and makes it worse
+        ((1.1, 1.2, 1.0), (1.1, 1.2, 1.0), False),  # nothing to explain on this record
+        ((1.0, 1.0, 50.0), (1.0, 1.0, 50.0), False),  # an angle begins anew in each record
+    ],
+)
+def test_what_leaves_most_of_a_record_held_out_is_refuted(before, after, is_refuted):
+    assert refuted(evaluation(before, after)) is is_refuted
+
+
+def test_half_of_the_power_beyond_noise_is_the_limit():
+    before = (np.sqrt(1.0 + 8.0), 1.0, 1.0)
+    assert not refuted(evaluation(before, (np.sqrt(1.0 + 3.9), 1.0, 1.0)))
+    assert refuted(evaluation(before, (np.sqrt(1.0 + 4.1), 1.0, 1.0)))
+
+
+def test_a_line_as_declared_has_its_own_error_after():
+    plain = as_declared(evaluation((4.0, 3.0, 1.0), (2.0, 1.0, 1.0)))
+    assert plain.after.tolist() == [4.0, 3.0, 1.0]
+    assert not plain.amended.any()
+    assert plain.angles_rad == {}
