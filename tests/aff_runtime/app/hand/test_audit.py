@@ -146,6 +146,37 @@ def test_foreign_words_are_one_line_and_not_too_long(tmp_path: Path) -> None:
     assert len(line) < 1000
 
 
+@pytest.mark.parametrize("leaves", ["nothing", "an empty file"])
+def test_a_file_that_is_moved_away_meanwhile_leaves_no_line_unseen(
+    tmp_path: Path, leaves: str
+) -> None:
+    found = audit(tmp_path)
+    for _ in range(2):
+        found.add(Entry(what="arm", result="done"))
+    found.path.rename(found.path.with_name(f"{NAME}.1"))
+    if leaves == "an empty file":
+        found.path.touch(0o600)
+    assert found.add(Entry(what="arm", result="done")) == 3
+    found.close()
+    chain = verify(found.path)
+    assert (chain.first, chain.last, chain.wrong) == (1, 3, "")
+    found.path.with_name(f"{NAME}.1").unlink()
+    assert verify(found.path).first == 3
+
+
+def test_another_file_in_its_place_is_not_written_to(tmp_path: Path) -> None:
+    found = audit(tmp_path)
+    found.add(Entry(what="arm", result="done"))
+    found.path.unlink()
+    found.path.write_text("of somebody else\n")
+    with pytest.raises(RefusedError, match="another file"):
+        found.add(Entry(what="arm", result="done"))
+    assert found.path.read_text() == "of somebody else\n"
+    found.path.unlink()
+    assert found.add(Entry(what="arm", result="done")) == 2
+    found.close()
+
+
 def test_the_widest_words_there_are_fit_a_line(tmp_path: Path) -> None:
     found = audit(tmp_path)
     wide = "\U0001f511"  # twelve bytes in JSON
