@@ -1,7 +1,7 @@
 """Accounts of the screen: a file of one line each, made by ``aff-hmi account`` on the machine.
 
-``name:role:scrypt:N:r:p:salt:hash``; nobody but its owner writes it, nobody outside its group
-reads it. What cannot be read, or not trusted, is no account at all.
+``name:role:scrypt:N:r:p:salt:hash``; root, ourselves or the screen's user owns it, nobody else
+writes it, nobody outside its group reads it. What cannot be read, or not trusted, is no account.
 """
 
 from __future__ import annotations
@@ -19,11 +19,13 @@ from pathlib import Path
 from aff_runtime.app.hand.may import ROLES, Role
 from aff_runtime.app.hand.messages import is_account_name
 from aff_runtime.app.link.files import replace_text
+from aff_runtime.app.link.peer import uids_with
 from aff_runtime.base.errors import ConfigError
 
 LEAST_CHARACTERS = 10
 MOST_CHARACTERS = 256
 MAX_BYTES = 64 << 10
+OWNER = "aff-hmi"
 _N, _R, _P = 1 << 15, 8, 3
 _MOST_MEMORY = 64 << 20
 _METHOD = "scrypt"
@@ -73,7 +75,7 @@ class Accounts:
     def _look(self) -> None:
         try:
             now = self._path.stat()
-            stamp = (now.st_ino, now.st_mtime_ns, now.st_size)
+            stamp = (now.st_ino, now.st_ctime_ns, now.st_size)
             if stamp != self._stamp:
                 self._found = {one.name: one for one in read_accounts(self._path)}
                 self._stamp = stamp
@@ -90,14 +92,14 @@ def read_accounts(path: Path) -> list[Account]:
         When it cannot be read, others could have written it or may read it, or a line is none.
     """
     try:
-        with path.open("rb") as file:
-            mode = stat.S_IMODE(os.fstat(file.fileno()).st_mode)
+        flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC  # a pipe holds nobody up
+        with open(os.open(path, flags), "rb") as file:
+            found = os.fstat(file.fileno())
+            _check_ours(path, found)
             text = file.read(MAX_BYTES + 1).decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else "is no text"
         raise ConfigError(f"{path}: {why}; make it with `aff-hmi account add NAME`") from None
-    if mode & (stat.S_IWGRP | stat.S_IRWXO):
-        raise ConfigError(f"{path}: mode {mode:04o} opens it to others; `chmod 640` it")
     if len(text) > MAX_BYTES:
         raise ConfigError(f"{path}: has more than {MAX_BYTES} bytes")
     return [_account(line, f"{path}:{at}") for at, line in enumerate(text.splitlines(), start=1)]
@@ -137,6 +139,17 @@ def is_password(password: str, secret: str) -> bool:
     """Return whether a password is the one of a secret."""
     _, _, _, _, salt, kept = secret.split(":")
     return hmac.compare_digest(_hash(password, base64.b64decode(salt)), base64.b64decode(kept))
+
+
+def _check_ours(path: Path, found: os.stat_result) -> None:
+    """Refuse what is no file, what others own, and what is open to others."""
+    if not stat.S_ISREG(found.st_mode):
+        raise ConfigError(f"{path}: is no file; make it with `aff-hmi account add NAME`")
+    if found.st_uid not in uids_with(OWNER):
+        raise ConfigError(f"{path}: uid {found.st_uid} owns it, and may write it; `chown root` it")
+    mode = stat.S_IMODE(found.st_mode)
+    if mode & (stat.S_IWGRP | stat.S_IRWXO):
+        raise ConfigError(f"{path}: mode {mode:04o} opens it to others; `chmod 640` it")
 
 
 def _account(line: str, where: str) -> Account:

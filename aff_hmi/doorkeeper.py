@@ -31,8 +31,9 @@ class Doorkeeper:
 
     def is_too_often(self, name: str, address: str) -> bool:
         """Return whether this try has to wait; it counts."""
-        of_address = self._bucket("", address, PER_ADDRESS).take()
-        return not (self._bucket(name, address, PER_ACCOUNT).take() and of_address)
+        if not self._bucket("", address, PER_ADDRESS).take():
+            return True  # no bucket of a name: a flood of names would push out those of others
+        return not self._bucket(name, address, PER_ACCOUNT).take()
 
     async def check(self, name: str, password: str) -> Account | None:
         """Return the account whose password this is.

@@ -24,7 +24,7 @@ from aff_runtime.app.hand.may import (
     Role,
     may,
 )
-from aff_runtime.app.hand.messages import VALID_NS, Welcome
+from aff_runtime.app.hand.messages import VALID_NS, Notice, Welcome
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
@@ -53,7 +53,7 @@ class Hand:
     def __init__(self, socket: Path, accounts: Path, clock: Clock) -> None:
         self._clock = clock
         self.accounts = Accounts(accounts)
-        self.sessions = Sessions(self.accounts, clock)
+        self.sessions = Sessions(self.accounts, clock, self._note)
         self.desk = PressDesk(socket, clock)
         self._moments: deque[Moment] = deque(maxlen=KEPT_MOMENTS)
         self._state: State | None = None
@@ -61,6 +61,7 @@ class Hand:
 
     def look(self, seen: Seen, number: int) -> None:
         """Take note of what the frame of this number shows."""
+        self.sessions.sweep()
         age_s = seen.tick_age_s
         is_fresh = seen.writer_lives and age_s is not None and age_s < FRESH_S
         self._state = seen.row.state if seen.row is not None and is_fresh else None
@@ -101,6 +102,10 @@ class Hand:
             },
         }
         return json.dumps(said, ensure_ascii=False, separators=(",", ":"))
+
+    def _note(self, what: str, session: Session) -> None:
+        """Have what nobody pressed put into the audit."""
+        self.desk.notice(Notice(what=what, account=session.account.name, place=session.place))
 
     def _circumstances(self) -> Circumstances:
         rules, held = self.desk.rules, self.sessions.holder()

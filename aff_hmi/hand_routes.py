@@ -32,6 +32,8 @@ from aff_runtime.base.signals import State
 BODY_PATIENCE_S = 10.0
 NOBODY = "nobody"
 LOOPBACK = ("127.0.0.1", "::1")
+PANEL_NAMES = ("127.0.0.1", "localhost", "[::1]")
+PASSED_ON = ("forwarded", "via", "x-real-ip", "x-client-ip")
 WRONG = N_("name or password is wrong")
 WAIT = N_("too many tries: wait a minute")
 NO_TOKEN = N_("this page is older than your login: load it again")
@@ -45,11 +47,17 @@ Said: TypeAlias = dict[str, str | int | bool]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Asked:
-    """One request past the gate; ``session`` is there wherever the table asks for it."""
+    """One request past the gate; ``session`` is there wherever the table asks for it.
+
+    Attributes
+    ----------
+    token : of the session, in the cookie of the name ``cookie``.
+    """
 
     said: Said
     session: Session | None
     token: str
+    cookie: str
     place: Place
     address: str
     say: Say
@@ -120,13 +128,17 @@ class HandRoutes:
         """Return the routes of the table."""
         return [Route(path, self._behind(path), methods=["POST"]) for path in TABLE]
 
-    def cookie_name(self) -> str:
-        """Return the name of the session's cookie."""
-        return "__Host-aff" if self._is_tls else "aff"
+    def cookie_name(self, asked: HTTPConnection) -> str:
+        """Return the name of the session's cookie: screens of one machine have each their own.
+
+        A cookie holds for all ports of a name, so the port is in its name.
+        """
+        port = asked.headers.get("host", "").rpartition(":")[2]
+        return f"__Host-aff-{port}" if self._is_tls else f"aff-{port}"
 
     def token_of(self, asked: HTTPConnection) -> str:
         """Return what a browser shows of its session, empty for nothing."""
-        return asked.cookies.get(self.cookie_name(), "")
+        return asked.cookies.get(self.cookie_name(asked), "")
 
     def session_of(self, asked: HTTPConnection) -> Session | None:
         """Return the session of a request."""
@@ -164,6 +176,7 @@ class HandRoutes:
                     said=said,
                     session=session,
                     token=token,
+                    cookie=self.cookie_name(request),
                     place=place,
                     address=request.client.host if request.client else "",
                     say=say,
@@ -206,12 +219,7 @@ class HandRoutes:
         self._note("login", account.name, asked.place)
         answer = _done(asked.say(DONE))
         answer.set_cookie(
-            self.cookie_name(),
-            token,
-            path="/",
-            secure=self._is_tls,
-            httponly=True,
-            samesite="strict",
+            asked.cookie, token, path="/", secure=self._is_tls, httponly=True, samesite="strict"
         )
         return answer
 
@@ -221,7 +229,7 @@ class HandRoutes:
         self._note("logout", asked.session.account.name, asked.place)
         answer = _done(asked.say(DONE))
         answer.delete_cookie(
-            self.cookie_name(), path="/", secure=self._is_tls, httponly=True, samesite="strict"
+            asked.cookie, path="/", secure=self._is_tls, httponly=True, samesite="strict"
         )
         return answer
 
@@ -297,10 +305,15 @@ class HandRoutes:
 
 
 def place_of(asked: HTTPConnection) -> Place:
-    """Return where a browser is: loopback is the panel, unless somebody passes it on."""
-    is_passed_on = any(name in asked.headers for name in ("forwarded", "x-forwarded-for", "via"))
+    """Return where a browser is: loopback is the panel, unless somebody passes it on.
+
+    Not everybody who passes on says so, but a browser elsewhere calls us by a name of the network.
+    """
+    heads = asked.headers
+    is_passed_on = any(name in PASSED_ON or name.startswith("x-forwarded") for name in heads)
     is_loopback = asked.client is not None and asked.client.host in LOOPBACK
-    return Place.PANEL if is_loopback and not is_passed_on else Place.NETWORK
+    is_called_so = heads.get("host", "").lower().rpartition(":")[0] in PANEL_NAMES
+    return Place.PANEL if is_loopback and is_called_so and not is_passed_on else Place.NETWORK
 
 
 async def _body(request: Request, entry: Entry) -> Said | None:

@@ -14,6 +14,7 @@ from aff_hmi.counts import Counts
 from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout, layout_of
 from aff_hmi.metrics import Metrics
+from aff_hmi.room import has_room
 from aff_hmi.view import view_of
 from aff_hmi.watch import Seen, Watch
 from aff_hmi.words import say_in
@@ -38,8 +39,9 @@ class Viewer:
     own : returns what is of its session alone, as JSON.
     """
 
-    def __init__(self, language: str, own: Callable[[], str]) -> None:
+    def __init__(self, language: str, address: str, own: Callable[[], str]) -> None:
         self.language = language
+        self.address = address
         self.own = own
         self.shown = 0
         self.sent = 0
@@ -124,11 +126,12 @@ class Hub:
         self, socket: WebSocket, language: str, own: Callable[[], str] = lambda: ""
     ) -> None:
         """Look after one socket until it ends."""
-        if len(self._viewers) >= MAX_SOCKETS:
+        address = socket.client.host if socket.client is not None else ""
+        if not has_room(address, (one.address for one in self._viewers), MAX_SOCKETS):
             await socket.close(TRY_LATER)
             return
         await socket.accept()
-        viewer = Viewer(language, own)
+        viewer = Viewer(language, address, own)
         viewer.heard_ns = self._clock.now_ns()
         self._viewers.add(viewer)
         tasks = [

@@ -15,6 +15,7 @@ from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
 from aff_hmi.listening import Listening
 from aff_hmi.pages import Pages
+from aff_hmi.room import has_room
 from aff_hmi.watch import Watch
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
@@ -30,14 +31,23 @@ class PatientOnce(H11Protocol):
     """HTTP/1.1 that waits for the head of a first request for a while, and not for ever."""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Begin to wait."""
+        """Begin to wait; who has no room goes, but who finds every place taken is told."""
+        there = [_address(one) for one in self.connections]
         super().connection_made(transport)
+        if len(there) < MAX_CONNECTIONS and not has_room(_address(self), there, MAX_CONNECTIONS):
+            transport.close()
+            return
         self.loop.call_later(HEADER_PATIENCE_S, self._is_late, transport)
 
     def _is_late(self, transport: asyncio.Transport) -> None:
         has_spoken = self.conn.their_state is not h11.IDLE or transport.get_protocol() is not self
         if not has_spoken and not transport.is_closing():
             transport.close()
+
+
+def _address(protocol: object) -> str:
+    client: tuple[str, int] | None = getattr(protocol, "client", None)
+    return client[0] if client else ""
 
 
 def config_of(listening: Listening, hub: Hub, language: str) -> uvicorn.Config:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import secrets
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from aff_hmi.accounts import Account, Accounts
@@ -48,21 +49,31 @@ class Holder:
 
 
 class Sessions:
-    """All sessions of this screen; they end with it, with time, and with their account."""
+    """All sessions of this screen; they end with it, with time, and with their account.
 
-    def __init__(self, accounts: Accounts, clock: Clock) -> None:
+    Parameters
+    ----------
+    told : called with a notice and a session when one ends, or its hand, without a press.
+    """
+
+    def __init__(
+        self,
+        accounts: Accounts,
+        clock: Clock,
+        told: Callable[[str, Session], None] = lambda what, session: None,
+    ) -> None:
         self._accounts = accounts
         self._clock = clock
+        self._told = told
         self._sessions: dict[str, Session] = {}
         self._holder: Holder | None = None
 
     def begin(self, account: Account, place: Place) -> str:
         """Return the token of a new session; nothing but its hash is kept."""
         now_ns = self._clock.now_ns()
-        for key in [key for key in self._sessions if self._live(key) is None]:
-            self._drop(key)
+        self.sweep()
         while len(self._sessions) >= MAX_SESSIONS:
-            self._drop(next(iter(self._sessions)))
+            self._drop(self._oldest_of_most(), "session ended")
         token = secrets.token_urlsafe(32)
         session = Session(
             account=account,
@@ -82,6 +93,12 @@ class Sessions:
     def end(self, token: str) -> None:
         """End a session, its hand too."""
         self._drop(_key(token))
+
+    def sweep(self) -> None:
+        """End what time or a changed account has ended."""
+        self.holder()
+        for key in list(self._sessions):
+            self._live(key)
 
     def by_role(self) -> Counter[str]:
         """Return how many sessions there are of every role."""
@@ -109,7 +126,7 @@ class Sessions:
             idle_ns = self._clock.now_ns() - held.session.pressed_ns
             is_there = held.session in self._sessions.values() and not self.is_idle(held.session)
             if not is_there or idle_ns > HAND_NS or not self._is_live(held.session):
-                self._holder = None
+                self._lose(held)
         return self._holder
 
     def take(self, session: Session) -> str:
@@ -148,7 +165,7 @@ class Sessions:
     def _live(self, key: str) -> Session | None:
         session = self._sessions.get(key)
         if session is not None and not self._is_live(session):
-            self._drop(key)
+            self._drop(key, "session ended")
             return None
         return session
 
@@ -157,10 +174,24 @@ class Sessions:
         is_young = self._clock.now_ns() - session.begun_ns <= LASTS_NS
         return is_young and self._accounts.find(session.account.name) == session.account
 
-    def _drop(self, key: str) -> None:
+    def _oldest_of_most(self) -> str:
+        """Return the oldest session of the account with most, so that none drives out others."""
+        count = Counter(one.account.name for one in self._sessions.values())
+        name, _ = count.most_common(1)[0]
+        return next(key for key, one in self._sessions.items() if one.account.name == name)
+
+    def _drop(self, key: str, notice: str = "") -> None:
         session = self._sessions.pop(key, None)
-        if session is not None and self._holder is not None and self._holder.session is session:
-            self._holder = None
+        if session is None:
+            return
+        if self._holder is not None and self._holder.session is session:
+            self._lose(self._holder)
+        if notice:
+            self._told(notice, session)
+
+    def _lose(self, held: Holder) -> None:
+        self._holder = None
+        self._told("hand ended", held.session)
 
 
 def _key(token: str) -> str:

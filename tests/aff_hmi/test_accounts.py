@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 from pathlib import Path
 
@@ -86,6 +87,32 @@ def test_a_file_that_is_open_to_others_is_refused(tmp_path: Path, mode: int) -> 
     assert Accounts(file).find("anna") is None
 
 
+def test_what_is_no_file_is_refused_and_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "accounts", 0o600)
+    with pytest.raises(ConfigError, match="is no file"):
+        read_accounts(tmp_path / "accounts")
+
+
+def test_a_file_of_another_user_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "accounts"
+    accounts.write_accounts(file, [])
+    monkeypatch.setattr(accounts, "uids_with", lambda _: frozenset({os.geteuid() + 1}))
+    with pytest.raises(ConfigError, match="owns it"):
+        read_accounts(file)
+
+
+def test_a_file_that_is_opened_to_others_later_holds_no_account_any_more(tmp_path: Path) -> None:
+    file = tmp_path / "accounts"
+    one = Account(name="anna", role=Role.VIEW, secret=secret_of(PASSWORD))
+    accounts.write_accounts(file, [one])
+    found = Accounts(file)
+    assert found.find("anna") == one
+    file.chmod(0o666)
+    assert found.find("anna") is None
+
+
 @pytest.mark.parametrize(
     "line",
     [
@@ -143,6 +170,19 @@ def test_sessions_are_not_kept_without_end(tmp_path: Path) -> None:
     tokens = [sessions.begin(one, Place.PANEL) for _ in range(MAX_SESSIONS + 3)]
     there = [sessions.find(token, Place.PANEL) is not None for token in tokens]
     assert there == [False] * 3 + [True] * MAX_SESSIONS
+
+
+def test_an_account_that_logs_in_without_end_drives_out_nobody_else(tmp_path: Path) -> None:
+    file = tmp_path / "accounts"
+    secret = secret_of(PASSWORD)
+    anna = Account(name="anna", role=Role.OPERATE, secret=secret)
+    vera = Account(name="vera", role=Role.VIEW, secret=secret)
+    accounts.write_accounts(file, [anna, vera])
+    sessions = Sessions(Accounts(file), Clock())
+    token = sessions.begin(anna, Place.PANEL)
+    for _ in range(2 * MAX_SESSIONS):
+        sessions.begin(vera, Place.NETWORK)
+    assert sessions.find(token, Place.PANEL) is not None
 
 
 def test_without_accounts_nothing_is_served(

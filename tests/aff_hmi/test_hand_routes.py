@@ -11,16 +11,17 @@ import pytest
 
 pytest.importorskip("starlette")
 
+from starlette.requests import HTTPConnection
 from starlette.routing import Route
 
 from aff_hmi.gate import BURST, MAX_BODY_BYTES
-from aff_hmi.hand_routes import TABLE
+from aff_hmi.hand_routes import TABLE, place_of
 from aff_hmi.pages import ASSETS
 from aff_hmi.sessions import HAND_NS, IDLE_NS, LASTS_NS
 from aff_runtime.app.hand.may import Code, Place, Reason, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Welcome
 from aff_runtime.base.signals import State
-from tests.aff_hmi.asgi import HOST
+from tests.aff_hmi.asgi import HOST, scope
 from tests.aff_hmi.pressed import NAMES, ORIGIN, PASSWORD, Browser, Pressed, quick
 
 BY_ROLE = {None: "", Role.VIEW: "vera", Role.OPERATE: "anna", Role.COMMISSION: "carl"}
@@ -258,6 +259,27 @@ def test_somebody_passed_on_by_a_proxy_is_not_at_the_panel(at: Pressed) -> None:
     assert browser.session() is None  # it began elsewhere
 
 
+PLACES: dict[str, tuple[dict[str, str], Place]] = {
+    "the gateway itself": ({"host": HOST}, Place.PANEL),
+    "its name": ({"host": "LocalHost:8480"}, Place.PANEL),
+    "IPv6": ({"host": "[::1]:8480"}, Place.PANEL),
+    "a tunnel to another port": ({"host": "127.0.0.1:9000"}, Place.PANEL),
+    "a proxy that keeps the name": ({"host": "aff-line1:8480"}, Place.NETWORK),
+    "a name that begins alike": ({"host": "127.0.0.1.evil.example:8480"}, Place.NETWORK),
+    "no name": ({}, Place.NETWORK),
+    "X-Real-IP": ({"host": HOST, "x-real-ip": "10.0.0.1"}, Place.NETWORK),
+    "X-Forwarded-Host": ({"host": HOST, "x-forwarded-host": "aff-line1"}, Place.NETWORK),
+    "Via": ({"host": HOST, "via": "1.1 edge"}, Place.NETWORK),
+}
+
+
+@pytest.mark.parametrize(("heads", "place"), PLACES.values(), ids=PLACES)
+def test_only_who_calls_the_gateway_itself_is_at_the_panel(
+    heads: dict[str, str], place: Place
+) -> None:
+    assert place_of(HTTPConnection(scope("/", list(heads.items()), "http", "GET"))) is place
+
+
 def test_a_session_presses_so_often_and_a_bypass_is_not_counted(at: Pressed) -> None:
     browser = armed(at)
     codes = [browser.act(seen="OFF").status for _ in range(30)]
@@ -390,6 +412,26 @@ def test_an_account_that_changes_ends_its_sessions(at: Pressed, spoil: str) -> N
         assert at.browser("bert").act("bypass").status == 200
 
 
+ENDED: dict[str, Callable[[Pressed, Browser], object]] = {
+    "nothing pressed": lambda at, _: _later(at, HAND_NS + 1),
+    "twelve hours": lambda at, _: _later(at, LASTS_NS + 1),
+    "account gone": lambda at, _: (at.file.write_text(""), at.show(State.READY)),
+    "another login": lambda at, anna: anna.post("/login", GOOD["/login"]),
+    "logout": lambda at, anna: anna.post("/logout", {}),
+}
+
+
+@pytest.mark.parametrize("how", ENDED)
+def test_a_hand_that_ends_without_a_press_is_put_on_record_once(at: Pressed, how: str) -> None:
+    anna = armed(at)
+    before = len(at.service.notices)
+    ENDED[how](at, anna)
+    at.show(State.READY)
+    said = at.service.notices[before:]
+    assert said.count("hand ended anna") == 1
+    assert said.count("session ended anna") == (how in ("twelve hours", "account gone"))
+
+
 @pytest.mark.parametrize("is_tls", [False, True])
 def test_the_cookie_is_for_this_screen_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_tls: bool
@@ -401,7 +443,7 @@ def test_the_cookie_is_for_this_screen_alone(
     said = {part.lower() for part in parts}
     assert {"httponly", "samesite=strict", "path=/"} <= said
     assert ("secure" in said) is is_tls
-    assert name.startswith("__Host-aff=" if is_tls else "aff=")
+    assert name.startswith("__Host-aff-8480=" if is_tls else "aff-8480=")
     assert not any(part.startswith(("domain", "max-age", "expires")) for part in said)
     assert len(name.partition("=")[2]) >= 43  # 256 bits
 

@@ -49,7 +49,7 @@ def command(service: ServiceRun, action: Action, **more: object) -> Command:
         "role": Role.OPERATE,
         "place": Place.PANEL,
         "seen": service.status()["state"],
-        "valid_until_ns": MonotonicClock().now_ns() + VALID_NS // 2,
+        "valid_until_ns": MonotonicClock().now_ns() + VALID_NS,
     } | more
     return Command(action=action, **said)  # type: ignore[arg-type]
 

@@ -22,7 +22,7 @@ from aff_runtime.base.printable import printable
 
 MAX_BYTES = 8 << 20
 KEPT_FILES = 8
-LONGEST_LINE = 4096
+LONGEST_LINE = 8192
 NAME = "audit.jsonl"
 START = "0" * 64
 _FLAGS = os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
@@ -101,6 +101,9 @@ class Audit:
             raise RefusedError(f"{self.path}: {error.strerror}; no hand without it") from None
         try:
             self._continue()
+        except OSError as error:
+            self.close()
+            raise RefusedError(f"{self.path}: {error.strerror}; no hand without it") from None
         except BaseException:
             self.close()
             raise
@@ -116,6 +119,7 @@ class Audit:
         if not self._is_whole:
             raise RefusedError(f"{self.path}: half a line could not be taken back")
         try:
+            self._stay_at_path()
             if self._size >= self._max_bytes:
                 self._rotate()
             said = {name: _short(value) for name, value in asdict(entry).items()}
@@ -174,6 +178,21 @@ class Audit:
                 self._is_whole = True
             raise
         self._size += len(line)
+
+    def _stay_at_path(self) -> None:
+        """Go on in a new file when ours was moved away: the chain goes on, and shows the gap."""
+        own = os.fstat(self._file)
+        with contextlib.suppress(FileNotFoundError):
+            if os.path.samestat(os.lstat(self.path), own):
+                return
+        fresh = os.open(self.path, _FLAGS, 0o600)
+        if os.fstat(fresh).st_size:
+            os.close(fresh)
+            raise RefusedError(
+                f"{self.path}: another file is in its place; look, then move it away"
+            )
+        os.close(self._file)
+        self._file, self._size = fresh, 0
 
     def _rotate(self) -> None:
         """Begin another file; its first line holds the hash of the last line of this one."""

@@ -26,6 +26,7 @@ NOTICES = (
     "hand taken",
     "hand taken over",
     "hand released",
+    "hand ended",
 )
 _ID = re.compile(r"[A-Za-z0-9-]{16,64}")
 _ACCOUNT = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,31}")

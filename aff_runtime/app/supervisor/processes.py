@@ -67,6 +67,7 @@ class Processes:
         self.blocked = ""
         self.troubles: tuple[str, ...] = ()
         self.gave_up = False
+        self.bypassed_ns = 0
         self.shapes = ShapeShelf(self.note)
         self.probed = ResponseLedger(lambda text: self.note("RESPONSES", text))
         self._shape_texts: dict[str, str] = {}
@@ -229,6 +230,7 @@ class Processes:
 
     def bypass(self) -> None:
         """Take the correction back, by link and by signal: one of them works."""
+        self.bypassed_ns = self._clock.now_ns()
         if self.control is not None and self.control.ended() is None:
             self.control.link.send(Bypass())
             self.control.bypass_by_signal()

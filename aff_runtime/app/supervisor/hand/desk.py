@@ -44,12 +44,16 @@ class HandRules:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Now:
-    """How the service stands; ``state`` None without a tick."""
+    """How the service stands; ``state`` None without a tick.
+
+    ``bypassed_ns`` : when anybody last took the correction back, by the monotonic clock.
+    """
 
     state: State | None
     blocked: str = ""
     tick: int = 0
     config: str = ""
+    bypassed_ns: int = 0
 
 
 class Commanded(Protocol):
@@ -86,8 +90,8 @@ class HandDesk:
     """Hears the screens.
 
     A bypass is never refused, whatever it carries; more than ten a second are done as ten. What
-    arms is refused when it comes late, twice, for a state that is gone, too often, against
-    ``may``, or when it cannot be put on record first.
+    arms is refused when it comes late, twice, for a state that is gone, from before a bypass,
+    too often, against ``may``, or when it cannot be put on record first.
     """
 
     def __init__(
@@ -199,6 +203,8 @@ class HandDesk:
             return Reason(code=Code.FAST)
         now_ns = self._clock.now_ns()
         if not now_ns <= command.valid_until_ns <= now_ns + VALID_NS:
+            return Reason(code=Code.LATE)
+        if command.valid_until_ns - VALID_NS < now.bypassed_ns:  # was seen before that bypass
             return Reason(code=Code.LATE)
         if not self._is_new(command.id, now_ns):
             return Reason(code=Code.REPEATED)

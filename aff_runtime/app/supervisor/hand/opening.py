@@ -9,6 +9,7 @@ from collections.abc import Callable
 from aff_runtime.app.hand.audit import Audit
 from aff_runtime.app.link.answers import Done, as_answer
 from aff_runtime.app.link.messages import Arm, Reply
+from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules, Now
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.processes import Processes
@@ -19,13 +20,15 @@ from aff_runtime.base.ports import Clock
 from aff_runtime.config.revision import SHORT
 
 ARM_PATIENCE_S = 2.0
+FRESH_S = 0.7
 LOG = logging.getLogger("aff_runtime")
 
 
 class ServiceEnd:
     """What a screen reaches of the service: bypass, arm, and how it stands."""
 
-    def __init__(self, processes: Processes, pending: Pending) -> None:
+    def __init__(self, processes: Processes, pending: Pending, clock: Clock) -> None:
+        self._clock = clock
         self._processes = processes
         self._pending = pending
 
@@ -34,11 +37,18 @@ class ServiceEnd:
         processes = self._processes
         latest = processes.latest() if processes.control is not None else None
         return Now(
-            state=latest.state if latest is not None else None,
+            state=latest.state if latest is not None and self._is_fresh(latest) else None,
             blocked=processes.blocked.removeprefix("blocked by "),
             tick=int(latest.number("tick")) if latest is not None else 0,
             config=processes.record.config_hash[:SHORT],
+            bypassed_ns=processes.bypassed_ns,
         )
+
+    def _is_fresh(self, latest: TickRow) -> bool:
+        ring = self._processes.ring
+        start_ns = ring.header.meta.start_ns if ring is not None else 0
+        age_s = (self._clock.now_ns() - start_ns) * 1e-9 - latest.time_s
+        return bool(start_ns) and age_s < FRESH_S
 
     def bypass(self) -> None:
         """Take the correction back."""
@@ -91,5 +101,5 @@ def open_hand(
         is_private=folder is None,
         rules=HandRules(ceiling=options.hand, arms_from=options.hand_from),
         audit=audit,
-        service=ServiceEnd(processes, pending),
+        service=ServiceEnd(processes, pending, clock),
     )

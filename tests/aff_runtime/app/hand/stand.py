@@ -25,7 +25,8 @@ OPERATE = HandRules(ceiling=Role.OPERATE)
 class Service:
     """What the desk commands, as lists."""
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
         self.standing = Now(state=State.READY, tick=7, config="3f9a")
         self.bypassed = 0
         self.asked: list[Callable[[Reply], None]] = []
@@ -36,6 +37,7 @@ class Service:
 
     def bypass(self) -> None:
         self.bypassed += 1
+        self.standing = replace(self.standing, bypassed_ns=self._clock.ns)
 
     def arm(self, answer: Callable[[Reply], None]) -> None:
         self.asked.append(answer)
@@ -49,8 +51,9 @@ class Service:
 
 class Stand:
     def __init__(self, folder: Path, rules: HandRules = OPERATE, **audit: Any) -> None:
-        self.clock, self.service = Clock(), Service()
+        self.clock = Clock()
         self.clock.ns = 10**12
+        self.service = Service(self.clock)
         self.selector = selectors.DefaultSelector()
         run = folder / "run"
         run.mkdir(mode=0o700)

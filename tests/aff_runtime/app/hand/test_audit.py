@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.app.hand.audit import KEPT_FILES, NAME, Audit, Entry, verify
+from aff_runtime.app.hand.audit import KEPT_FILES, LONGEST_LINE, NAME, Audit, Entry, verify
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.cli.main import main
 
@@ -144,6 +144,63 @@ def test_foreign_words_are_one_line_and_not_too_long(tmp_path: Path) -> None:
     (line,) = found.path.read_bytes().splitlines()
     assert json.loads(line)["why"].startswith(r"a\nb\u202e")
     assert len(line) < 1000
+
+
+@pytest.mark.parametrize("leaves", ["nothing", "an empty file"])
+def test_a_file_that_is_moved_away_meanwhile_leaves_no_line_unseen(
+    tmp_path: Path, leaves: str
+) -> None:
+    found = audit(tmp_path)
+    for _ in range(2):
+        found.add(Entry(what="arm", result="done"))
+    found.path.rename(found.path.with_name(f"{NAME}.1"))
+    if leaves == "an empty file":
+        found.path.touch(0o600)
+    assert found.add(Entry(what="arm", result="done")) == 3
+    found.close()
+    chain = verify(found.path)
+    assert (chain.first, chain.last, chain.wrong) == (1, 3, "")
+    found.path.with_name(f"{NAME}.1").unlink()
+    assert verify(found.path).first == 3
+
+
+def test_another_file_in_its_place_is_not_written_to(tmp_path: Path) -> None:
+    found = audit(tmp_path)
+    found.add(Entry(what="arm", result="done"))
+    found.path.unlink()
+    found.path.write_text("of somebody else\n")
+    with pytest.raises(RefusedError, match="another file"):
+        found.add(Entry(what="arm", result="done"))
+    assert found.path.read_text() == "of somebody else\n"
+    found.path.unlink()
+    assert found.add(Entry(what="arm", result="done")) == 2
+    found.close()
+
+
+def test_the_widest_words_there_are_fit_a_line(tmp_path: Path) -> None:
+    found = audit(tmp_path)
+    wide = "\U0001f511"  # twelve bytes in JSON
+    found.add(Entry(what="arm", result="refused", why=wide * 300, peer=wide * 128, id="a" * 64))
+    found.close()
+    assert 4096 < found.path.stat().st_size <= LONGEST_LINE
+
+
+@pytest.mark.parametrize("spoil", ["a pipe", "a disk that fails"])
+def test_what_cannot_be_read_is_refused_in_words(
+    tmp_path: Path, spoil: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = filled(tmp_path, 1)
+
+    def fails(*_: object) -> bytes:
+        raise OSError(5, "Input/output error")
+
+    if spoil == "a pipe":
+        path.unlink()
+        os.mkfifo(path, 0o600)
+    else:
+        monkeypatch.setattr(os, "pread", fails)
+    with pytest.raises(RefusedError, match="no hand without it"):
+        audit(tmp_path)
 
 
 def test_a_folder_that_others_may_write_in_is_refused(tmp_path: Path) -> None:

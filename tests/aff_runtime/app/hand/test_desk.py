@@ -106,6 +106,24 @@ def test_an_id_does_nothing_a_second_time_however_it_is_dressed(stand: Stand) ->
     assert len(stand.desk._ids) == 1
 
 
+@pytest.mark.parametrize("whose", ["another screen", "the console"])
+def test_an_arm_of_what_was_seen_before_a_bypass_does_not_undo_it(
+    stand: Stand, whose: str
+) -> None:
+    stand.service.standing = Now(state=State.BYPASS)
+    client, other = stand.client(), stand.client()
+    pressed_first = stand.command(seen="BYPASS")
+    stand.clock.ns += S
+    if whose == "another screen":
+        stand.say(other, stand.command(Action.BYPASS))
+    else:
+        stand.service.bypass()
+    assert code(stand.say(client, pressed_first)) is Code.LATE
+    assert not stand.service.asked
+    stand.say(client, stand.command(seen="BYPASS"))
+    assert stand.service.asked
+
+
 @pytest.mark.parametrize("ceiling", Role)
 def test_the_ceiling_holds_against_every_role_that_is_claimed(
     tmp_path: Path, ceiling: Role

@@ -13,11 +13,13 @@ from aff_runtime.app.hand.audit import NAME
 from aff_runtime.app.hand.may import Role
 from aff_runtime.app.link.messages import Reply
 from aff_runtime.app.link.runtime_directory import runtime_paths
+from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.hand.desk import HandDesk
 from aff_runtime.app.supervisor.hand.opening import ServiceEnd, open_hand
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.signals import State
 from tests.aff_runtime.app.door.stand import Clock
 
 
@@ -70,12 +72,30 @@ def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_e
         control=None,
         blocked="blocked by X=0",
         record=SimpleNamespace(config_hash="3f9a" * 16),
+        bypassed_ns=0,
         bypass=lambda: bypassed.append(1),
     )
-    end = ServiceEnd(processes, Pending(Clock()))  # type: ignore[arg-type]
+    end = ServiceEnd(processes, Pending(Clock()), Clock())  # type: ignore[arg-type]
     assert end.now().state is None
     assert end.now().blocked == "X=0"
     end.arm(replies.append)
     assert "not running" in replies[0].message
     end.bypass()
     assert bypassed
+
+
+@pytest.mark.parametrize(("age_s", "is_fresh"), [(0.1, True), (0.69, True), (0.71, False)])
+def test_the_state_of_a_tick_that_is_old_is_not_known(age_s: float, is_fresh: bool) -> None:
+    clock, start_ns, time_s = Clock(), 10**12, 40.0
+    clock.ns = start_ns + round((time_s + age_s) * 1e9)
+    tick = {"time_s": time_s, "tick": 7.0, "state": float(State.READY)}
+    processes = SimpleNamespace(
+        control=SimpleNamespace(),
+        ring=SimpleNamespace(header=SimpleNamespace(meta=SimpleNamespace(start_ns=start_ns))),
+        latest=lambda: TickRow(tick),
+        blocked="",
+        record=SimpleNamespace(config_hash="3f9a" * 16),
+        bypassed_ns=0,
+    )
+    now = ServiceEnd(processes, Pending(clock), clock).now()  # type: ignore[arg-type]
+    assert now.state is (State.READY if is_fresh else None)
