@@ -53,8 +53,8 @@ def origins_Hz(
     """Return the frequency from which the strongest line in time of each record may come.
 
     The lowest: the others fold to the same line and answer with the same sizes, so no record
-    tells them apart, and harmonics of mains are weaker. Not of a slow line: what goes with speed or
-    tension has lines there too, and mains wander more.
+    tells them apart, and harmonics of mains are weaker. Not of a slow line: what goes with speed
+    or tension has lines there too, and mains wander more.
     """
     highest = h.effect.accepts[shows.parameter].high
     origins: list[float] = []
