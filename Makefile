@@ -66,7 +66,7 @@ test: setup check
 	@echo "compiling the plant's kernel once, not in every process of the suite"
 	@mkdir -p out && $(BIN)/python -m sim_plant.cli.main simulate config/lines/euclid.yaml --duration 0.1 \
 		--out out/compiled.csv.gz >/dev/null
-	$(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder
 
 # the screen in a real Chromium: pages, breaks of the chain, hostile names; pictures in out/test-hmi
 test-hmi: setup

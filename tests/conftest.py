@@ -11,13 +11,17 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMEXPR_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
 LONGEST_FIRST = (
-    "sim_plant/refine/test_runs.py",
     "hil/test_faults.py",
-    "hil/test_shape.py",
-    "benchmarks/campaign/test_alike.py",
-    "benchmarks/campaign/test_other_code.py",
-    "sim_plant/refine/without_line/general/test_general_effects.py",
+    "sim_plant/refine/without_line/test_record_filter.py",
+    "aff_runtime/app/test_service.py",
     "security/test_pools.py",
+    "hil/test_shape.py",
+    "matrix/test_matrix.py",
+    "sim_plant/refine/test_runs.py",
+    "aff_runtime/app/test_settings.py",
+    "sim_plant/effects/test_nip_pulse.py",
+    "hil/test_operator.py",
+    "benchmarks/campaign/test_other_code.py",
 )
 """Files that take longest: begun last, one of them keeps one core waiting. What lives in real time
 stands beside what computes for long."""
