@@ -69,8 +69,7 @@ def _cells(part: str, label: Label, row: dict[str, Any]) -> list[str]:
 def _hidden(label: Label) -> str:
     if label.healthy or label.outside:
         return label.kind
-    words = [f"{name} at {place}" for name, place in (min(true) for true in label.effects)]
-    return "; ".join(words) + ("" if label.visible else " (hardly visible)")
+    return "; ".join(label.words) + ("" if label.visible else " (hardly visible)")
 
 
 def _set_words(claim: frozenset[Key]) -> str:

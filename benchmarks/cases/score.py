@@ -24,6 +24,7 @@ class Label:
     effects : per effect, every (effect, place) that counts as right.
     healthy, outside : no effect at all; one that no library holds.
     visible : whether the records show it.
+    words : each effect with its place, as it was hidden.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Label:
     healthy: bool
     outside: bool
     visible: bool
+    words: tuple[str, ...] = ()
 
     @property
     def kind(self) -> str:
@@ -58,6 +60,7 @@ def label_of(case: Mapping[str, Any]) -> Label:
         healthy=bool(case["healthy"]),
         outside=bool(case["outside"]),
         visible=bool(case["visible"]),
+        words=tuple(f"{e['effect_class']} at {e['location']}" for e in case["effects"]),
     )
 
 
