@@ -15,8 +15,9 @@ import pytest
 from aff_hmi.listening import PORT
 from aff_hmi.main import INSTALLED_DOOR
 from aff_runtime.app.link.runtime_directory import check_trusted
-from aff_runtime.app.supervisor.door import VIEWER, Door
-from tests.aff_hmi.asgi import Clock
+from aff_runtime.app.supervisor.door import Door
+from aff_runtime.app.supervisor.packet_listener import SCREEN_USER
+from tests.doubles.virtual_clock import VirtualClock
 from tests.security.test_unit import DEPLOY, STUB, calls, needs_analyze, networks, settings
 
 SCREEN = settings("aff-hmi.service")
@@ -29,8 +30,8 @@ OF_SCREEN = ("aff-hmi", "aff-door", "affview", "[hmi]")
 @pytest.mark.parametrize(
     ("key", "words"),
     [
-        ("User", VIEWER),
-        ("Group", VIEWER),
+        ("User", SCREEN_USER),
+        ("Group", SCREEN_USER),
         ("SupplementaryGroups", "aff-door"),
         ("NoNewPrivileges", "yes"),
         ("CapabilityBoundingSet", ""),
@@ -133,7 +134,7 @@ def test_a_door_in_that_folder_opens_to_its_group_and_to_nobody_else(tmp_path: P
     command = ["install", "-d", "-o", "0", "-g", str(group), "-m", "2750", str(folder)]
     subprocess.run(command, check=True)
     selector = selectors.DefaultSelector()
-    door = Door(folder, selector, Clock(), is_private=False)
+    door = Door(folder, selector, VirtualClock(1), is_private=False)
     try:
         found = (folder / "door.sock").stat()
         assert (found.st_gid, found.st_mode & 0o777) == (group, 0o660)

@@ -23,13 +23,11 @@ from aff_runtime.app.door.messages import (
     SentAway,
     encode,
 )
-from aff_runtime.app.link.peer import peer_of, uids_with
-from aff_runtime.app.supervisor.packet_listener import listening
+from aff_runtime.app.link.peer import Peer, uids_with
+from aff_runtime.app.supervisor.packet_listener import SCREEN_USER, PacketSocket, Visitor
 from aff_runtime.base.ports import Clock
-from aff_runtime.base.socket_file import identity, remove_own
 from aff_runtime.telemetry.ring import RingReader
 
-VIEWER = "aff-hmi"
 MAX_VISITORS = 8
 FACTS_NS = 500_000_000
 HURRY_NS = 50_000_000
@@ -37,7 +35,7 @@ PATIENCE_NS = 10_000_000_000
 _ANOTHER = "name another folder with --door-dir"
 
 
-class Visitor:
+class Onlooker(Visitor):
     """One who looks on.
 
     Attributes
@@ -45,9 +43,8 @@ class Visitor:
     ring : the ring that it was told of. ``heard_ns`` : when it last took a packet.
     """
 
-    def __init__(self, connection: socket.socket, now_ns: int) -> None:
-        connection.setblocking(False)
-        self.connection = connection
+    def __init__(self, connection: socket.socket, peer: Peer, now_ns: int) -> None:
+        super().__init__(connection, peer)
         self.ring: RingReader | None = None
         self.heard_ns = now_ns
 
@@ -61,45 +58,19 @@ class Visitor:
         return True
 
 
-class Door:
-    """Listens at ``door.sock`` in a folder.
+class Door(PacketSocket[Onlooker]):
+    """Listens at ``door.sock`` in a folder: the runtime directory, or one for the screens."""
 
-    Parameters
-    ----------
-    folder : the runtime directory, or one that is opened to the group of the screens.
-    is_private : the socket is for our own user alone.
-
-    Raises
-    ------
-    RefusedError
-        When no socket can be made there, others may write there, or another service uses it.
-    """
+    KIND = Onlooker
+    MOST = MAX_VISITORS
 
     def __init__(
         self, folder: Path, selector: selectors.BaseSelector, clock: Clock, *, is_private: bool
     ) -> None:
-        self._path = folder / "door.sock"
-        self._selector = selector
         self._clock = clock
         self._told_ns = -HURRY_NS
         self._facts_due_ns = 0
-        self._visitors: dict[int, Visitor] = {}
-        self._listener = listening(
-            self._path, 0o600 if is_private else 0o660, MAX_VISITORS, _ANOTHER
-        )
-        self._made = identity(self._path)
-        selector.register(self._listener, selectors.EVENT_READ)
-
-    def serve(self, key: selectors.SelectorKey) -> bool:
-        """Do what a selector's event asks for; False when it is none of the door's."""
-        if key.fileobj is self._listener:
-            self._let_in()
-        elif isinstance(key.data, Visitor):
-            if self._visitors.get(key.fd) is key.data:
-                self._turn_away(key.data)
-        else:
-            return False
-        return True
+        super().__init__(folder / "door.sock", selector, _ANOTHER, is_private=is_private)
 
     def hurry(self) -> None:
         """Tell the facts soon: something has changed that a screen shows, or somebody came.
@@ -126,32 +97,18 @@ class Door:
             elif now_ns > visitor.heard_ns + PATIENCE_NS:
                 self._drop(visitor)
 
-    def close(self) -> None:
-        """Close the door and remove the socket."""
-        for visitor in list(self._visitors.values()):
-            self._drop(visitor)
-        self._listener.close()
-        remove_own(self._path, self._made)
+    def _uids(self) -> frozenset[int]:
+        return viewer_uids()
 
-    def _let_in(self) -> None:
-        """Take one visitor; when there are too many, the one who came first goes."""
-        try:
-            connection, _ = self._listener.accept()
-        except OSError:
-            return
-        if peer_of(connection).uid not in viewer_uids():
-            connection.close()
-            return
-        visitor = Visitor(connection, self._clock.now_ns())
-        self._visitors[connection.fileno()] = visitor
-        self._selector.register(connection, selectors.EVENT_READ, visitor)
+    def _welcome(self, connection: socket.socket, peer: Peer) -> Onlooker:
+        return Onlooker(connection, peer, self._clock.now_ns())
+
+    def _greet(self, visitor: Onlooker) -> None:
         visitor.tell(Hello(version=__version__))
         visitor.tell(RingGone())
         self.hurry()
-        if len(self._visitors) > MAX_VISITORS:
-            self._drop(next(iter(self._visitors.values())))
 
-    def _turn_away(self, visitor: Visitor) -> None:
+    def _attend(self, visitor: Onlooker) -> None:
         """Let go of a visitor that has left, or that says something; what, is not looked at."""
         try:
             has_left = not visitor.connection.recv(1)
@@ -164,7 +121,7 @@ class Door:
         self._drop(visitor)
 
     @staticmethod
-    def _tell_ring(visitor: Visitor, ring: RingReader | None) -> bool:
+    def _tell_ring(visitor: Onlooker, ring: RingReader | None) -> bool:
         """Pass a descriptor of the visitor's own, which reads and cannot write."""
         if ring is None:
             return visitor.tell(RingGone())
@@ -177,12 +134,7 @@ class Door:
         finally:
             os.close(passed)
 
-    def _drop(self, visitor: Visitor) -> None:
-        self._visitors.pop(visitor.connection.fileno(), None)
-        self._selector.unregister(visitor.connection)
-        visitor.connection.close()
-
 
 def viewer_uids() -> frozenset[int]:
     """Return who may look on: root, ourselves, and the screen's own user where there is one."""
-    return uids_with(VIEWER)
+    return uids_with(SCREEN_USER)

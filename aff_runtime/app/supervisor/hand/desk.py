@@ -24,7 +24,7 @@ from aff_runtime.app.hand.messages import (
     read_said,
 )
 from aff_runtime.app.link.messages import Reply
-from aff_runtime.app.supervisor.hand.visits import Visitor, Visits
+from aff_runtime.app.supervisor.hand.visits import Caller, Visits
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import State
@@ -138,12 +138,12 @@ class HandDesk:
 
     # --- one visitor ------------------------------------------------------------------------
 
-    def _welcome(self, visitor: Visitor) -> None:
+    def _welcome(self, visitor: Caller) -> None:
         rules = self._rules
         said = Welcome(version=__version__, ceiling=rules.ceiling, arms_from=rules.arms_from)
         visitor.tell(said)
 
-    def _hear(self, visitor: Visitor, packet: bytes) -> bool:
+    def _hear(self, visitor: Caller, packet: bytes) -> bool:
         """Do what one packet says; False when its visitor has to go."""
         limits = self._limits.setdefault(visitor.peer.uid, Limits(self._clock))
         is_heard = limits.packets.take()
@@ -162,13 +162,13 @@ class HandDesk:
             self._count(visitor)
         return is_heard
 
-    def _refuse_babble(self, visitor: Visitor, why: str, limits: Limits) -> None:
+    def _refuse_babble(self, visitor: Caller, why: str, limits: Limits) -> None:
         entry = Entry(what="no command", result="refused", why=why, peer=str(visitor.peer))
         self._keep(visitor, limits, entry)
 
     # --- commands ---------------------------------------------------------------------------
 
-    def _bypass(self, visitor: Visitor, command: Command, limits: Limits) -> None:
+    def _bypass(self, visitor: Caller, command: Command, limits: Limits) -> None:
         """Take the correction back first; everything else comes after."""
         before = self._service.now().state
         is_at_once = limits.bypasses.take()
@@ -183,7 +183,7 @@ class HandDesk:
             number = self._keep(visitor, limits, entry)
         visitor.tell(Answer(id=command.id, ok=True, audit=number))
 
-    def _arm(self, visitor: Visitor, command: Command, limits: Limits) -> None:
+    def _arm(self, visitor: Caller, command: Command, limits: Limits) -> None:
         now = self._service.now()
         entry = _entry_of(command, visitor, now)
         against = self._against(command, now, limits)
@@ -230,7 +230,7 @@ class HandDesk:
         self._ids[ident] = now_ns
         return True
 
-    def _answered(self, visitor: Visitor, command: Command, reply: Reply) -> None:
+    def _answered(self, visitor: Caller, command: Command, reply: Reply) -> None:
         """Put the control process's answer on record and pass it on."""
         entry = _entry_of(command, visitor, self._service.now())
         result = "done" if reply.ok else "refused"
@@ -240,14 +240,14 @@ class HandDesk:
 
     # --- the record -------------------------------------------------------------------------
 
-    def _keep(self, visitor: Visitor, limits: Limits, entry: Entry) -> int:
+    def _keep(self, visitor: Caller, limits: Limits, entry: Entry) -> int:
         """Write what changes nothing; of a flood the count is written."""
         if limits.lines.take():
             return self._write(entry)
         self._count(visitor)
         return 0
 
-    def _count(self, visitor: Visitor) -> None:
+    def _count(self, visitor: Caller) -> None:
         self._unwritten[visitor.peer.uid] = self._unwritten.get(visitor.peer.uid, 0) + 1
 
     def _write(self, entry: Entry) -> int:
@@ -267,7 +267,7 @@ class HandDesk:
         return number
 
 
-def _entry_of(said: Command | Notice, visitor: Visitor, now: Now | None = None) -> Entry:
+def _entry_of(said: Command | Notice, visitor: Caller, now: Now | None = None) -> Entry:
     """Return what is known of what was said, without what became of it."""
     peer = str(visitor.peer)
     if isinstance(said, Notice):
