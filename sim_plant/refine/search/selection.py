@@ -13,7 +13,7 @@ from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
 from sim_plant.refine.search.completeness import Spectra
-from sim_plant.refine.search.unexplained import Unknown, periodic_left, strongest_peak
+from sim_plant.refine.search.unexplained import Unknown, periodic_left
 from sim_plant.refine.spectra.coordinates import Travel, is_periodic, orders_of
 
 ACCEPTANCE = CRITERIA.search.acceptance
@@ -188,8 +188,7 @@ def accept(
 
 def withdrawn(selection: Selection) -> Selection:
     """Return the selection without its effects: what they stood for is unknown."""
-    _, _, strength = strongest_peak(selection.before)
-    left = periodic_left(selection.before, strength)
+    left = periodic_left(selection.before, excess=0.0)
     if left is None:
         explained = selection.nominal.cost - selection.fit.cost
         left = Unknown(kind="broadband", strength=explained, coordinate={})
