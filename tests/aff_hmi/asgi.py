@@ -11,6 +11,7 @@ from aff_hmi.gate import Gate, Rates
 from aff_hmi.hub import Hub
 from aff_hmi.pages import Pages
 from aff_hmi.watch import Watch
+from tests.doubles.virtual_clock import VirtualClock
 
 HOST = "127.0.0.1:8480"
 OWN_SOCKET = [("host", HOST), ("origin", f"http://{HOST}")]
@@ -23,20 +24,7 @@ class Answer:
     body: str
 
 
-class Clock:
-    """Time that stands until it is moved."""
-
-    def __init__(self) -> None:
-        self.ns = 1
-
-    def now_ns(self) -> int:
-        return self.ns
-
-    def sleep_until_ns(self, deadline_ns: int) -> None:
-        self.ns = deadline_ns
-
-
-def screen(tmp_path, clock: Clock, *, is_tls: bool = False) -> tuple[Gate, Hub]:
+def screen(tmp_path, clock: VirtualClock, *, is_tls: bool = False) -> tuple[Gate, Hub]:
     """Return the whole app behind its gate, and the hub in it."""
     hub = Hub(Watch(tmp_path / "door.sock", clock), clock)
     return Gate(Pages(hub, "en", clock).app(), [HOST], Rates(clock), is_tls=is_tls), hub

@@ -23,10 +23,12 @@ from aff_runtime.app.hand.messages import Answer, Command, Notice, Welcome
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.signals import State
-from tests.aff_hmi.asgi import HOST, Clock, scope
+from tests.aff_hmi.asgi import HOST, scope
 from tests.aff_hmi.moments import facts, row
+from tests.doubles.virtual_clock import VirtualClock
 
 PASSWORD = "tension, 90 N"
+LOGIN = {"name": "anna", "password": PASSWORD}
 NAMES = {"vera": Role.VIEW, "anna": Role.OPERATE, "bert": Role.OPERATE, "carl": Role.COMMISSION}
 ORIGIN = f"http://{HOST}"
 
@@ -75,8 +77,8 @@ class Pressed:
     """The app, its clock, and browsers by name."""
 
     def __init__(self, folder: Path, *, is_tls: bool = False) -> None:
-        self.clock = Clock()
-        self.clock.ns = 10**15
+        self.clock = VirtualClock(1)
+        self.clock.sleep_until_ns(10**15)
         self.file = folder / "accounts"
         secret = secret_of(PASSWORD)
         write_accounts(
@@ -206,3 +208,17 @@ def quick(monkeypatch: Any) -> None:
 
 def namespace(**more: Any) -> Any:
     return SimpleNamespace(**more)
+
+
+def armed(at: Pressed, name: str = "anna") -> Browser:
+    """Return a browser whose session has the hand."""
+    found = at.browser(name)
+    assert found.take().status == 200
+    return found
+
+
+def later(at: Pressed, by_ns: int) -> dict[str, Any]:
+    frame = at.frame
+    at.clock.advance_ns(by_ns)
+    at.show(State.READY)
+    return {"frame": frame}

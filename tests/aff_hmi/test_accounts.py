@@ -15,8 +15,8 @@ from aff_hmi.main import main
 from aff_hmi.sessions import MAX_SESSIONS, Sessions
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.base.errors import ConfigError
-from tests.aff_hmi.asgi import Clock
 from tests.aff_hmi.pressed import quick
+from tests.doubles.virtual_clock import VirtualClock
 
 PASSWORD = "tension, 90 N"
 
@@ -166,7 +166,7 @@ def test_sessions_are_not_kept_without_end(tmp_path: Path) -> None:
     file = tmp_path / "accounts"
     one = Account(name="anna", role=Role.VIEW, secret=secret_of(PASSWORD))
     accounts.write_accounts(file, [one])
-    sessions = Sessions(Accounts(file), Clock())
+    sessions = Sessions(Accounts(file), VirtualClock(1))
     tokens = [sessions.begin(one, Place.PANEL) for _ in range(MAX_SESSIONS + 3)]
     there = [sessions.find(token, Place.PANEL) is not None for token in tokens]
     assert there == [False] * 3 + [True] * MAX_SESSIONS
@@ -178,7 +178,7 @@ def test_an_account_that_logs_in_without_end_drives_out_nobody_else(tmp_path: Pa
     anna = Account(name="anna", role=Role.OPERATE, secret=secret)
     vera = Account(name="vera", role=Role.VIEW, secret=secret)
     accounts.write_accounts(file, [anna, vera])
-    sessions = Sessions(Accounts(file), Clock())
+    sessions = Sessions(Accounts(file), VirtualClock(1))
     token = sessions.begin(anna, Place.PANEL)
     for _ in range(2 * MAX_SESSIONS):
         sessions.begin(vera, Place.NETWORK)

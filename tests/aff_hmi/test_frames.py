@@ -15,8 +15,9 @@ from starlette.websockets import WebSocket
 
 from aff_hmi import frames
 from aff_hmi.hub import MAX_IN_FLIGHT, MAX_SOCKETS, Hub
-from tests.aff_hmi.asgi import OWN_SOCKET, Clock, scope, screen
+from tests.aff_hmi.asgi import OWN_SOCKET, scope, screen
 from tests.aff_hmi.moments import row, seen
+from tests.doubles.virtual_clock import VirtualClock
 
 
 class Browser:
@@ -54,7 +55,7 @@ def played(tmp_path: Path, play: Callable) -> None:
     """Run a play with a hub; what is left over is ended."""
 
     async def whole() -> None:
-        clock = Clock()
+        clock = VirtualClock(1)
         _, hub = screen(tmp_path, clock)
         browsers: list[Browser] = []
 
@@ -116,7 +117,7 @@ def test_who_does_not_keep_up_gets_the_newest_and_no_queue(tmp_path: Path) -> No
 def test_who_says_nothing_for_long_is_let_go(tmp_path: Path) -> None:
     async def play(hub, clock, visit) -> None:
         browser = await visit()
-        clock.ns += 11_000_000_000
+        clock.advance_ns(11_000_000_000)
         hub.make_frames(seen())
         await turn()
         assert browser.closed == 1008

@@ -12,15 +12,16 @@ pytest.importorskip("starlette")
 from aff_hmi.gate import BURST, HEADERS, MAX_ADDRESSES, Rates
 from aff_hmi.layout import layout_of
 from aff_hmi.pages import ASSETS, FOLDER
-from tests.aff_hmi.asgi import HOST, Clock, get, screen, shake
+from tests.aff_hmi.asgi import HOST, get, screen, shake
 from tests.aff_hmi.moments import facts
+from tests.doubles.virtual_clock import VirtualClock
 
 OWN = [("host", HOST), ("origin", f"http://{HOST}")]
 
 
 @pytest.fixture
 def app(tmp_path: Path):
-    return screen(tmp_path, Clock())[0]
+    return screen(tmp_path, VirtualClock(1))[0]
 
 
 @pytest.mark.parametrize("path", ["/", "/metrics", *(f"/static/{name}" for name in ASSETS)])
@@ -80,7 +81,7 @@ def test_no_host_and_two_hosts_are_refused(app) -> None:
 
 
 def test_a_name_in_capitals_is_the_same_name(tmp_path: Path) -> None:
-    app, _ = screen(tmp_path, Clock())
+    app, _ = screen(tmp_path, VirtualClock(1))
     assert get(app, headers=[("HOST", HOST.upper())]).status == 200
 
 
@@ -114,23 +115,23 @@ def test_only_one_path_has_a_socket(app) -> None:
 
 
 def test_a_flood_is_told_to_wait_and_heard_again_after_a_second(tmp_path: Path) -> None:
-    clock = Clock()
+    clock = VirtualClock(1)
     app, _ = screen(tmp_path, clock)
     codes = [get(app, "/static/icon.svg").status for _ in range(int(BURST) + 5)]
     assert codes == [200] * int(BURST) + [429] * 5
     assert shake(app, OWN)[0]["type"] == "websocket.close"
-    clock.ns += 1_000_000_000
+    clock.advance_ns(1_000_000_000)
     assert get(app).status == 200
 
 
 def test_addresses_are_not_remembered_without_end() -> None:
-    rates = Rates(Clock())
+    rates = Rates(VirtualClock(1))
     assert all(rates.allows(str(n)) for n in range(3 * MAX_ADDRESSES))
     assert len(rates._buckets) == MAX_ADDRESSES
 
 
 def test_with_tls_the_browser_is_told_to_stay_there(tmp_path: Path) -> None:
-    app, _ = screen(tmp_path, Clock(), is_tls=True)
+    app, _ = screen(tmp_path, VirtualClock(1), is_tls=True)
     assert get(app).headers["strict-transport-security"].startswith("max-age=")
     tls = [("host", HOST), ("origin", f"https://{HOST}")]
     assert shake(app, tls)[0]["type"] == "websocket.accept"
@@ -140,7 +141,7 @@ HOSTILE = "<img src=x onerror=alert(1)>\"'&\u202e{{7*7}}"
 
 
 def test_a_hostile_name_is_text_on_the_page(tmp_path: Path) -> None:
-    app, hub = screen(tmp_path, Clock())
+    app, hub = screen(tmp_path, VirtualClock(1))
     said = facts(line=HOSTILE)
     hub.layout = layout_of(said, ("unwind_tension_N", f"{HOSTILE}_tension_N", "line_speed_m_s"))
     page = get(app).body

@@ -14,9 +14,10 @@ pytest.importorskip("starlette")
 from starlette.types import Message
 
 from aff_runtime.base.signals import State
-from tests.aff_hmi.asgi import OWN_SOCKET, Clock, scope, screen
+from tests.aff_hmi.asgi import OWN_SOCKET, scope, screen
 from tests.aff_hmi.moments import seen
 from tests.aff_hmi.pressed import Browser, Pressed, quick
+from tests.doubles.virtual_clock import VirtualClock
 
 
 class Socket:
@@ -87,7 +88,7 @@ def test_each_socket_shows_its_own_session_as_it_is_now(
 
 
 def test_a_screen_for_looking_only_shows_no_session(tmp_path: Path) -> None:
-    app, hub = screen(tmp_path, Clock())
+    app, hub = screen(tmp_path, VirtualClock(1))
 
     async def play() -> dict[str, Any]:
         socket = Socket(app)

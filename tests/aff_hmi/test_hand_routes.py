@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,17 +15,15 @@ from starlette.routing import Route
 
 from aff_hmi.gate import BURST, MAX_BODY_BYTES
 from aff_hmi.hand_routes import TABLE, place_of
-from aff_hmi.pages import ASSETS
-from aff_hmi.sessions import HAND_NS, IDLE_NS, LASTS_NS
 from aff_runtime.app.hand.may import Code, Place, Reason, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Welcome
 from aff_runtime.base.signals import State
 from tests.aff_hmi.asgi import HOST, scope
-from tests.aff_hmi.pressed import NAMES, ORIGIN, PASSWORD, Browser, Pressed, quick
+from tests.aff_hmi.pressed import LOGIN, ORIGIN, PASSWORD, Browser, Pressed, armed, later
 
 BY_ROLE = {None: "", Role.VIEW: "vera", Role.OPERATE: "anna", Role.COMMISSION: "carl"}
 GOOD: dict[str, dict[str, Any]] = {
-    "/login": {"name": "anna", "password": PASSWORD},
+    "/login": LOGIN,
     "/logout": {},
     "/hand": {"do": "take"},
     "/act": {"action": "bypass", "id": "a" * 32, "seen": "READY", "frame": 1},
@@ -39,19 +36,6 @@ MATRIX = {
     "/act": {None: 401, Role.VIEW: 200, Role.OPERATE: 200, Role.COMMISSION: 200},
 }
 CELLS = [(path, role) for path in MATRIX for role in BY_ROLE]
-
-
-@pytest.fixture
-def at(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pressed:
-    quick(monkeypatch)
-    return Pressed(tmp_path)
-
-
-def armed(at: Pressed, name: str = "anna") -> Browser:
-    """Return a browser whose session has the hand."""
-    found = at.browser(name)
-    assert found.take().status == 200
-    return found
 
 
 def test_every_route_is_in_the_table_and_only_looking_is_without_it(at: Pressed) -> None:
@@ -169,8 +153,8 @@ def test_arming_needs_the_hand_and_says_what_the_person_saw(at: Pressed) -> None
     browser = at.browser("anna")
     assert browser.act().code == Code.NO_HAND
     browser.take()
-    shown_ns = at.clock.ns
-    at.clock.ns += VALID_NS // 2
+    shown_ns = at.clock.now_ns()
+    at.clock.advance_ns(VALID_NS // 2)
     assert browser.act().status == 200
     (command,) = at.service.commands
     assert (command.account, command.role, command.place) == ("anna", Role.OPERATE, Place.PANEL)
@@ -178,18 +162,11 @@ def test_arming_needs_the_hand_and_says_what_the_person_saw(at: Pressed) -> None
 
 
 REFUSED: dict[str, tuple[Callable[[Pressed], dict[str, Any]], Code]] = {
-    "an old frame": (lambda at: _later(at, VALID_NS + 1), Code.LATE),
+    "an old frame": (lambda at: later(at, VALID_NS + 1), Code.LATE),
     "a frame that never was": (lambda at: {"frame": at.frame + 5}, Code.LATE),
     "another state than the frame's": (lambda at: {"seen": "BYPASS"}, Code.LATE),
     "no state": (lambda at: {"seen": ""}, Code.LATE),
 }
-
-
-def _later(at: Pressed, by_ns: int) -> dict[str, Any]:
-    frame = at.frame
-    at.clock.ns += by_ns
-    at.show(State.READY)
-    return {"frame": frame}
 
 
 @pytest.mark.parametrize(("spoil", "why"), REFUSED.values(), ids=REFUSED)
@@ -292,230 +269,3 @@ def test_a_flood_from_the_same_address_does_not_hold_up_a_bypass(at: Pressed) ->
     codes = [stranger.act("bypass").status for _ in range(int(BURST) + 20)]
     assert codes[-1] == 429
     assert browser.act("bypass").status == 200
-
-
-# --- two technicians ---------------------------------------------------------------------------
-
-
-def own(at: Pressed, browser: Browser, language: str = "en") -> dict[str, Any]:
-    """Return what a frame says to this browser alone."""
-    from aff_hmi.words import say_in
-
-    token = browser.cookie.partition("=")[2]
-    place = Place.PANEL if browser.client == "127.0.0.1" else Place.NETWORK
-    found: dict[str, Any] = json.loads(at.hand.own(token, place, say_in(language)))
-    return found
-
-
-def test_one_has_the_hand_the_other_is_told_and_takes_it_over_knowingly(at: Pressed) -> None:
-    anna, bert = armed(at), at.browser("bert")
-    assert own(at, anna)["has_hand"]
-    assert own(at, bert)["why"]["arm"] == ["anna has the hand"]
-    assert own(at, bert, "de")["why"]["arm"] == ["anna hat die Hand"]
-    assert bert.act().code == Code.OTHER_HAND
-    reply = bert.take()
-    assert (reply.status, reply.code) == (409, "other hand")
-    assert own(at, anna)["has_hand"]
-    assert bert.take("take over").status == 200
-    assert own(at, anna)["lost_to"] == "bert"
-    assert not own(at, anna)["has_hand"]
-    assert anna.act().code == Code.OTHER_HAND
-    assert bert.act().status == 200
-    assert anna.act("bypass").status == 200
-    assert at.service.notices[-1] == "hand taken over bert"
-
-
-def test_only_its_owner_releases_the_hand(at: Pressed) -> None:
-    anna, bert = armed(at), at.browser("bert")
-    bert.take("release")
-    assert own(at, anna)["has_hand"]
-    anna.take("release")
-    assert not own(at, anna)["hand_of"]
-    assert anna.act().code == Code.NO_HAND
-
-
-def test_the_hand_ends_when_nothing_is_pressed(at: Pressed) -> None:
-    anna = armed(at)
-    at.clock.ns += HAND_NS + 1
-    at.show(State.READY)
-    assert own(at, anna)["hand_of"] == ""
-    assert anna.act().code == Code.NO_HAND
-
-
-# --- sessions ----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["anna", "carl"])
-def test_an_idle_session_looks_and_bypasses_until_it_logs_in_again(at: Pressed, name: str) -> None:
-    browser = armed(at, name)
-    at.clock.ns += IDLE_NS[NAMES[name]] + 1
-    at.show(State.READY)
-    assert browser.act().code == Code.IDLE
-    assert browser.act("bypass").status == 200
-    assert browser.act().code == Code.IDLE
-    assert browser.take().code == Code.IDLE
-    browser.post("/login", {"name": name, "password": PASSWORD})
-    assert browser.take().status == 200
-    assert browser.act().status == 200
-
-
-def test_a_session_ends_after_twelve_hours_however_busy_it_is(at: Pressed) -> None:
-    browser = at.browser("anna")
-    for _ in range(24):
-        at.clock.ns += LASTS_NS // 24
-        assert browser.act("bypass").status == 200
-    at.clock.ns += 1
-    assert browser.act("bypass").status == 401
-
-
-def test_a_cookie_that_was_stolen_is_worth_nothing_elsewhere_or_after_the_logout(
-    at: Pressed,
-) -> None:
-    anna = armed(at)
-    thief = Browser(at, "192.168.7.66")
-    thief.cookie, thief.token = anna.cookie, anna.token
-    assert thief.act("bypass").status == 401
-    before, token = anna.cookie, anna.token
-    assert anna.post("/logout", {}).status == 200
-    at_panel = Browser(at, "127.0.0.1")
-    at_panel.cookie, at_panel.token = before, token
-    assert at_panel.act().status == 401
-    assert at.hand.sessions.holder() is None
-
-
-def test_a_login_makes_a_new_session_and_ends_the_one_before(at: Pressed) -> None:
-    browser = at.browser("anna")
-    before = browser.cookie
-    browser.post("/login", {"name": "anna", "password": PASSWORD})
-    assert browser.cookie != before
-    old = Browser(at, "127.0.0.1")
-    old.cookie = before
-    assert old.act("bypass").status == 401
-
-
-@pytest.mark.parametrize("spoil", ["removed", "another role", "another password", "unreadable"])
-def test_an_account_that_changes_ends_its_sessions(at: Pressed, spoil: str) -> None:
-    anna = armed(at)
-    lines = at.file.read_text().splitlines()
-    changed = {
-        "removed": [line for line in lines if not line.startswith("anna")],
-        "another role": [line.replace("anna:operate", "anna:view") for line in lines],
-        "another password": [
-            line[:-8] + "AAAAAAA=" if line.startswith("anna") else line for line in lines
-        ],
-        "unreadable": ["rubbish"],
-    }[spoil]
-    at.file.write_text("\n".join(changed) + "\n")
-    assert anna.act().status == 401
-    assert at.hand.sessions.holder() is None
-    if spoil != "unreadable":
-        assert at.browser("bert").act("bypass").status == 200
-
-
-ENDED: dict[str, Callable[[Pressed, Browser], object]] = {
-    "nothing pressed": lambda at, _: _later(at, HAND_NS + 1),
-    "twelve hours": lambda at, _: _later(at, LASTS_NS + 1),
-    "account gone": lambda at, _: (at.file.write_text(""), at.show(State.READY)),
-    "another login": lambda at, anna: anna.post("/login", GOOD["/login"]),
-    "logout": lambda at, anna: anna.post("/logout", {}),
-}
-
-
-@pytest.mark.parametrize("how", ENDED)
-def test_a_hand_that_ends_without_a_press_is_put_on_record_once(at: Pressed, how: str) -> None:
-    anna = armed(at)
-    before = len(at.service.notices)
-    ENDED[how](at, anna)
-    at.show(State.READY)
-    said = at.service.notices[before:]
-    assert said.count("hand ended anna") == 1
-    assert said.count("session ended anna") == (how in ("twelve hours", "account gone"))
-
-
-@pytest.mark.parametrize("is_tls", [False, True])
-def test_the_cookie_is_for_this_screen_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_tls: bool
-) -> None:
-    quick(monkeypatch)
-    at = Pressed(tmp_path, is_tls=is_tls)
-    reply = at.browser().post("/login", {"name": "anna", "password": PASSWORD})
-    name, *parts = (part.strip() for part in reply.headers["set-cookie"].split(";"))
-    said = {part.lower() for part in parts}
-    assert {"httponly", "samesite=strict", "path=/"} <= said
-    assert ("secure" in said) is is_tls
-    assert name.startswith("__Host-aff-8480=" if is_tls else "aff-8480=")
-    assert not any(part.startswith(("domain", "max-age", "expires")) for part in said)
-    assert len(name.partition("=")[2]) >= 43  # 256 bits
-
-
-def test_no_secret_is_shown_in_page_or_frame(at: Pressed) -> None:
-    anna = at.browser("anna")
-    token = anna.cookie.partition("=")[2]
-    page = anna.get().said["text"]
-    assert anna.token in page
-    assert token not in page
-    assert token not in json.dumps(own(at, anna))
-    assert anna.token not in json.dumps(own(at, anna))
-    assert anna.token not in at.browser().get().said["text"]
-    assert token not in repr(at.hand.sessions._sessions)
-
-
-# --- logins ------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["anna", "nobody-here", "a\nb", "", "x" * 3000])
-def test_a_wrong_login_says_nothing_of_what_was_wrong(at: Pressed, name: str) -> None:
-    reply = at.browser().post("/login", {"name": name, "password": "wrong password"})
-    assert (reply.status, reply.said["text"]) == (401, "name or password is wrong")
-    assert "set-cookie" not in reply.headers
-    shown = name if name in ("anna", "nobody-here") else "nobody"
-    assert at.service.notices == [f"login refused {shown}"]
-
-
-def test_logins_are_slowed_down_and_never_shut_out(at: Pressed) -> None:
-    wrong = {"name": "anna", "password": "wrong password"}
-    thief = at.browser(client="192.168.7.66")
-    assert [thief.post("/login", wrong).status for _ in range(7)] == [401] * 5 + [429] * 2
-    at.browser("anna")  # from elsewhere
-    at.clock.ns += 12 * 10**9
-    assert thief.post("/login", wrong).status == 401
-    others = [
-        thief.post("/login", {"name": f"n{n}", "password": "wrong password"}).status
-        for n in range(30)
-    ]
-    assert others.count(401) < 20
-    assert others[-1] == 429
-
-
-def test_the_pages_show_what_can_be_pressed(at: Pressed) -> None:
-    for browser, word in ((at.browser(), "Log in"), (at.browser("anna"), "anna (operate)")):
-        page = browser.get().said["text"]
-        assert word in page
-        assert 'id="bypass"' in page
-    page = at.browser().get("/login?lang=de").said["text"]
-    assert "Passwort" in page
-    assert "default-src 'none'" in at.browser().get("/login").headers["content-security-policy"]
-    assert {"hand.js", "login.js", "hand.css"} <= set(ASSETS)
-
-
-def test_presses_logins_and_sessions_are_counted_without_a_name(at: Pressed) -> None:
-    anna = armed(at)
-    anna.act()
-    anna.act(seen="OFF")
-    anna.act("bypass")
-    at.service.rules = None
-    anna.act("bypass")
-    at.browser().post("/login", {"name": "anna", "password": "wrong password"})
-    text = at.browser().get("/metrics").said["text"]
-    for line in (
-        'aff_hmi_presses_total{action="arm",result="done"} 1.0',
-        'aff_hmi_presses_total{action="arm",result="refused"} 1.0',
-        'aff_hmi_presses_total{action="bypass",result="done"} 1.0',
-        'aff_hmi_presses_total{action="bypass",result="failed"} 1.0',
-        'aff_hmi_logins_total{result="done"} 1.0',
-        'aff_hmi_logins_total{result="refused"} 1.0',
-        'aff_hmi_sessions{role="operate"} 1.0',
-        "aff_hmi_sockets 0.0",
-    ):
-        assert line in text
-    assert "anna" not in text

@@ -23,11 +23,12 @@ from aff_runtime.app.report.metrics.exposition import CONTENT_TYPE, exposition
 from aff_runtime.app.report.metrics.readings import readings
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import State
-from tests.aff_hmi.asgi import Clock, get, screen
+from tests.aff_hmi.asgi import get, screen
 from tests.aff_hmi.moments import facts, row, seen
 from tests.aff_hmi.served import asked, served
 from tests.aff_runtime.app.door.stand import Stand
 from tests.aff_runtime.app.report.metrics.test_metrics import START_NS, answer
+from tests.doubles.virtual_clock import VirtualClock
 
 pytestmark = pytest.mark.processes
 
@@ -71,25 +72,25 @@ def test_without_a_control_process_only_the_service_is_told(gone: dict[str, obje
 
 
 def test_the_text_is_worked_out_twice_a_second_whoever_asks() -> None:
-    clock = Clock()
-    clock.ns = NOW_NS
+    clock = VirtualClock(1)
+    clock.sleep_until_ns(NOW_NS)
     metrics, (looked, _) = Metrics(clock), moment()
     first = metrics.text(looked)
     other = replace(looked, facts=None)
-    clock.ns += KEPT_NS - 1
+    clock.advance_ns(KEPT_NS - 1)
     assert metrics.text(other) is first
-    clock.ns += 1
+    clock.advance_ns(1)
     assert "aff_control_up 0.0" in metrics.text(other)
 
 
 def test_a_flood_of_scrapes_is_told_to_wait(tmp_path: Path) -> None:
-    app, _ = screen(tmp_path, Clock())
+    app, _ = screen(tmp_path, VirtualClock(1))
     codes = [get(app, "/metrics").status for _ in range(int(BURST) + 3)]
     assert codes == [200] * int(BURST) + [429] * 3
 
 
 def test_a_scrape_of_another_name_is_refused_and_has_no_number(tmp_path: Path) -> None:
-    app, _ = screen(tmp_path, Clock())
+    app, _ = screen(tmp_path, VirtualClock(1))
     refused = get(app, "/metrics", headers=[("host", "evil.example:8480")])
     assert refused.status == 421
     assert "aff_" not in refused.body

@@ -14,8 +14,8 @@ from aff_hmi.press_desk import RETRY_NS, PressDesk
 from aff_runtime.app.hand.may import Action, Place, Role
 from aff_runtime.app.hand.messages import Answer, Notice
 from aff_runtime.base.errors import WireError
-from tests.aff_hmi.asgi import Clock
 from tests.aff_runtime.app.hand.stand import Stand
+from tests.doubles.virtual_clock import VirtualClock
 
 
 @pytest.fixture
@@ -42,7 +42,7 @@ def play(desk: PressDesk, stand: Stand | None, deed: Callable[[], Awaitable[obje
 
 
 def test_a_press_is_answered_and_the_rules_are_known(stand: Stand) -> None:
-    desk = PressDesk(stand.path, Clock())
+    desk = PressDesk(stand.path, VirtualClock(1))
     command = stand.command()
     answer = play(desk, stand, lambda: desk.press(command))
     assert answer == Answer(id=command.id, ok=True, audit=2)
@@ -57,7 +57,7 @@ def test_a_press_is_answered_and_the_rules_are_known(stand: Stand) -> None:
 
 
 def test_two_presses_at_once_get_each_its_own_answer(stand: Stand) -> None:
-    desk = PressDesk(stand.path, Clock())
+    desk = PressDesk(stand.path, VirtualClock(1))
     good, late = stand.command(), stand.command(valid_until_ns=0)
 
     async def both() -> list[Answer]:
@@ -70,7 +70,7 @@ def test_two_presses_at_once_get_each_its_own_answer(stand: Stand) -> None:
 
 
 def test_without_a_service_a_press_fails_at_once_and_later_ones_find_it(tmp_path: Path) -> None:
-    clock = Clock()
+    clock = VirtualClock(1)
     desk = PressDesk(tmp_path / "run" / "hand.sock", clock)
     with contextlib.closing(Stand(tmp_path)) as stand:
         stand.path.rename(stand.path.with_name("gone"))
@@ -80,7 +80,7 @@ def test_without_a_service_a_press_fails_at_once_and_later_ones_find_it(tmp_path
         stand.path.with_name("gone").rename(stand.path)
         bypass = stand.command(Action.BYPASS)
         assert play(desk, stand, lambda: desk.press(bypass))  # it does not wait to try again
-    clock.ns += RETRY_NS + 1
+    clock.advance_ns(RETRY_NS + 1)
     desk.poll()
     assert desk.rules is None
     assert "hung up" in desk.trouble
@@ -91,7 +91,7 @@ def test_a_service_that_says_nothing_is_not_waited_for_without_end(
     stand: Stand, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(press_desk, "PATIENCE_S", 0.01)
-    desk = PressDesk(stand.path, Clock())
+    desk = PressDesk(stand.path, VirtualClock(1))
     with pytest.raises(WireError, match="does not answer"):
         play(desk, None, lambda: desk.press(stand.command()))
     assert not desk._waiting
@@ -100,7 +100,7 @@ def test_a_service_that_says_nothing_is_not_waited_for_without_end(
 
 def test_who_waits_is_told_when_the_service_hangs_up(tmp_path: Path) -> None:
     stand = Stand(tmp_path)
-    desk = PressDesk(stand.path, Clock())
+    desk = PressDesk(stand.path, VirtualClock(1))
 
     async def cut() -> None:
         press = asyncio.ensure_future(desk.press(stand.command()))

@@ -50,7 +50,7 @@ def test_the_age_grows_while_no_tick_comes(stand: Stand, watch: Watch) -> None:
     for n in range(3):
         stand.writer.write((0.005 * n, 88.0))
         watch.poll()
-    stand.clock.ns += 400_000_000
+    stand.clock.advance_ns(400_000_000)
     watch.poll()
     assert watch.seen().tick_age_s == pytest.approx(0.4)
     assert watch.seen().writer_lives
@@ -80,7 +80,7 @@ def test_a_new_ring_is_followed_from_its_beginning(stand: Stand, watch: Watch) -
 
 
 def test_events_come_with_their_age_the_newest_first(stand: Stand, watch: Watch) -> None:
-    stand.clock.ns = 10_000_000_000
+    stand.clock.sleep_until_ns(10_000_000_000)
     stand.writer.event(1, 4_000_000_000, 15)
     stand.writer.event(2, 9_000_000_000, 18)
     watch.poll()
@@ -93,11 +93,11 @@ def test_a_door_that_closes_is_told_and_knocked_at_again(
     stand.door.close()
     watch.poll()
     assert "closed the door" in watch.seen().trouble
-    stand.clock.ns += RETRY_NS
+    stand.clock.advance_ns(RETRY_NS)
     watch.poll()
     assert "no service opens this door" in watch.seen().trouble
     again = Stand(tmp_path / "rt")
-    stand.clock.ns += RETRY_NS
+    stand.clock.advance_ns(RETRY_NS)
     watch.poll()
     again.round(again.ring)
     watch.poll()

@@ -69,7 +69,7 @@ class House:
         self.probed = ResponseLedger(str)
         self.control = SimpleNamespace(link=SimpleNamespace(send=self._send))
         self._pending = Pending(VirtualClock())
-        monkeypatch.setattr(edit_session, "Validation", _Check)
+        monkeypatch.setattr(edit_session, "Validation", CheckInProcess)
         self.edits = EditSession(
             self, self._pending, site, Verdict(record=self.record, findings=())
         )
@@ -106,7 +106,7 @@ class House:
         return str(self.record.learned.get("unwind", {}).get("response", "none"))
 
 
-class _Check:
+class CheckInProcess:
     """The check of a file, in this process."""
 
     def __init__(self, site: Path, *_: object) -> None:

@@ -20,8 +20,9 @@ from aff_runtime.app.door.messages import Facts, Hello, RingPassed, encode
 from aff_runtime.app.supervisor.door import FACTS_NS, HURRY_NS, MAX_VISITORS, PATIENCE_NS
 from aff_runtime.base.errors import WireError
 from tests.aff_hmi.moments import facts, row
-from tests.aff_runtime.app.door.stand import Clock, Stand, heard
+from tests.aff_runtime.app.door.stand import Stand, heard
 from tests.aff_runtime.app.link.left_behind import put
+from tests.doubles.virtual_clock import VirtualClock
 
 
 @pytest.fixture
@@ -60,7 +61,7 @@ def test_300_who_come_and_go_leave_nothing_and_cost_one_look_at_the_service(stan
     stand.round(stand.ring)
     assert open_files() == before
     assert stand.asked == 1  # no time has gone by
-    stand.clock.ns += FACTS_NS
+    stand.clock.advance_ns(FACTS_NS)
     last = stand.visit()
     stand.round(stand.ring)
     assert any(isinstance(one, Facts) for one in heard_and_closed(last))
@@ -73,7 +74,7 @@ def test_who_comes_in_a_flood_is_told_the_facts_a_moment_later(stand: Stand) -> 
     second = stand.visit()
     stand.round(stand.ring)
     assert not any(isinstance(one, Facts) for one in heard_and_closed(second))
-    stand.clock.ns += HURRY_NS
+    stand.clock.advance_ns(HURRY_NS)
     stand.round(stand.ring)
     assert [type(one) for one in heard(second)] == [Facts]
 
@@ -96,12 +97,12 @@ def test_of_200_who_stay_no_more_are_kept_than_there_are_places(stand: Stand) ->
 def test_when_all_who_look_are_deaf_a_new_one_is_heard_out_at_once(stand: Stand) -> None:
     deaf = [knock(stand.path) for _ in range(MAX_VISITORS)]
     for _ in range(500):  # until no queue takes anything more
-        stand.clock.ns += min(FACTS_NS, PATIENCE_NS // 600)
+        stand.clock.advance_ns(min(FACTS_NS, PATIENCE_NS // 600))
         stand.door.hurry()
         stand.round(stand.ring)
     client = stand.visit()
     stand.round(stand.ring)
-    stand.clock.ns += FACTS_NS
+    stand.clock.advance_ns(FACTS_NS)
     stand.round(stand.ring)
     kinds = [type(one) for one in heard_and_closed(client)]
     assert kinds[0] is Hello
@@ -128,7 +129,7 @@ def test_a_door_whose_file_was_taken_away_serves_who_is_there_and_closes(stand: 
     stand.path.unlink()
     with pytest.raises(WireError, match="no service opens this door"):
         stand.visit()
-    stand.clock.ns += FACTS_NS
+    stand.clock.advance_ns(FACTS_NS)
     stand.round(stand.ring)
     assert [type(one) for one in heard(client)] == [Facts]
 
@@ -185,7 +186,7 @@ def liar(folder: Path) -> Iterator[Liar]:
 
 @pytest.fixture
 def watch(folder: Path) -> Iterator[Watch]:
-    found = Watch(folder / "door.sock", Clock())
+    found = Watch(folder / "door.sock", VirtualClock(1))
     yield found
     found.close()
 
@@ -196,7 +197,7 @@ def is_shown(watch: Watch) -> str:
     layout = Layout()
     if seen.facts is not None and seen.row is not None:
         layout = layout_of(seen.facts, tuple(one.name for one in seen.row.channels))
-    Metrics(Clock()).text(seen)
+    Metrics(VirtualClock(1)).text(seen)
     return view_of(seen, layout, str).state
 
 
@@ -259,14 +260,14 @@ def test_more_descriptors_than_were_told_are_closed(liar: Liar, watch: Watch) ->
 
 @pytest.mark.parametrize("kind", ["nothing", "file", "link", "pipe", "folder", "socket"])
 def test_a_door_that_is_none_is_told_and_knocked_at_again(folder: Path, kind: str) -> None:
-    path, clock = folder / "door.sock", Clock()
+    path, clock = folder / "door.sock", VirtualClock(1)
     if kind != "nothing":
         put(kind, path)
     watch = Watch(path, clock)
     before = open_files()
     for _ in range(3):
         watch.poll()
-        clock.ns += RETRY_NS
+        clock.advance_ns(RETRY_NS)
     assert "no service opens this door" in watch.seen().trouble
     assert is_shown(watch) == "GONE"
     assert open_files() == before
@@ -283,7 +284,7 @@ def test_a_door_at_which_nobody_answers_holds_up_nothing(folder: Path, liar: Lia
             end.connect(str(folder / "door.sock"))
         except BlockingIOError:
             break
-    watch = Watch(folder / "door.sock", Clock())
+    watch = Watch(folder / "door.sock", VirtualClock(1))
     watch.poll()
     assert watch.seen().trouble
     for end in queue:

@@ -17,6 +17,7 @@ from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.response_exchange import exchanged_wire_files
 from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_sentences
+from tests.security.learned_files import CheckInProcess
 
 CONFIG = Path(__file__).parents[2] / "config"
 
@@ -70,7 +71,7 @@ class House:
     """The supervisor's children as an edit session sees them."""
 
     def __init__(self, site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(edit_session, "Validation", _Check)
+        monkeypatch.setattr(edit_session, "Validation", CheckInProcess)
         self.record = checked(site)
         self.said: list[tuple[str, str]] = []
         self.starts: list[str] = []
@@ -94,17 +95,6 @@ class House:
 
     def start(self) -> None:
         self.starts.append(self.record.config_hash)
-
-
-class _Check:
-    def __init__(self, site: Path, *_: object) -> None:
-        self._site = site
-
-    def verdict(self, **_: object) -> Verdict:
-        return verdict(self._site)
-
-    def abandon(self) -> None:
-        pass
 
 
 def test_a_dbc_exchanged_while_armed_is_told_and_waits_for_bypass(

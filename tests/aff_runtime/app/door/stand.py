@@ -14,21 +14,9 @@ from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.supervisor.door import Door
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.ring import RingReader, RingWriter
+from tests.doubles.virtual_clock import VirtualClock
 
 COLUMNS = ("time_s", "tension_N")
-
-
-class Clock:
-    """Time that stands until it is moved."""
-
-    def __init__(self) -> None:
-        self.ns = 1
-
-    def now_ns(self) -> int:
-        return self.ns
-
-    def sleep_until_ns(self, deadline_ns: int) -> None:
-        self.ns = deadline_ns
 
 
 class Stand:
@@ -42,9 +30,9 @@ class Stand:
         columns: Sequence[str] = COLUMNS,
         meta: RunMeta | None = None,
         said: Facts | None = None,
-        time: Clock | None = None,
+        time: VirtualClock | None = None,
     ) -> None:
-        self.clock = time or Clock()
+        self.clock = time or VirtualClock(1)
         self.columns, self.meta = columns, meta or RunMeta(config_hash="3f9a")
         self.said = said or Facts(
             status=StatusAnswer(line="L", state="READY"), blocked="WEB_INTACT=0"

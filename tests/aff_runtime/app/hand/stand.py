@@ -17,7 +17,7 @@ from aff_runtime.app.hand.messages import VALID_NS, Answer, Command, Said, Welco
 from aff_runtime.app.link.messages import Reply
 from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules, Now
 from aff_runtime.base.signals import State
-from tests.aff_runtime.app.door.stand import Clock
+from tests.doubles.virtual_clock import VirtualClock
 
 OPERATE = HandRules(ceiling=Role.OPERATE)
 
@@ -25,7 +25,7 @@ OPERATE = HandRules(ceiling=Role.OPERATE)
 class Service:
     """What the desk commands, as lists."""
 
-    def __init__(self, clock: Clock) -> None:
+    def __init__(self, clock: VirtualClock) -> None:
         self._clock = clock
         self.standing = Now(state=State.READY, tick=7, config="3f9a")
         self.bypassed = 0
@@ -37,7 +37,7 @@ class Service:
 
     def bypass(self) -> None:
         self.bypassed += 1
-        self.standing = replace(self.standing, bypassed_ns=self._clock.ns)
+        self.standing = replace(self.standing, bypassed_ns=self._clock.now_ns())
 
     def arm(self, answer: Callable[[Reply], None]) -> None:
         self.asked.append(answer)
@@ -51,8 +51,8 @@ class Service:
 
 class Stand:
     def __init__(self, folder: Path, rules: HandRules = OPERATE, **audit: Any) -> None:
-        self.clock = Clock()
-        self.clock.ns = 10**12
+        self.clock = VirtualClock(1)
+        self.clock.sleep_until_ns(10**12)
         self.service = Service(self.clock)
         self.selector = selectors.DefaultSelector()
         run = folder / "run"
@@ -85,7 +85,7 @@ class Stand:
             role=Role.OPERATE,
             place=Place.PANEL,
             seen="READY",
-            valid_until_ns=self.clock.ns + VALID_NS,
+            valid_until_ns=self.clock.now_ns() + VALID_NS,
         )
         return replace(good, **more)
 

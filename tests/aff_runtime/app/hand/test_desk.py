@@ -68,8 +68,11 @@ def test_a_refusal_of_the_guard_comes_in_its_own_words(stand: Stand) -> None:
 
 
 SPOILT: dict[str, tuple[Callable[[Stand], dict[str, object]], Code]] = {
-    "late": (lambda s: {"valid_until_ns": s.clock.ns - 1}, Code.LATE),
-    "valid for too long": (lambda s: {"valid_until_ns": s.clock.ns + VALID_NS + 1}, Code.LATE),
+    "late": (lambda s: {"valid_until_ns": s.clock.now_ns() - 1}, Code.LATE),
+    "valid for too long": (
+        lambda s: {"valid_until_ns": s.clock.now_ns() + VALID_NS + 1},
+        Code.LATE,
+    ),
     "another state": (lambda s: {"seen": "BYPASS"}, Code.CHANGED),
     "no state seen": (lambda s: {"seen": ""}, Code.CHANGED),
     "view": (lambda s: {"role": Role.VIEW}, Code.ROLE),
@@ -96,11 +99,11 @@ def test_an_id_does_nothing_a_second_time_however_it_is_dressed(stand: Stand) ->
     stand.service.answer()
     client.receive()
     for step_ns in (0, VALID_NS, REMEMBERED_NS // 2):
-        stand.clock.ns += step_ns
-        again = replace(command, account="bert", valid_until_ns=stand.clock.ns + 1)
+        stand.clock.advance_ns(step_ns)
+        again = replace(command, account="bert", valid_until_ns=stand.clock.now_ns() + 1)
         assert code(stand.say(client, again)) is Code.REPEATED
     assert not stand.service.asked
-    stand.clock.ns += REMEMBERED_NS
+    stand.clock.advance_ns(REMEMBERED_NS)
     assert code(stand.say(client, command)) is Code.LATE
     stand.say(client, stand.command())
     assert len(stand.desk._ids) == 1
@@ -113,7 +116,7 @@ def test_an_arm_of_what_was_seen_before_a_bypass_does_not_undo_it(
     stand.service.standing = Now(state=State.BYPASS)
     client, other = stand.client(), stand.client()
     pressed_first = stand.command(seen="BYPASS")
-    stand.clock.ns += S
+    stand.clock.advance_ns(S)
     if whose == "another screen":
         stand.say(other, stand.command(Action.BYPASS))
     else:
@@ -180,7 +183,7 @@ def test_a_flood_of_arms_is_bounded_counted_and_does_not_hold_up_a_bypass(stand:
     stand.round()
     assert stand.service.bypassed == 1
     assert len(stand.rows()) == 61
-    stand.clock.ns += 10 * S
+    stand.clock.advance_ns(10 * S)
     stand.round()
     assert stand.rows()[-1]["what"] == "more"
     assert stand.rows()[-1]["why"].startswith("30 more")
@@ -194,10 +197,10 @@ def test_a_flood_of_bypasses_costs_ten_a_second_and_the_last_is_done(stand: Stan
         assert client.receive().ok  # type: ignore[union-attr]
     assert stand.service.bypassed == 10
     assert len(stand.rows()) == 50  # ten that may change something, the others of the sixty
-    stand.clock.ns += S // 10
+    stand.clock.advance_ns(S // 10)
     stand.round()
     assert stand.service.bypassed == 11
-    stand.clock.ns += S
+    stand.clock.advance_ns(S)
     stand.round()
     assert stand.service.bypassed == 11
 
@@ -214,7 +217,7 @@ def test_a_bypass_that_changes_nothing_is_counted_when_it_comes_too_often(
         client.close()
         stand.round()
     assert len(stand.rows()) == 60
-    stand.clock.ns += 10 * S
+    stand.clock.advance_ns(10 * S)
     stand.round()
     assert stand.rows()[-1]["why"].startswith("40 more")
 

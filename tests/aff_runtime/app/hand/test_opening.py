@@ -20,7 +20,7 @@ from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import State
-from tests.aff_runtime.app.door.stand import Clock
+from tests.doubles.virtual_clock import VirtualClock
 
 
 def opened(tmp_path: Path, hand: Role | None) -> HandDesk | None:
@@ -31,7 +31,8 @@ def opened(tmp_path: Path, hand: Role | None) -> HandDesk | None:
         hand=hand,
     )
     with selectors.DefaultSelector() as selector:
-        found = open_hand(options, selector, Clock(), SimpleNamespace(), Pending(Clock()))  # type: ignore[arg-type]
+        clock = VirtualClock(1)
+        found = open_hand(options, selector, clock, SimpleNamespace(), Pending(clock))  # type: ignore[arg-type]
         if found is not None:
             found.close()
     return found
@@ -75,7 +76,7 @@ def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_e
         bypassed_ns=0,
         bypass=lambda: bypassed.append(1),
     )
-    end = ServiceEnd(processes, Pending(Clock()), Clock())  # type: ignore[arg-type]
+    end = ServiceEnd(processes, Pending(VirtualClock(1)), VirtualClock(1))  # type: ignore[arg-type]
     assert end.now().state is None
     assert end.now().blocked == "X=0"
     end.arm(replies.append)
@@ -86,8 +87,8 @@ def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_e
 
 @pytest.mark.parametrize(("age_s", "is_fresh"), [(0.1, True), (0.69, True), (0.71, False)])
 def test_the_state_of_a_tick_that_is_old_is_not_known(age_s: float, is_fresh: bool) -> None:
-    clock, start_ns, time_s = Clock(), 10**12, 40.0
-    clock.ns = start_ns + round((time_s + age_s) * 1e9)
+    clock, start_ns, time_s = VirtualClock(1), 10**12, 40.0
+    clock.sleep_until_ns(start_ns + round((time_s + age_s) * 1e9))
     tick = {"time_s": time_s, "tick": 7.0, "state": float(State.READY)}
     processes = SimpleNamespace(
         control=SimpleNamespace(),
