@@ -175,7 +175,9 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
 
 
 def _classified(objective: Objective, selection: Selection) -> Selection:
-    unknown = unexplained_parts(objective, selection.nominal, selection.fit, selection.after)
+    unknown = unexplained_parts(
+        objective, selection.nominal, selection.fit, selection.travels, selection.after
+    )
     return replace(selection, unknown=tuple(unknown))
 
 
