@@ -100,3 +100,25 @@ def test_nothing_is_set_apart_where_it_decides_nothing():
     assert apart_from_lines(objective, nothing) is None  # explains nothing
     slow = np.ones((JUDGED, 1)) / np.sqrt(JUDGED)
     assert apart_from_lines(conditioned_on(objective, [slow]), selection) is None
+
+
+@pytest.mark.parametrize("apart", [True, False])
+def test_beside_a_strong_line_first_looks_keep_declared_numbers_where_they_are(apart):
+    """Back at the declared number the line itself would answer, more than what is looked for."""
+    objective, selection = found_first(DRAG_SIZE)
+    moved = {"web.EA_N": 0.012}
+    there = replace(selection, fit=replace(selection.fit, shifts=moved))
+    simulated = objective.pool.twins[0].simulated
+    simulated.clear()
+    objective.pool.responses.clear()
+    best_of(
+        objective,
+        there,
+        [DRAG],
+        quiet,
+        apart=apart_from_lines(objective, there) if apart else None,
+    )
+    looked = next(
+        case for case in simulated if any(e.effect == "bearing_drag" for e in case.effects)
+    )
+    assert dict(looked.shifts) == (moved if apart else {})
