@@ -61,7 +61,12 @@ class EventCriteria:
     filter_share: float = criterion(
         0.4, "of the best filter", "effects below are not looked at", DEVELOPMENT
     )
-    passes: int = criterion(2, "passes", "over moments and shapes by turns", DEVELOPMENT)
+    passes: int = criterion(
+        3,
+        "passes",
+        "over moments and shapes by turns; where in a zone it is, is halved with each",
+        "web passes a span of some 0.5 m in about a second, two rises of warm web: half a span",
+    )
     coarse_grid: tuple[float, ...] = criterion(
         tuple(0.25 * k for k in range(-4, 5)),
         "s or m",

@@ -51,19 +51,21 @@ def warm_of(case):
     return both
 
 
-@pytest.mark.parametrize("hold_s", [7.6, 13.4, 20.7])
-def test_what_ends_again_is_found_with_its_end(hold_s):
-    """A fit finds an end from a fraction of its rise, 0.6 s here, not from seconds away."""
+@pytest.mark.parametrize(("hold_s", "rise_s"), [(7.6, 0.6), (13.4, 0.6), (20.7, 2.0), (13.4, 1.0)])
+def test_what_ends_again_is_found_with_its_end_and_its_rise(hold_s, rise_s):
+    """A fit finds an end from a fraction of its rise, not from seconds away."""
     true = Added(
         "thermal_strain",
         "unwind_zone",
-        (("strain", 5e-4), ("from_s", 31.2), ("rise_s", 0.6), ("hold_s", hold_s)),
+        (("strain", 5e-4), ("from_s", 31.2), ("rise_s", rise_s), ("hold_s", hold_s)),
     )
     measured = warm_of(Case(effects=(true,))) + white((2, SAMPLES), 4)
     objective = objective_of(formula_twin(warm_of, CHANNELS, SAMPLES), measured)
     best = event_candidates(objective, nominal_fit(objective, {}), (), quiet)[0]
     found = dict(zip(best.hypothesis.names, best.start, strict=True))
     assert best.hypothesis.effect.name == "thermal_strain"
-    assert found["from_s"] == pytest.approx(31.2, abs=0.2)
-    assert found["from_s"] + found["hold_s"] == pytest.approx(31.2 + hold_s, abs=0.3)
+    assert found["rise_s"] == pytest.approx(rise_s, abs=0.61)  # of a grid of 0.5, 1 and 2
+    half_way_s = found["from_s"] + 0.5 * found["rise_s"]
+    assert half_way_s == pytest.approx(31.2 + 0.5 * rise_s, abs=0.15)
+    assert half_way_s + found["hold_s"] == pytest.approx(31.2 + 0.5 * rise_s + hold_s, abs=0.15)
     assert found["strain"] == pytest.approx(5e-4, rel=0.1)
