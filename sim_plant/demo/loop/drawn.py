@@ -29,9 +29,6 @@ SIZES = (2.0, 4.0)
 ECCENTRIC_M = (2e-4, 4e-4)
 ROLL_M = (1e-3, 2e-3)
 REFERENCE = "line_speed_ref_m_s"
-COUNT_M_S = "0.0001"
-"""Of the reference's word: finer than the noise of a measured speed, or every step of a ramp is an
-input that is known to a count only."""
 PLACES = 7
 """Decimal places of what is drawn."""
 
@@ -141,7 +138,7 @@ def write_files(folder: Path, hidden: tuple[Hidden, ...]) -> Files:
     wired = wire_up("modbus", SITE, folder)
     site = wired.site.read_text(encoding="utf-8")
     site = _once(site, "  #speed_reference: line_speed_ref_m_s", f"  speed_reference: {REFERENCE}")
-    word = f"      {REFERENCE}: {{ register: 18, type: i16, scale: {COUNT_M_S} }}\n"
+    word = f"      {REFERENCE}: {{ register: 18, type: i16, scale: 0.001 }}\n"
     mark = "      # Encoders of 4096 counts per turn"
     wired.site.write_text(_once(site, mark, word + mark), encoding="utf-8")
     line = LINE.read_text(encoding="utf-8")
@@ -153,7 +150,7 @@ def write_files(folder: Path, hidden: tuple[Hidden, ...]) -> Files:
         if roller["kind"] == "idler"
     ]
     plc = PLC.read_text(encoding="utf-8")
-    shown = f"    {REFERENCE}: {{ address: 18, type: i16, scale: {COUNT_M_S} }}\n"
+    shown = f"    {REFERENCE}: {{ address: 18, type: i16, scale: 0.001 }}\n"
     paths = [folder / name for name in ("line.yaml", "plant.yaml", "plc.yaml")]
     texts = (
         line,

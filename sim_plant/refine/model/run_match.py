@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
@@ -115,29 +114,8 @@ def _speed_reference(
     """Return the line speed reference, measured or stood in for, and what is said of it."""
     for name in (run.site.speed_reference, SPEED_REF):
         if name and name in record.columns:
-            read = record.columns[name]
-            return acting(read), _coarse(line, name, run.site.steps.get(name, 0.0), read)
+            return acting(record.columns[name]), []
     return stand_in_speed(line, columns, record)
-
-
-def _coarse(line: Declaration, name: str, count: float, read: Array) -> list[str]:
-    """Return what is said of a reference whose word is coarser than the drives' noise, m/s."""
-    noise_m_s = max(
-        (
-            s.noise_sd_rad_s * s.scale_radius_m
-            for s in line.sensors
-            if isinstance(s, DriveSpeed) and s.noise_sd_rad_s and s.scale_radius_m
-        ),
-        default=0.0,
-    )
-    changes = float(np.ptp(read)) > count
-    if not changes or not count / math.sqrt(12.0) > noise_m_s > 0.0:
-        return []
-    return [
-        f"{name} is read in counts of {count:g} m/s, coarser than the drives run: while it "
-        "changes it is known to a count only, and a drag or slip that begins there is not surely "
-        "one; have the PLC show it finer"
-    ]
 
 
 def acting(read: Array) -> Array:

@@ -83,21 +83,6 @@ def test_channels_are_found_by_what_the_site_file_uses_them_for():
     assert "unwind_tension_N is the run's web_N" in record.findings
 
 
-@pytest.mark.parametrize(
-    ("count_m_s", "slower_m_s", "said"),
-    [(0.001, 0.5, True), (0.0001, 0.5, False), (0.001, 0, False)],
-)
-def test_a_reference_whose_word_is_coarser_than_the_drives_is_named_where_it_changes(
-    count_m_s, slower_m_s, said
-):
-    """The drives' speeds have a noise of 0.0005 rad/s on 0.15367 m: 0.08 mm/s."""
-    wanted = SPEED_M_S - slower_m_s * np.clip((TIME_S - 15.0) / 3.0, 0.0, 1.0)
-    given = run({"wanted": wanted}, speed_reference="wanted")
-    given.run.site.steps["wanted"] = count_m_s
-    findings = run_on_line(LINE, given).findings
-    assert any("wanted is read in counts of 0.001 m/s" in text for text in findings) == said
-
-
 def test_a_name_that_the_line_has_itself_goes_before_its_use():
     record = run_on_line(LINE, run({"unwind_tension_N": np.full(ROWS, 70.0)}))
     assert record.columns["unwind_tension_N"][0] == 70.0
