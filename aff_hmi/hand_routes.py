@@ -20,9 +20,8 @@ from starlette.types import Scope
 from aff_hmi.counts import Counts
 from aff_hmi.doorkeeper import Doorkeeper
 from aff_hmi.hand import Hand, said_in
-from aff_hmi.reason import N_
 from aff_hmi.sessions import Session
-from aff_hmi.words import Say
+from aff_hmi.words import N_, Say
 from aff_runtime.app.hand.may import Action, Code, Place, Reason, Role
 from aff_runtime.app.hand.messages import Command, Notice, is_account_name, is_command_id
 from aff_runtime.base.errors import WireError

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from aff_hmi.reason import N_
 from aff_hmi.watch import Seen
-from aff_hmi.words import Say
+from aff_hmi.words import N_, Say
 from aff_runtime.app.report.alarm_table import PRIORITIES, Priority
 from aff_runtime.app.report.block_status import SHAPE, SHAPE_WHY, WHY, WORDS
 from aff_runtime.base.events import BY_CODE

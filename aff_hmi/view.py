@@ -13,10 +13,10 @@ from itertools import groupby
 
 from aff_hmi.layout import Layout
 from aff_hmi.notices import Notice, is_probing, notices_of
-from aff_hmi.reason import N_, SHAPES, STARTING, reason_of
+from aff_hmi.reason import SHAPES, STARTING, reason_of
 from aff_hmi.watch import Seen
 from aff_hmi.window import WINDOW_S
-from aff_hmi.words import Say
+from aff_hmi.words import N_, Say
 from aff_runtime.app.report.block_status import SHAPE
 from aff_runtime.app.report.status_answer import Meeting
 from aff_runtime.app.report.tick_row import TickRow

@@ -8,6 +8,7 @@ const root = document.documentElement;
 const language = root.lang;
 const words = document.getElementById("words").dataset;
 const byId = (name) => document.getElementById(name);
+const line = document.title;
 
 let frame = null;
 let arrived_ms = 0;
@@ -58,6 +59,7 @@ function showFrame() {
   put(byId("to-do"), frame.to_do);
   put(byId("config"), frame.config || words.none);
   root.dataset.state = frame.state;
+  root.dataset.urgent = String(frame.alarms[0]?.rank ?? "");
   fill("alarms", frame.alarms, alarmItem, words.noAlarm);
   fill("coming", frame.coming, (text) => item([["span", "", text]]), words.nothing);
 }
@@ -122,6 +124,7 @@ function look() {
   const gone = frame !== null && isDead("service", links);
   put(byId("state"), frame === null || gone ? words.unknown : frame.word);
   put(byId("shape"), frame === null || gone ? "?" : frame.shape);
+  document.title = `${byId("shape").textContent} ${byId("state").textContent} · ${line}`;
   put(byId("was"), gone ? `${words.was} ${frame.word}` : "");
   root.dataset.broken = frame === null ? "waiting" : name;
   const texts = { hmi: words.deadHmi, service: words.deadService, plc: words.deadPlc };
