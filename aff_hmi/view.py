@@ -82,7 +82,7 @@ def view_of(seen: Seen, layout: Layout, say: Say) -> View:
     facts, row = seen.facts, seen.row
     site = facts.status.facts if facts is not None else None
     blocked = printable(facts.blocked, 200) if facts is not None else ""
-    state = _state(seen)
+    state = state_of(seen)
     why, to_do = _why(seen, state, blocked, say)
     notes: dict[str, str] = {}
     values: dict[str, float | None] = {}
@@ -124,7 +124,7 @@ WORDS = {
 }
 
 
-def _state(seen: Seen) -> str:
+def state_of(seen: Seen) -> str:
     """Return the guard's state, or what is there instead of one."""
     if seen.row is not None and seen.writer_lives:
         return seen.row.state.name

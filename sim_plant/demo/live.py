@@ -59,6 +59,7 @@ def run_live(plan: Plan, progress: Progress, *, listen: str, hands_off: bool) ->
 def _screen(bench: Bench, listen: str) -> Child:
     """Start the screen; its address is its first line."""
     command = [*SCREEN, "--door", str(bench.runtime_dir / "door.sock"), "--listen", listen]
+    command += ["--state", str(bench.folder / "screen")]
     return Child("screen", command, bench.folder / "screen.log", piped=True)
 
 

@@ -18,7 +18,7 @@ _IN_PAGE = re.compile(r"\b_\('([^']*)'\)")
 def marked() -> set[str]:
     """Return what the code marks with ``N_``."""
     found = set()
-    for path in FOLDER.glob("*.py"):
+    for path in FOLDER.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "N_":
                 found.add(ast.literal_eval(node.args[0]))
