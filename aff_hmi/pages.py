@@ -15,7 +15,7 @@ from aff_hmi.hand_routes import HandRoutes, place_of
 from aff_hmi.hub import Hub
 from aff_hmi.see.alarm_desk import AlarmDesk
 from aff_hmi.see.data_routes import data_routes
-from aff_hmi.see.kept import ALARMS
+from aff_hmi.see.kept import ALARMS, ROLLS
 from aff_hmi.words import LANGUAGES, NAMES, Say, language_of, say_in
 from aff_runtime import __version__
 from aff_runtime.app.report.metrics.exposition import CONTENT_TYPE
@@ -23,7 +23,7 @@ from aff_runtime.base.ports import Clock
 
 FOLDER = Path(__file__).parent
 # path of a page beside the overview: its template, and what its frames carry
-SEEN = {"/alarms": ("alarms.html", ALARMS)}
+SEEN = {"/alarms": ("alarms.html", ALARMS), "/rolls": ("rolls.html", ROLLS)}
 ASSETS = {
     "overview.js": "text/javascript; charset=utf-8",
     "freshness.js": "text/javascript; charset=utf-8",
@@ -33,6 +33,7 @@ ASSETS = {
     "hand.css": "text/css; charset=utf-8",
     "see.css": "text/css; charset=utf-8",
     "see.js": "text/javascript; charset=utf-8",
+    "rolls.js": "text/javascript; charset=utf-8",
     "alarms.js": "text/javascript; charset=utf-8",
     "icon.svg": "image/svg+xml",
 }

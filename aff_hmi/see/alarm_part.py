@@ -71,7 +71,7 @@ def alarm_part(book: AlarmBook, newest: int, history: str, say: Say) -> AlarmPar
     """Return the part of a frame that is of alarms and events."""
     load = book.load()
     words = say(
-        N_("{ten} alarms in ten minutes; in a day: {high} high, {medium} medium, {low} low")
+        N_("alarms in ten minutes: {ten}; in a day: {high} high, {medium} medium, {low} low")
     )
     high, medium, low = load.day
     return AlarmPart(

@@ -15,6 +15,7 @@ from aff_hmi.see.alarm_book import AlarmBook
 from aff_hmi.see.alarm_part import KINDS, AlarmPart, alarm_part
 from aff_hmi.see.events import Kind
 from aff_hmi.see.journal import Journal
+from aff_hmi.see.rolls_part import RollsPart, rolls_part
 from aff_hmi.see.store import Store
 from aff_hmi.view import GONE, state_of
 from aff_hmi.watch import News, Seen
@@ -25,7 +26,7 @@ from aff_runtime.base.ports import Clock
 
 LOOK_NS = 450_000_000
 FRESH_S = 0.7
-ALARMS = "alarms"
+ALARMS, ROLLS = "alarms", "rolls"
 NO_SERVICE = Condition(
     key="SERVICE",
     rank=RANK[Priority.MEDIUM],
@@ -79,7 +80,10 @@ class Kept:
         self._seen = Seen()
         self._layout = Layout()
         self._texts: dict[tuple[str, str], str] = {}
-        self._parts: dict[str, Callable[[Say], AlarmPart]] = {ALARMS: self._alarm_part}
+        self._parts: dict[str, Callable[[Say], AlarmPart | RollsPart]] = {
+            ALARMS: self._alarm_part,
+            ROLLS: lambda say: rolls_part(self._seen, say),
+        }
 
     @property
     def topics(self) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from aff_runtime.app.hand.may import WORDS
 from aff_runtime.app.report.block_status import SHAPE_WHY, WHY
+from aff_runtime.app.report.block_status import WORDS as ORDER_WORDS
 from aff_runtime.app.report.status import PERMISSIVES
 from aff_runtime.base.events import TABLE
 
@@ -33,7 +34,7 @@ def of_pages() -> set[str]:
 
 def of_service() -> set[str]:
     """Return the sentences of the service's own tables."""
-    of_hand = set(WORDS.values())
+    of_hand = set(WORDS.values()) | set(ORDER_WORDS.values())
     events = {text for event in TABLE for text in (event.text, event.action)}
     return (
         of_hand | events | set(PERMISSIVES.values()) | set(WHY.values()) | set(SHAPE_WHY.values())
