@@ -23,7 +23,16 @@ from aff_runtime.base.ports import Clock
 
 FOLDER = Path(__file__).parent
 # path of a page beside the overview: its template, and what its frames carry
-SEEN = {"/alarms": ("alarms.html", ALARMS), "/rolls": ("rolls.html", ROLLS)}
+SEEN = {
+    "/alarms": ("alarms.html", ALARMS),
+    "/rolls": ("rolls.html", ROLLS),
+    "/trends": ("trends.html", ""),
+}
+# of others, with their licences and hashes beside them
+VENDORED = {
+    "uPlot.iife.min.js": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.iife.min.js",
+    "uPlot.min.css": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.min.css",
+}
 ASSETS = {
     "overview.js": "text/javascript; charset=utf-8",
     "freshness.js": "text/javascript; charset=utf-8",
@@ -33,6 +42,9 @@ ASSETS = {
     "hand.css": "text/css; charset=utf-8",
     "see.css": "text/css; charset=utf-8",
     "see.js": "text/javascript; charset=utf-8",
+    "trends.js": "text/javascript; charset=utf-8",
+    "uPlot.iife.min.js": "text/javascript; charset=utf-8",
+    "uPlot.min.css": "text/css; charset=utf-8",
     "rolls.js": "text/javascript; charset=utf-8",
     "alarms.js": "text/javascript; charset=utf-8",
     "icon.svg": "image/svg+xml",
@@ -61,7 +73,9 @@ class Pages:
                 say_of=self._say_of,
                 alarms=AlarmDesk(hub.kept) if hub.kept is not None else None,
             )
-        self._texts = {name: (FOLDER / "static" / name).read_bytes() for name in ASSETS}
+        self._texts = {
+            name: VENDORED.get(name, FOLDER / "static" / name).read_bytes() for name in ASSETS
+        }
         self._templates = Environment(
             loader=FileSystemLoader(FOLDER / "templates"),
             autoescape=True,

@@ -87,7 +87,7 @@ def view_of(seen: Seen, layout: Layout, say: Say) -> View:
     notes: dict[str, str] = {}
     values: dict[str, float | None] = {}
     if row is not None:
-        values = {slot: _known(value) for slot, value in _values(seen, row, layout)}
+        values = {slot: _known(value) for slot, value in values_of(seen, row, layout)}
         notes = dict(_notes(seen, row, layout, values, say))
     return View(
         layout=layout.ident,
@@ -145,7 +145,7 @@ def _why(seen: Seen, state: str, blocked: str, say: Say) -> tuple[str, str]:
     return reason.why, reason.to_do
 
 
-def _values(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, float]]:
+def values_of(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, float]]:
     """Yield every number by its slot, in the unit of the screen."""
     window = seen.window
     for tension in layout.tensions:

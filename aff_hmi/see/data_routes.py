@@ -17,6 +17,7 @@ from aff_hmi.reason import N_
 from aff_hmi.see import events
 from aff_hmi.see.alarm_part import event_line
 from aff_hmi.see.kept import Kept
+from aff_hmi.see.trend_part import trend_part
 from aff_hmi.words import Say
 
 MOST_IN_FILE = 10_000
@@ -29,7 +30,11 @@ FORMULA = ("=", "+", "-", "@", "\t", "\r")
 def data_routes(kept: Kept, say_of: Callable[[HTTPConnection], Say]) -> list[BaseRoute]:
     """Return the routes of history."""
     data = Data(kept, say_of)
-    return [Route("/data/events", data.events), Route("/data/events.csv", data.events_file)]
+    return [
+        Route("/data/events", data.events),
+        Route("/data/events.csv", data.events_file),
+        Route("/data/trend", data.trend),
+    ]
 
 
 class Data:
@@ -80,6 +85,19 @@ class Data:
             media_type="text/csv; charset=utf-8",
             headers={"content-disposition": 'attachment; filename="aff-events.csv"'},
         )
+
+    async def trend(self, request: Request) -> Response:
+        """Return the curves of a group over a window."""
+        say, asked = self._say_of(request), request.query_params
+        try:
+            read = self._kept.trends.wanted(asked.get("group", ""), asked.get("window", ""))
+        except KeyError:
+            return _refusal(400, say(NO_SENSE))
+        try:
+            found = await self._kept.store.ask(read)
+        except (sqlite3.Error, BlockingIOError):
+            return _refusal(503, say(NOT_NOW))
+        return JSONResponse({"ok": True, "trend": asdict(trend_part(found, say))})
 
 
 def wanted_of(request: Request) -> events.Wanted | None:

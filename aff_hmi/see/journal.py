@@ -24,6 +24,7 @@ MOST_AT_ONCE = 200
 LONGEST = 200
 MISSED_NS = 60_000_000_000
 _S = 1e-9
+NEEDED, ROLL_ID = ("time_s", "tick", "state"), "roll_id"
 ROLL_EVENTS = ("SPLICE", "RADIUS_JUMP")
 
 
@@ -82,13 +83,16 @@ class Journal:
         now_ns, now_s = self._clock.now_ns(), self._wall()
         for tick, t_ns, code, _ in news.events:
             self._write(_of_ring(news.ring, int(tick), now_s - (now_ns - t_ns) * _S, int(code)))
-        if not news.records:
+        if not news.records or any(name not in news.columns for name in NEEDED):
             return
-        at = {name: news.columns.index(name) for name in ("time_s", "tick", "state", "roll_id")}
+        at = {name: news.columns.index(name) for name in NEEDED}
+        of_roll = news.columns.index(ROLL_ID) if ROLL_ID in news.columns else None
         end_s = news.records[-1][at["time_s"]]
         for record in news.records:
-            state, roll_id = record[at["state"]], record[at["roll_id"]]
-            if state == self._state and roll_id == self._roll_id:
+            state = record[at["state"]]
+            roll_id = self._roll_id if of_roll is None else record[of_roll]
+            is_same = of_roll is None or roll_id == self._roll_id
+            if state == self._state and is_same:
                 continue
             utc_s = now_s - (end_s - record[at["time_s"]])
             self._write_all(self._changes(utc_s, int(record[at["tick"]]), int(state), roll_id))
@@ -112,7 +116,7 @@ class Journal:
             text = MEANS[state.name]
             name = f"{before}{state.name}"
             yield Entry(utc_s=utc_s, tick=tick, kind=Kind.STATE, name=name, text=text)
-        if not math.isnan(self._roll_id) and roll_id != self._roll_id:
+        if math.isfinite(self._roll_id) and math.isfinite(roll_id) and roll_id != self._roll_id:
             yield Entry(
                 utc_s=utc_s,
                 tick=tick,

@@ -17,6 +17,9 @@ from aff_hmi.see.events import Kind
 from aff_hmi.see.journal import Journal
 from aff_hmi.see.rolls_part import RollsPart, rolls_part
 from aff_hmi.see.store import Store
+from aff_hmi.see.trend_part import GROUPS, WINDOW_WORDS, group_name
+from aff_hmi.see.trend_rows import SCHEMA as TREND_SCHEMA
+from aff_hmi.see.trends import Trends
 from aff_hmi.view import GONE, state_of
 from aff_hmi.watch import News, Seen
 from aff_hmi.words import Say, say_in
@@ -73,9 +76,11 @@ class Kept:
         wall: Callable[[], float] = wall_time_s,
     ) -> None:
         self._clock = clock
-        self.store = Store(folder, events.SCHEMA)
+        self.store = Store(folder, (*events.SCHEMA, *TREND_SCHEMA))
         self.journal = Journal(self.store, clock, wall)
         self.book = AlarmBook(clock, wall, can_be_seen=can_be_seen)
+        self.trends = Trends(self.store, wall)
+        self._columns: tuple[str, ...] = ()
         self._looked_ns: int | None = None
         self._seen = Seen()
         self._layout = Layout()
@@ -102,10 +107,24 @@ class Kept:
         site = facts.status.facts if facts is not None else None
         return tuple((one.name, label_of(one.name)) for one in site.rolls) if site else ()
 
+    @property
+    def windows(self) -> tuple[tuple[str, str], ...]:
+        """Return every window of the trends with its word, in English."""
+        return tuple(WINDOW_WORDS.items())
+
+    def groups(self, say: Say) -> tuple[tuple[str, str], ...]:
+        """Return every group of curves that is kept now, in the reader's language."""
+        there = dict.fromkeys(one.group for one in self.trends.series if one.group != "state")
+        ordered = [one for one in GROUPS if one in there]
+        ordered += [one for one in there if one not in GROUPS]
+        return tuple((group, group_name(group, say)) for group in ordered)
+
     def listen(self, news: News) -> None:
         """Take what a poll has brought."""
         self.book.hear(news.events)
         self.journal.listen(news)
+        self._columns = news.columns
+        self.trends.listen(news)
 
     def look(self, seen: Seen, layout: Layout) -> None:
         """Take note of a moment, twice a second at most."""
@@ -123,6 +142,7 @@ class Kept:
             is_known=is_fresh and seen.tick_age_s < FRESH_S,  # type: ignore[operator]
         )
         self.journal.look(seen)
+        self.trends.look(seen, layout, self._columns)
 
     def part(self, topic: str, language: str) -> str:
         """Return what a page of a topic shows of the newest moment, as JSON."""
@@ -140,6 +160,7 @@ class Kept:
 
     def close(self) -> None:
         """Write what waits, and close."""
+        self.trends.flush()
         self.store.close()
 
     def _alarm_part(self, say: Say) -> AlarmPart:

@@ -134,9 +134,9 @@ def _roll(
         key=f"{actuator} {roll}",
         actuator=label_of(actuator),
         roll=label_of(roll),
-        radius_mm=_known(1e3 * _radius_m(row, facts)),
+        radius_mm=_known(1e3 * _radius_m(row, facts), 1),
         signal_unit="mm/s" if output is not None and output.signal.endswith("_m_s") else "N",
-        outline_mm=tuple(round(mm, 5) for mm in outline),
+        outline_mm=_as_drawn(outline),
         step_deg=STEP_DEG,
         zero=encoder if has_zero else count,
         extremes=_extremes(outline, say),
@@ -164,6 +164,13 @@ def outline_mm(orders: Sequence[tuple[OrderStatus, float]]) -> list[float]:
         sum((w * cmath.exp(1j * n * math.radians(at))).real for n, w in weights)
         for at in range(0, 360, STEP_DEG)
     ]
+
+
+def _as_drawn(outline: Sequence[float]) -> tuple[float, ...]:
+    """Return an outline to a thousandth of its size: finer, no picture shows."""
+    size = max(map(abs, outline), default=0.0)
+    digits = min(6, max(2, 3 - math.floor(math.log10(size)))) if size > 0.0 else 2
+    return tuple(round(mm, digits) for mm in outline)
 
 
 def _extremes(outline: Sequence[float], say: Say) -> str:
@@ -195,15 +202,15 @@ def _order(
     why = why_it_rests(order)
     return OrderLine(
         name=say(N_("imbalance")) if order.is_imbalance else f"{order.order}×",
-        frequency_Hz=_known(order.order * abs(row.roll(roll).omega_rad_s) / math.tau),
-        size=_known(size),
+        frequency_Hz=_known(order.order * abs(row.roll(roll).omega_rad_s) / math.tau, 2),
+        size=_known(size, 3),
         unit=unit,
-        deg=_known(deg % 360.0),
-        out_percent=_known(100.0 * share * row.applied_ratio(order.actuator)),
-        without=_known(factor * before),
-        now=_known(factor * now),
-        change_dB=_known(20.0 * math.log10(now / before)) if is_both else None,
-        ratio=_known(order.response_ratio),
+        deg=_known(deg % 360.0, 0),
+        out_percent=_known(100.0 * share * row.applied_ratio(order.actuator), 0),
+        without=_known(factor * before, 3),
+        now=_known(factor * now, 3),
+        change_dB=_known(20.0 * math.log10(now / before), 1) if is_both else None,
+        ratio=_known(order.response_ratio, 2),
         state="" if order.state is None else say(WORDS[order.state]),
         why=say(why) if why else "",
     )
@@ -254,5 +261,6 @@ def _radius_m(row: TickRow, facts: RollFacts) -> float:
     return math.nan if facts.radius_m is None else facts.radius_m
 
 
-def _known(value: float) -> float | None:
-    return float(f"{value:.4g}") if math.isfinite(value) else None
+def _known(value: float, digits: int) -> float | None:
+    """Return a number as it is shown: a page does not change for what nobody sees."""
+    return round(value, digits) if math.isfinite(value) else None

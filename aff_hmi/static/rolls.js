@@ -25,7 +25,7 @@ function polar(roll) {
   };
   const label = `${words.shape} ${roll.roll}: ${roll.extremes}`;
   const picture = shape("svg", {
-    viewBox: `0 0 ${SIDE} ${SIDE}`,
+    viewBox: `-16 0 ${SIDE + 32} ${SIDE}`,
     role: "img",
     "aria-label": label,
     class: "polar",
@@ -92,8 +92,8 @@ function orderRow(order, unit) {
     figure(order.size, 3, ` ${order.unit}`),
     figure(order.deg, 0, "°"),
     figure(order.out_percent, 0, " %"),
-    figure(order.without, 2, ` ${unit}`),
-    figure(order.now, 2, ` ${unit}`),
+    figure(order.without, 3, ` ${unit}`),
+    figure(order.now, 3, ` ${unit}`),
     gain,
     figure(order.ratio, 2, ""),
     state,

@@ -32,7 +32,7 @@ export function number(value, digits) {
 }
 
 const day = new Intl.DateTimeFormat(root.lang, { dateStyle: "short" });
-const clock = new Intl.DateTimeFormat(root.lang, { timeStyle: "medium" });
+const clock = new Intl.DateTimeFormat(root.lang, { timeStyle: "medium", hourCycle: "h23" });
 
 /** Wall time of this browser; the day is said when it is not today's. */
 export function at(utc_s) {

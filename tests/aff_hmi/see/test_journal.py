@@ -101,6 +101,15 @@ def test_every_change_of_state_is_dated_by_its_tick(told: Told) -> None:
     assert found[1].utc_s == pytest.approx(WALL_S - 0.095)
 
 
+def test_a_record_without_these_columns_is_no_trouble(told: Told) -> None:
+    told.journal.listen(News(ring="r", columns=("x",), records=[(1.0,)]))
+    told.journal.listen(
+        News(ring="r", columns=COLUMNS[:3], records=[(9.0, 1.0, State.READY), (9.1, 2.0, 99.0)])
+    )
+    told.look()
+    assert told.names == ["READY"]
+
+
 def test_another_roll_is_told(told: Told) -> None:
     told.ticks((9.0, 1.0, State.READY, 41.0))
     told.ticks((9.1, 2.0, State.READY, 42.0))
