@@ -23,6 +23,7 @@ from aff_hmi.see.trends import Trends
 from aff_hmi.view import GONE, state_of
 from aff_hmi.watch import News, Seen
 from aff_hmi.words import Say, say_in
+from aff_runtime.app.hand.bucket import Bucket
 from aff_runtime.app.report.alarm_table import Priority
 from aff_runtime.base.clock import wall_time_s
 from aff_runtime.base.ports import Clock
@@ -78,6 +79,10 @@ class Kept:
         self._clock = clock
         self.store = Store(folder, (*events.SCHEMA, *TREND_SCHEMA))
         self.journal = Journal(self.store, clock, wall)
+        if self.store.trouble:
+            text = N_("history is not kept: {why}")
+            self.journal.add(Kind.SERVICE, "HISTORY", text, why=self.store.trouble)
+        self._refusals = Bucket(clock, per_s=0.1, burst=10.0)
         self.book = AlarmBook(clock, wall, can_be_seen=can_be_seen)
         self.trends = Trends(self.store, wall)
         self._columns: tuple[str, ...] = ()
@@ -155,7 +160,9 @@ class Kept:
         return self._texts[key]
 
     def person(self, what: str, who: str) -> None:
-        """Write down what somebody did."""
+        """Write down what somebody did; of a flood of refused logins, some."""
+        if what == "login refused" and not self._refusals.take():
+            return
         self.journal.add(Kind.PERSON, "PERSON", PEOPLE.get(what, what), who=who)
 
     def close(self) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import sqlite3
+import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
@@ -52,16 +53,16 @@ class Store:
         self.lost_count = 0
         self._pages = max(64, (most_bytes if folder else most_bytes // 10) // PAGE_BYTES)
         self._waiting = 0
+        self._counting = threading.Lock()
         self._executor = ThreadPoolExecutor(max_workers=1, thread_name_prefix="history")
         self._connection = self._executor.submit(self._open, folder, schema).result()
 
     def put(self, work: Work[object]) -> None:
         """Have something written soon; it is counted when it cannot be."""
-        if self._waiting >= MOST_WAITING:
+        if not self._has_room():
             self.lost_count += 1
             self.trouble = "the disk does not keep up"
             return
-        self._waiting += 1
         self._executor.submit(self._write, work)
 
     async def ask(self, work: Work[Found]) -> Found:
@@ -72,9 +73,8 @@ class Store:
         BlockingIOError
             When too much waits already. ``sqlite3.Error`` when it cannot be read.
         """
-        if self._waiting >= MOST_WAITING:
+        if not self._has_room():
             raise BlockingIOError
-        self._waiting += 1
         return await asyncio.wrap_future(self._executor.submit(self._read, work))
 
     def now(self, work: Work[Found]) -> Found:
@@ -92,6 +92,13 @@ class Store:
         (pages,) = connection.execute("PRAGMA page_count").fetchone()
         (free,) = connection.execute("PRAGMA freelist_count").fetchone()
         return bool(pages - free > ROOM * self._pages)
+
+    def _has_room(self) -> bool:
+        """Take a place among those that wait; False when there is none."""
+        with self._counting:
+            has_room = self._waiting < MOST_WAITING
+            self._waiting += has_room
+        return has_room
 
     # --- in the thread ----------------------------------------------------------------------
 
@@ -135,8 +142,12 @@ class Store:
             raise
         return connection
 
+    def _begin(self) -> None:
+        with self._counting:
+            self._waiting -= 1
+
     def _write(self, work: Work[object]) -> None:
-        self._waiting -= 1
+        self._begin()
         try:
             self._connection.execute("BEGIN")
             work(self._connection)
@@ -149,5 +160,5 @@ class Store:
                 self._connection.execute("ROLLBACK")
 
     def _read(self, work: Work[Found]) -> Found:
-        self._waiting -= 1
+        self._begin()
         return work(self._connection)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sqlite3
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -94,14 +93,17 @@ def prune_trend(connection: sqlite3.Connection, now_s: float, *, is_full: bool) 
 
 def joined(bins: Bins) -> Bins:
     """Return several bins (bins, 3, curves) as one (3, curves)."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of a curve that has nothing: NaN
+    return folded(bins[:, LEAST], bins[:, MEAN], bins[:, LARGEST])
+
+
+def folded(
+    least: NDArray[np.floating], mean: NDArray[np.floating], largest: NDArray[np.floating]
+) -> Bins:
+    """Return one bin (3, curves) of rows (rows, curves); NaN for a curve that has nothing."""
+    with np.errstate(invalid="ignore"):
+        count = np.isfinite(mean).sum(axis=0)
         return np.stack(
-            [
-                np.fmin.reduce(bins[:, LEAST]),
-                np.nanmean(bins[:, MEAN], axis=0),
-                np.fmax.reduce(bins[:, LARGEST]),
-            ]
+            [np.fmin.reduce(least), np.nansum(mean, axis=0) / count, np.fmax.reduce(largest)]
         ).astype(np.float32)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sqlite3
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -19,6 +18,7 @@ from aff_hmi.see.trend_rows import (
     Bins,
     Stretch,
     coarser,
+    folded,
     get_bins,
     joined,
     prune_trend,
@@ -121,12 +121,13 @@ class Trends:
 
         def read(connection: sqlite3.Connection) -> Curves:
             behind = get_bins(connection, tier, begins_s - tier, until_s - tier + 1, curves)
-            old = coarser(behind, bin_s)
-            new = coarser(fine, bin_s)
+            new = coarser(fine, min(bin_s, tier))  # a minute counts as much, wherever it is kept
             whole = Stretch(
-                np.concatenate([old.t_s, new.t_s]), np.concatenate([old.bins, new.bins]), bin_s
+                np.concatenate([behind.t_s, new.t_s]),
+                np.concatenate([behind.bins, new.bins]),
+                min(bin_s, tier),
             )
-            return Curves(curves, whole, begins_s, now_s)
+            return Curves(curves, coarser(whole, bin_s), begins_s, now_s)
 
         return read
 
@@ -157,6 +158,8 @@ class Trends:
         self._second = before
         self._close_second()
         self._second = second
+        if second < before:  # the wall clock was put back: what is in memory has no order any more
+            self._count = 0
         if second // MINUTE_S != before // MINUTE_S:
             self._close_minute(before // MINUTE_S * MINUTE_S)
 
@@ -166,11 +169,7 @@ class Trends:
         rows = np.concatenate(self._rows)
         self._rows = []
         at = self._count % FINE
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # of a curve that has nothing: NaN
-            self._fine[at, 0] = np.fmin.reduce(rows)
-            self._fine[at, 1] = np.nanmean(rows, axis=0)
-            self._fine[at, 2] = np.fmax.reduce(rows)
+        self._fine[at] = folded(rows, rows, rows)
         self._t_s[at] = self._second
         self._count += 1
 

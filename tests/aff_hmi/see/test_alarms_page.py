@@ -149,6 +149,14 @@ def test_the_file_is_utc_and_no_formula(keeping: Pressed) -> None:
     ]
 
 
+def test_a_flood_of_refused_logins_does_not_push_out_the_rest(keeping: Pressed) -> None:
+    assert keeping.kept is not None
+    for _ in range(500):
+        keeping.kept.person("login refused", "nobody")
+    show(keeping)
+    assert len(asked(keeping, "/data/events?kind=person").said["events"]) == 10
+
+
 def test_a_screen_that_keeps_nothing_has_no_such_page(at: Pressed) -> None:
     assert at.browser().get("/alarms").status == 404
     assert at.browser().get("/data/events").status == 404

@@ -1,4 +1,4 @@
-"""The pages of rolls and trends: behind the same gate, of the reader, with nothing off the host."""
+"""The pages of rolls and trends: behind the same gate, of the reader, nothing off the host."""
 
 from __future__ import annotations
 

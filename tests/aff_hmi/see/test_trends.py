@@ -156,6 +156,33 @@ def test_a_gap_while_the_screen_was_off_stays_a_gap(tmp_path: Path) -> None:
     line.store.close()
 
 
+def test_a_wall_clock_that_is_put_back_leaves_curves_in_order(line: Line) -> None:
+    for _ in range(5):
+        line.second(90.0)
+    line.at_s -= 100.0
+    for _ in range(5):
+        line.second(91.0)
+    for window in WINDOWS:
+        found = line.tension(window)
+        assert np.all(np.diff(found.t_s) > 0)
+        assert found.bins[-1, MEAN] == pytest.approx(91.0, abs=1.0)
+
+
+def test_stored_and_new_minutes_of_one_bin_are_one_point(tmp_path: Path) -> None:
+    line = Line(Store(tmp_path, SCHEMA))
+    for tension in (90.0, 90.0, 90.0):
+        line.second(tension)
+        line.jump(59.0)
+    line.store.now(lambda c: None)
+    line.trends._count = 0  # as after a restart
+    line.second(94.0)
+    for window in ("7d", "1y", "8h"):
+        found = line.tension(window)
+        assert np.all(np.diff(found.t_s) > 0)
+    assert line.tension("7d").bins[0].tolist() == [90.0, 91.0, 94.0]
+    line.store.close()
+
+
 def test_states_are_shares_of_each_bin(line: Line) -> None:
     line.second(90.0, 90.0, state=State.ACTIVE)
     line.second(90.0, state=State.FAULT)
