@@ -62,10 +62,12 @@ house: setup
 	$(BIN)/python -m benchmarks.house $(addprefix --rev ,$(REV))
 
 # everything that decides whether a change may land
+test: export PYTHONDONTWRITEBYTECODE =
 test: setup check
-	@echo "compiling the plant's kernel once, not in every process of the suite"
-	@mkdir -p out && $(BIN)/python -m sim_plant.cli.main simulate config/lines/euclid.yaml --duration 0.1 \
-		--out out/compiled.csv.gz >/dev/null
+	@echo "compiling the plant's kernel and the tests once, not in every process of the suite"
+	@mkdir -p out && { $(BIN)/python -m pytest --collect-only -q >out/collected.txt & \
+		$(BIN)/python -m sim_plant.cli.main simulate config/lines/euclid.yaml --duration 0.1 \
+		--out out/compiled.csv.gz >/dev/null && wait; }
 	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder
 
 # the screen in a real Chromium: pages, breaks of the chain, hostile names; pictures in out/test-hmi

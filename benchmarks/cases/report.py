@@ -32,7 +32,8 @@ def page(entries: Sequence[Entry]) -> str:
     lines = [
         "# Labelled pairs of another simulator",
         "",
-        "`make refine-cases` repeats this page. Rules are set on `train` only.",
+        f"Repeat: `make refine-cases{_extra(entries)}`. Rules are set on `train` only. The pairs "
+        "are third-party data, not part of the repository ([testing](../tester/testing.md)).",
         "",
         _row(HEAD),
         _row(["---"] * len(HEAD)),
@@ -42,6 +43,12 @@ def page(entries: Sequence[Entry]) -> str:
     for part in dict.fromkeys(part for part, _, _ in entries):
         lines += _totals(part, [entry for entry in entries if entry[0] == part])
     return "\n".join(lines) + "\n"
+
+
+def _extra(entries: Sequence[Entry]) -> str:
+    """Return what the command needs where one part alone was run."""
+    parts = sorted({part for part, _, _ in entries})
+    return f' EXTRA="--part {parts[0]}"' if len(parts) == 1 else ""
 
 
 def _row(cells: Sequence[str]) -> str:

@@ -71,11 +71,11 @@ def stamps(rows):
 
 
 def test_misplaced_stamps_are_counted_and_put_on_the_grid():
-    """The two steps beside a misplaced stamp are odd: 0 and 2 where 1 is usual."""
+    """Every fourth of 1001 stamps is misplaced, and the two steps beside it are odd: 0 and 2."""
     step, columns, said = even_grid(CSV, stamps(1001), {"x_N": np.ones(1001)})
     assert step == 1.0
     assert columns["x_N"].tolist() == [1.0] * 1001
-    assert said[0] == "500 stamps sit on their neighbour's"
+    assert said[0] == "250 misplaced stamps"
 
 
 def test_a_gap_among_misplaced_stamps_is_found_at_its_place():

@@ -287,10 +287,10 @@ class ControlOutside:
 
     def _watch_probe(self, run: ProbeRun) -> list[Message]:
         """Return to the law when the probe has ended or cannot begin."""
-        if not run.has_ended(self._guard.state, self._tick):
+        if not run.watch_tick(self._guard.state, self._tick):
             return []
-        if run.failure(self._guard.first_blocking()):
-            reason = run.failure(self._guard.first_blocking())
+        reason = run.failure(self._guard.state, self._guard.first_blocking())
+        if reason:
             self._link.send(messages.Probed(error=reason))
         else:
             row = zip(self._ring_columns, self._record, strict=False)

@@ -51,8 +51,8 @@ class ProbeRun:
         self._first_tick: int | None = None
         self._failure = ""
 
-    def has_ended(self, state: State, tick: int) -> bool:
-        """Return whether the probe is done, aborted, or not getting under way."""
+    def watch_tick(self, state: State, tick: int) -> bool:
+        """Take one tick; return whether the probe is done, aborted, or not getting under way."""
         if self._first_tick is None:
             self._first_tick = tick
         if self.probe.stage in (Stage.DONE, Stage.ABORTED):
@@ -65,12 +65,17 @@ class ProbeRun:
             self._failure = f"did not end in {self.duration_s:.0f} s (state {state.name})"
         return bool(self._failure)
 
-    def failure(self, blocked: str) -> str:
-        """Return why there is nothing to fit, empty when there is something."""
+    def failure(self, state: State, blocked: str) -> str:
+        """Return why there is nothing to fit, empty when there is something.
+
+        Parameters
+        ----------
+        blocked : what stands in the way of an output now, empty for nothing.
+        """
         if self.probe.stage is Stage.DONE:
             return ""
         reason = self.probe.reason or self._failure or "aborted"
-        return f"READY: {blocked}" if blocked else reason
+        return f"{reason}; {state.name}: {blocked}" if blocked else reason
 
     def fit_in_child(self, link: Link, tick: TickRow) -> None:
         """Fit in a forked child: least squares would hold up ten ticks here.

@@ -149,7 +149,7 @@ def listening(path: Path, mode: int, backlog: int, another: str) -> socket.socke
 
 
 def _check_folder(folder: Path, another: str) -> None:
-    """Refuse a folder in which somebody else could put a door of his own."""
+    """Refuse a folder in which somebody else could put a socket of his own."""
     found = folder.lstat()
     if not stat.S_ISDIR(found.st_mode) or found.st_uid not in (0, os.geteuid()):
         raise RefusedError(f"{folder}: is no folder of user {os.geteuid()} or root; {another}")
@@ -159,9 +159,9 @@ def _check_folder(folder: Path, another: str) -> None:
 
 
 def _check_free(path: Path, another: str) -> None:
-    """Refuse a door at which another service stands."""
+    """Refuse a path at which another service listens."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as probe:
         probe.setblocking(False)
         with contextlib.suppress(OSError):
             probe.connect(str(path))
-            raise RefusedError(f"{path}: another service stands at this door; {another}")
+            raise RefusedError(f"{path}: another service listens at this socket; {another}")

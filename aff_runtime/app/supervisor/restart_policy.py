@@ -4,7 +4,7 @@ from __future__ import annotations
 
 BACK_OFF_S = (0.5, 1.0)
 WINDOW_S = 60.0
-MAX_DEATHS = 3
+FATAL_DEATHS = 3
 
 
 class RestartPolicy:
@@ -19,6 +19,6 @@ class RestartPolicy:
     def died(self, now_s: float) -> float | None:
         """Record a death at ``now_s``; return the pause before the next start, None: give up."""
         self._deaths_s = [t for t in self._deaths_s if now_s - t < WINDOW_S] + [now_s]
-        if len(self._deaths_s) >= MAX_DEATHS:
+        if len(self._deaths_s) >= FATAL_DEATHS:
             return None
         return BACK_OFF_S[len(self._deaths_s) - 1]

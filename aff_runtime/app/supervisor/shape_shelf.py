@@ -42,7 +42,7 @@ class ShapeShelf:
         """Take what the control process says of shapes, and nothing else."""
         match message:
             case ShapeNews(actuator=actuator, text=text):
-                self._over(actuator)
+                self._drop_waiting(actuator)
                 self._say(f"{actuator}: {text}")
             case ShapeLearned(actuator=actuator, file=file):
                 self._keep(record, actuator, file)
@@ -72,7 +72,8 @@ class ShapeShelf:
         for actuator, text in self.load(record).items():
             file = ShapeFile.from_json(text)
             left = {k: w for k, w in file.profile.weight_m.items() if k[0] not in exchanged}
-            if len(left) == len(file.profile.weight_m):
+            forgotten = {roll for roll, _ in file.profile.weight_m.keys() - left.keys()}
+            if not forgotten:
                 continue
             imbalance_m = {r: w for r, w in file.profile.imbalance_m.items() if r not in exchanged}
             kept = ShapeProfile(
@@ -85,12 +86,12 @@ class ShapeShelf:
                 raise ConfigError(
                     f"{path}: {error.strerror}; the shape in this file is not forgotten"
                 ) from None
-            self._say(f"{actuator}: the shape of {', '.join(sorted(exchanged))} is forgotten")
+            self._say(f"{actuator}: the shape of {', '.join(sorted(forgotten))} is forgotten")
 
-    def _over(self, actuator: str) -> None:
+    def _drop_waiting(self, actuator: str) -> None:
         """Drop the sentence that a shape of this actuator waits: something became of it."""
         self.sentences = [
-            w for w in self.sentences if not (w.startswith(actuator + ":") and WAITS in w)
+            s for s in self.sentences if not (s.startswith(actuator + ":") and WAITS in s)
         ]
 
     def _say(self, text: str) -> None:

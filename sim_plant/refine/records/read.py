@@ -18,7 +18,7 @@ from sim_plant.refine.records.in_child import table_from_child
 from sim_plant.refine.records.limits import FILE_BYTES, check_name, shown
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.records.run_record import read_run_record
-from sim_plant.refine.records.sanity import counted_on, even_grid, oddities, place_of
+from sim_plant.refine.records.sanity import even_grid, oddities, place_of, unwrapped
 from sim_plant.refine.records.text_table import text_table
 from sim_plant.refine.records.units import TO_SI, canonical, split_header
 
@@ -70,7 +70,7 @@ def read_record(path: str | Path) -> Recording:
                 f"{time_s.size} stamps; export the channel anew"
             )
         _finite(path, name, values)
-    columns, counted = counted_on(columns)
+    columns, counted = unwrapped(columns)
     sample_time_s, columns, findings = even_grid(path, time_s, columns)
     return Recording(
         path=path,

@@ -30,7 +30,7 @@ from sim_plant.refine.records.run_grid import (
 )
 from sim_plant.refine.records.run_phases import Phases, phases_of
 from sim_plant.refine.records.run_site import DEFAULT_SPEED, RunSite, run_site
-from sim_plant.refine.records.sanity import counted_on, oddities
+from sim_plant.refine.records.sanity import oddities, unwrapped
 
 LONGEST_S = 300.0
 """To read a run that somebody sent: thousands of segments can be small and long to read."""
@@ -87,7 +87,7 @@ def read_run_record(path: Path) -> Recording:
         scans = scans_of(table.columns, channels)
     except PlantError as error:
         raise PlantError(f"{path}: {error}") from error
-    readings, counted = counted_on({n: table.columns[n][scans.rows] for n in channels})
+    readings, counted = unwrapped({n: table.columns[n][scans.rows] for n in channels})
     pieces, breaks = _pieces(table.columns, scans, readings)
     piece = max((p for p in pieces if p.running), key=lambda p: p.length_s, default=None)
     if piece is None or piece.length_s < SHORTEST_S:

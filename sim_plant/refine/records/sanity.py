@@ -23,12 +23,12 @@ Flags = npt.NDArray[np.bool_]
 def even_grid(
     path: Path, time_s: Array, columns: Mapping[str, Array]
 ) -> tuple[float, dict[str, Array], list[str]]:
-    """Return sample time, columns on an even grid and what was said about the stamps.
+    """Return sample time, columns on an even grid and remarks about the stamps.
 
     Raises
     ------
     PlantError
-        When stamps go back, or rows are missing.
+        When stamps go back, rows are missing or too few, or the record has gaps.
     """
     if time_s.size < RECORDS.fewest_rows:
         raise PlantError(
@@ -38,31 +38,31 @@ def even_grid(
     steps = np.diff(time_s)
     back = np.flatnonzero(steps < 0.0)
     if back.size:
-        raise PlantError(f"{shown(path)}: {place_of(path, int(back[0]) + 1)}: time does not go on")
+        raise PlantError(
+            f"{shown(path)}: {place_of(path, int(back[0]) + 1)}: time_s goes back; sort the rows "
+            "by time, or give the part before it and the part after it as two records"
+        )
     step = float(np.median(steps))
     odd = (steps > RECORDS.longest_gap_samples * step) | (steps == 0.0)
     off = _one_stamp_off(steps, step)
-    gap, misplaced = np.flatnonzero(odd & ~off), int(np.count_nonzero(odd & off))
+    gap, misplaced = np.flatnonzero(odd & ~off), _stamps_beside(odd & off)
     if gap.size:
         at = int(gap[0])
         raise PlantError(
             f"{shown(path)}: {gap.size} gaps in time_s, the first after {place_of(path, at)} "
             f"({steps[at]:.4g} s where {step:.4g} s is usual); give a record without gaps"
         )
-    said = [f"{misplaced} stamps sit on their neighbour's"] if misplaced else []
+    remarks = [f"{misplaced} misplaced stamp{'s' * (misplaced > 1)}"] if misplaced else []
     mean = float((time_s[-1] - time_s[0]) / (time_s.size - 1))
     grid = time_s[0] + mean * np.arange(time_s.size)
-    late = float(np.max(np.abs(time_s - grid)))
+    largest_offset_s = float(np.max(np.abs(time_s - grid)))
     found = {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
-    if late < RECORDS.jitter_share * mean:
-        return mean, found, said
-    apart = np.maximum.accumulate(time_s + 1e-9 * step * np.arange(time_s.size))
-    even = {name: np.interp(grid, apart, values) for name, values in found.items()}
-    return (
-        mean,
-        even,
-        [*said, f"stamps are uneven by up to {late:.2g} s: put on a grid of {mean:.6g} s"],
-    )
+    if largest_offset_s < RECORDS.jitter_share * mean:
+        return mean, found, remarks
+    increasing_s = np.maximum.accumulate(time_s + 1e-9 * step * np.arange(time_s.size))
+    even = {name: np.interp(grid, increasing_s, values) for name, values in found.items()}
+    uneven = f"stamps are uneven by up to {largest_offset_s:.2g} s: put on a grid of {mean:.6g} s"
+    return mean, even, [*remarks, uneven]
 
 
 def place_of(path: Path, row: int) -> str:
@@ -71,12 +71,12 @@ def place_of(path: Path, row: int) -> str:
     return f"line {row + 2}" if text else f"row {row + 1}"
 
 
-def counted_on(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str]]:
-    """Return columns with angles that start over (each turn, or each few) counted on, and say so.
+def unwrapped(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str]]:
+    """Return columns with angles that start over (each turn, or each few) unwrapped, and remarks.
 
     A step of more than half a turn against the way the roll turns is taken for a start over.
     """
-    found, said = dict(columns), []
+    found, remarks = dict(columns), []
     for name, values in columns.items():
         if not name.endswith("_angle_rad") or values.size < 2:
             continue
@@ -84,8 +84,8 @@ def counted_on(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str
         over = int(np.sum(steps * np.sign(np.median(steps)) < -np.pi))
         if over:
             found[name] = np.unwrap(values)
-            said.append(f"{name} starts over {over} times: counted on")
-    return found, said
+            remarks.append(f"{name} starts over {over} times: unwrapped")
+    return found, remarks
 
 
 def _one_stamp_off(steps: Array, step: float) -> Flags:
@@ -99,6 +99,13 @@ def _one_stamp_off(steps: Array, step: float) -> Flags:
     found[:-1] |= makes_two
     found[1:] |= makes_two
     return found
+
+
+def _stamps_beside(odd: Flags) -> int:
+    """Return how many stamps make odd steps: one of two neighbours, or of one, is one stamp."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], odd, [False]]).astype(np.int8)))
+    lengths = edges[1::2] - edges[::2]
+    return int(np.sum((lengths + 1) // 2))
 
 
 def oddities(columns: Mapping[str, Array]) -> list[str]:

@@ -7,15 +7,16 @@ fit has to start where the nuisance already is.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.projection import Projector
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.model.parameter_effects import as_effects
+from sim_plant.refine.model.parameter_effects import as_effects, declared_change
 from sim_plant.refine.search.candidate import FittedCandidate, Progress, fitted_candidate
 from sim_plant.refine.search.effect_fit import rolling_only, with_effect
 
@@ -88,6 +89,25 @@ def starts_outside_prior(
         pairs = as_effects(line, name, total[name])
         found += [(*pair, rest) for pair in pairs if pair[0].effect.name in effects]
     return found
+
+
+def told_by_record(objective: Objective, fit: Fit) -> float:
+    """Return what a record alone says (chi2) of the declared numbers that the last effect changes.
+
+    Their tolerances are left aside, those of all other numbers are not; 0 where the effect is no
+    change of declared numbers.
+    Equation: |P y|^2, y the response to the effect, P takes out all other numbers  [own].
+    """
+    h, values = fit.hypotheses[-1], fit.values[-1]
+    line = objective.pool.twins[0].declaration
+    numbers = declared_change(line, h, values)
+    own = [k for k, n in enumerate(objective.nuisances) if n.name in numbers]
+    if not own:
+        return 0.0
+    bare = replace(fit.case, effects=fit.case.effects[:-1])
+    response = objective.column(objective.pool.one(fit.case), objective.pool.one(bare), 1.0)
+    others = np.delete(objective.projector.nuisances, own, axis=1)
+    return Projector(others).cost(response)
 
 
 def joint_conflict(objective: Objective, fit: Fit) -> PriorConflict | None:

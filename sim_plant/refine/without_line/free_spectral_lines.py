@@ -221,9 +221,23 @@ def sharpest(item: Explained, white: Array, kind: str, near: float) -> float:
     for _ in range(3):
         points = max(21, int(8.0 * reach * float(u[-1])) + 1)  # four to what the record resolves
         grid = np.linspace(best - reach, best + reach, points)
-        power = [float(np.sum(np.abs(white @ np.exp(-2j * np.pi * g * u)) ** 2)) for g in grid]
-        best, reach = float(grid[int(np.argmax(power))]), 0.15 * reach
+        best, reach = float(grid[int(np.argmax(_power(white, u, grid)))]), 0.15 * reach
     return best
+
+
+def _power(white: Array, u: Array, grid: Array) -> Array:
+    """Return the power of all outputs (grid,) at evenly spaced coordinates.
+
+    From one to the next every sample's phasor is turned by what the step says: a product for an
+    exponential.
+    """
+    phasor = np.exp(-2j * np.pi * grid[0] * u)
+    onward = np.exp(-2j * np.pi * (grid[1] - grid[0]) * u)
+    found = np.empty(grid.size)
+    for k in range(grid.size):
+        found[k] = np.sum(np.abs(white @ phasor) ** 2)
+        phasor *= onward
+    return found
 
 
 def basis(item: Explained, kind: str, coordinate: float) -> Array:

@@ -12,7 +12,7 @@ from sim_plant.refine.records.in_child import table_from_child
 from sim_plant.refine.records.limits import FILE_BYTES
 from sim_plant.refine.records.read import TIME_NAMES, kind_of, si_name
 from sim_plant.refine.records.recording import Recording
-from sim_plant.refine.records.sanity import counted_on
+from sim_plant.refine.records.sanity import unwrapped
 from sim_plant.refine.records.text_table import text_table
 
 UNEVEN = "stamps are uneven"
@@ -54,7 +54,7 @@ def on_declared_grid(record: Recording, sample_time_s: float) -> Stamped:
     time_s = columns.pop(name)
     time_s = np.maximum.accumulate(time_s - time_s[0])
     apart = time_s + 1e-9 * sample_time_s * np.arange(time_s.size)
-    readings, _ = counted_on(columns)
+    readings, _ = unwrapped(columns)
     grid = sample_time_s * np.arange(int(time_s[-1] / sample_time_s * (1.0 + 1e-12)) + 1)
     off = float(np.max(np.abs(time_s - np.linspace(0.0, time_s[-1], time_s.size))))
     said = (

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.base.jit import compiled
 from sim_plant.refine.without_line.general.effect import (
     Chosen,
     GeneralEffect,
@@ -20,13 +21,18 @@ SHARES = (0.1, 0.3, 0.8, 1.6)
 
 def change(_view: View, chosen: Chosen, values: Array) -> Array:
     """Return the play operator: what follows ``values`` at no more than half the play."""
-    half = 0.5 * abs(chosen.numbers[0])
-    at = float(values[0])
-    found = []
-    for low, high in zip((values - half).tolist(), (values + half).tolist(), strict=True):
-        at = low if at < low else min(at, high)
-        found.append(at)
-    return np.array(found)
+    found: Array = np.empty(values.size)
+    _play(np.asarray(values, dtype=np.float64), 0.5 * abs(chosen.numbers[0]), found)
+    return found
+
+
+@compiled
+def _play(values: Array, half: float, found: Array) -> None:
+    """Write into ``found`` what follows ``values`` at no more than ``half``."""
+    at = values[0]
+    for k in range(values.size):
+        at = min(max(at, values[k] - half), values[k] + half)
+        found[k] = at
 
 
 def starts(views: Sequence[View]) -> list[Chosen]:

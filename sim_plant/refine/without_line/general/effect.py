@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -14,6 +15,9 @@ from sim_plant.base.arrays import Array
 Stage = Literal["filter", "shift", "own", "raw", "driven", "term", "past"]
 """Where an effect acts: the filter's lags, the time between channels, numbers of one record alone,
 an input as read, an input as it enters the filter, a term beside the filter, past outputs."""
+
+LATER = 32
+"""Shifted inputs that are kept: a fit asks for the same again as it moves one number at a time."""
 
 STANDARD = 1e-6
 """Mean and standard deviation of an input this close to 0 and 1 were made so."""
@@ -49,6 +53,10 @@ class View:
     def judged(self) -> Array:
         """The output where it is judged."""
         return self.output[self.keep]
+
+    def later(self, name: str, samples: float) -> Array:
+        """Return an input later by ``samples`` (samples,), not to be written to."""
+        return _later(self, name, samples)
 
     def rate_of(self, name: str) -> Array:
         """Return the rate of change of an input, its unit per second."""
@@ -144,6 +152,11 @@ def shifted(values: Array, samples: float) -> Array:
         return values
     moved: Array = spline_shift(values, samples, order=5, mode="nearest")
     return moved
+
+
+@lru_cache(maxsize=LATER)
+def _later(view: View, name: str, samples: float) -> Array:
+    return shifted(view.inputs[name], samples)
 
 
 def pooled(views: Sequence[View], name: str) -> Array:

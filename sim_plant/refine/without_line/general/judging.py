@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,8 +72,12 @@ def rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
+@lru_cache(maxsize=4)
 def _filter_part(trial: Trial, view: View, shift: float) -> Array:
-    """Return what the weights explain (judged,), without an own zero and drift."""
+    """Return what the weights explain (judged,), without an own zero and drift; kept, not written.
+
+    Both halves of a record begin at the same shift.
+    """
     a = regressors(trial.model, view, shift)
     explained: Array = a @ trial.weights[: a.shape[1]]
     return explained

@@ -73,12 +73,14 @@ class Model:
 
 def _driven(model: Model, view: View, place: int, name: str, shift: float) -> Array:
     """Return an input as it enters the filter (samples,)."""
+    later = shift + (model.delays[place] if model.delays else 0.0)
+    raw = [x for x in model.acting("raw") if x.place == name]
     values = view.inputs[name]
-    for x in model.acting("raw"):
+    for x in raw:
         change = BY_NAME[x.effect].change
-        if x.place == name and change:
+        if change:
             values = change(view, x, values)
-    values = shifted(values, shift + (model.delays[place] if model.delays else 0.0))
+    values = shifted(values, later) if raw else view.later(name, later)
     if view.rates:
         values = np.gradient(values, view.step_s)
     for x in model.acting("driven"):
@@ -103,7 +105,7 @@ def regressors(model: Model, view: View, shift: float) -> Array:
         columns = BY_NAME[x.effect].columns
         if columns:
             rows += list(columns(view, x)[first:last].T)
-    return np.stack(rows, axis=1)
+    return np.stack(rows).T
 
 
 def own_columns(view: View) -> Array:

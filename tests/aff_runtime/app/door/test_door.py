@@ -196,7 +196,7 @@ def test_a_folder_that_others_may_write_in_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_door_at_which_another_service_stands_is_not_taken(stand: Stand) -> None:
-    with pytest.raises(RefusedError, match="another service stands at this door"):
+    with pytest.raises(RefusedError, match="another service listens at this socket"):
         Stand(stand.path.parent)
     stand.visit()
 

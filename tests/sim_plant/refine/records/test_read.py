@@ -77,7 +77,7 @@ def backwards(k, row):
         (word, "line 32: column unwind_tension_N: read 'open'"),
         (word_behind_a_blank, "line 32: column unwind_tension_N: read 'open'"),
         (ragged, "line 32: 2 values under 3 columns"),
-        (backwards, "time does not go on"),
+        (backwards, "time_s goes back; sort the rows"),
     ],
 )
 def test_what_cannot_be_judged_is_refused_with_its_place(tmp_path, change, said):
