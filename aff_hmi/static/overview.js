@@ -65,6 +65,7 @@ function showFrame() {
 }
 
 function fill(name, entries, make, empty) {
+  if (byId(name) === null) return; // another page than the overview
   const said = JSON.stringify(entries);
   if (shownLists.get(name) === said) return;
   shownLists.set(name, said);
@@ -151,7 +152,7 @@ function ageOf(name, links, now_ms) {
 function connect() {
   if (socket !== null || document.hidden) return;
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-  const own = new WebSocket(`${scheme}//${location.host}/live?lang=${language}`);
+  const own = new WebSocket(`${scheme}//${location.host}/live?lang=${language}&page=${root.dataset.page}`);
   socket = own;
   opened_ms = performance.now();
   const answer = (shown) => own.send(JSON.stringify({ a: shown, t: performance.now() }));
@@ -234,8 +235,9 @@ const actions = {
   t: otherTheme,
   l: () => byId("language").click(),
   a: () => {
-    byId("alarms").tabIndex = -1;
-    byId("alarms").focus();
+    const list = byId("alarms") ?? byId("main");
+    list.tabIndex = -1;
+    list.focus();
   },
   "?": () => byId("help").showModal(),
 };

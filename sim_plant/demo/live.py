@@ -86,6 +86,7 @@ def _screen(bench: Bench, listen: str, accounts: Path) -> Child:
     run = bench.runtime_dir
     command = [*SCREEN, "--door", str(run / "door.sock"), "--listen", listen]
     command += ["--hand-socket", str(run / "hand.sock"), "--accounts", str(accounts)]
+    command += ["--state", str(bench.folder / "screen")]
     return Child("screen", command, bench.folder / "screen.log", piped=True)
 
 
