@@ -6,7 +6,6 @@ import contextlib
 import json
 import os
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -18,6 +17,7 @@ from aff_runtime.app.door.client import DoorClient
 from aff_runtime.app.door.messages import RingPassed
 from aff_runtime.app.hand.may import Role
 from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.python_child import module_command
 from aff_runtime.telemetry.ring import RingReader
 from benchmarks.screen.clients import beside_control
 from benchmarks.screen.ticks import Block
@@ -175,5 +175,6 @@ class Rig:
 
 def clients(kind: str, url: str, seconds: float) -> subprocess.Popen[str]:
     """Start ten browsers, or a flood, for a while; they print what they saw."""
-    command = [sys.executable, "-m", "benchmarks.screen.clients", kind, url, str(seconds)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT)
+    command = [*module_command("benchmarks.screen.clients"), kind, url, str(seconds)]
+    tree = {**os.environ, "PYTHONPATH": str(ROOT)}  # benchmarks are not installed
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=tree)
