@@ -17,6 +17,7 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.candidate import Progress, bic_penalty
+from sim_plant.refine.search.completeness import sure_excess
 from sim_plant.refine.search.selection import AcceptedEffect, Selection, alike_margin
 
 EXCHANGE = CRITERIA.search.exchange
@@ -25,7 +26,8 @@ EXCHANGE = CRITERIA.search.exchange
 def exchanged(objective: Objective, selection: Selection, progress: Progress) -> Selection:
     """Return the selection with every effect at the place where it explains most beside the rest.
 
-    Places that explain as much are named with it.
+    Places that explain as much are named with it; so is the one that it comes from while the fit
+    leaves more than noise.
     """
     fit, accepted = selection.fit, list(selection.accepted)
     for k in range(len(accepted)):
@@ -42,7 +44,9 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
                 fit = other
         there = fit.hypotheses[k].key
         alike = [place for place, other in tried if other.cost < fit.cost + margin]
-        if there != here and here not in alike and selection.fit.cost < fit.cost + margin:
+        # what was missing had put the first ahead; what is still missing may have put it behind
+        undecided = selection.fit.cost < fit.cost + margin or leaves_more(objective, fit)
+        if there != here and here not in alike and undecided:
             alike.append(here)
         others = [p for p in accepted[k].ambiguous if p.effect != there.effect]
         accepted[k] = replace(
@@ -51,6 +55,11 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
             ambiguous=tuple(p for p in dict.fromkeys([*others, *alike]) if p != there),
         )
     return replace(selection, fit=fit, accepted=tuple(accepted))
+
+
+def leaves_more(objective: Objective, fit: Fit) -> bool:
+    """Return whether a fit surely leaves more than noise: its model is not whole."""
+    return objective.excess(fit.cost, fit.residual) > sure_excess(objective)
 
 
 def joined(objective: Objective, selection: Selection, progress: Progress) -> Selection:

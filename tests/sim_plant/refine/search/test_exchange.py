@@ -5,7 +5,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.twin import Case
-from sim_plant.refine.search.exchange import joined
+from sim_plant.refine.search.exchange import exchanged, joined
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from tests.sim_plant.refine.small import STEP_S, formula_twin, line_with, objective_of, white
 
@@ -64,3 +64,36 @@ def test_slip_of_a_pair_has_the_numbers_that_fit_both():
 def test_slip_that_differs_from_roller_to_roller_stays_two():
     objective, selection = found_beside((0.004, 0.8), (0.001, 0.7))
     assert joined(objective, selection, lambda _text: None) == selection
+
+
+TURN = 0.7 * STEP_S * np.arange(SAMPLES)
+AHEAD = {"R1": 0.10, "R2": 0.20}
+"""Radians by which an eccentric roller is seen earlier at the second cell."""
+
+
+def turning(case):
+    both = np.zeros((2, SAMPLES))
+    for added in case.effects:
+        given = dict(added.parameters)
+        for row, ahead in enumerate((0.0, AHEAD.get(added.location, 2.0))):
+            both[row] += 1e5 * given["cos_m"] * np.cos(TURN + ahead)
+            both[row] += 1e5 * given["sin_m"] * np.sin(TURN + ahead)
+    return both
+
+
+@pytest.mark.parametrize(("missing_N", "alike"), [(0.0, []), (3.0, ["R1"])])
+def test_a_neighbour_that_was_ahead_stays_named_while_something_is_missing(missing_N, alike):
+    first, second = (hypothesis(BY_NAME["eccentric_roller"], at, line=LINE) for at in AHEAD)
+    twin = formula_twin(turning, ("pullroll_tension_N", "unwind_tension_N"), SAMPLES, line=LINE)
+    true = twin.simulate(Case(effects=(second.added((2e-4, 1e-4)),)))
+    other = missing_N * np.sin(2.9 * TURN) * np.ones((2, 1))
+    objective = objective_of(twin, true + other + white((2, SAMPLES), 8))
+    nominal = nominal_fit(objective, {})
+    accepted = AcceptedEffect(hypothesis=first, score=1.0, runner_up=None, margin=1.0, rejected=())
+    fit = gauss_newton_fit(objective, (first,), ((2e-4, 1e-4),), {})
+    selection = Selection(
+        nominal=nominal, fit=fit, accepted=(accepted,), travels=(), before=(), after=()
+    )
+    (found,) = exchanged(objective, selection, lambda _text: None).accepted
+    assert found.hypothesis.location == "R2"
+    assert [place.location for place in found.ambiguous] == alike
