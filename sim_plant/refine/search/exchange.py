@@ -58,8 +58,11 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
 
 
 def leaves_more(objective: Objective, fit: Fit) -> bool:
-    """Return whether a fit surely leaves more than noise: its model is not whole."""
-    return objective.excess(fit.cost, fit.residual) > sure_excess(objective)
+    """Return whether a fit leaves more than noise, the steps of coarse words counted as well.
+
+    They say nothing of what is missing, but where they lean, a difference of two places leans.
+    """
+    return fit.cost - objective.expected_cost > sure_excess(objective)
 
 
 def joined(objective: Objective, selection: Selection, progress: Progress) -> Selection:
