@@ -1,0 +1,51 @@
+"""``python -m releasing.audit``: known vulnerabilities of the locked packages (pip-audit).
+
+Exit codes: 0 none known, 1 some, 3 the data could not be reached, so nothing is known.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+from releasing.commands import ROOT, ReleaseError, tool
+from releasing.lock import BUILD, EXTRAS, LOCKS
+
+
+def audit() -> int:
+    """Print what is known of the packages of every lock; return the exit code."""
+    locks = [word for name in (*EXTRAS, BUILD) for word in ("-r", str(LOCKS / f"{name}.txt"))]
+    fixed = ["--disable-pip", "--require-hashes", "--progress-spinner", "off", "--format", "json"]
+    done = subprocess.run(
+        [tool("pip-audit"), *fixed, *locks], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    try:
+        rows = json.loads(done.stdout)["dependencies"]
+    except (ValueError, KeyError):
+        why = (done.stderr.strip().splitlines() or ["pip-audit said nothing"])[-1]
+        print(f"not audited: the vulnerability data could not be had ({why[:200]})")
+        print("nothing is known of the packages; say `make audit` again where there is a network")
+        return 3
+    unseen = [row["name"] for row in rows if "skip_reason" in row]
+    found = 0
+    for row in rows:
+        for known in row.get("vulns", ()):
+            found += 1
+            fixes = ", ".join(known["fix_versions"]) or "none yet"
+            print(f"{row['name']} {row['version']}  {known['id']}  fixed in: {fixes}")
+    print(f"{len(rows)} packages, {found} known vulnerabilities, {len(unseen)} not looked up")
+    return 1 if found or unseen else 0
+
+
+def main() -> int:
+    """Run the audit."""
+    try:
+        return audit()
+    except ReleaseError as error:
+        print(f"make audit: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())
