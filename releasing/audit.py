@@ -12,21 +12,23 @@ import sys
 from releasing.commands import ROOT, ReleaseError, tool
 from releasing.lock import BUILD, EXTRAS, LOCKS
 
+PATIENCE_S = 300.0
+
 
 def audit() -> int:
     """Print what is known of the packages of every lock; return the exit code."""
     locks = [word for name in (*EXTRAS, BUILD) for word in ("-r", str(LOCKS / f"{name}.txt"))]
     fixed = ["--disable-pip", "--require-hashes", "--progress-spinner", "off", "--format", "json"]
-    done = subprocess.run(
-        [tool("pip-audit"), *fixed, *locks], cwd=ROOT, capture_output=True, text=True, check=False
-    )
+    command = [tool("pip-audit"), *fixed, *locks]
     try:
+        done = subprocess.run(
+            command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=PATIENCE_S
+        )
         rows = json.loads(done.stdout)["dependencies"]
+    except subprocess.TimeoutExpired:
+        return _not_audited(f"no answer within {PATIENCE_S:.0f} s")
     except (ValueError, KeyError):
-        why = (done.stderr.strip().splitlines() or ["pip-audit said nothing"])[-1]
-        print(f"not audited: the vulnerability data could not be had ({why[:200]})")
-        print("nothing is known of the packages; say `make audit` again where there is a network")
-        return 3
+        return _not_audited((done.stderr.strip().splitlines() or ["pip-audit said nothing"])[-1])
     unseen = [row["name"] for row in rows if "skip_reason" in row]
     found = 0
     for row in rows:
@@ -36,6 +38,13 @@ def audit() -> int:
             print(f"{row['name']} {row['version']}  {known['id']}  fixed in: {fixes}")
     print(f"{len(rows)} packages, {found} known vulnerabilities, {len(unseen)} not looked up")
     return 1 if found or unseen else 0
+
+
+def _not_audited(why: str) -> int:
+    """Say that nothing is known, and why; return the exit code."""
+    print(f"not audited: the vulnerability data could not be had ({why[:200]})")
+    print("nothing is known of the packages; say `make audit` again where there is a network")
+    return 3
 
 
 def main() -> int:
