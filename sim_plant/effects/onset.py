@@ -15,6 +15,8 @@ ALWAYS_S = -1.0
 """A moment before the record: what begins then is there from the start."""
 FOREVER_S = 1e6
 """Longer than any record: what lasts so long does not end."""
+HOLD_S, RISE_S = "hold_s", "rise_s"
+"""The parameters that say how long after its beginning something ends, and how long it rises."""
 
 FROM = Parameter(
     default=ALWAYS_S,
@@ -61,8 +63,8 @@ def with_change(
     from_s = float(parameters["from_s"])
     row = np.zeros(1, CHANGE)
     row["target"], row["place"], row["amount"] = target, place, amount
-    row["from_s"], row["rise_s"] = from_s, float(parameters.get("rise_s", 0.0))
-    hold_s = float(parameters.get("hold_s", FOREVER_S))
+    row["from_s"], row["rise_s"] = from_s, float(parameters.get(RISE_S, 0.0))
+    hold_s = float(parameters.get(HOLD_S, FOREVER_S))
     row["until_s"] = from_s + hold_s if hold_s < FOREVER_S else math.inf
     return arrays._replace(changes=np.concatenate([arrays.changes, row]))
 

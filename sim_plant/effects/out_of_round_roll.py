@@ -194,11 +194,19 @@ def profile_starts(
 
 
 def _start(kind: str, size_m: float, angle_rad: float) -> Profile:
-    wide = kind == FLATTENED
+    """Return a profile with the numbers that it is fitted in, and where they start.
+
+    An ellipse has no corner: to round it off and to make it smaller is the same.
+    """
+    names: dict[str, float] = {"size_m": size_m, "angle_rad": angle_rad}
+    if kind != "ellipse":
+        names["smoothing_rad"] = 0.02
+    if kind == FLATTENED:
+        names["flat_width_m"] = 6.0 * size_m
     return Profile(
         choice=(("shape", kind), ("finest_order", TRACED_FINEST_ORDER)),
-        names=("size_m", "angle_rad", "smoothing_rad", *(("flat_width_m",) if wide else ())),
-        start=(size_m, angle_rad, 0.02, *((6.0 * size_m,) if wide else ())),
+        names=tuple(names),
+        start=tuple(names.values()),
     )
 
 

@@ -36,6 +36,18 @@ class EventCriteria:
     wide_step_s: float = criterion(
         3.0, "s", "between moments at which what lasts is weighed", "a zone's time constant"
     )
+    span_step_s: float = criterion(
+        0.5,
+        "s",
+        "between beginnings and ends tried of what ends again; a fifth of it beside the best",
+        "a fit finds an edge from a fraction of its rise, which is 0.5 s at the least",
+    )
+    span_reach_s: float = criterion(
+        4.0,
+        "s",
+        "how far its beginning is from where the filter saw it",
+        "the filter takes another length: its moment is off by half of the difference",
+    )
     peaks: int = criterion(2, "moments", "per response", DEVELOPMENT)
     moments: int = criterion(2, "moments", "of an effect at a place are looked at", DEVELOPMENT)
     places: int = criterion(4, "places and moments", "of one effect are looked at", DEVELOPMENT)
@@ -49,7 +61,12 @@ class EventCriteria:
     filter_share: float = criterion(
         0.4, "of the best filter", "effects below are not looked at", DEVELOPMENT
     )
-    passes: int = criterion(2, "passes", "over moments and shapes by turns", DEVELOPMENT)
+    passes: int = criterion(
+        3,
+        "passes",
+        "over moments and shapes by turns; where in a zone it is, is halved with each",
+        "web passes a span of some 0.5 m in about a second, two rises of warm web: half a span",
+    )
     coarse_grid: tuple[float, ...] = criterion(
         tuple(0.25 * k for k in range(-4, 5)),
         "s or m",

@@ -248,8 +248,15 @@ class UnexplainedCriteria:
     periodic: float = criterion(
         260.0,
         "chi2, 72 degrees of freedom, best of all bins",
-        "a free spectral line above is one",
-        "healthy records stay below",
+        "a free spectral line above is one, when noise is as unlikely to show it",
+        "healthy records stay below; as unlikely: channels that noise moves together count less, "
+        "nine are 14 degrees of freedom at 0.5 Hz in seeded runs of another code's lines",
+    )
+    periodic_degrees: int = criterion(
+        72,
+        "degrees of freedom",
+        "of the line that periodic is set for",
+        "twelve channels, two phases, three powers of speed",
     )
     periodic_share: float = criterion(
         0.12, "of what is left", "a free spectral line above is what is left", DEVELOPMENT

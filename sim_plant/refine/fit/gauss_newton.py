@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -12,9 +13,10 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.nuisances import is_effective_radius
 from sim_plant.refine.model.twin import Added, Case
 
-FIT = CRITERIA.fit
+FIT, COMPLETENESS = CRITERIA.fit, CRITERIA.search.completeness
 SHARES = (1.0, 0.4, 0.15, 0.05)
 """Shares of a Gauss-Newton step that are tried until the cost falls."""
 
@@ -170,7 +172,51 @@ def _simulated(
 def _stepped(
     objective: Objective, hypotheses: Sequence[Hypothesis], here: _Point, step: Array, quick: bool
 ) -> _Point | None:
-    """Return the first point along ``step`` (nuisances, then numbers) that costs less, or None."""
+    """Return the first point along ``step`` (nuisances, then numbers) that costs less, or None.
+
+    Declared numbers that would go, together, where no tolerance takes them stay: what they would
+    explain counts linearly, and what it is they imitate is found from where the line is declared.
+    They go where linearly nothing is left beyond noise, or where going explains a fair share of
+    what is: then it is they.
+    """
+    there = _shortened(objective, hypotheses, here, step, quick)
+    split = objective.projector.nuisances.shape[1]
+    if there is None or _within_tolerances(objective, here.shifts, step[:split]):
+        return there
+    held = step.copy()
+    held[:split] = 0.0
+    still = _shortened(objective, hypotheses, here, held, quick)
+    stay = here if still is None else still
+    rest = objective.projector.project(stay.residual)
+    price = float(np.sum(rest[objective.rows :] ** 2))  # of tolerances, which no going saves
+    left = objective.excess(stay.cost - price, rest)
+    left -= COMPLETENESS.sure_sd * objective.cost_standard_deviation
+    fair = COMPLETENESS.fair_share * max(left, 0.0)
+    return there if stay.cost - there.cost > fair else still
+
+
+def _within_tolerances(objective: Objective, shifts: Mapping[str, float], change: Array) -> bool:
+    """Return whether shifted declared numbers, moved by ``change``, are together a tolerance.
+
+    Effective radii do not count: the angle of a roll that is recorded tells them by itself.
+    Equation: z' z < n + k sqrt(2 n), z in prior standard deviations.
+    """
+    rows = zip(objective.nuisances, change, objective.prior_sd, strict=False)
+    z = np.array(
+        [
+            (shifts.get(n.name, 0.0) + float(delta)) / sd
+            for n, delta, sd in rows
+            if not is_effective_radius(n.name)
+        ]
+    )
+    widest = CRITERIA.search.degeneracy.joint_sd
+    return float(z @ z) < z.size + widest * math.sqrt(2.0 * z.size)
+
+
+def _shortened(
+    objective: Objective, hypotheses: Sequence[Hypothesis], here: _Point, step: Array, quick: bool
+) -> _Point | None:
+    """Return the first point along ``step`` that costs less, or None."""
     split = objective.projector.nuisances.shape[1]
     for share in SHARES:
         values = _moved(hypotheses, here.values, share * step[split:])

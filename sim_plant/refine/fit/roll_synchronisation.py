@@ -15,6 +15,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.nuisances import effective_radius_of
 from sim_plant.refine.model.twin import Twin
 
 ROUNDS = 4
@@ -51,16 +52,6 @@ def synchronised(objective: Objective, fit: Fit) -> Fit:
     if shifts == fit.shifts:
         return fit
     return gauss_newton_fit(objective, fit.hypotheses, fit.values, shifts, rounds=0, quick=False)
-
-
-def effective_radius_of(roller: str) -> str:
-    """Return the name under which a roller's effective radius is a nuisance."""
-    return f"rollers.{roller}.effective_radius"
-
-
-def is_effective_radius(number: str) -> bool:
-    """Return whether a declared number of this name is a roller's effective radius."""
-    return number.endswith(".effective_radius")
 
 
 def recorded_angles(twin: Twin, channels: Array) -> dict[str, Array]:

@@ -38,3 +38,13 @@ def tolerance_of(line: Declaration, name: str, kind: str) -> float:
         if fnmatch.fnmatchcase(name, pattern):
             return value
     return CRITERIA.model.default_tolerance[kind]
+
+
+def effective_radius_of(roller: str) -> str:
+    """Return the name under which a roller's effective radius is a nuisance."""
+    return f"rollers.{roller}.effective_radius"
+
+
+def is_effective_radius(number: str) -> bool:
+    """Return whether a declared number of this name is a roller's effective radius."""
+    return number.endswith(".effective_radius")

@@ -74,15 +74,22 @@ def within_tolerance(
     digit is no finding. Effects that are no declared number are never within a tolerance.
     """
     known = {n.name: n.tolerance for n in nuisances}
+    change = declared_change(line, h, values)
+    return bool(change) and all(
+        abs(shift) <= known.get(number, 0.0) for number, shift in change.items() if shift != 0.0
+    )
+
+
+def declared_change(line: Declaration, h: Hypothesis, values: Sequence[float]) -> dict[str, float]:
+    """Return by how much ``h`` changes declared numbers, as their tolerances count it.
+
+    Empty where a number of it is no declared number.
+    """
     rows = [e for e in equivalents(line) if e.effect is h.effect and e.location == h.location]
     change = {n: v - a for n, v, a in zip(h.names, values, h.absent, strict=True)}
-    if set(h.names) - {e.parameter for e in rows}:
-        return False
-    return all(
-        abs(change[e.parameter] * e.scale) <= known.get(e.number, 0.0)
-        for e in rows
-        if change.get(e.parameter, 0.0) != 0.0
-    )
+    if set(change) - {e.parameter for e in rows}:
+        return {}
+    return {e.number: change[e.parameter] * e.scale for e in rows if e.parameter in change}
 
 
 def as_effects(

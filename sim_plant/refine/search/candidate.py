@@ -68,12 +68,15 @@ class FittedCandidate:
     chi2_reduction : fall of the cost against the fit without it.
     penalty : price of its free numbers [BIC].
     ceiling : the score is no higher: what is lost when the effect is taken out again.
+    told : of declared numbers by another name, what the record alone says of their change (chi2),
+        their tolerance left aside; 0 of any other effect.
     """
 
     fit: Fit
     chi2_reduction: float
     penalty: float
     ceiling: float = math.inf
+    told: float = 0.0
 
     @property
     def hypothesis(self) -> Hypothesis:

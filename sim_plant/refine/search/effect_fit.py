@@ -11,12 +11,9 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
-from sim_plant.refine.fit.roll_synchronisation import (
-    effective_radius_of,
-    is_effective_radius,
-    synchronising_shifts,
-)
+from sim_plant.refine.fit.roll_synchronisation import synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
+from sim_plant.refine.model.nuisances import effective_radius_of, is_effective_radius
 from sim_plant.refine.model.parameter_effects import within_tolerance
 from sim_plant.refine.search.candidate import (
     Candidate,

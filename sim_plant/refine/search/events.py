@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.effects.onset import FOREVER_S
+from sim_plant.effects.onset import FOREVER_S, HOLD_S, RISE_S
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis, onset_library
 from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
@@ -24,6 +24,7 @@ from sim_plant.refine.search.screening import (
     responses_of,
     sensitivities,
 )
+from sim_plant.refine.search.spans import best_spans
 from sim_plant.refine.spectra.onset_filter import (
     Axis,
     best_moments,
@@ -79,6 +80,32 @@ def event_candidates(
     return found
 
 
+def placed_anew(objective: Objective, fit: Fit) -> Fit:
+    """Return the fit with each of its events where it explains most beside all else, if better.
+
+    An event is placed while other effects are as they were fitted without it, and a step does not
+    find a moment from seconds away: what is left there looks like a second event.
+    """
+    for k, h in enumerate(fit.hypotheses):
+        if not h.moment:
+            continue
+        others = replace(
+            fit,
+            hypotheses=(*fit.hypotheses[:k], *fit.hypotheses[k + 1 :]),
+            values=(*fit.values[:k], *fit.values[k + 1 :]),
+        )
+        residual = objective.residual(objective.pool.one(others.case), fit.shifts)
+        seen = Candidate(hypothesis=h, chi2_reduction=0.0, penalty=0.0, start=fit.values[k])
+        here = gauss_newton_fit(objective, fit.hypotheses, fit.values, fit.shifts, rounds=0)
+        for there in _placed(objective, others, [seen], residual):
+            if there.hypothesis.names != h.names:
+                continue
+            moved = fit.with_effect_at(k, h, there.start)
+            new = gauss_newton_fit(objective, moved.hypotheses, moved.values, fit.shifts)
+            fit = new if new.cost < here.cost - EVENTS.floor else fit
+    return fit
+
+
 def _shapes_of(h: Hypothesis) -> list[Hypothesis]:
     """Return the hypothesis with each value of the first shape of its grid."""
     onset = h.effect.onset
@@ -86,6 +113,23 @@ def _shapes_of(h: Hypothesis) -> list[Hypothesis]:
     if name not in h.names:
         return [h]
     return [replace(h, start=_put(h, h.start, name, value)) for value in values]
+
+
+def _ways(c: Candidate, halvings: int) -> list[Candidate]:
+    """Return the candidate with each value of the first shape of its grid.
+
+    After ``halvings`` of the grid's step: with those next to the value that it has.
+    """
+    h, onset = c.hypothesis, c.hypothesis.effect.onset
+    name, values = onset.grid[0] if onset is not None and onset.grid else ("", ())
+    if name not in h.names:
+        return [c]
+    at = h.names.index(name)
+    if halvings:
+        step = 0.5**halvings * (values[1] - values[0])
+        near = [c.start[at] + k * step for k in (-1, 0, 1)]
+        values = tuple(v for v in near if h.low[at] <= v <= h.high[at])
+    return [replace(c, start=_put(h, c.start, name, value)) for value in values]
 
 
 def _by_matched_filter(
@@ -202,10 +246,16 @@ def _distinct(seen: Sequence[Candidate]) -> list[Candidate]:
         if c.score < max(EVENTS.floor, EVENTS.filter_share * seen[0].score):
             break
         same = [k for k in kept if k.hypothesis.key == c.hypothesis.key]
+        if any(HOLD_S in k.hypothesis.names and _near(k, c) for k in same):
+            continue
         effect = [k for k in kept if k.hypothesis.effect is c.hypothesis.effect]
         if len(same) < EVENTS.moments and len(effect) < EVENTS.places:
             kept.append(c)
     return kept[: EVENTS.looked_at]
+
+
+def _near(one: Candidate, other: Candidate) -> bool:
+    return abs(_moment(one) - _moment(other)) < EVENTS.span_reach_s
 
 
 def _placed(
@@ -215,12 +265,21 @@ def _placed(
     found = []
     for c in seen:
         best, onset = c, c.hypothesis.effect.onset
-        for _ in range(EVENTS.passes if onset is not None and onset.grid else 1):
-            best = _best_moment(objective, fit, best, residual, EVENTS.coarse_grid)
-            for name, values in onset.grid if onset is not None else ():
-                if name in c.hypothesis.names:
+        ends = HOLD_S in c.hypothesis.names
+        for at in range(EVENTS.passes if onset is not None and onset.grid else 1):
+            if ends:
+                # where it is decides when: each way is tried with moments of its own
+                ways = _ways(best, at)
+                spans = [s for way in ways for s in best_spans(objective, fit, way, residual)]
+                best = _best_of_starts(objective, fit, best, residual, [best.start, *spans])
+            else:
+                best = _best_moment(objective, fit, best, residual, EVENTS.coarse_grid)
+            shapes = () if onset is None else onset.grid[1:] if ends else onset.grid
+            for name, values in shapes:
+                if name in c.hypothesis.names and name != HOLD_S:
                     best = _best_of_shapes(objective, fit, best, residual, name, values)
-        best = _best_moment(objective, fit, best, residual, EVENTS.fine_grid)
+        if not ends:
+            best = _best_moment(objective, fit, best, residual, EVENTS.fine_grid)
         if best.score > EVENTS.floor:
             found.append(_without_end(objective, best))
     return sorted(found, key=lambda c: -c.score)
@@ -242,7 +301,12 @@ def _best_of_shapes(
     name: str,
     values: Sequence[float],
 ) -> Candidate:
-    starts = [_put(c.hypothesis, c.start, name, value) for value in values]
+    h = c.hypothesis
+    starts = [_put(h, c.start, name, value) for value in values]
+    if name == RISE_S:  # half way up where it was: that is what the moment was found by
+        rise_s = c.start[h.names.index(RISE_S)]
+        begun = [max(0.0, _moment(c) - 0.5 * (value - rise_s)) for value in values]
+        starts = [_put(h, s, h.moment, m) for s, m in zip(starts, begun, strict=True)]
     return _best_of_starts(objective, fit, c, residual, [c.start, *starts])
 
 

@@ -13,6 +13,7 @@ from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, nominal_fit
 from sim_plant.refine.fit.objective import Objective, conditioned_on
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.search.apart_from_lines import Apart, apart_from_lines, own_lines
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
 from sim_plant.refine.search.completeness import (
     explains_own_lines,
@@ -22,14 +23,14 @@ from sim_plant.refine.search.completeness import (
 )
 from sim_plant.refine.search.degenerate_pair import better_pair
 from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised, rolling_only
-from sim_plant.refine.search.events import event_candidates
+from sim_plant.refine.search.events import event_candidates, placed_anew
 from sim_plant.refine.search.exchange import exchanged, joined, pruned
 from sim_plant.refine.search.free_terms import (
     PERIODIC_KINDS,
     explained_by_free_term,
     free_term_basis,
 )
-from sim_plant.refine.search.outside_prior import fit_conflicts, total_shifts
+from sim_plant.refine.search.outside_prior import fit_conflicts, told_by_record, total_shifts
 from sim_plant.refine.search.profile_detail import joint_refit
 from sim_plant.refine.search.screening import by_periodic_support, screen, shortlist
 from sim_plant.refine.search.selection import (
@@ -98,16 +99,29 @@ def select(
             break
         progress("all numbers together, at the declared drive tick")
         objective, fit = joint_refit(objective, extensions[-1].fit)
+        if selection.accepted:
+            objective, fit = _with_events_placed_anew(objective, fit, progress)
         selection = replace(
             selection,
             fit=fit,
             accepted=(*selection.accepted, *(e.accepted for e in extensions)),
             after=remaining_spectra(objective, fit, selection.travels),
         )
-        if at_noise_floor(selection, objective.expected_cost, sure_excess(objective)):
+        quiet = at_noise_floor(selection, objective.expected_cost, sure_excess(objective))
+        if quiet and not own_lines(selection):
             break
     selection = looked_over(objective, selection, progress)
     return _with_remainder(objective, selection, progress)
+
+
+def _with_events_placed_anew(
+    objective: Objective, fit: Fit, progress: Progress
+) -> tuple[Objective, Fit]:
+    moved = placed_anew(objective, fit)
+    if moved is fit:
+        return objective, fit
+    progress("an event is placed anew beside the others")
+    return joint_refit(objective, moved)
 
 
 def looked_over(objective: Objective, selection: Selection, progress: Progress) -> Selection:
@@ -175,7 +189,9 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
 
 
 def _classified(objective: Objective, selection: Selection) -> Selection:
-    unknown = unexplained_parts(objective, selection.nominal, selection.fit, selection.after)
+    unknown = unexplained_parts(
+        objective, selection.nominal, selection.fit, selection.travels, selection.after
+    )
     return replace(selection, unknown=tuple(unknown))
 
 
@@ -205,16 +221,18 @@ def next_extensions(
     conflicts = fit_conflicts(objective, selection.fit, names, progress)
     complete: list[Extension] = []
     partial: list[Extension] = []
+    apart: Apart | None = None
     for group in (plain, resonant, others):
         if group is others:
-            undisturbed = replace(selection.fit, shifts=rolling_only(selection.fit.shifts))
-            events = event_candidates(objective, undisturbed, without, progress)
-            extension = best_of(objective, selection, group, progress, conflicts, events)
+            apart = apart_from_lines(objective, selection)
+            weigh = objective if apart is None else apart.objective
+            events = event_candidates(weigh, _looked_from(selection.fit, apart), without, progress)
+            extension = best_of(objective, selection, group, progress, conflicts, events, apart)
         else:
             extension = best_of(objective, selection, group, progress)
         if extension is None:
             continue
-        if _explains_own_lines(objective, selection, extension.fit):
+        if _explains_own_lines(objective, selection, extension.fit, apart):
             complete.append(extension)
             explained = cost - extension.fit.cost
             if group is plain and explained > ACCEPTANCE.decisive_share * left:
@@ -268,22 +286,26 @@ def best_of(
     progress: Progress,
     rivals: Sequence[FittedCandidate] = (),
     events: Sequence[Candidate] = (),
+    apart: Apart | None = None,
 ) -> Extension | None:
     """Return the effect of a group that is accepted in addition to those found, or None.
 
     ``rivals`` are fits made already that compete with the group, ``events`` further first looks.
+    With ``apart`` the group is looked at and judged apart from the lines of what was found.
     """
     base = selection.fit
-    lasting = base
-    if group and not is_periodic(group[0]):
-        lasting = replace(base, shifts=rolling_only(base.shifts))
-    candidates = [*screen(objective, lasting, group, progress), *events]
+    weigh, judged = (objective, selection) if apart is None else (apart.objective, apart.selection)
+    periodic = not group or is_periodic(group[0])
+    lasting = base if periodic else _looked_from(base, apart)
+    candidates = [*screen(weigh, lasting, group, progress), *events]
     candidates.sort(key=lambda c: -c.score)
-    fitted = fit_candidates(objective, base, shortlist(candidates), progress)
-    scored = score(
-        selection, [*rivals, *fitted], lambda fit: chi2_without_last(objective, fit), progress
-    )
-    extension = accept(selection, scored, candidates, progress)
+    fitted = [*rivals, *fit_candidates(objective, base, shortlist(candidates), progress)]
+    if apart is not None:
+        fitted = [apart.judged(c) for c in fitted]
+    if selection.accepted:
+        fitted = [replace(c, told=told_by_record(weigh, c.fit)) for c in fitted]
+    scored = score(judged, fitted, lambda fit: chi2_without_last(objective, fit, apart), progress)
+    extension = accept(judged, scored, candidates, progress)
     if extension is None or extension.accepted.score >= ACCEPTANCE.beyond_doubt:
         return extension
     pair = better_pair(objective, base, selection.travels[0], extension.hypothesis, candidates)
@@ -292,12 +314,21 @@ def best_of(
     return also_explained_by(extension, pair)
 
 
-def chi2_without_last(objective: Objective, fit: Fit) -> float:
+def _looked_from(fit: Fit, apart: Apart | None) -> Fit:
+    """Return where first looks are taken at effects that are not locked to an angle.
+
+    From the declared numbers, which have moved to imitate the effect. Not beside a strong line:
+    it answers to declared numbers by more than a weak effect does, so no linear step finds back.
+    """
+    return fit if apart is not None else replace(fit, shifts=rolling_only(fit.shifts))
+
+
+def chi2_without_last(objective: Objective, fit: Fit, apart: Apart | None = None) -> float:
     """Return how much the cost rises without the last effect, all else fitted anew from here.
 
-    Both at the declared drive tick. A fit that was made again finds a better place for the
-    declared numbers too, and a quick tick moves the speed at which a quantised loop rests:
-    those shares are not the effect's.
+    With ``apart`` that is the cost apart from the lines of what was found. Both at the declared
+    drive tick. A fit that was made again finds a better place for the declared numbers too, and a
+    quick tick moves the speed at which a quantised loop rests: those shares are not the effect's.
     """
     there = gauss_newton_fit(
         objective, fit.hypotheses, fit.values, fit.shifts, rounds=2, quick=False
@@ -305,8 +336,14 @@ def chi2_without_last(objective: Objective, fit: Fit) -> float:
     without = gauss_newton_fit(
         objective, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=2, quick=False
     )
+    if apart is not None:
+        without, there = (apart.weighed(f, quick=False) for f in (without, there))
     return without.cost - there.cost
 
 
-def _explains_own_lines(objective: Objective, selection: Selection, fit: Fit) -> bool:
+def _explains_own_lines(
+    objective: Objective, selection: Selection, fit: Fit, apart: Apart | None = None
+) -> bool:
+    if apart is not None:
+        return apart.explains_own_lines(fit)
     return explains_own_lines(objective, selection.fit, selection.after, selection.travels, fit)

@@ -89,10 +89,20 @@ def alike_margin(explained: float) -> float:
     return max(ACCEPTANCE.margin, 4.0 * error**2 * explained)
 
 
-def least_score(selection: Selection, h: Hypothesis) -> float:
-    """Return the score that ``h`` needs given what was found, and what that leaves by nature."""
+def least_score(selection: Selection, h: Hypothesis, told: float = 0.0) -> float:
+    """Return the score that ``h`` needs given what was found, and what that leaves by nature.
+
+    What a declared number gains as an effect is no more than its tolerance cost, z squared. What
+    others leave moves it as far as the record tells it badly, so it is what was ``told`` of it
+    (`FittedCandidate`) that has to be more than that. The mean of a roll with a profile is the
+    profile's own.
+    """
     explained = selection.nominal.cost - selection.fit.cost
-    lasting = ACCEPTANCE.later_score if selection.accepted else ACCEPTANCE.score
+    found = [a.hypothesis for a in selection.accepted]
+    shaped = {f.location for f in found if f.effect.profiles is not None}
+    beyond = told > ACCEPTANCE.later_score and h.location not in shaped
+    later = found and not beyond
+    lasting = ACCEPTANCE.later_score if later else ACCEPTANCE.score
     least = ACCEPTANCE.periodic_score if orders_of(h, 1.0) else lasting
     return max(
         least,
@@ -129,7 +139,7 @@ def score(
     best = 0.0
     for c in ranked:
         h = c.hypothesis
-        least = least_score(selection, h)
+        least = least_score(selection, h, c.told)
         if (
             c.score < max(least, best - ACCEPTANCE.margin)
             or len(looked_at) == ACCEPTANCE.most_looks
@@ -160,7 +170,7 @@ def accept(
         return None
     best = scored[0]
     h = best.hypothesis
-    if best.score < least_score(selection, h):
+    if best.score < least_score(selection, h, best.told):
         return None
     others = _others(scored, candidates)
     runner_up, second = others[0] if others else (None, 0.0)

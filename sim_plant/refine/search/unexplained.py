@@ -13,8 +13,10 @@ from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.noise.innovations import NoiseModel
 from sim_plant.refine.search.coherence import Coupling, least_likely_coupling
+from sim_plant.refine.search.line_in_noise import may_be_noise
 from sim_plant.refine.search.outside_prior import PriorConflict, joint_conflict
 from sim_plant.refine.search.unknown_event import event_left
+from sim_plant.refine.spectra.coordinates import Travel
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
 UNEXPLAINED = CRITERIA.search.unexplained
@@ -58,17 +60,21 @@ def strongest_peak(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectru
 
 
 def unexplained_parts(
-    objective: Objective, nominal: Fit, fit: Fit, after: Sequence[Sequence[LineSpectrum]]
+    objective: Objective,
+    nominal: Fit,
+    fit: Fit,
+    travels: Sequence[Travel],
+    after: Sequence[Sequence[LineSpectrum]],
 ) -> list[Unknown]:
     """Return the class and coordinate of what ``fit`` leaves, nothing when it is noise.
 
-    ``after`` are the free-line spectra of what it leaves.
+    ``after`` are the free-line spectra of what it leaves, over ``travels``.
     """
     excess = objective.excess(fit.cost, fit.residual)
     there = nominal.cost - objective.expected_cost
     if fit.hypotheses and excess < UNEXPLAINED.remainder_share * there:
         return []
-    located = event_or_line(objective, fit, after, excess)
+    located = event_or_line(objective, fit, travels, after, excess)
     if located is not None:
         return [located]
     conflict = joint_conflict(objective, fit)
@@ -83,11 +89,17 @@ def unexplained_parts(
 
 
 def event_or_line(
-    objective: Objective, fit: Fit, after: Sequence[Sequence[LineSpectrum]], excess: float
+    objective: Objective,
+    fit: Fit,
+    travels: Sequence[Travel],
+    after: Sequence[Sequence[LineSpectrum]],
+    excess: float,
 ) -> Unknown | None:
     """Return what has a coordinate: a moment first, for a step looks like a slow rhythm."""
     event = event_left(objective, fit)
     line = periodic_left(after, excess)
+    if line is not None and may_be_noise(objective, travels, *strongest_peak(after)[:2]):
+        line = None
     if event is None or (line is not None and rings(after, event[1])):
         return line
     return Unknown(kind="event", coordinate=event[0], strength=event[1])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.effects.out_of_round_roll import EFFECT, profile
+from sim_plant.effects.out_of_round_roll import EFFECT, profile, profile_starts
 from tests.sim_plant.effects.running import effect, euclid, run
 
 OVAL = {**EFFECT.parameters, "shape": "ellipse", "size_m": 0.002}
@@ -55,6 +55,22 @@ def test_a_profile_ends_at_its_finest_order() -> None:
     assert coarse.deviation_m == pytest.approx(full.deviation_m[:64])
     assert coarse.mean_radius_m == full.mean_radius_m
     assert not coarse.is_convex  # it ripples beside its corners
+
+
+def test_an_ellipse_is_fitted_without_rounding_which_would_only_make_it_smaller() -> None:
+    """Its orders are 2, and 4 of d^2 / R; a Gaussian of std s takes exp(-2 s^2) of order 2."""
+    rounded = profile(
+        0.2, {**OVAL, "size_m": 0.002 * math.exp(2.0 * 0.3**2), "smoothing_rad": 0.3}
+    )
+    assert rounded.deviation_m == pytest.approx(profile(0.2, OVAL).deviation_m, abs=1.5e-5)
+    gain = np.diag([1.0, 1.0, 100.0, 100.0, 1.0, 1.0])  # a record that shows order 2 alone
+    against = np.array([0.0, 0.0, 100.0, 0.0, 0.0, 0.0])
+    starts = {
+        dict(p.choice)["shape"]: p.names
+        for p in profile_starts(0.2, gain, against, (1e-3,) * 6, keep=5)
+    }
+    assert starts["ellipse"] == ("size_m", "angle_rad")
+    assert "smoothing_rad" in starts["flat"]
 
 
 def test_an_unknown_shape_is_refused_by_its_name() -> None:

@@ -3,12 +3,13 @@ import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
+from sim_plant.refine.fit.gauss_newton import case_of, gauss_newton_fit
 from sim_plant.refine.model.hypotheses import hypothesis
 from tests.sim_plant.refine.small import formula_twin, objective_of, white
 
 NUMBER, SD, SAMPLES = "web.EA_N", 0.01, 2000
-SLOPE = 400.0 * np.sin(0.05 * np.arange(SAMPLES))
+TIME = np.arange(SAMPLES)
+SLOPE, BEND = 400.0 * np.sin(0.05 * TIME), 1000.0 * np.cos(0.05 * TIME)
 
 
 def straight_line(true_shift):
@@ -53,6 +54,42 @@ def test_a_step_that_leads_astray_at_every_length_leaves_the_fit_where_it_was():
     objective, twin = straight_line(5500 * SD)
     assert gauss_newton_fit(objective, (), (), {}).shifts == {}
     assert ends(twin) == []
+
+
+def bent_line(measured):
+    """Return the objective of a record, where a declared number does something of second order."""
+
+    def channels(case):
+        shift = shift_of(case)
+        return [SLOPE * shift + BEND * shift**2]
+
+    twin = formula_twin(channels, ["unwind_tension_N"], SAMPLES)
+    return objective_of(twin, (measured + white(SAMPLES))[None])
+
+
+@pytest.mark.parametrize("times", [20, -20])
+def test_a_number_that_is_truly_far_off_goes_there(times):
+    true = times * SD
+    fit = gauss_newton_fit(bent_line(SLOPE * true + BEND * true**2), (), (), {})
+    assert fit.shifts[NUMBER] == pytest.approx(true, rel=0.01)
+
+
+def test_a_number_that_would_imitate_a_small_part_of_something_else_stays_where_it_is_declared():
+    true = 20 * SD
+    objective = bent_line(SLOPE * true + 0.2 * BEND * true**2 + 300.0 * np.sin(0.3 * TIME))
+    stays, goes = (
+        objective.projector.cost(objective.residual(objective.pool.one(case_of((), (), shifts))))
+        for shifts in ({}, {NUMBER: 0.3 * true})
+    )
+    assert 1000.0 < stays - goes < 0.01 * stays  # it would pay, a little
+    assert gauss_newton_fit(objective, (), (), {}).shifts == {}
+
+
+def test_a_number_within_its_tolerance_goes_whatever_else_there_is():
+    true = 2.7 * SD
+    record = SLOPE * true + BEND * true**2 + 30.0 * np.sin(0.3 * TIME)
+    fit = gauss_newton_fit(bent_line(record), (), (), {})
+    assert fit.shifts[NUMBER] == pytest.approx(true, rel=0.1)
 
 
 def test_a_start_that_cannot_be_simulated_costs_infinitely_much_and_is_not_left():

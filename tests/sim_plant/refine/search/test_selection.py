@@ -37,10 +37,10 @@ def selection(cost=COST, nominal=None, **more):
     )
 
 
-def rival(h, worth):
-    """Return a fit whose score is this."""
+def rival(h, worth, told=0.0):
+    """Return a fit whose score is this, and what the record alone says of it."""
     fit = fit_of(h, cost=COST - worth - PENALTY)
-    return FittedCandidate(fit=fit, chi2_reduction=COST - fit.cost, penalty=PENALTY)
+    return FittedCandidate(fit=fit, chi2_reduction=COST - fit.cost, penalty=PENALTY, told=told)
 
 
 def claimed(rivals, missed, found=None):
@@ -92,6 +92,30 @@ def test_what_a_strong_free_term_leaves_is_no_effect():
     beside = selection(chi2_of_free_terms=5e5)  # a flat spot no effect explains; 0.1 % is 500
     assert claimed([rival(DRAG, 500.0)], {DRAG.key: 450.0}, beside) is None
     assert claimed([rival(DRAG, 550.0)], {DRAG.key: 550.0}, beside) is not None
+
+
+def found_first(name, place):
+    h = hypothesis(BY_NAME[name], place)
+    there = AcceptedEffect(hypothesis=h, score=1e4, runner_up=None, margin=1e4, rejected=())
+    return selection(accepted=(there,))
+
+
+@pytest.mark.parametrize(("told", "taken"), [(0.0, False), (350.0, False), (5000.0, True)])
+def test_a_later_effect_that_is_a_declared_number_counts_by_what_the_record_says(told, taken):
+    """13 prior standard deviations gain 170; what a right effect leaves imitates up to 330."""
+    found = found_first("torque_ripple", "unwind")
+    said = claimed([rival(MODULUS, 170.0, told)], {MODULUS.key: 170.0}, found)
+    assert (said is not None) is taken
+
+
+@pytest.mark.parametrize(
+    ("name", "taken"), [("out_of_round_roll", False), ("torque_ripple", True)]
+)
+def test_the_mean_radius_of_a_roll_with_a_profile_is_the_profile_s(name, taken):
+    radius = hypothesis(BY_NAME["radius_error"], "unwind")
+    found = found_first(name, "unwind")
+    said = claimed([rival(radius, 170.0, 1e5)], {radius.key: 170.0}, found)
+    assert (said is not None) is taken
 
 
 def test_a_score_beyond_doubt_is_not_looked_at_again():

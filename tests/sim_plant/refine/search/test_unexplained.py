@@ -20,6 +20,7 @@ from tests.sim_plant.refine.small import (
 
 UNEXPLAINED = CRITERIA.search.unexplained
 SAMPLES, JUDGED = 6000, 4500
+TRAVELS = [travel_at(np.ones(JUDGED))]
 ANALOGUE = ("unwind_tension_N", "rewind_speed_rad_s", "rewind_tension_N")
 WITH_WORD = ("unwind_tension_N", "unwind_angle_rad", "rewind_tension_N")
 
@@ -50,7 +51,7 @@ def left(sizes=(1.0, 1.0, 1.0), push=0.0):
 
 
 def parts(objective, fit):
-    return unexplained_parts(objective, fit, fit, one_peak())
+    return unexplained_parts(objective, fit, fit, TRAVELS, one_peak())
 
 
 def power(objective, fit):
@@ -87,14 +88,14 @@ def test_channels_that_move_together_as_no_noise_does_are_broadband(push, kinds)
 @pytest.mark.parametrize(("strength", "kinds"), [(250.0, []), (300.0, ["time"])])
 def test_a_line_is_claimed_above_what_healthy_records_show(strength, kinds):
     fit = left()
-    found = unexplained_parts(OBJECTIVE, fit, fit, one_peak(strength))
+    found = unexplained_parts(OBJECTIVE, fit, fit, TRAVELS, one_peak(strength))
     assert [u.kind for u in found] == kinds
     assert all(u.coordinate == {"frequency_Hz": 1.0} for u in found)
 
 
 @pytest.mark.parametrize(("objective", "channels"), [(OBJECTIVE, 3), (COARSE, 2)])
 def test_free_lines_are_sought_in_channels_with_noise_of_their_own(objective, channels):
-    spectra = remaining_spectra(objective, left(), [travel_at(np.ones(JUDGED))])
+    spectra = remaining_spectra(objective, left(), TRAVELS)
     assert {s.degrees for s in spectra[0]} == {2 * channels}  # cos and sin each, one speed
 
 
@@ -105,7 +106,7 @@ def begun(shape):
     part[0] += np.where(time_s > 20.0, shape(time_s), 0.0)
     residual = np.append(part.ravel(), np.zeros(len(OBJECTIVE.nuisances)))
     fit = fit_of(residual=residual, cost=float(residual @ residual))
-    return fit, remaining_spectra(OBJECTIVE, fit, [travel_at(np.ones(JUDGED))])
+    return fit, remaining_spectra(OBJECTIVE, fit, TRAVELS)
 
 
 @pytest.mark.parametrize(
@@ -118,5 +119,5 @@ def begun(shape):
 )
 def test_what_a_speed_brings_to_sound_is_a_line_and_a_step_is_an_event(shape, kinds):
     fit, spectra = begun(shape)
-    found = unexplained_parts(OBJECTIVE, fit, fit, spectra)
+    found = unexplained_parts(OBJECTIVE, fit, fit, TRAVELS, spectra)
     assert [u.kind in kinds for u in found] == [True]

@@ -1,0 +1,61 @@
+"""Whether noise alone may look like a spectral line: drives' noise moves several channels at once.
+
+A free spectral line adds up what it explains in every channel. Noise that reaches them together,
+as that of a drive does below some hertz, counts several times in that sum: it spreads as a
+chi-square of few degrees of freedom does, times a factor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.stats import chi2
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.spectra.coordinates import Travel, spectra
+from sim_plant.refine.spectra.line_spectrum import LineSpectrum
+
+UNEXPLAINED = CRITERIA.search.unexplained
+
+
+def may_be_noise(
+    objective: Objective, travels: Sequence[Travel], spectrum: LineSpectrum, at: float
+) -> bool:
+    """Return whether the line at ``at`` is likelier noise than ``periodic`` would be.
+
+    That one is a sum over channels that know nothing of each other. Here the seeded runs of the
+    declaration say how the sum spreads within an octave around the line.
+    Equation: D = c X, X of n degrees of freedom, c = v / 2m, n = 2 m^2 / v with m and v the mean
+    and variance of D in noise  [Satterthwaite 1946].
+    """
+    seen = np.concatenate([_around(r, spectrum, at) for r in noise_spectra(objective, travels)])
+    if seen.size < UNEXPLAINED.fewest_bins or not np.var(seen) > 0.0:
+        return False
+    scale = float(np.var(seen) / (2.0 * np.mean(seen)))
+    degrees = float(np.mean(seen)) / scale
+    value = float(np.interp(at, spectrum.coordinate, spectrum.chi2_reduction)) / scale
+    alone = chi2.logsf(UNEXPLAINED.periodic, UNEXPLAINED.periodic_degrees)
+    return bool(chi2.logsf(value, degrees) > alone)
+
+
+def noise_spectra(objective: Objective, travels: Sequence[Travel]) -> list[Sequence[LineSpectrum]]:
+    """Return the free-line spectra of every seeded run of noise, of all records."""
+    rows = zip(travels, objective.whitening.noise, objective.whitening.realisations, strict=True)
+    return [
+        spectra(travel, noise.whiten(run)[noise.analogue])
+        for travel, noise, runs in rows
+        for run in runs
+    ]
+
+
+def _around(found: Sequence[LineSpectrum], spectrum: LineSpectrum, at: float) -> Array:
+    """Return the values of the same spectrum within half an octave to either side."""
+    same = [s for s in found if (s.kind, s.roll) == (spectrum.kind, spectrum.roll)]
+    root = np.sqrt(2.0)
+    parts = [
+        s.chi2_reduction[(s.coordinate >= at / root) & (s.coordinate <= at * root)] for s in same
+    ]
+    return np.concatenate(parts) if parts else np.zeros(0)

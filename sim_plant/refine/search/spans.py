@@ -1,0 +1,91 @@
+"""When something begins and when it ends: both at once, over all pairs of moments.
+
+What begins and ends answers as what lasts, less the same so much later: one simulation tells
+every pair. Ends are as sharp as beginnings; a fit does not find either from seconds away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.effects.onset import FOREVER_S, HOLD_S
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.search.candidate import Candidate
+from sim_plant.refine.spectra.onset_filter import later
+
+EVENTS = CRITERIA.search.events
+Start = tuple[float, ...]
+
+
+def best_spans(objective: Objective, fit: Fit, c: Candidate, residual: Array) -> list[Start]:
+    """Return numbers to start from with the best beginning and end, and with no end.
+
+    The response is that at the candidate's own moment, shifted.
+    """
+    h = c.hypothesis
+    lasting = replace(h, start=(*h.start[: h.strengths], *with_span(c, 0.0, FOREVER_S)[1:]))
+    case = replace(fit.case, effects=(*fit.case.effects, lasting.probes()[0]))
+    base, run = objective.pool.run([fit.case, case], keep=False)
+    change = [y - b for y, b in zip(run, base, strict=True)]
+    if not all(np.isfinite(part).all() for part in change):
+        return []
+    record = h.record or 0
+    step_s = objective.pool.twins[record].declaration.sample_time_s
+    moment = c.start[h.names.index(h.moment)]
+    last = change[record].shape[1] * step_s - moment
+    wide, reach = EVENTS.span_step_s, EVENTS.span_reach_s
+    begins = np.arange(max(-reach, -moment), min(reach, last), wide)
+    ends = np.arange(begins[0] + wide, last, wide)
+    begin, end = _best_pair(objective, h, change, residual, begins, ends)
+    close = wide * np.linspace(-0.8, 0.8, 9)
+    near, beyond = begin + close[begin + close >= -moment], end + close
+    begin, end = _best_pair(objective, h, change, residual, near, beyond[beyond < last])
+    return [with_span(c, begin, end - begin), with_span(c, begin, FOREVER_S)]
+
+
+def with_span(c: Candidate, later_s: float, hold_s: float) -> Start:
+    """Return the candidate's numbers, begun so much later and held so long."""
+    h = c.hypothesis
+    change = {h.moment: c.start[h.names.index(h.moment)] + later_s, HOLD_S: hold_s}
+    return tuple(change.get(n, v) for n, v in zip(h.names, c.start, strict=True))
+
+
+def _best_pair(
+    objective: Objective,
+    h: Hypothesis,
+    change: Sequence[Array],
+    residual: Array,
+    begins: Array,
+    ends: Array,
+) -> tuple[float, float]:
+    """Return the beginning and the end, s from the response's own, that explain most.
+
+    Equation: (v_b - v_e)^2 / (G_bb - 2 G_be + G_ee), v = S' P r, G = S' P S over the shifted
+    responses S, P what nuisances cannot explain; an end not before ``span_step_s``.
+    """
+    record = h.record or 0
+    step_s = objective.pool.twins[record].declaration.sample_time_s
+
+    def shifted(shift_s: float) -> Array:
+        moved = list(change)
+        moved[record] = later(change[record], round(shift_s / step_s))
+        return objective.whitened(moved)
+
+    columns = np.stack([shifted(float(s)) for s in (*begins, *ends)], axis=1)
+    cut = objective.projector.project(columns)
+    gram, against = columns.T @ cut, cut.T @ residual
+    at, size = begins.size, np.diag(gram)
+    power = size[:at, None] - 2.0 * gram[:at, at:] + size[None, at:]
+    gain = (against[:at, None] - against[None, at:]) ** 2
+    apart = ends[None, :] - begins[:, None] > 0.99 * EVENTS.span_step_s
+    floor = max(1e-9 * float(size.max()), 1e-300)
+    explained = np.where(apart & (power > floor), gain / np.maximum(power, floor), 0.0)
+    row, column = np.unravel_index(int(np.argmax(explained)), explained.shape)
+    return float(begins[row]), float(ends[column])

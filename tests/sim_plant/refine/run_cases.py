@@ -1,0 +1,162 @@
+"""Drawn cases from the service's own records and from clean ones of the same line, as one table.
+
+python -m tests.sim_plant.refine.run_cases [--cases N] [--effect NAME] [--out DIR]
+
+Every case is a seed of ``make demo-loop``: a roll that is not round, and one effect at a drawn
+place. The service's records are of plant, PLC and runtime in virtual time: AFF on in the one that
+is fitted, off in the one held out. A clean record is the plant's own under the same references,
+with all channels that the line declares, without service and wire. Ends with 1 where fewer than
+nine in ten verdicts are alike. Some four minutes of one core a case.
+Results are kept in DIR, one folder a case; what is there is not made again.
+"""
+
+import argparse
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sim_plant.cli.main import main as sim_plant
+from sim_plant.demo.loop.drawn import IDLER, drawn, write_files
+from sim_plant.line.load import load_declaration
+from sim_plant.line.open import make_line
+from sim_plant.refine.report.verdict import Verdict
+from tests.doubles.recorded_run import Files, RecordedRun
+
+FAST_M_S, SLOW_M_S, STEP_N = 0.85, 0.62, 95.0
+RAMP_S, OFF_S = 3.0, 35.0
+ALIKE_SHARE = 0.9
+
+
+@dataclass(frozen=True)
+class Case:
+    """One drawn case."""
+
+    effect: str
+    seed: int
+
+    @property
+    def hidden(self):
+        """What the plant has, place by place."""
+        return {(h.effect, h.location): h.parameters for h in drawn(self.effect, self.seed)}
+
+
+def service_records(files, folder):
+    """Return the run to fit (AFF on) and the one held out (off)."""
+    made = Files(line=files.plant, site=files.site, plc_map=files.plc)
+    on = RecordedRun(made, folder / "on", line_speed_m_s=FAST_M_S)
+    on.bench.run(0.5)
+    on.bench.arm(22.0)
+    on.set_speed(SLOW_M_S, RAMP_S)
+    on.bench.run(18.0)
+    on.bench.plant.set_reference("tension_ref_N", STEP_N)
+    on.bench.run(12.0)
+    off = RecordedRun(made, folder / "off", line_speed_m_s=FAST_M_S)
+    off.bench.run(OFF_S)
+    return on.end(), off.end()
+
+
+def clean_records(files, folder, seed):
+    """Return the same two records from the plant alone, without correction or wire."""
+    plant, owner = load_declaration(files.plant), load_declaration(files.line)
+    channels = [sensor.channel for sensor in owner.sensors]
+    step_s, (start_N, end_N) = plant.sample_time_s, (plant.operating_point.tension_N, STEP_N)
+    time_s = np.arange(round((22.5 + RAMP_S + 30.0) / step_s)) * step_s
+    speed = np.interp(time_s, [0.0, 22.5, 22.5 + RAMP_S], [FAST_M_S, FAST_M_S, SLOW_M_S])
+    tension = np.where(time_s < 43.5, start_N, end_N)
+    rest = np.ones(round(OFF_S / step_s))
+    plans = {"a": (speed, tension), "b": (FAST_M_S * rest, start_N * rest)}
+    return [
+        _clean(plant, channels, references, folder / f"clean_{name}.csv", 2 * seed + k)
+        for k, (name, references) in enumerate(plans.items())
+    ]
+
+
+def _clean(plant, channels, references, path, seed):
+    speed, tension = references
+    line = make_line(plant, seed=seed, speed_m_s=float(speed[0]), tension_N=float(tension[0]))
+    line.settle()
+    out = line.simulate(speed, tension)
+    time_s = np.arange(speed.size) * line.sample_time_s
+    columns = {"time_s": time_s, "line_speed_ref_m_s": speed, "tension_ref_N": tension}
+    columns |= {name: out[name] for name in channels}
+    rows = np.column_stack(list(columns.values()))
+    np.savetxt(path, rows, "%.9g", ",", header=",".join(columns), comments="")
+    return path
+
+
+def verdicts(case, out):
+    """Return what refine says of the service's records, and of the clean ones."""
+    folder = out / f"{case.effect}-{case.seed}"
+    paths = [folder / name / "verdict.json" for name in ("service", "clean")]
+    if not all(path.exists() for path in paths):
+        folder.mkdir(parents=True, exist_ok=True)
+        files = write_files(folder, drawn(case.effect, case.seed))
+        made = service_records(files, folder), clean_records(files, folder, case.seed)
+        for path, (fit, held) in zip(paths, made, strict=True):
+            records = [str(files.line), str(fit), "--holdout", str(held)]
+            assert sim_plant(["refine", *records, "--out", str(path.parent)]) == 0
+    return [Verdict.from_json(path.read_text(encoding="utf-8")) for path in paths]
+
+
+def alike(one, other):
+    """Return whether two verdicts say the same: answer, effects, places, kinds of unknown."""
+    return _told(one) == _told(other)
+
+
+def _told(verdict):
+    effects = frozenset(str(e.place) for e in verdict.effects)
+    return verdict.answer, effects, frozenset(u.kind for u in verdict.unknown)
+
+
+def size_error(case, verdict):
+    """Return the error of the drawn effect's size, relative; None where it is not named."""
+    (place, given), numbers = list(case.hidden.items())[-1], {}
+    for e in verdict.effects:
+        if (e.place.effect, e.place.location) == place:
+            numbers = e.parameters
+    sizes = [n for n in given if n in numbers and not n.endswith("_rad")]
+    return float(numbers[sizes[0]]) / float(given[sizes[0]]) - 1.0 if sizes else None
+
+
+def row(case, service, clean):
+    """Return one line of the table."""
+    tension = service.residual_rms["unwind_tension_N"]
+    cells = [f"{case.seed}", "; ".join(f"{name} at {at}" for name, at in case.hidden)]
+    for verdict in (service, clean):
+        error = size_error(case, verdict)
+        told = ", ".join(str(e.place) for e in verdict.effects) or "-"
+        told += "".join(f"; unknown: {u.kind}" for u in verdict.unknown)
+        cells += [f"{verdict.answer}: {told}", "-" if error is None else f"{100 * error:+.1f} %"]
+    cells += [f"{tension.after / tension.noise_floor:.2f}"]
+    cells += ["yes" if alike(service, clean) else "no"]
+    return f"| {' | '.join(cells)} |"
+
+
+HEAD = (
+    *("seed", "the plant has", "from the service's records", "size", "from clean ones", "size"),
+    *("tension held out over floor", "alike"),
+)
+
+
+def table(cases, out):
+    """Return the table, and how many verdicts are alike."""
+    rows, same = [f"| {' | '.join(HEAD)} |", "|---" * len(HEAD) + "|"], 0
+    for case in cases:
+        service, clean = verdicts(case, out)
+        rows.append(row(case, service, clean))
+        same += alike(service, clean)
+    return "\n".join(rows) + "\n", same
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--cases", type=int, default=10)
+    parser.add_argument("--effect", default=IDLER)
+    parser.add_argument("--out", type=Path, default=Path("out/refine-runs"))
+    given = parser.parse_args()
+    drawn_cases = [Case(given.effect, seed) for seed in range(1, given.cases + 1)]
+    text, count = table(drawn_cases, given.out)
+    print(f"{text}\n{count} of {given.cases} alike")
+    sys.exit(0 if count >= ALIKE_SHARE * given.cases else 1)

@@ -1,0 +1,61 @@
+"""What a record says of a declared number by itself, whatever tolerance it was given."""
+
+import numpy as np
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
+from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.search.outside_prior import starts_outside_prior, told_by_record
+from tests.sim_plant.refine.small import fit_of, formula_twin, line_with, objective_of, white
+
+SAMPLES, JUDGED = 6000, 4500
+MODULUS = hypothesis(BY_NAME["web_modulus"], "web")
+RIPPLE = hypothesis(BY_NAME["torque_ripple"], "unwind")
+WAVE = np.sign(np.sin(2.0 * np.pi * np.arange(SAMPLES) / 300.0))
+NEWTON = 40.0
+"""Of tension per relative change of the modulus: 10 % is 4 standard deviations of noise."""
+
+
+def response(case):
+    """Return one tension: what the modulus does, as an effect or as a shifted number."""
+    change = sum(shift for name, shift in case.shifts if name == "web.EA_N")
+    change += sum(
+        dict(e.parameters)["factor"] - 1.0 for e in case.effects if e.effect == "web_modulus"
+    )
+    return NEWTON * change * WAVE[None, :]
+
+
+@pytest.mark.parametrize("tolerance", [0.002, 0.02])
+def test_the_record_says_as_much_whatever_the_tolerance(tolerance):
+    line = line_with({"*": 0.0, "web.EA_N": tolerance})
+    twin = formula_twin(response, ["unwind_tension_N"], SAMPLES, line=line)
+    objective = objective_of(twin, NEWTON * 0.1 * WAVE[None, :] + white((1, SAMPLES)))
+    fit = gauss_newton_fit(objective, (MODULUS,), (MODULUS.start,), {})
+    assert fit.values[0][0] == pytest.approx(1.1, abs=0.002)
+    whole = objective.whitened([NEWTON * 0.1 * WAVE[None, :]])  # no other number answers alike
+    assert told_by_record(objective, fit) == pytest.approx(float(whole @ whole), rel=0.05)
+    assert whole @ whole > 0.5 * JUDGED * (NEWTON * 0.1) ** 2  # noise takes up some of the wave
+
+
+def test_of_an_effect_that_is_no_declared_number_nothing_is_told():
+    twin = formula_twin(response, ["unwind_tension_N"], SAMPLES)
+    objective = objective_of(twin, white((1, SAMPLES)))
+    assert told_by_record(objective, fit_of(RIPPLE)) == 0.0
+
+
+def test_a_number_that_a_fit_has_moved_starts_as_its_effect_with_all_else_as_fitted():
+    """There the two are one simulation: nothing else has to be found again."""
+    line = line_with({"*": 0.0, "web.EA_N": 0.002, "web.thickness_m": 0.01})
+    twin = formula_twin(response, ["unwind_tension_N"], SAMPLES, line=line)
+    objective = objective_of(twin, NEWTON * 0.1 * WAVE[None, :] + white((1, SAMPLES)))
+    moved = {"web.EA_N": 0.1, "web.thickness_m": 0.003}
+    fit = gauss_newton_fit(objective, (), (), moved, rounds=0)
+    starts = starts_outside_prior(objective, fit, {"web_modulus"})
+    (h, first, kept), (_, second, declared) = starts
+    assert (h.key.effect, first, kept) == ("web_modulus", (1.1,), {"web.thickness_m": 0.003})
+    assert 1.05 < second[0] < 1.1  # a tolerance pulls it back
+    assert declared == {}
+    as_effect = gauss_newton_fit(objective, (h,), (first,), kept, rounds=0)
+    assert np.allclose(objective.pool.one(as_effect.case)[0], objective.pool.one(fit.case)[0])
+    assert as_effect.cost < fit.cost - 1000.0  # the price of a tolerance of 0.1 %, 100 times over

@@ -1,0 +1,49 @@
+"""The table of drawn cases: when two verdicts are alike, and what a row says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim_plant.demo.loop.drawn import IDLER, drawn, write_files
+from sim_plant.line.load import load_declaration
+from sim_plant.refine.report.verdict import ChannelError, UnknownFinding
+from tests.sim_plant.refine.run_cases import Case, alike, clean_records, row, size_error
+from tests.sim_plant.refine.small import finding, verdict_with
+
+CASE = Case(IDLER, 1)
+STATE = UnknownFinding(kind="state", coordinate={"number": "zeta"}, strength=1.0)
+
+
+def told(size_share=1.0, location="R9", **more):
+    """Return a verdict with the idler of case 1, and the size it has there."""
+    place = (IDLER, "R9")
+    size_m = size_share * CASE.hidden[place]["eccentricity_m"]
+    return verdict_with(finding(IDLER, location, {"eccentricity_m": size_m}), **more)
+
+
+def test_a_verdict_is_alike_whatever_size_it_tells_and_not_at_another_place():
+    assert alike(told(), told(0.9))
+    assert not alike(told(), told(location="R8"))
+    assert not alike(told(), told(answer="unknown", unknown=(STATE,)))
+
+
+def test_a_row_says_both_errors_of_size_and_whether_the_verdicts_are_alike():
+    rms = {"unwind_tension_N": ChannelError(before=1.0, after=0.3, noise_floor=0.25)}
+    service = replace(told(1.03), residual_rms=rms)
+    cells = [cell.strip() for cell in row(CASE, service, told(location="R8")).split("|")[1:-1]]
+    assert cells == [
+        *("1", f"out_of_round_roll at unwind; {IDLER} at R9"),
+        *(f"traced: {IDLER} at R9", "+3.0 %", f"traced: {IDLER} at R8", "-", "1.20", "no"),
+    ]
+    assert size_error(CASE, told(0.5)) == pytest.approx(-0.5)
+
+
+def test_a_clean_record_has_all_channels_of_the_owners_line_under_the_same_references(tmp_path):
+    files = write_files(tmp_path, drawn(IDLER, 1))
+    first, _ = clean_records(files, tmp_path, 1)
+    names = first.read_text().partition("\n")[0].split(",")
+    channels = [sensor.channel for sensor in load_declaration(files.line).sensors]
+    assert names == ["time_s", "line_speed_ref_m_s", "tension_ref_N", *channels]
+    columns = dict(zip(names, np.loadtxt(first, delimiter=",", skiprows=1).T, strict=True))
+    assert columns["unwind_tension_N"][-1000:].mean() == pytest.approx(95.0, abs=0.3)
