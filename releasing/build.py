@@ -5,7 +5,9 @@ from __future__ import annotations
 import gzip
 import os
 import shutil
+import stat
 import tarfile
+import zipfile
 from pathlib import Path
 
 from releasing.commands import ReleaseError, run, tool
@@ -59,6 +61,21 @@ def repack(source: Path, out: Path, mtime_s: int) -> None:
                 new.addfile(plain, old.extractfile(member) if member.isreg() else None)
 
 
+def repack_wheel(wheel: Path, out: Path) -> None:
+    """Write a wheel anew with modes 644 and 755: setuptools keeps those of the builder's umask.
+
+    Order, times and bytes of its files stay, so its RECORD holds.
+    """
+    with zipfile.ZipFile(wheel) as old, zipfile.ZipFile(out, "w") as new:
+        for member in old.infolist():
+            runs = bool(member.external_attr >> 16 & 0o100)
+            plain = zipfile.ZipInfo(member.filename, member.date_time)
+            plain.create_system = 3  # Unix: the modes are read
+            plain.external_attr = (stat.S_IFREG | (0o755 if runs else 0o644)) << 16
+            plain.compress_type = zipfile.ZIP_DEFLATED
+            new.writestr(plain, old.read(member))
+
+
 def build(commit: str, folder: Path, *, umask: int, zone: str) -> tuple[Path, Path]:
     """Return source archive and wheel of a commit; the wheel is built from the archive.
 
@@ -87,12 +104,13 @@ def build(commit: str, folder: Path, *, umask: int, zone: str) -> tuple[Path, Pa
         done = folder / "dist"
         done.mkdir()
         repack(raw, done / raw.name, moment_s)
-        run([*make, "--wheel", "--out-dir", str(done), str(done / raw.name)],
+        run([*make, "--wheel", "--out-dir", str(folder / "raw"), str(done / raw.name)],
             environment=environment)  # fmt: skip
+        (wheel,) = (folder / "raw").glob("*.whl")
+        repack_wheel(wheel, done / wheel.name)
     finally:
         os.umask(before)
-    (wheel,) = done.glob("*.whl")
-    return done / raw.name, wheel
+    return done / raw.name, done / wheel.name
 
 
 def build_twice(commit: str, work: Path, out: Path) -> list[Path]:
