@@ -14,7 +14,7 @@
 # --wheels      packages from this folder only, without a network: filled by
 #               pip download --require-hashes --only-binary :all: -d DIR -r deploy/locks/....txt
 # --unlocked    the newest packages of the ranges in pyproject.toml, unchecked; by itself exactly
-#               those of deploy/locks, each compared with its hash
+#               those of deploy/locks, each compared with its hash when fetched
 set -eu
 # As root no Python takes modules from the folder in which somebody happens to stand.
 export PYTHONSAFEPATH=1
