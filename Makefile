@@ -10,7 +10,7 @@ SECONDS ?= 130
 CASES  ?= 600
 EFFECT ?= eccentric_roller
 SEED   ?= 1
-.PHONY: campaign chromium demo demo-loop demo-refine hmi house picture refine-cases refine-pairs refine-records test test-hmi check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
+.PHONY: audit lock release release-tools campaign chromium demo demo-loop demo-refine hmi house picture refine-cases refine-pairs refine-records test test-hmi check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -142,6 +142,22 @@ bench-control: setup
 # it was stopped (out/campaign), writes docs/results/refine-campaign.md
 campaign: setup
 	nice -n 19 $(BIN)/python -m benchmarks.campaign --cases $(CASES) --docs docs/results
+
+# archives of this commit, built twice and compared, with bill of materials, licences, locks and sums
+# in out/release; only from a clean tree. SIGN= a key id of gpg or the file of an ssh key
+release: release-tools
+	$(BIN)/python -m releasing $(if $(SIGN),--sign "$(SIGN)")
+
+# deploy/locks anew after a change of pyproject.toml; UPGRADE=1 takes the newest of every range
+lock: release-tools
+	$(BIN)/python -m releasing.lock $(if $(UPGRADE),--upgrade)
+
+# known vulnerabilities of the locked packages; exit 3 where the data cannot be reached
+audit: release-tools
+	$(BIN)/python -m releasing.audit
+
+release-tools: setup
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[release]"
 
 clean:
 	rm -rf $(VENV) out runs .pytest_cache .mypy_cache .ruff_cache

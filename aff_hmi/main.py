@@ -15,11 +15,11 @@ from aff_hmi.account_command import INSTALLED_ACCOUNTS
 from aff_hmi.accounts import read_accounts
 from aff_hmi.listening import PORT, Listening, listening
 from aff_hmi.words import LANGUAGES
-from aff_runtime import __version__
 from aff_runtime.app.link.runtime_directory import default_directory, runtime_paths
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
 from aff_runtime.base.printable import printable
+from aff_runtime.base.release import release_text
 from aff_runtime.loop.watchdog import ServiceNotifier
 
 INSTALLED_DOOR = Path("/run/aff-door/door.sock")
@@ -33,7 +33,7 @@ def build_parser() -> argparse.ArgumentParser:
         description="The screen of AFF Runtime, for looking only unless it is given a hand.",
         epilog="aff-hmi account add|remove|list: who may log in",
     )
-    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {release_text()}")
     parser.add_argument(
         "--door",
         type=Path,

@@ -1,14 +1,20 @@
 #!/bin/sh
 # Installs AFF Runtime as a service. Run again to update: settings and records stay.
 #
-#   sudo deploy/install.sh [--dry-run] [--can] [--hmi | --remove-hmi] [--prefix DIR] [--python PYTHON]
+#   sudo deploy/install.sh [--dry-run] [--can] [--records] [--hmi | --remove-hmi] [--prefix DIR]
+#                          [--python PYTHON] [--wheels DIR | --unlocked]
 #
 # --dry-run     say what would be done, do nothing
 # --can         CAN, CANopen or a serial line: their packages, and the service's right to use them
+# --records     Parquet: aff-runtime watch and export
 # --hmi         the screen too: a user, an environment and a unit of its own; updated ever after
 # --remove-hmi  take the screen away again and nothing else; what lies in /etc/aff-hmi stays
 # --prefix      put everything below DIR; no user, no systemd (for tests and packages)
 # --python      interpreter of the environment (3.11 to 3.13; default python3)
+# --wheels      packages from this folder only, without a network: filled by
+#               pip download --require-hashes --only-binary :all: -d DIR -r deploy/locks/....txt
+# --unlocked    the newest packages of the ranges in pyproject.toml, unchecked; by itself exactly
+#               those of deploy/locks, each compared with its hash when fetched
 set -eu
 # As root no Python takes modules from the folder in which somebody happens to stand.
 export PYTHONSAFEPATH=1
@@ -17,18 +23,25 @@ umask 022
 
 dry_run=no
 can=no
+records=no
 hmi=no
+wheels=
+locked=yes
+build=
 prefix=
 python=python3
 while [ $# -gt 0 ]; do
     case $1 in
         --dry-run) dry_run=yes ;;
         --can) can=yes ;;
+        --records) records=yes ;;
         --hmi) hmi=yes ;;
         --remove-hmi) hmi=remove ;;
         --prefix) prefix=$2; shift ;;
         --python) python=$2; shift ;;
-        -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        --wheels) wheels=$2; shift ;;
+        --unlocked) locked=no ;;
+        -h | --help) sed -n '2,18s/^# \{0,1\}//p' "$0"; exit 0 ;;
         *) echo "install.sh: unknown option $1" >&2; exit 2 ;;
     esac
     shift
@@ -54,6 +67,56 @@ put() {
     [ "$dry_run" = yes ] || printf '[Service]\n%s\n' "$2" > "$1"
 }
 
+# The product itself as a wheel, from a copy: the source stays as it is, and what an earlier build
+# left in it stays out.
+make_wheel() {
+    build=/tmp/aff-build
+    if [ "$dry_run" = no ]; then
+        build=$(mktemp -d)
+        trap 'rm -rf "$build"' EXIT
+    fi
+    run mkdir "$build/source"
+    run cp -r "$source_dir/pyproject.toml" "$source_dir/README.md" "$source_dir/LICENSE" \
+        "$source_dir/aff_runtime" "$source_dir/sim_plant" "$source_dir/aff_hmi" "$build/source"
+    checked "$1" --target "$build/tools" -r "$source_dir/deploy/locks/build.txt"
+    run env PYTHONPATH="$build/tools" "$1" -m pip wheel --quiet --no-cache-dir --no-index \
+        --no-deps --no-build-isolation --wheel-dir "$build/wheel" "$build/source"
+}
+
+# Wheels only, each by its hash: nothing of theirs runs here before it was compared.
+checked() {
+    interpreter=$1
+    shift
+    [ -z "$wheels" ] || set -- --no-index --find-links "$wheels" "$@"
+    run "$interpreter" -m pip install --quiet --no-cache-dir --only-binary :all: \
+        --require-hashes "$@"
+}
+
+# Product and packages into an environment: its Python, the extras.
+bring() {
+    interpreter=$1
+    shift
+    if [ "$locked" = no ]; then
+        extras=$(echo "$*" | tr ' ' ,)
+        run "$interpreter" -m pip install --quiet --no-cache-dir --upgrade \
+            "$source_dir${extras:+[$extras]}"
+        return
+    fi
+    [ -n "$build" ] || make_wheel "$interpreter"
+    locks=$*
+    set -- -r "$source_dir/deploy/locks/gateway.txt"
+    for lock in $locks; do
+        set -- "$@" -r "$source_dir/deploy/locks/$lock.txt"
+    done
+    checked "$interpreter" "$@"
+    run "$interpreter" -m pip install --quiet --no-cache-dir --no-index --no-deps \
+        --force-reinstall --find-links "$build/wheel" aff-runtime
+}
+
+if [ "$locked" = no ] && [ -n "$wheels" ]; then
+    echo "install.sh: --wheels takes the packages of deploy/locks; leave out --unlocked" >&2
+    exit 2
+fi
 if [ -z "$prefix" ] && [ "$dry_run" = no ] && [ "$(id -u)" -ne 0 ]; then
     echo "install.sh: needs root; or use --prefix DIR, or --dry-run" >&2
     exit 2
@@ -103,9 +166,10 @@ fi
 run mkdir -p "$opt/share" "$etc" "$state/learned" "$state/runs" "$units" "$rules"
 [ -x "$opt/venv/bin/python" ] || run "$python" -m venv "$opt/venv"
 # No extras unless asked: the gateway needs neither numba nor scipy nor matplotlib.
-extra=
-[ "$can" = no ] || extra="[can]"
-run "$opt/venv/bin/python" -m pip install --quiet --no-cache-dir --upgrade "$source_dir$extra"
+set --
+[ "$can" = no ] || set -- "$@" can
+[ "$records" = no ] || set -- "$@" records
+bring "$opt/venv/bin/python" "$@"
 run cp "$source_dir/deploy/RUNBOOK.md" "$opt/share/RUNBOOK.md"
 
 # The technician's file is never overwritten.
@@ -143,7 +207,7 @@ if [ "$hmi" = yes ]; then
     # An environment of its own: no package of a web server is on the way of the correction.
     run mkdir -p "$hmi_opt" "$units/aff-hmi.service.d"
     [ -x "$hmi_opt/venv/bin/python" ] || run "$python" -m venv "$hmi_opt/venv"
-    run "$hmi_opt/venv/bin/python" -m pip install --quiet --no-cache-dir --upgrade "${source_dir}[hmi]"
+    bring "$hmi_opt/venv/bin/python" hmi
     run cp "$source_dir/deploy/aff-hmi.service" "$units/aff-hmi.service"
     run cp "$source_dir/deploy/system-affview.slice" "$units/system-affview.slice"
     run cp "$source_dir/deploy/aff-runtime.hmi.conf" "$units/aff-runtime.service.d/hmi.conf"

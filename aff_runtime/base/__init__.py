@@ -9,6 +9,7 @@ __all__ = [
     "ports",
     "printable",
     "python_child",
+    "release",
     "run_files",
     "run_table",
     "run_window",

@@ -10,9 +10,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from aff_runtime import __version__
 from aff_runtime.app.link.runtime_directory import default_directory
 from aff_runtime.base.errors import AffError
+from aff_runtime.base.release import release_text
 from aff_runtime.cli import (
     audit,
     check,
@@ -58,7 +58,7 @@ def build_parser() -> argparse.ArgumentParser:
         description="Adaptive feed-forward beside the drives of a web line.",
         epilog="exit codes: 0 ok, 2 configuration, 3 communication, 4 refused, 5 alarm",
     )
-    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {release_text()}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     service = argparse.ArgumentParser(add_help=False)
     service.add_argument(

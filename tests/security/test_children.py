@@ -253,7 +253,7 @@ esac
     stand_in.chmod(0o755)
     install = Path(__file__).parents[2] / "deploy" / "install.sh"
     done = subprocess.run(
-        ["sh", str(install), "--prefix", str(prefix), "--python", str(stand_in)],
+        ["sh", str(install), "--unlocked", "--prefix", str(prefix), "--python", str(stand_in)],
         cwd=folder,
         capture_output=True,
         text=True,

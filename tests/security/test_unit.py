@@ -235,7 +235,9 @@ def test_what_is_installed_is_read_by_the_service_and_written_by_root_alone(
     stub, root = tmp_path / "python", tmp_path / "root"
     stub.write_text(STUB)
     stub.chmod(0o755)
-    script = f"umask {umask}; exec sh {DEPLOY}/install.sh --prefix {root} --python {stub}"
+    script = (
+        f"umask {umask}; exec sh {DEPLOY}/install.sh --unlocked --prefix {root} --python {stub}"
+    )
     subprocess.run(["sh", "-c", script], check=True, capture_output=True)
     modes = {path: path.stat().st_mode & 0o777 for path in root.rglob("*") if path.exists()}
     assert root / "opt/aff-runtime/venv/bin" in modes

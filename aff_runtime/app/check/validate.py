@@ -27,6 +27,7 @@ from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.app.wiring.wires import gateway_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
+from aff_runtime.base.release import commit
 from aff_runtime.config.can_wire import wire_files
 from aff_runtime.config.loader import Reading, read_site
 from aff_runtime.config.plain_file import TooLargeError, read_plain
@@ -168,7 +169,7 @@ def _finding(reading: Reading, actuator: str, text: str) -> str:
 
 def _versions() -> dict[str, str]:
     """Return the versions that a record should name."""
-    names = {"python": platform.python_version(), "aff-runtime": __version__}
+    names = {"python": platform.python_version(), "aff-runtime": __version__, "commit": commit()}
     for package in ("numpy", "pydantic", "pymodbus"):
         try:
             names[package] = version(package)

@@ -67,10 +67,36 @@ def test_a_dry_run_says_everything_and_touches_nothing(tmp_path: Path) -> None:
     assert not (tmp_path / "p").exists()
 
 
+def packages_of(done: subprocess.CompletedProcess[str]) -> list[str]:
+    """Return the locks by which a dry run would take packages, in order."""
+    rows = [line for line in done.stdout.splitlines() if "--require-hashes" in line]
+    return [Path(word).name for row in rows for word in row.split() if word.endswith(".txt")]
+
+
 def test_the_installer_asks_for_no_extras(tmp_path: Path) -> None:
     done = install("--dry-run", "--prefix", str(tmp_path / "p"))
+    assert packages_of(done) == ["build.txt", "gateway.txt"]
+    done = install("--dry-run", "--unlocked", "--prefix", str(tmp_path / "p"))
     (pip,) = [line for line in done.stdout.splitlines() if "pip install" in line]
     assert pip.endswith(str(ROOT))
+
+
+def test_every_package_is_compared_with_its_hash_and_none_is_built(tmp_path: Path) -> None:
+    done = install("--dry-run", "--can", "--records", "--hmi", "--prefix", str(tmp_path / "p"))
+    expected = ["build.txt", "gateway.txt", "can.txt", "records.txt", "gateway.txt", "hmi.txt"]
+    assert packages_of(done) == expected
+    for row in [line for line in done.stdout.splitlines() if " -m pip " in line]:
+        assert "--only-binary :all: --require-hashes" in row or "--no-index" in row
+
+
+def test_without_a_network_packages_come_from_a_folder_alone(tmp_path: Path) -> None:
+    folder = tmp_path / "my wheels"
+    done = install("--dry-run", "--wheels", str(folder), "--prefix", str(tmp_path / "p"))
+    rows = [line for line in done.stdout.splitlines() if " -m pip " in line]
+    assert len(rows) == 4
+    assert [row for row in rows if "--no-index" not in row] == []
+    assert [row for row in rows if f"--find-links {folder}" in row] == [rows[0], rows[2]]
+    assert install("--dry-run", "--wheels", str(folder), "--unlocked").returncode == 2
 
 
 def test_a_second_installation_keeps_the_technicians_files(tmp_path: Path) -> None:
@@ -92,6 +118,8 @@ def test_an_unknown_option_is_refused() -> None:
 
 def test_can_brings_its_packages_and_the_right_to_use_the_bus(tmp_path: Path) -> None:
     done = install("--dry-run", "--can", "--prefix", str(tmp_path / "p"))
-    assert f"{ROOT}[can]" in done.stdout
+    assert packages_of(done)[-1] == "can.txt"
+    unlocked = install("--dry-run", "--can", "--unlocked", "--prefix", str(tmp_path / "p"))
+    assert f"{ROOT}[can]" in unlocked.stdout
     assert "aff-runtime.service.d/can.conf" in done.stdout
     assert "RestrictAddressFamilies=AF_CAN" in (ROOT / "deploy/aff-runtime.can.conf").read_text()
