@@ -10,7 +10,7 @@ SECONDS ?= 130
 CASES  ?= 600
 EFFECT ?= eccentric_roller
 SEED   ?= 1
-.PHONY: campaign demo demo-loop demo-refine hmi house picture refine-cases refine-pairs refine-records test test-hmi check bench bench-control size matrix fuzz test-socketcan setup clean
+.PHONY: campaign chromium demo demo-loop demo-refine hmi house picture refine-cases refine-pairs refine-records test test-hmi check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml
@@ -71,8 +71,20 @@ test: setup check
 	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder
 
 # the screen in a real Chromium: pages, breaks of the chain, hostile names; pictures in out/test-hmi
-test-hmi: setup
+test-hmi: setup chromium
 	$(BIN)/python -m pytest -q -m browser tests/aff_hmi/browser
+
+# Debian's Chromium, where apt-get and root are at hand: three minutes at most. Without it the tests
+# that need it are skipped
+chromium:
+	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		echo "installing Chromium, once; three minutes at most"; export DEBIAN_FRONTEND=noninteractive; \
+		get="apt-get install -y -qq --no-install-recommends"; \
+		{ timeout 60 apt-get update -qq; timeout 120 $$get --download-only chromium \
+			&& $$get --no-download chromium; } >/dev/null 2>&1 \
+			|| echo "Chromium cannot be had here"; \
+	fi
 
 # style, types, floors
 check: setup
@@ -114,6 +126,11 @@ size:
 		case "$$package" in *.dist-info/) ;; *) du -sm --apparent-size "$$package" ;; esac; \
 	done | sed "s#$$folder/venv/lib/##" | sort -rn | head -8; \
 	echo "aff-runtime without extras: $$(du -sm --apparent-size "$$folder/venv" | cut -f1) MB (empty environment $$empty MB)"
+
+# the screen beside a running line: its cost as ratios of one run, its pages in a Chromium; 25 minutes on a
+# quiet machine, writes docs/results/screen.md (EXTRA=--quick for a look of a few minutes)
+bench-screen: setup
+	$(BIN)/python -m benchmarks.screen $(EXTRA)
 
 # the laws and their rivals on one line, in lockstep time; QUICK=1 for the short set. Rows are kept
 # in out/control-bench: a stopped run goes on. EXTRA="--timing --memory 10 --wire" for the cost of a

@@ -17,6 +17,11 @@ def encode(view: View, *, number: int, boot: str) -> str:
     return json.dumps(said, ensure_ascii=False, allow_nan=False, separators=(",", ":"))[1:]
 
 
+def with_part(frame: str, part: str) -> str:
+    """Return a frame of ``encode`` with what its page shows beside the head, as JSON."""
+    return f'{frame[:-1]},"page":{part}}}'
+
+
 def opened(frame: str, echo_ms: float, own: str = "") -> str:
     """Return a frame for one browser, with the newest of its own stamps that it answers.
 

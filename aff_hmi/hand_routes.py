@@ -20,9 +20,9 @@ from starlette.types import Scope
 from aff_hmi.counts import Counts
 from aff_hmi.doorkeeper import Doorkeeper
 from aff_hmi.hand import Hand, said_in
-from aff_hmi.reason import N_
+from aff_hmi.see.alarm_desk import GONE_ALARM, AlarmDesk
 from aff_hmi.sessions import Session
-from aff_hmi.words import Say
+from aff_hmi.words import N_, Say
 from aff_runtime.app.hand.may import Action, Code, Place, Reason, Role
 from aff_runtime.app.hand.messages import Command, Notice, is_account_name, is_command_id
 from aff_runtime.base.errors import WireError
@@ -90,6 +90,8 @@ TABLE = {
         keys={"action": str, "id": str, "seen": str, "frame": int},
         needs_token=None,
     ),
+    "/acknowledge": Entry(role=Role.OPERATE, keys={"key": str}),
+    "/shelve": Entry(role=Role.OPERATE, keys={"key": str, "minutes": int, "reason": str}),
 }
 
 
@@ -99,7 +101,7 @@ class HandRoutes:
     Parameters
     ----------
     is_tls : whether browsers come by https.
-    say_of : the language of a request.
+    say_of : the language of a request. ``alarms`` : None on a screen that keeps none.
     """
 
     def __init__(
@@ -110,8 +112,10 @@ class HandRoutes:
         *,
         is_tls: bool,
         say_of: Callable[[HTTPConnection], Say],
+        alarms: AlarmDesk | None = None,
     ) -> None:
         self._hand = hand
+        self._alarms = alarms
         self._counts = counts
         self._clock = clock
         self._is_tls = is_tls
@@ -122,6 +126,8 @@ class HandRoutes:
             "/logout": self._logout,
             "/hand": self._take,
             "/act": self._act,
+            "/acknowledge": self._acknowledge,
+            "/shelve": self._shelve,
         }
 
     def routes(self) -> list[Route]:
@@ -298,6 +304,28 @@ class HandRoutes:
             return _refusal(503, asked.say(NOT_HEARD))
         if answer.reason is not None:
             return _because(409, answer.reason, asked.say)
+        return _done(asked.say(DONE))
+
+    # --- alarms -----------------------------------------------------------------------------
+
+    async def _acknowledge(self, asked: Asked) -> Response:
+        return self._of_alarm(asked, "alarm seen", lambda desk, who: desk.seen(asked.said, who))
+
+    async def _shelve(self, asked: Asked) -> Response:
+        what = "alarm put aside" if int(asked.said["minutes"]) > 0 else "alarm taken back"
+        return self._of_alarm(asked, what, lambda desk, who: desk.shelve(asked.said, who))
+
+    def _of_alarm(self, asked: Asked, what: str, do: Callable[[AlarmDesk, str], str]) -> Response:
+        """Do what is of the screen's alarms alone; no hand is needed for it."""
+        session = asked.session
+        assert session is not None
+        if self._hand.sessions.is_idle(session):
+            return _because(403, Reason(code=Code.IDLE), asked.say)
+        self._hand.sessions.press(session)
+        against = do(self._alarms, session.account.name) if self._alarms else GONE_ALARM
+        if against:
+            return _refusal(409, asked.say(against))
+        self._note(what, session.account.name, asked.place)
         return _done(asked.say(DONE))
 
     def _note(self, what: str, account: str, place: Place) -> None:

@@ -15,6 +15,7 @@ from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout, layout_of
 from aff_hmi.metrics import Metrics
 from aff_hmi.room import has_room
+from aff_hmi.see.kept import Kept
 from aff_hmi.view import view_of
 from aff_hmi.watch import Seen, Watch
 from aff_hmi.words import say_in
@@ -36,11 +37,12 @@ class Viewer:
     Attributes
     ----------
     shown : number of the newest frame that it has shown. ``echo_ms`` : its newest stamp.
-    own : returns what is of its session alone, as JSON.
+    own : returns what is of its session alone, as JSON. ``topic`` : of its page, empty for none.
     """
 
-    def __init__(self, language: str, address: str, own: Callable[[], str]) -> None:
+    def __init__(self, language: str, address: str, own: Callable[[], str], topic: str) -> None:
         self.language = language
+        self.topic = topic
         self.address = address
         self.own = own
         self.shown = 0
@@ -62,6 +64,7 @@ class Hub:
     Parameters
     ----------
     watch : of the service. ``hand`` : None on a screen for looking only.
+    kept : history, and the pages of it; None on a screen with the overview alone.
 
     Attributes
     ----------
@@ -69,12 +72,17 @@ class Hub:
     counts : what the screen counts of itself.
     """
 
-    def __init__(self, watch: Watch, clock: Clock, hand: Hand | None = None) -> None:
+    def __init__(
+        self, watch: Watch, clock: Clock, hand: Hand | None = None, kept: Kept | None = None
+    ) -> None:
         self._watch = watch
+        self.kept = kept
         self.hand = hand
         self._clock = clock
+        if hand is not None and kept is not None:
+            hand.desk.told = kept.person
         self._viewers: set[Viewer] = set()
-        self._frames: dict[str, str] = {}
+        self._frames: dict[tuple[str, str], str] = {}
         self._metrics = Metrics(clock)
         self._number = 0
         self.boot = secrets.token_hex(8)
@@ -90,6 +98,8 @@ class Hub:
                 due_ns = max(due_ns + period_ns, self._clock.now_ns())
                 await asyncio.sleep((due_ns - self._clock.now_ns()) * 1e-9)
                 self._watch.poll()
+                if self.kept is not None:
+                    self.kept.listen(self._watch.news)
                 if self.hand is not None:
                     self.hand.desk.poll()
             self.make_frames(self._watch.seen())
@@ -104,14 +114,25 @@ class Hub:
         self._number += 1
         if self.hand is not None:
             self.hand.look(seen, self._number)
-        self._frames = {
+        if self.kept is not None:
+            self.kept.look(seen, self.layout)
+        heads = {
             language: frames.encode(
                 view_of(seen, self.layout, say_in(language)), number=self._number, boot=self.boot
             )
             for language in {viewer.language for viewer in self._viewers}
         }
+        self._frames = {
+            (language, topic): self._with_part(heads[language], topic, language)
+            for language, topic in {(viewer.language, viewer.topic) for viewer in self._viewers}
+        }
         for viewer in self._viewers:
             viewer.frame.set()
+
+    def _with_part(self, head: str, topic: str, language: str) -> str:
+        if self.kept is None or topic not in self.kept.topics:
+            return head
+        return frames.with_part(head, self.kept.part(topic, language))
 
     def metrics(self) -> str:
         """Return what is seen now in the text format of Prometheus."""
@@ -123,15 +144,19 @@ class Hub:
         return self.counts.samples(hand.sessions.by_role() if hand is not None else None)
 
     async def serve(
-        self, socket: WebSocket, language: str, own: Callable[[], str] = lambda: ""
+        self,
+        socket: WebSocket,
+        language: str,
+        own: Callable[[], str] = lambda: "",
+        topic: str = "",
     ) -> None:
-        """Look after one socket until it ends."""
+        """Look after one socket until it ends; ``topic`` : one of those that are kept."""
         address = socket.client.host if socket.client is not None else ""
         if not has_room(address, (one.address for one in self._viewers), MAX_SOCKETS):
             await socket.close(TRY_LATER)
             return
         await socket.accept()
-        viewer = Viewer(language, address, own)
+        viewer = Viewer(language, address, own, topic)
         viewer.heard_ns = self._clock.now_ns()
         self._viewers.add(viewer)
         tasks = [
@@ -170,7 +195,7 @@ class Hub:
             viewer.frame.clear()
             if self._clock.now_ns() - viewer.heard_ns > PATIENCE_S * 1e9:
                 return
-            frame = self._frames.get(viewer.language)
+            frame = self._frames.get((viewer.language, viewer.topic))
             if frame is None or viewer.echo_ms is None or len(viewer.in_flight) >= MAX_IN_FLIGHT:
                 self.counts.skipped += len(viewer.in_flight) >= MAX_IN_FLIGHT
                 continue

@@ -74,6 +74,14 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="FILE",
         help="who may log in, made by `aff-hmi account add` (default %(default)s)",
     )
+    parser.add_argument(
+        "--state",
+        type=Path,
+        default=os.environ.get("STATE_DIRECTORY") or None,
+        metavar="FOLDER",
+        help="keep events and trends there, up to 200 MB (default: $STATE_DIRECTORY, else in "
+        "memory until the screen ends)",
+    )
     parser.add_argument("--language", choices=LANGUAGES, default="en", help="where none is asked")
     return parser
 
@@ -116,11 +124,13 @@ def _run(options: argparse.Namespace, place: Listening) -> int:
     except ImportError as error:
         raise ConfigError(f"{error.name} is needed: install aff-runtime[hmi]") from None
     from aff_hmi.hand import Hand  # noqa: PLC0415
+    from aff_hmi.see.kept import Kept  # noqa: PLC0415
     from aff_hmi.watch import Watch  # noqa: PLC0415
 
     clock = MonotonicClock()
     watch = Watch(options.door, clock)
     hand = Hand(options.hand_socket, options.accounts, clock) if options.hand_socket else None
+    kept = Kept(options.state, clock, can_be_seen=hand is not None)
     notifier = ServiceNotifier(os.environ, every_ticks=FRAMES_PER_NOTE)
 
     def ready() -> None:
@@ -131,9 +141,10 @@ def _run(options: argparse.Namespace, place: Listening) -> int:
         notifier.tick_done(False)
 
     try:
-        asyncio.run(serve(watch, hand, place, options.language, ready, alive))
+        asyncio.run(serve(watch, hand, kept, place, options.language, ready, alive))
     finally:
         watch.close()
+        kept.close()
         if hand is not None:
             hand.desk.close()
         notifier.close()

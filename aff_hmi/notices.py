@@ -2,22 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
-from aff_hmi.reason import N_
 from aff_hmi.watch import Seen
-from aff_hmi.words import Say
+from aff_hmi.words import N_, Say
 from aff_runtime.app.report.alarm_table import PRIORITIES, Priority
 from aff_runtime.app.report.block_status import SHAPE, SHAPE_WHY, WHY, WORDS
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.printable import printable
 from aff_runtime.core.order_status import OrderStatus
+from aff_runtime.telemetry.recorder_messages import RecorderReport
 
 FACTS_OLD_S = 2.0
 MOST = 8
 FEW = 3
+LASTS_S = 60.0
 RANK = {Priority.HIGH: 1, Priority.MEDIUM: 2, Priority.LOW: 3}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Condition:
+    """Something that stands and asks for a person; words are English, still to be translated.
+
+    Attributes
+    ----------
+    key : the same as long as it stands. ``rank`` : 1 is the most urgent.
+    values : put into ``text`` where it says ``{name}``; words of others come by them.
+    delay_s : for how long it stands before it is an alarm: what comes and goes is none.
+    code : of the event that it is; 0 where it is none of the event table.
+    """
+
+    key: str
+    rank: int
+    name: str
+    text: str
+    to_do: str
+    values: Mapping[str, str] = field(default_factory=dict)
+    delay_s: float = 0.0
+    code: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,68 +55,117 @@ class Notice:
 
 def notices_of(seen: Seen, state: str, say: Say) -> tuple[Notice, ...]:
     """Return what stands now, the most urgent first, ``MOST`` at most."""
-    found = [*_alarm(seen, say), *_service(seen, say), *_resting(seen, state, say)]
-    found.sort(key=lambda notice: notice.rank)
-    return tuple(found[:MOST])
+    return tuple(
+        Notice(
+            rank=one.rank,
+            name=one.name,
+            text=filled(one.text, one.values, say),
+            to_do=say(one.to_do),
+        )
+        for one in conditions_of(seen, state)[:MOST]
+    )
 
 
-def _alarm(seen: Seen, say: Say) -> Iterator[Notice]:
+def conditions_of(seen: Seen, state: str) -> tuple[Condition, ...]:
+    """Return what stands now, the most urgent first."""
+    found = [*_alarm(seen), *_service(seen), *_resting(seen, state)]
+    return tuple(sorted(found, key=lambda one: one.rank))
+
+
+def filled(text: str, values: Mapping[str, str], say: Say) -> str:
+    """Return a text in the reader's language, with its values; empty stays empty."""
+    found = say(text) if text else ""
+    for name, value in values.items():
+        found = found.replace(f"{{{name}}}", value)
+    return found
+
+
+def _alarm(seen: Seen) -> Iterator[Condition]:
     if seen.row is None or not seen.writer_lives:
         return
     event = BY_CODE.get(seen.row.alarm)
     if event is not None and event.name in PRIORITIES:
-        yield Notice(
+        yield Condition(
+            key=event.name,
             rank=RANK[PRIORITIES[event.name]],
             name=event.name,
-            text=say(event.text),
-            to_do=say(event.action),
+            text=event.text,
+            to_do=event.action,
+            code=event.code,
         )
 
 
-def _service(seen: Seen, say: Say) -> Iterator[Notice]:
+def _service(seen: Seen) -> Iterator[Condition]:
     """Yield what the facts say against the service, and their silence."""
     facts = seen.facts
     if facts is None:
         return
     medium, low = RANK[Priority.MEDIUM], RANK[Priority.LOW]
     if seen.facts_age_s is not None and seen.facts_age_s > FACTS_OLD_S:
-        text = say(N_("the supervisor has not spoken for {seconds} s; what it last said is shown"))
-        yield Notice(
+        yield Condition(
+            key="SUPERVISOR",
             rank=medium,
             name="SUPERVISOR",
-            text=text.format(seconds=round(seen.facts_age_s)),
-            to_do=say(N_("see its log; restart the service when it does not come back")),
+            text=N_("the supervisor has not spoken for {seconds} s; what it last said is shown"),
+            values={"seconds": str(round(seen.facts_age_s))},
+            to_do=N_("see its log; restart the service when it does not come back"),
         )
-    for text in facts.wire[:2]:
-        to_do = say(N_("check cable, switch and PLC"))
-        yield Notice(rank=low, name="WIRE", text=printable(text, 200), to_do=to_do)
+    for number, text in enumerate(facts.wire[:2]):
+        yield Condition(
+            key=f"WIRE {number}",
+            rank=low,
+            name="WIRE",
+            text="{text}",
+            values={"text": printable(text, 200)},
+            to_do=N_("check cable, switch and PLC"),
+        )
     for text in facts.status.config_differs[:1]:
         if seen.row is None or seen.row.alarm != 10:  # the alarm of that name says it too
-            to_do = say(N_("correct the site file"))
-            yield Notice(rank=low, name="CONFIG_DIFFERS", text=printable(text, 200), to_do=to_do)
-    recorder = facts.status.recorder
-    to_do = say(N_("look at the disk of the gateway"))
+            yield Condition(
+                key="CONFIG_DIFFERS",
+                rank=low,
+                name="CONFIG_DIFFERS",
+                text="{text}",
+                values={"text": printable(text, 200)},
+                to_do=N_("correct the site file"),
+                delay_s=LASTS_S,
+            )
+    yield from _recorder(facts.status.recorder)
+
+
+def _recorder(recorder: RecorderReport | None) -> Iterator[Condition]:
+    text, values = "", {}
     if recorder is not None and recorder.folder and not recorder.alive:
-        yield Notice(rank=low, name="RECORDER", text=say(N_("nothing is recorded")), to_do=to_do)
+        text = N_("nothing is recorded")
     elif recorder is not None and recorder.lost:
-        text = say(N_("{rows} rows of the record are lost")).format(rows=recorder.lost)
-        yield Notice(rank=low, name="RECORDER", text=text, to_do=to_do)
+        text, values = N_("{rows} rows of the record are lost"), {"rows": str(recorder.lost)}
+    if text:
+        yield Condition(
+            key="RECORDER",
+            rank=RANK[Priority.LOW],
+            name="RECORDER",
+            text=text,
+            values=values,
+            to_do=N_("look at the disk of the gateway"),
+        )
 
 
-def _resting(seen: Seen, state: str, say: Say) -> Iterator[Notice]:
+def _resting(seen: Seen, state: str) -> Iterator[Condition]:
     """Yield which orders rest and why, those of one reason together."""
     if seen.row is None or state != "ACTIVE" or is_probing(seen):
         return
     by_reason: dict[tuple[str, str], list[str]] = {}
     for order in seen.row.orders():
-        if why := _why(order):
+        if why := why_it_rests(order):
             by_reason.setdefault((order.actuator, why), []).append(order.name)
     for (actuator, why), names in by_reason.items():
-        yield Notice(
+        yield Condition(
+            key=f"{actuator}: {why}",
             rank=RANK[Priority.LOW],
             name=printable(f"{actuator}: {_few(names)}", 80),
-            text=say(why),
-            to_do=say(N_("see tuning, or ask the technician")),
+            text=why,
+            to_do=N_("see tuning, or ask the technician"),
+            delay_s=LASTS_S,
         )
 
 
@@ -107,7 +179,8 @@ def _few(names: list[str]) -> str:
     return ", ".join(names[:FEW]) + (f" +{more}" if more > 0 else "")
 
 
-def _why(order: OrderStatus) -> str:
+def why_it_rests(order: OrderStatus) -> str:
+    """Return why nothing of an order goes out, or less; empty when it works."""
     if order.state is None or order.state not in WORDS:
         return ""
     return (SHAPE_WHY if order.law == SHAPE else {}).get(order.state, WHY.get(order.state, ""))

@@ -13,12 +13,26 @@ from starlette.websockets import WebSocket
 
 from aff_hmi.hand_routes import HandRoutes, place_of
 from aff_hmi.hub import Hub
+from aff_hmi.see.alarm_desk import AlarmDesk
+from aff_hmi.see.data_routes import data_routes
+from aff_hmi.see.kept import ALARMS, ROLLS
 from aff_hmi.words import LANGUAGES, NAMES, Say, language_of, say_in
 from aff_runtime import __version__
 from aff_runtime.app.report.metrics.exposition import CONTENT_TYPE
 from aff_runtime.base.ports import Clock
 
 FOLDER = Path(__file__).parent
+# path of a page beside the overview: its template, and what its frames carry
+SEEN = {
+    "/alarms": ("alarms.html", ALARMS),
+    "/rolls": ("rolls.html", ROLLS),
+    "/trends": ("trends.html", ""),
+}
+# of others, with their licences and hashes beside them
+VENDORED = {
+    "uPlot.iife.min.js": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.iife.min.js",
+    "uPlot.min.css": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.min.css",
+}
 ASSETS = {
     "overview.js": "text/javascript; charset=utf-8",
     "freshness.js": "text/javascript; charset=utf-8",
@@ -26,6 +40,13 @@ ASSETS = {
     "login.js": "text/javascript; charset=utf-8",
     "overview.css": "text/css; charset=utf-8",
     "hand.css": "text/css; charset=utf-8",
+    "see.css": "text/css; charset=utf-8",
+    "see.js": "text/javascript; charset=utf-8",
+    "trends.js": "text/javascript; charset=utf-8",
+    "uPlot.iife.min.js": "text/javascript; charset=utf-8",
+    "uPlot.min.css": "text/css; charset=utf-8",
+    "rolls.js": "text/javascript; charset=utf-8",
+    "alarms.js": "text/javascript; charset=utf-8",
     "icon.svg": "image/svg+xml",
 }
 
@@ -45,9 +66,16 @@ class Pages:
         self.presses: HandRoutes | None = None
         if hub.hand is not None:
             self.presses = HandRoutes(
-                hub.hand, clock, hub.counts, is_tls=is_tls, say_of=self._say_of
+                hub.hand,
+                clock,
+                hub.counts,
+                is_tls=is_tls,
+                say_of=self._say_of,
+                alarms=AlarmDesk(hub.kept) if hub.kept is not None else None,
             )
-        self._texts = {name: (FOLDER / "static" / name).read_bytes() for name in ASSETS}
+        self._texts = {
+            name: VENDORED.get(name, FOLDER / "static" / name).read_bytes() for name in ASSETS
+        }
         self._templates = Environment(
             loader=FileSystemLoader(FOLDER / "templates"),
             autoescape=True,
@@ -64,6 +92,9 @@ class Pages:
             Route("/metrics", self.metrics),
             WebSocketRoute("/live", self.live),
         ]
+        if self._hub.kept is not None:
+            routes += [Route(path, self.seen) for path in SEEN]
+            routes += data_routes(self._hub.kept, self._say_of)
         if self.presses is not None:
             routes += [Route("/login", self.login), *self.presses.routes()]
         return Starlette(routes=routes)
@@ -72,15 +103,24 @@ class Pages:
         """Return the page; numbers come by the socket."""
         return self._page("overview.html", request)
 
+    async def seen(self, request: Request) -> Response:
+        """Return one of the pages beside the overview."""
+        path = request.scope["path"]
+        template, topic = SEEN[path]
+        return self._page(template, request, path=path, topic=topic)
+
     async def login(self, request: Request) -> Response:
         """Return the page on which one logs in."""
         return self._page("login.html", request)
 
-    def _page(self, name: str, request: Request) -> Response:
+    def _page(self, name: str, request: Request, *, path: str = "/", topic: str = "") -> Response:
         language = self._language_of(request)
         page = self._templates.get_template(name).render(
             _=say_in(language),
             language=language,
+            path=path,
+            topic=topic,
+            kept=self._hub.kept,
             others=[(one, NAMES[one]) for one in LANGUAGES if one != language],
             layout=self._hub.layout,
             boot=self._hub.boot,
@@ -104,11 +144,13 @@ class Pages:
     async def live(self, socket: WebSocket) -> None:
         """Look after one browser's socket."""
         language, presses, hand = self._language_of(socket), self.presses, self._hub.hand
+        asked, kept = socket.query_params.get("page", ""), self._hub.kept
+        topic = asked if kept is not None and asked in kept.topics else ""
         if presses is None or hand is None:
-            await self._hub.serve(socket, language)
+            await self._hub.serve(socket, language, topic=topic)
             return
         token, place, say = presses.token_of(socket), place_of(socket), say_in(language)
-        await self._hub.serve(socket, language, lambda: hand.own(token, place, say))
+        await self._hub.serve(socket, language, lambda: hand.own(token, place, say), topic)
 
     def _say_of(self, asked: HTTPConnection) -> Say:
         return say_in(self._language_of(asked))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from pathlib import Path
 
 from aff_runtime.app.hand.client import HandClient
@@ -21,6 +22,7 @@ class PressDesk:
     ----------
     rules : what the service allows to a screen; None while it does not hear us.
     trouble : why not.
+    told : called with what is said for the audit, and of whom.
     """
 
     def __init__(self, path: Path, clock: Clock) -> None:
@@ -31,6 +33,7 @@ class PressDesk:
         self._waiting: dict[str, asyncio.Future[Answer]] = {}
         self.rules: Welcome | None = None
         self.trouble = ""
+        self.told: Callable[[str, str], None] = lambda what, account: None
 
     def poll(self) -> None:
         """Hear the service; returns at once."""
@@ -58,7 +61,10 @@ class PressDesk:
         self._waiting[command.id] = answer
         try:
             self._say(command)
-            return await asyncio.wait_for(answer, PATIENCE_S)
+            found = await asyncio.wait_for(answer, PATIENCE_S)
+            outcome = "done" if found.ok else "refused"
+            self.told(f"{command.action}: {outcome}", command.account)
+            return found
         except TimeoutError:
             raise WireError("the service does not answer") from None
         finally:
@@ -66,6 +72,7 @@ class PressDesk:
 
     def notice(self, notice: Notice) -> None:
         """Have something of a session put into the audit, if anybody hears it."""
+        self.told(notice.what, notice.account)
         try:
             self._say(notice)
         except WireError:

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from aff_hmi.words import Say
+from aff_hmi.objections import translated
+from aff_hmi.words import N_, Say
 from aff_runtime.app.report.status import BYPASSED, PERMISSIVES, POWER_UP
 from aff_runtime.base.events import BY_CODE, BY_NAME, Event
 from aff_runtime.base.signals import State
-
-
-def N_(text: str) -> str:
-    """Mark a text for translation."""
-    return text
-
 
 STARTING = "STARTING"
 # shape beside the word: nobody has to tell colours apart
@@ -101,4 +96,4 @@ def explained(blocked: str, say: Say) -> tuple[str, str]:
     if lacks in PERMISSIVES:
         to_do = say(N_("it comes from the PLC: look there for what is missing"))
         return f"{blocked}: {say(PERMISSIVES[lacks])}", to_do
-    return blocked, say(N_("clear what stands against it, then arm"))
+    return translated(blocked, say) or (blocked, say(N_("clear what stands against it, then arm")))

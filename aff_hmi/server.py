@@ -16,6 +16,7 @@ from aff_hmi.hub import Hub
 from aff_hmi.listening import Listening
 from aff_hmi.pages import Pages
 from aff_hmi.room import has_room
+from aff_hmi.see.kept import Kept
 from aff_hmi.watch import Watch
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
@@ -102,6 +103,7 @@ def config_of(listening: Listening, hub: Hub, language: str) -> uvicorn.Config:
 async def serve(
     watch: Watch,
     hand: Hand | None,
+    kept: Kept,
     listening: Listening,
     language: str,
     ready: Callable[[], None],
@@ -111,7 +113,7 @@ async def serve(
 
     ``ready`` is called once browsers are heard, ``alive`` with every frame.
     """
-    hub = Hub(watch, MonotonicClock(), hand)
+    hub = Hub(watch, MonotonicClock(), hand, kept)
     server = uvicorn.Server(config_of(listening, hub, language))
     polling = asyncio.create_task(hub.run(alive))
     serving = asyncio.create_task(server.serve())

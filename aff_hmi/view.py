@@ -13,10 +13,10 @@ from itertools import groupby
 
 from aff_hmi.layout import Layout
 from aff_hmi.notices import Notice, is_probing, notices_of
-from aff_hmi.reason import N_, SHAPES, STARTING, reason_of
+from aff_hmi.reason import SHAPES, STARTING, reason_of
 from aff_hmi.watch import Seen
 from aff_hmi.window import WINDOW_S
-from aff_hmi.words import Say
+from aff_hmi.words import N_, Say
 from aff_runtime.app.report.block_status import SHAPE
 from aff_runtime.app.report.status_answer import Meeting
 from aff_runtime.app.report.tick_row import TickRow
@@ -82,12 +82,12 @@ def view_of(seen: Seen, layout: Layout, say: Say) -> View:
     facts, row = seen.facts, seen.row
     site = facts.status.facts if facts is not None else None
     blocked = printable(facts.blocked, 200) if facts is not None else ""
-    state = _state(seen)
+    state = state_of(seen)
     why, to_do = _why(seen, state, blocked, say)
     notes: dict[str, str] = {}
     values: dict[str, float | None] = {}
     if row is not None:
-        values = {slot: _known(value) for slot, value in _values(seen, row, layout)}
+        values = {slot: _known(value) for slot, value in values_of(seen, row, layout)}
         notes = dict(_notes(seen, row, layout, values, say))
     return View(
         layout=layout.ident,
@@ -124,7 +124,7 @@ WORDS = {
 }
 
 
-def _state(seen: Seen) -> str:
+def state_of(seen: Seen) -> str:
     """Return the guard's state, or what is there instead of one."""
     if seen.row is not None and seen.writer_lives:
         return seen.row.state.name
@@ -145,7 +145,7 @@ def _why(seen: Seen, state: str, blocked: str, say: Say) -> tuple[str, str]:
     return reason.why, reason.to_do
 
 
-def _values(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, float]]:
+def values_of(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, float]]:
     """Yield every number by its slot, in the unit of the screen."""
     window = seen.window
     for tension in layout.tensions:

@@ -45,8 +45,30 @@ class Seen:
     trouble: str = ""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class News:
+    """What one poll has brought, in order.
+
+    Attributes
+    ----------
+    ring : which ring it is of. ``columns`` : of ``records``.
+    records : ticks that were seen to arrive; those that a new ring held already are not.
+    events : (tick, monotonic time in ns, code, argument), those that it held already too.
+    """
+
+    ring: str = ""
+    columns: tuple[str, ...] = ()
+    records: Sequence[tuple[float, ...]] = ()
+    events: Sequence[tuple[float, ...]] = ()
+
+
 class Watch:
     """The only part that touches the door.
+
+    Attributes
+    ----------
+    news : what the newest poll has brought.
+
 
     A ring says nothing of its age until a tick is seen to arrive: one that is found standing
     still has no age, and is not taken for a live one.
@@ -66,6 +88,7 @@ class Watch:
         self._written = 0
         self._tick_ns: int | None = None
         self._events: deque[tuple[int, float, int]] = deque(maxlen=KEPT_EVENTS)
+        self.news = News()
 
     def poll(self) -> None:
         """Hear the door and read what is new in the ring; returns at once."""
@@ -142,8 +165,10 @@ class Watch:
         """Read new ticks and events of the ring."""
         ring = self._ring
         if ring is None:
+            self.news = News()
             return
         records = ring.signals.read_new()
+        arrived = records if self._written else []
         written = ring.signals.written_count()
         if self._window is None and self._facts is not None and self._facts.status.facts:
             self._window = self._new_window(ring)
@@ -154,8 +179,14 @@ class Watch:
             if self._window is not None:
                 self._window.add(records)
         self._written = written
-        for _, t_ns, code, argument in ring.events.read_new():
-            self._events.append((int(code), argument, int(t_ns)))
+        events = ring.events.read_new()
+        self._events.extend((int(code), argument, int(t_ns)) for _, t_ns, code, argument in events)
+        self.news = News(
+            ring=f"{ring.header.start_utc} {ring.header.writer_pid}",
+            columns=ring.columns,
+            records=arrived,
+            events=events,
+        )
 
     def _new_window(self, ring: RingReader) -> Window:
         assert self._facts is not None

@@ -18,6 +18,11 @@ NAMES = {"en": "English", "de": "Deutsch"}
 Say = Callable[[str], str]
 
 
+def N_(text: str) -> str:
+    """Mark a text for translation."""
+    return text
+
+
 @cache
 def say_in(language: str) -> Say:
     """Return the translation of one of ``LANGUAGES``; English for any other."""

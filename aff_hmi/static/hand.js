@@ -19,8 +19,9 @@ function put(element, text) {
   if (element && element.textContent !== text) element.textContent = text;
 }
 
+/** What became of a press, and when: it stays until the next one. */
 function tell(text) {
-  put(byId("hand-said"), text);
+  put(byId("hand-said"), text && `${new Date().toLocaleTimeString(root.lang)} ${text}`);
 }
 
 function newId() {
@@ -180,12 +181,13 @@ async function take() {
   const isTaken = answer.code === "other hand";
   button.dataset.do = isTaken ? "take over" : "take";
   put(button, isTaken ? words.over : words.take);
-  tell(answer.text);
+  tell(answer.ok ? "" : answer.text); // who has the hand stands above
 }
 
 byId("take")?.addEventListener("click", take);
 byId("release")?.addEventListener("click", async () => {
-  tell((await ask("/hand", { do: "release" })).text);
+  const answer = await ask("/hand", { do: "release" });
+  tell(answer.ok ? "" : answer.text);
 });
 byId("logout")?.addEventListener("click", async () => {
   await ask("/logout", {});

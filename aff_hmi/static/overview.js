@@ -8,6 +8,7 @@ const root = document.documentElement;
 const language = root.lang;
 const words = document.getElementById("words").dataset;
 const byId = (name) => document.getElementById(name);
+const line = document.title;
 
 let frame = null;
 let arrived_ms = 0;
@@ -58,11 +59,13 @@ function showFrame() {
   put(byId("to-do"), frame.to_do);
   put(byId("config"), frame.config || words.none);
   root.dataset.state = frame.state;
+  root.dataset.urgent = String(frame.alarms[0]?.rank ?? "");
   fill("alarms", frame.alarms, alarmItem, words.noAlarm);
   fill("coming", frame.coming, (text) => item([["span", "", text]]), words.nothing);
 }
 
 function fill(name, entries, make, empty) {
+  if (byId(name) === null) return; // another page than the overview
   const said = JSON.stringify(entries);
   if (shownLists.get(name) === said) return;
   shownLists.set(name, said);
@@ -122,6 +125,7 @@ function look() {
   const gone = frame !== null && isDead("service", links);
   put(byId("state"), frame === null || gone ? words.unknown : frame.word);
   put(byId("shape"), frame === null || gone ? "?" : frame.shape);
+  document.title = `${byId("shape").textContent} ${byId("state").textContent} · ${line}`;
   put(byId("was"), gone ? `${words.was} ${frame.word}` : "");
   root.dataset.broken = frame === null ? "waiting" : name;
   const texts = { hmi: words.deadHmi, service: words.deadService, plc: words.deadPlc };
@@ -148,7 +152,7 @@ function ageOf(name, links, now_ms) {
 function connect() {
   if (socket !== null || document.hidden) return;
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-  const own = new WebSocket(`${scheme}//${location.host}/live?lang=${language}`);
+  const own = new WebSocket(`${scheme}//${location.host}/live?lang=${language}&page=${root.dataset.page}`);
   socket = own;
   opened_ms = performance.now();
   const answer = (shown) => own.send(JSON.stringify({ a: shown, t: performance.now() }));
@@ -231,8 +235,9 @@ const actions = {
   t: otherTheme,
   l: () => byId("language").click(),
   a: () => {
-    byId("alarms").tabIndex = -1;
-    byId("alarms").focus();
+    const list = byId("alarms") ?? byId("main");
+    list.tabIndex = -1;
+    list.focus();
   },
   "?": () => byId("help").showModal(),
 };

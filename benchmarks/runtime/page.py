@@ -19,11 +19,13 @@ def text(sections: Sequence[Section]) -> str:
     return "\n".join(lines)
 
 
-def markdown(sections: Sequence[Section], *, date: str) -> str:
+def markdown(
+    sections: Sequence[Section], *, date: str, title: str = "Speed", command: str = "make bench"
+) -> str:
     """Return the page; it says itself which command wrote it."""
     lines = [
-        "# Speed",
-        f"Written by `make bench` on {date[:10]}; numbers of another machine differ, ratios less.",
+        f"# {title}",
+        f"Written by `{command}` on {date[:10]}; numbers of another machine differ, ratios less.",
         "",
     ]
     for section in sections:

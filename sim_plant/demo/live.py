@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import secrets
+import subprocess
 from contextlib import ExitStack
+from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.demo.processes import SCREEN, Bench, Child, runtime_command
@@ -18,6 +21,7 @@ from sim_plant.demo.session import (
 )
 
 LOOK_S = 0.5
+ACCOUNT = "demo"
 
 
 def run_live(plan: Plan, progress: Progress, *, listen: str, hands_off: bool) -> None:
@@ -39,12 +43,17 @@ def run_live(plan: Plan, progress: Progress, *, listen: str, hands_off: bool) ->
         command = plant_command(bench, plan.line, plan.line_speed_m_s, plan.seed)
         plant = Child("plant", command, bench.folder / "plant.log", "ready")
         stack.enter_context(plant)
-        service = Child("runtime", service_command(bench), bench.folder / "runtime.log")
+        command = [*service_command(bench), "--hand", "operate"]
+        command += ["--state-dir", str(bench.folder / "state")]
+        service = Child("runtime", command, bench.folder / "runtime.log")
         stack.enter_context(service)
-        screen = _screen(bench, listen)
+        accounts = bench.folder / "accounts"
+        password = _account(accounts)
+        screen = _screen(bench, listen, accounts)
         stack.enter_context(screen)
         url = screen.await_line("look: ", 30.0).removeprefix("look: ")
-        progress(f"\n  look at the line: {url}\n")
+        progress(f"\n  look at the line: {url}")
+        progress(f"  bypass and arm there: log in as {ACCOUNT}, password {password}\n")
         await_state(bench, service, {"FAULT", "OFF", "READY"}, 30.0)
         if not hands_off:
             _operate(bench, progress)
@@ -56,9 +65,28 @@ def run_live(plan: Plan, progress: Progress, *, listen: str, hands_off: bool) ->
         raise PlantError(f"the {ended.name} ended: {ended.tail()}")
 
 
-def _screen(bench: Bench, listen: str) -> Child:
+def _account(accounts: Path) -> str:
+    """Make an account for this line alone; return its password."""
+    password = secrets.token_hex(6)
+    command = [*SCREEN, "account", "add", ACCOUNT, "--role", "operate", "--accounts"]
+    made = subprocess.run(
+        [*command, str(accounts)],
+        input=f"{password}\n",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if made.returncode != 0:
+        raise PlantError(f"the screen's account: {made.stderr.strip()}")
+    return password
+
+
+def _screen(bench: Bench, listen: str, accounts: Path) -> Child:
     """Start the screen; its address is its first line."""
-    command = [*SCREEN, "--door", str(bench.runtime_dir / "door.sock"), "--listen", listen]
+    run = bench.runtime_dir
+    command = [*SCREEN, "--door", str(run / "door.sock"), "--listen", listen]
+    command += ["--hand-socket", str(run / "hand.sock"), "--accounts", str(accounts)]
+    command += ["--state", str(bench.folder / "screen")]
     return Child("screen", command, bench.folder / "screen.log", piped=True)
 
 

@@ -60,6 +60,7 @@ class Child:
         environment: Mapping[str, str] | None = None,
         *,
         piped: bool = False,
+        patience_s: float = 120.0,
     ) -> None:
         self.name, self.log = name, log
         self._stream = log.open("wb")
@@ -71,7 +72,11 @@ class Child:
             env=None if environment is None else dict(environment),
         )
         if ready:
-            self.await_line(ready, 120.0)
+            try:
+                self.await_line(ready, patience_s)
+            except BaseException:
+                self.stop()  # nobody else has its handle
+                raise
 
     def await_line(self, start: str, patience_s: float) -> str:
         """Return the first output line that begins with ``start``.

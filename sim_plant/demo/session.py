@@ -84,7 +84,8 @@ def fresh_folder(out: Path) -> Path:
     """
     folder = out.resolve()
     if folder.exists():
-        if any(folder.iterdir()) and not (folder / "runtime.log").exists():
+        is_ours = any((folder / log).exists() for log in ("plant.log", "runtime.log"))
+        if any(folder.iterdir()) and not is_ours:
             raise PlantError(f"--out {out}: holds other files; name a folder of its own")
         shutil.rmtree(folder)
     (folder / "run").mkdir(parents=True, mode=0o700)

@@ -249,11 +249,14 @@ class LineSimulation:
         tension_N: Array,
         aff_m_s: Mapping[str, Array] | None = None,
         aff_N_m: Mapping[str, Array] | None = None,
+        *,
+        speed_holds: bool = False,
     ) -> dict[str, Array]:
         """Run a whole record under reference columns (samples,) and return channels (samples,).
 
         Row k is sampled before reference row k acts, as in a record; the line speed is linear
-        between rows, the others hold. All frames go through the same compiled code as ``step``.
+        between rows unless ``speed_holds``, the others hold. All frames go through the same
+        compiled code as ``step``.
         ``aff_m_s`` and ``aff_N_m`` are corrections by driven roller: of the velocity reference,
         and of the torque.
         """
@@ -266,7 +269,9 @@ class LineSimulation:
         tension = np.repeat(tension_N[:, None], self.arrays.loops.size, axis=1)
         first = self._row.copy()
         log = self._run(
-            between_rows(line_speed_m_s, repeat),
+            until_next_row(line_speed_m_s, repeat)
+            if speed_holds
+            else between_rows(line_speed_m_s, repeat),
             np.repeat(tension, repeat, axis=0),
             np.repeat(corrections, repeat, axis=0),
         )
@@ -290,3 +295,9 @@ def between_rows(reference: Array, frames_per_row: int) -> Array:
     rows = np.arange(reference.size * frames_per_row + 1) / frames_per_row
     fine = np.interp(rows, np.arange(reference.size), reference)
     return np.column_stack((fine[:-1], fine[1:]))
+
+
+def until_next_row(reference: Array, frames_per_row: int) -> Array:
+    """Return the reference at start and end of every frame, held from row to row, (frames, 2)."""
+    held = np.repeat(reference, frames_per_row)
+    return np.column_stack((held, held))

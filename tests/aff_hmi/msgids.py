@@ -8,6 +8,7 @@ from pathlib import Path
 
 from aff_runtime.app.hand.may import WORDS
 from aff_runtime.app.report.block_status import SHAPE_WHY, WHY
+from aff_runtime.app.report.block_status import WORDS as ORDER_WORDS
 from aff_runtime.app.report.status import PERMISSIVES
 from aff_runtime.base.events import TABLE
 
@@ -18,7 +19,7 @@ _IN_PAGE = re.compile(r"\b_\('([^']*)'\)")
 def marked() -> set[str]:
     """Return what the code marks with ``N_``."""
     found = set()
-    for path in FOLDER.glob("*.py"):
+    for path in FOLDER.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "N_":
                 found.add(ast.literal_eval(node.args[0]))
@@ -33,7 +34,7 @@ def of_pages() -> set[str]:
 
 def of_service() -> set[str]:
     """Return the sentences of the service's own tables."""
-    of_hand = set(WORDS.values())
+    of_hand = set(WORDS.values()) | set(ORDER_WORDS.values())
     events = {text for event in TABLE for text in (event.text, event.action)}
     return (
         of_hand | events | set(PERMISSIVES.values()) | set(WHY.values()) | set(SHAPE_WHY.values())

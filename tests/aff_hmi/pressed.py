@@ -17,6 +17,7 @@ from aff_hmi.gate import Gate, Rates
 from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
 from aff_hmi.pages import Pages
+from aff_hmi.see.kept import Kept
 from aff_hmi.watch import Seen, Watch
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.hand.messages import Answer, Command, Notice, Welcome
@@ -76,7 +77,7 @@ class Reply:
 class Pressed:
     """The app, its clock, and browsers by name."""
 
-    def __init__(self, folder: Path, *, is_tls: bool = False) -> None:
+    def __init__(self, folder: Path, *, is_tls: bool = False, keeps: bool = False) -> None:
         self.clock = VirtualClock(1)
         self.clock.sleep_until_ns(10**15)
         self.file = folder / "accounts"
@@ -89,7 +90,12 @@ class Pressed:
             rules=Welcome(version="1", ceiling=Role.OPERATE, arms_from=Place.PANEL)
         )
         self.hand.desk = self.service  # type: ignore[assignment]
-        self.hub = Hub(Watch(folder / "door.sock", self.clock), self.clock, self.hand)
+        self.wall_s = 1.8e9
+        self.kept = None
+        if keeps:
+            self.kept = Kept(None, self.clock, can_be_seen=True, wall=lambda: self.wall_s)
+        watch = Watch(folder / "door.sock", self.clock)
+        self.hub = Hub(watch, self.clock, self.hand, self.kept)
         self.is_tls = is_tls
         self.pages = Pages(self.hub, "en", self.clock, is_tls=is_tls)
         assert self.pages.presses is not None
@@ -104,12 +110,12 @@ class Pressed:
         self.frame = 0
         self.show(State.READY)
 
-    def show(self, state: State, blocked: str = "") -> None:
+    def show(self, state: State, blocked: str = "", **more: float) -> None:
         """Make a frame in which the guard has a state."""
         seen = Seen(
             facts=facts(blocked=blocked),
             facts_age_s=0.1,
-            row=TickRow(row(state)),
+            row=TickRow(row(state, **more)),
             tick_age_s=0.01,
             writer_lives=True,
         )

@@ -27,6 +27,8 @@ GOOD: dict[str, dict[str, Any]] = {
     "/logout": {},
     "/hand": {"do": "take"},
     "/act": {"action": "bypass", "id": "a" * 32, "seen": "READY", "frame": 1},
+    "/acknowledge": {"key": "PLC_STALE"},
+    "/shelve": {"key": "PLC_STALE", "minutes": 30, "reason": "known"},
 }
 # what a logged-in role, or nobody, gets: the status of a press that is right in everything else
 MATRIX = {
@@ -34,6 +36,9 @@ MATRIX = {
     "/logout": {None: 401, Role.VIEW: 200, Role.OPERATE: 200, Role.COMMISSION: 200},
     "/hand": {None: 401, Role.VIEW: 403, Role.OPERATE: 200, Role.COMMISSION: 200},
     "/act": {None: 401, Role.VIEW: 200, Role.OPERATE: 200, Role.COMMISSION: 200},
+    # no such alarm stands here: 409 is what those get who may
+    "/acknowledge": {None: 401, Role.VIEW: 403, Role.OPERATE: 409, Role.COMMISSION: 409},
+    "/shelve": {None: 401, Role.VIEW: 403, Role.OPERATE: 409, Role.COMMISSION: 409},
 }
 CELLS = [(path, role) for path in MATRIX for role in BY_ROLE]
 

@@ -62,9 +62,11 @@ def test_it_has_neither_user_nor_group_of_the_service() -> None:
     assert not {SERVICE["User"][0], SERVICE["Group"][0], "root"} & {*" ".join(said).split()}
 
 
-def test_it_writes_no_file_and_cannot_find_those_of_the_service() -> None:
-    writable = {"ReadWritePaths", "StateDirectory", "CacheDirectory", "LogsDirectory"}
+def test_it_writes_its_own_history_alone_and_cannot_find_the_files_of_the_service() -> None:
+    writable = {"ReadWritePaths", "CacheDirectory", "LogsDirectory"}
     assert not (writable | {"RuntimeDirectory", "ConfigurationDirectory"}) & set(SCREEN)
+    assert SCREEN["StateDirectory"] == ["aff-hmi"] != SERVICE["StateDirectory"]
+    assert SCREEN["StateDirectoryMode"] == ["0700"]
     hidden = {path.lstrip("-") for path in SCREEN["InaccessiblePaths"][0].split()}
     runtime, state, etc = (
         SERVICE[f"{kind}Directory"][0] for kind in ("Runtime", "State", "Configuration")

@@ -140,9 +140,12 @@ def may(action: Action, person: Person, now: Circumstances) -> tuple[Reason, ...
     """Return every reason why not, the first to be said first; empty when it is allowed.
 
     Towards zero needs a login and nothing else: no state, place, hand or age stands against it.
+    Of an output that is armed that alone is said: nobody has to do anything.
     """
     if action is Action.BYPASS:
         return () if person.role is not None else (Reason(code=Code.LOGGED_OUT),)
+    if now.state in (State.ARMED, State.ACTIVE):
+        return (Reason(code=Code.ALREADY),)
     found = [Reason(code=code) for code in _of_person(person, now)]
     if not person.has_hand and now.hand_of:
         found.append(Reason(code=Code.OTHER_HAND, name=now.hand_of))
@@ -166,8 +169,6 @@ def _of_guard(now: Circumstances) -> tuple[Reason, ...]:
     """Return what the guard would say, from its own words."""
     if now.state is None:
         return (Reason(code=Code.SILENT),)
-    if now.state in (State.ARMED, State.ACTIVE):
-        return (Reason(code=Code.ALREADY),)
     if now.blocked and not _is_confirmed_by_arming(now):
         return (Reason(code=Code.GUARD, name=now.blocked),)
     return (Reason(code=Code.FADING),) if now.state is State.FADING else ()

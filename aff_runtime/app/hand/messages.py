@@ -27,6 +27,9 @@ NOTICES = (
     "hand taken over",
     "hand released",
     "hand ended",
+    "alarm seen",
+    "alarm put aside",
+    "alarm taken back",
 )
 _ID = re.compile(r"[A-Za-z0-9-]{16,64}")
 _ACCOUNT = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,31}")

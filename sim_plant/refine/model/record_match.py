@@ -93,6 +93,7 @@ def twin_of(line: Declaration, record: Recording) -> Twin:
         aff_m_s=_acted(own, record, "_m_s"),
         aff_N_m=_acted(own, record, "_N_m"),
         word_steps=word_steps(record, channels),
+        speed_holds=record.run is not None,
     )
     try:
         twin.line(Case(quick=False))

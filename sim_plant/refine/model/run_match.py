@@ -114,18 +114,26 @@ def _speed_reference(
     """Return the line speed reference, measured or stood in for, and what is said of it."""
     for name in (run.site.speed_reference, SPEED_REF):
         if name and name in record.columns:
-            return acting(record.columns[name]), []
-    return stand_in_speed(line, columns, record)
+            return _acting(record, name), []
+    straight, said = stand_in_speed(line, columns, record)
+    return acting(straight, 0.0), said  # a line through the moments of the rows
 
 
-def acting(read: Array) -> Array:
-    """Return what acts after each row, of a reference that the service read; (n,) as given.
+def _acting(record: Recording, name: str) -> Array:
+    assert record.run is not None
+    return acting(record.columns[name], record.run.scan_s / record.sample_time_s)
 
-    What a row shows first was set at some moment since the row before, half a cycle ago in the
-    mean; the line takes each row's value until the next row, so half of the next one's counts.
+
+def acting(read: Array, scan_rows: float) -> Array:
+    """Return the mean of a reference from each row to the next; (n,) as given.
+
+    A row shows what acted in the scan of the PLC that ends with it, ``scan_rows`` rows long; 0: at
+    its own moment. With a scan per row that is, from a row on, what the next one shows, and exact.
+    Of shorter scans the one in a row's middle counts, on a straight line between those shown.
     """
     following = np.append(read[1:], read[-1:])
-    return np.asarray(0.5 * (read + following))
+    still = 0.5 * (1.0 - min(1.0, scan_rows))
+    return np.asarray(still * read + (1.0 - still) * following)
 
 
 def _tension_reference(
@@ -135,7 +143,7 @@ def _tension_reference(
     named = [a.reference for a in run.site.actuators.values() if a.reference.endswith("_N")]
     for name in (TENSION_REF, *named):
         if name in record.columns:
-            return acting(record.columns[name]), []
+            return _acting(record, name), []
     cells = {s.roller: s.channel for s in line.sensors if isinstance(s, LoadCell)}
     looped = [cells[loop.load_cell] for loop in line.control.tension_pi]
     others = [s.channel for s in line.sensors if isinstance(s, LoadCell)]

@@ -79,6 +79,7 @@ class Twin:
     speed_m_s, tension_N : reference columns (samples,).
     aff_m_s : corrections per driven roller that acted after each row, (samples,) each.
     aff_N_m : the same for those that add to the torque of its drive.
+    speed_holds : the reference holds from row to row, as a PLC gives it; else linear between rows.
     word_steps : per channel one count of the word that it was recorded in, SI; a sensor's own
         resolution is its declaration's.
     """
@@ -90,6 +91,7 @@ class Twin:
     aff_m_s: dict[str, Array]
     aff_N_m: dict[str, Array] = field(default_factory=dict)
     word_steps: dict[str, float] = field(default_factory=dict)
+    speed_holds: bool = False
 
     def simulate(self, case: Case) -> Array:
         """Return all channels (channels, samples) of one case.
@@ -147,7 +149,13 @@ class Twin:
         run = self.line(case)
         # a line that runs has its noise before a record begins as well
         run.settle(QUICK_SETTLE_S if case.quick else DECLARED_SETTLE_S, quiet=case.seed is None)
-        out = run.simulate(self.speed_m_s, self.tension_N, self.aff_m_s, self.aff_N_m)
+        out = run.simulate(
+            self.speed_m_s,
+            self.tension_N,
+            self.aff_m_s,
+            self.aff_N_m,
+            speed_holds=self.speed_holds,
+        )
         if case.seed is not None:
             self._put_in_words(out, case.seed)
         return np.stack([out[name] for name in self.channels]), out["body_angle_rad"].T

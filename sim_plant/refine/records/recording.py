@@ -22,11 +22,13 @@ class RunFacts:
     site : what the run's own site file says.
     phases : what line and service did in it.
     delivery_known : per actuator, whether the PLC says what it added and when.
+    scan_s : period of the PLC's scans.
     """
 
     site: RunSite
     phases: Phases
     delivery_known: Mapping[str, bool]
+    scan_s: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -52,7 +52,8 @@ class Scans:
     ----------
     rows : of the table (scans,).
     taken_s : when, on the PLC's own clock (scans,), counted from the first.
-    step_s : of the grid that they belong on.
+    step_s : of the grid that they belong on: of the scans, or the run's cycle if that is longer.
+    scan_s : from scan to scan.
     breaks : in order.
     findings : sentences.
     """
@@ -60,6 +61,7 @@ class Scans:
     rows: Rows
     taken_s: Array
     step_s: float
+    scan_s: float
     breaks: tuple[Break, ...]
     findings: tuple[str, ...]
 
@@ -107,6 +109,7 @@ def scans_of(columns: Mapping[str, Array], channels: Sequence[str]) -> Scans:
         rows=rows,
         taken_s=taken_s,
         step_s=step_s,
+        scan_s=scan_s,
         breaks=tuple(Break(row=k, why=breaks[k]) for k in sorted(breaks)),
         findings=tuple(said),
     )

@@ -110,7 +110,9 @@ def read_run_record(path: Path) -> Recording:
         columns=found.columns,
         findings=(*said, *found.said, *oddities(measured)),
         zeros_rad=found.zeros_rad,
-        run=RunFacts(site=site, phases=found.phases, delivery_known=found.known),
+        run=RunFacts(
+            site=site, phases=found.phases, delivery_known=found.known, scan_s=scans.scan_s
+        ),
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.effects.onset import FOREVER_S, HOLD_S, RISE_S
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis, onset_library
 from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
@@ -78,6 +78,32 @@ def event_candidates(
     for c in found[: EVENTS.most_told]:
         progress(f"  {c.hypothesis.key} from {_moment(c):.2f}: score {c.score:.0f}")
     return found
+
+
+def placed_anew(objective: Objective, fit: Fit) -> Fit:
+    """Return the fit with each of its events where it explains most beside all else, if better.
+
+    An event is placed while other effects are as they were fitted without it, and a step does not
+    find a moment from seconds away: what is left there looks like a second event.
+    """
+    for k, h in enumerate(fit.hypotheses):
+        if not h.moment:
+            continue
+        others = replace(
+            fit,
+            hypotheses=(*fit.hypotheses[:k], *fit.hypotheses[k + 1 :]),
+            values=(*fit.values[:k], *fit.values[k + 1 :]),
+        )
+        residual = objective.residual(objective.pool.one(others.case), fit.shifts)
+        seen = Candidate(hypothesis=h, chi2_reduction=0.0, penalty=0.0, start=fit.values[k])
+        here = gauss_newton_fit(objective, fit.hypotheses, fit.values, fit.shifts, rounds=0)
+        for there in _placed(objective, others, [seen], residual):
+            if there.hypothesis.names != h.names:
+                continue
+            moved = fit.with_effect_at(k, h, there.start)
+            new = gauss_newton_fit(objective, moved.hypotheses, moved.values, fit.shifts)
+            fit = new if new.cost < here.cost - EVENTS.floor else fit
+    return fit
 
 
 def _shapes_of(h: Hypothesis) -> list[Hypothesis]:

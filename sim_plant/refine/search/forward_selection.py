@@ -23,7 +23,7 @@ from sim_plant.refine.search.completeness import (
 )
 from sim_plant.refine.search.degenerate_pair import better_pair
 from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised, rolling_only
-from sim_plant.refine.search.events import event_candidates
+from sim_plant.refine.search.events import event_candidates, placed_anew
 from sim_plant.refine.search.exchange import exchanged, joined, pruned
 from sim_plant.refine.search.free_terms import (
     PERIODIC_KINDS,
@@ -99,6 +99,8 @@ def select(
             break
         progress("all numbers together, at the declared drive tick")
         objective, fit = joint_refit(objective, extensions[-1].fit)
+        if selection.accepted:
+            objective, fit = _with_events_placed_anew(objective, fit, progress)
         selection = replace(
             selection,
             fit=fit,
@@ -110,6 +112,16 @@ def select(
             break
     selection = looked_over(objective, selection, progress)
     return _with_remainder(objective, selection, progress)
+
+
+def _with_events_placed_anew(
+    objective: Objective, fit: Fit, progress: Progress
+) -> tuple[Objective, Fit]:
+    moved = placed_anew(objective, fit)
+    if moved is fit:
+        return objective, fit
+    progress("an event is placed anew beside the others")
+    return joint_refit(objective, moved)
 
 
 def looked_over(objective: Objective, selection: Selection, progress: Progress) -> Selection:

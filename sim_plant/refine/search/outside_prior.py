@@ -17,6 +17,7 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.projection import Projector
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.parameter_effects import as_effects, declared_change
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.candidate import FittedCandidate, Progress, fitted_candidate
 from sim_plant.refine.search.effect_fit import rolling_only, with_effect
 
@@ -57,17 +58,17 @@ def fit_conflicts(
 
     ``effects`` are the names in the library; no others are tried.
     """
-    found: list[FittedCandidate] = []
+    found: dict[Place, FittedCandidate] = {}
     for h, start, shifts in starts_outside_prior(objective, base, effects):
-        if h.key in {k.key for k in base.hypotheses} | {c.hypothesis.key for c in found}:
+        if h.key in {k.key for k in base.hypotheses}:
             continue
         fit = with_effect(objective, base, h, start, shifts)
-        if fit is None:
+        if fit is None or (h.key in found and found[h.key].fit.cost <= fit.cost):
             continue
         candidate = fitted_candidate(objective, base, fit)
         progress(f"  {h.key}, beyond tolerance: score {candidate.score:.0f}")
-        found.append(candidate)
-    return found
+        found[h.key] = candidate
+    return list(found.values())
 
 
 def starts_outside_prior(
@@ -75,19 +76,28 @@ def starts_outside_prior(
 ) -> list[tuple[Hypothesis, tuple[float, ...], dict[str, float]]]:
     """Return effects that say the same as a declared number beyond tolerance, furthest off first.
 
-    Each with the numbers it starts from and the shifts that are left without that number.
+    Each with the numbers it starts from and the shifts that are left without that number. A number
+    that a fit has moved is another name of its effect there: all else stays as fitted. From the
+    declared numbers it is tried as well, for without the effect others may have moved for it.
     """
     line = objective.pool.twins[0].declaration
     total = total_shifts(objective, fit)
     rows = zip(objective.nuisances, objective.prior_sd, strict=True)
     z = {n.name: total[n.name] / sd for n, sd in rows}
     found: list[tuple[Hypothesis, tuple[float, ...], dict[str, float]]] = []
+    tried = 0
     for name in sorted(z, key=lambda k: -abs(z[k])):
-        if abs(z[name]) < DEGENERACY.outside_prior_sd or len(found) == DEGENERACY.most_outside:
+        if abs(z[name]) < DEGENERACY.outside_prior_sd or tried >= DEGENERACY.most_outside:
             break
-        rest = {k: v for k, v in rolling_only(fit.shifts).items() if k != name}
-        pairs = as_effects(line, name, total[name])
-        found += [(*pair, rest) for pair in pairs if pair[0].effect.name in effects]
+        others = {k: v for k, v in fit.shifts.items() if k != name}
+        fitted, declared = [
+            [pair for pair in as_effects(line, name, shift) if pair[0].effect.name in effects]
+            for shift in (fit.shifts.get(name, 0.0), total[name])
+        ]
+        if name in fit.shifts:
+            found += [(*pair, others) for pair in fitted]
+        found += [(*pair, rolling_only(others)) for pair in declared]
+        tried += len(declared)
     return found
 
 

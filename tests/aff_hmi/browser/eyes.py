@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+PATIENCE_MS = 120_000.0  # on a machine that others use too
 WATCH = """() => {
   window.watched = {broken: {}, gap: 0};
   let last = performance.now();
@@ -34,20 +35,27 @@ class Stale:
 class Page:
     """One page of the screen.
 
+    Parameters
+    ----------
+    first : script that runs before any of the page's.
+
     Attributes
     ----------
     complaints : of the browser: violations of the policy, errors of scripts.
     requests : addresses that were asked for.
     """
 
-    def __init__(self, browser: Any, url: str, **context: Any) -> None:
+    def __init__(self, browser: Any, url: str, first: str = "", **context: Any) -> None:
         self.context = browser.new_context(**context)
+        self.context.set_default_timeout(PATIENCE_MS)
         self.page = self.context.new_page()
         self.complaints: list[str] = []
         self.requests: list[str] = []
         self.page.on("console", lambda m: self.complaints.append(m.text))
         self.page.on("pageerror", lambda e: self.complaints.append(str(e)))
         self.page.on("request", lambda r: self.requests.append(r.url))
+        if first:
+            self.page.add_init_script(first)
         self.page.goto(url)
 
     def await_live(self) -> None:

@@ -11,7 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.processes import Operator, until
+from tests.processes import PATIENCE_S, Operator, until
 
 ROOT = Path(__file__).parents[3]
 
@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[3]
 class ServiceRun(Operator):
     """PLC and service in processes of their own below ``folder``."""
 
-    def __init__(self, folder: Path, *arguments: str) -> None:
+    def __init__(self, folder: Path, *arguments: str, patience_s: float = PATIENCE_S) -> None:
         super().__init__(folder / "rt")
         self.folder = folder
         self.plc = subprocess.Popen(
@@ -56,8 +56,12 @@ class ServiceRun(Operator):
                 env={**os.environ, "NOTIFY_SOCKET": str(folder / "notify")},
             )
         try:
-            until("the service has signals", lambda: self.status().get("signals") is not None)
-            until("the service sees the PLC", lambda: self.status()["comm"] == "OK")
+            until(
+                "the service has signals",
+                lambda: self.status().get("signals") is not None,
+                patience_s,
+            )
+            until("the service sees the PLC", lambda: self.status()["comm"] == "OK", patience_s)
         except BaseException:
             self.close()
             raise

@@ -79,6 +79,7 @@ def test_arming_needs_every_one_of_its_conditions() -> None:
         (OWN, Circumstances(state=None, ceiling=Role.OPERATE), [Code.SILENT]),
         (OWN, Circumstances(state=State.ACTIVE, ceiling=Role.OPERATE), [Code.ALREADY]),
         (OWN, Circumstances(state=State.FADING, ceiling=Role.OPERATE), [Code.FADING]),
+        (Person(role=None, place=Place.NETWORK), Circumstances(state=State.ARMED), [Code.ALREADY]),
     ],
 )
 def test_the_reasons_come_in_their_order(

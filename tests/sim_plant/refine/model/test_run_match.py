@@ -1,5 +1,6 @@
 """A run's columns by the names of the line, its references, radii and corrections."""
 
+from copy import deepcopy
 from pathlib import Path
 
 import numpy as np
@@ -7,12 +8,17 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.line.load import load_declaration
+from sim_plant.line.simulation import LineSimulation
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_limits import run_limits
 from sim_plant.refine.model.run_match import acting, run_on_line
 from sim_plant.refine.records.recording import Recording, RunFacts
 from sim_plant.refine.records.run_phases import Phases
 from sim_plant.refine.records.run_site import RunActuator, RunSite
+from sim_plant.servers.map_file import load_plc_map
+from sim_plant.servers.plant import Plant
+from sim_plant.servers.plc import Plc
+from tests.doubles.recorded_run import PLC_FILE
 from tests.lockstep.known_response import ROOT
 
 LINE = load_declaration(ROOT / "config/lines/euclid.yaml")
@@ -52,7 +58,7 @@ def run(columns=None, *, actuators=None, speed_reference="", rolls=None):
         actuators={"unwind": actuator()} if actuators is None else actuators,
         steps=dict.fromkeys((n for n in given if not n.startswith("correction_")), 0.001),
     )
-    facts = RunFacts(site=site, phases=NO_PHASES, delivery_known={"unwind": False})
+    facts = RunFacts(site=site, phases=NO_PHASES, delivery_known={"unwind": False}, scan_s=STEP_S)
     return Recording(
         path=Path("RUN"),
         sha256="0",
@@ -76,7 +82,7 @@ def test_channels_are_found_by_what_the_site_file_uses_them_for():
     theirs = run().columns
     for mine, name in expected.items():
         read = theirs[name]
-        wanted = acting(read) if mine == "tension_ref_N" else read
+        wanted = acting(read, 1.0) if mine == "tension_ref_N" else read
         assert record.columns[mine].tolist() == wanted.tolist(), mine
     assert set(record.columns) == {*expected, "line_speed_ref_m_s"}
     assert record.zeros_rad == {"unwind_angle_rad": 3.5}
@@ -91,7 +97,7 @@ def test_a_name_that_the_line_has_itself_goes_before_its_use():
 def test_a_mapped_speed_reference_is_taken_and_nothing_said():
     wanted = np.linspace(0.9, 1.0, ROWS)
     record = run_on_line(LINE, run({"v_set_m_s": wanted}, speed_reference="v_set_m_s"))
-    assert record.columns["line_speed_ref_m_s"].tolist() == acting(wanted).tolist()
+    assert record.columns["line_speed_ref_m_s"].tolist() == acting(wanted, 1.0).tolist()
     assert not any("reference" in text for text in record.findings)
 
 
@@ -107,6 +113,7 @@ def test_without_one_the_speed_stands_in_at_the_level_of_a_driven_rollers_turns(
 
 def test_a_straight_ramp_stands_in_where_a_drive_follows_one():
     wanted = np.interp(TIME_S, [10.0, 14.0], [0.8, 1.2])
+    acts = acting(wanted, 0.0)
     # the drive, an integral in its loop: e'' + K e' + K^2 / (4 zeta^2) e = v_ref''
     gain, integral = 20.0, 20.0**2 / 4.84
     error, summed, measured = 0.0, 0.0, []
@@ -119,8 +126,8 @@ def test_a_straight_ramp_stands_in_where_a_drive_follows_one():
     turned = np.cumsum(np.array(measured)) * STEP_S / FOLLOWER_M
     for columns in ({"follower_rad": None}, {"follower_rad": turned}):
         record = run_on_line(LINE, run({"v_m_s": counts, **columns}))
-        assert record.columns["line_speed_ref_m_s"] == pytest.approx(wanted, abs=0.004)
-        travel = np.cumsum(record.columns["line_speed_ref_m_s"] - wanted) * STEP_S
+        assert record.columns["line_speed_ref_m_s"] == pytest.approx(acts, abs=0.004)
+        travel = np.cumsum(record.columns["line_speed_ref_m_s"] - acts) * STEP_S
         assert np.max(np.abs(travel)) < 0.004  # a tenth of a radian of an idler of 38 mm
 
 
@@ -165,6 +172,7 @@ def test_every_correction_is_an_input_of_the_drive_it_went_to():
         "pull_roll": actuator(suffix="N_m"),
     }
     twin = twin_of(LINE, run_on_line(LINE, run(columns, actuators=actuators)))
+    assert twin.speed_holds
     assert twin.aff_m_s.keys() == {"unwind", "swrap_follower"}
     assert twin.aff_m_s["unwind"].tolist() == wave.tolist()
     assert twin.aff_m_s["swrap_follower"].tolist() == (2.0 * wave).tolist()
@@ -219,7 +227,9 @@ def test_corrections_of_any_driven_roller_are_taken_from_files_too():
         "applied_swrap_follower_m_s": 2.0 * wave,
     }
     record = Recording(path=Path("a.csv"), sha256="0", sample_time_s=STEP_S, columns=columns)
-    aff = twin_of(LINE, record).aff_m_s
+    twin = twin_of(LINE, record)
+    assert not twin.speed_holds  # the speed of a file is linear between rows
+    aff = twin.aff_m_s
     assert {name: values.tolist() for name, values in aff.items()} == {
         "unwind": wave.tolist(),
         "swrap_follower": (2.0 * wave).tolist(),
@@ -229,9 +239,34 @@ def test_corrections_of_any_driven_roller_are_taken_from_files_too():
         twin_of(LINE, record)
 
 
-def test_a_reference_acts_half_a_cycle_before_the_row_that_first_shows_it():
-    """A ramp read in steps: what acts leads what is read by half a step, in its integral."""
-    read = np.repeat(np.arange(5.0), 10)
-    led = np.cumsum(acting(read) - read)
-    assert led[-1] == pytest.approx(0.5 * 4.0)
-    assert acting(np.full(7, 3.0)) == pytest.approx(np.full(7, 3.0))
+def test_a_reference_acts_in_the_scan_that_ends_with_the_row_that_first_shows_it():
+    """From a row to the middle of the next it is half a row; shown it is half a scan later."""
+    ramp = 0.8 + 0.05 * TIME_S
+    for scan_rows in (1.0, 0.4, 0.0):
+        led_rows = (acting(ramp, scan_rows) - ramp)[:-1] / (0.05 * STEP_S)
+        assert led_rows == pytest.approx(np.full(ROWS - 1, 0.5 + 0.5 * scan_rows)), scan_rows
+    assert acting(np.full(7, 3.0), 0.4) == pytest.approx(np.full(7, 3.0))
+
+
+def test_the_twin_turns_as_the_plant_does_through_a_ramp():
+    """A driven roller that is 0.1 mm of web behind after a ramp is told as a drag."""
+    line = LineSimulation(LINE, seed=None, line_speed_m_s=0.85)
+    line.settle(4.0)
+    plant = Plant(line, Plc(load_plc_map(PLC_FILE)))
+    twin = deepcopy(line)  # as it is at the first row
+    rows = []
+    for wanted_m_s in np.interp(np.arange(400), [100, 300], [0.85, 0.62]):
+        rows.append(dict(plant.measured))
+        plant.set_reference("line_speed_ref_m_s", float(wanted_m_s))
+        plant.step()
+    read = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    given = {n: acting(read[n], 1.0) for n in ("line_speed_ref_m_s", "tension_ref_N")}
+    names = ("swrap_follower_angle_rad", "unwind_angle_rad", "line_speed_m_s")
+    held = deepcopy(twin).simulate(*given.values(), speed_holds=True)
+    for name in names:
+        assert held[name] == pytest.approx(read[name], abs=1e-9), name
+    # linear between rows, 1 ms ticks take the beginnings of theirs: 0.4 of a row too early
+    linear = deepcopy(twin).simulate(*given.values())
+    ahead_rad = 0.4 * STEP_S * 0.23 / FOLLOWER_M
+    # the speed falls: who is early has turned less
+    assert read[names[0]][-1] - linear[names[0]][-1] == pytest.approx(ahead_rad, rel=0.02)

@@ -70,6 +70,7 @@ def test_a_slow_plc_gives_one_sample_a_scan():
     ticks = np.arange(1.0, 801.0)
     found = scans_of(rows(np.floor(ticks / 4.0), ticks=ticks), ())
     assert found.step_s == pytest.approx(4 * CYCLE_S)
+    assert found.scan_s == found.step_s
     assert found.rows.size == 201
     assert found.findings[-1] == "the PLC scans every 20 ms: one sample a scan"
 
@@ -78,6 +79,7 @@ def test_a_fast_plc_is_put_on_the_runs_cycle():
     ticks = np.arange(1.0, 801.0)
     found = scans_of(rows(np.floor(ticks * 2.5), ticks=ticks), ())
     assert found.step_s == pytest.approx(CYCLE_S)
+    assert found.scan_s == pytest.approx(CYCLE_S / 2.5, rel=1e-3)
     assert found.taken_s[-1] == pytest.approx(799 * CYCLE_S, abs=0.002)
 
 

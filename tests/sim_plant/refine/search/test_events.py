@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from sim_plant.refine.fit.gauss_newton import nominal_fit
+from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
 from sim_plant.refine.model.twin import Added, Case
-from sim_plant.refine.search.events import event_candidates
+from sim_plant.refine.search.events import event_candidates, placed_anew
 from tests.sim_plant.refine.small import STEP_S, formula_twin, objective_of, quiet, white
 
 CHANNELS = ("unwind_tension_N", "r3_tension_N")
@@ -69,3 +69,22 @@ def test_what_ends_again_is_found_with_its_end_and_its_rise(hold_s, rise_s):
     assert half_way_s == pytest.approx(31.2 + 0.5 * rise_s, abs=0.15)
     assert half_way_s + found["hold_s"] == pytest.approx(31.2 + 0.5 * rise_s + hold_s, abs=0.15)
     assert found["strain"] == pytest.approx(5e-4, rel=0.1)
+
+
+def test_an_event_that_stands_seconds_off_is_placed_anew():
+    """What it leaves would pass for a second event."""
+    numbers = {"strain": 5e-4, "from_s": 31.2, "rise_s": 0.6, "hold_s": 15.2}
+    true = Added("thermal_strain", "unwind_zone", tuple(numbers.items()))
+    measured = warm_of(Case(effects=(true,))) + white((2, SAMPLES), 4)
+    objective = objective_of(formula_twin(warm_of, CHANNELS, SAMPLES), measured)
+    nominal = nominal_fit(objective, {})
+    h = event_candidates(objective, nominal, (), quiet)[0].hypothesis
+    off = numbers | {"from_s": 28.0, "hold_s": 17.0, "rise_s": 1.0}
+    start = [off.get(name, was) for name, was in zip(h.names, h.start, strict=True)]
+    stuck = gauss_newton_fit(objective, (h,), (start,), {}, rounds=0)
+    anew = placed_anew(objective, stuck)
+    assert anew.cost < stuck.cost - 1000.0
+    found = dict(zip(h.names, anew.values[0], strict=True))
+    assert found["from_s"] + 0.5 * found["rise_s"] == pytest.approx(31.5, abs=0.05)
+    assert found["hold_s"] == pytest.approx(15.2, abs=0.1)
+    assert placed_anew(objective, anew) is anew

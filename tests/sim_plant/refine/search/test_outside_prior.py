@@ -6,7 +6,7 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.search.outside_prior import told_by_record
+from sim_plant.refine.search.outside_prior import starts_outside_prior, told_by_record
 from tests.sim_plant.refine.small import fit_of, formula_twin, line_with, objective_of, white
 
 SAMPLES, JUDGED = 6000, 4500
@@ -42,3 +42,20 @@ def test_of_an_effect_that_is_no_declared_number_nothing_is_told():
     twin = formula_twin(response, ["unwind_tension_N"], SAMPLES)
     objective = objective_of(twin, white((1, SAMPLES)))
     assert told_by_record(objective, fit_of(RIPPLE)) == 0.0
+
+
+def test_a_number_that_a_fit_has_moved_starts_as_its_effect_with_all_else_as_fitted():
+    """There the two are one simulation: nothing else has to be found again."""
+    line = line_with({"*": 0.0, "web.EA_N": 0.002, "web.thickness_m": 0.01})
+    twin = formula_twin(response, ["unwind_tension_N"], SAMPLES, line=line)
+    objective = objective_of(twin, NEWTON * 0.1 * WAVE[None, :] + white((1, SAMPLES)))
+    moved = {"web.EA_N": 0.1, "web.thickness_m": 0.003}
+    fit = gauss_newton_fit(objective, (), (), moved, rounds=0)
+    starts = starts_outside_prior(objective, fit, {"web_modulus"})
+    (h, first, kept), (_, second, declared) = starts
+    assert (h.key.effect, first, kept) == ("web_modulus", (1.1,), {"web.thickness_m": 0.003})
+    assert 1.05 < second[0] < 1.1  # a tolerance pulls it back
+    assert declared == {}
+    as_effect = gauss_newton_fit(objective, (h,), (first,), kept, rounds=0)
+    assert np.allclose(objective.pool.one(as_effect.case)[0], objective.pool.one(fit.case)[0])
+    assert as_effect.cost < fit.cost - 1000.0  # the price of a tolerance of 0.1 %, 100 times over

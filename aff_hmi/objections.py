@@ -1,0 +1,63 @@
+"""What stands against arming, in the reader's language: the sentences of law and guard.
+
+The service says them in English with names and figures in them. A sentence that is none of these
+is shown as it was said.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+from aff_hmi.words import N_, Say
+
+PROBE = N_("run the probe with the line at its speed: aff-runtime probe")
+PROBE_HERE = N_("probe at this speed and radius")
+ENCODER = N_("correct the site file")
+# the sentence, and what to do about it
+SENTENCES = {
+    N_("no measured response; run the probe"): PROBE,
+    N_("no order of {roll} has a sure response; run the probe"): PROBE,
+    N_("{order}: its roll does not turn, or its angle is not known"): N_(
+        "start the line; where it runs, look at the angle of that roll"
+    ),
+    N_("{order}: {f} Hz is outside the probed {low}..{high} Hz"): PROBE_HERE,
+    N_("{order}: phase error at {f} Hz may reach {error} deg"): PROBE_HERE,
+    N_("{order}: coherence {coherence} near {f} Hz is too low"): PROBE_HERE,
+    N_("{order}: {f} Hz exceeds 1/20 of the sample rate"): N_(
+        "run slower, or leave that order out of the site file"
+    ),
+    N_(
+        "{roll}: {angle} counts against the line's speed; turn the sign of its scale, "
+        "or that of the speed"
+    ): ENCODER,
+    N_(
+        "{roll}: {angle} turns {ratio} times as fast as speed over radius; mend its scale "
+        "(counts per turn of the roll, gear), the radius or the channel"
+    ): ENCODER,
+}
+PREFIXED = "{actuator}: "
+BY_GUARD = {
+    N_("REMOTE=1: the PLC arms, by its reset"): N_("arm at the PLC, or turn its key to local"),
+    "SHADOW=1": N_("end shadow operation: aff-runtime shadow off"),
+}
+
+
+def translated(blocked: str, say: Say) -> tuple[str, str] | None:
+    """Return an objection and what to do about it; None for a sentence that is not known."""
+    if blocked in BY_GUARD:
+        return say(blocked) if "=1:" in blocked else blocked, say(BY_GUARD[blocked])
+    for sentence, to_do in SENTENCES.items():
+        found = _pattern(sentence).fullmatch(blocked)
+        if found is not None:
+            named = found.groupdict()
+            actuator = named.pop("actuator")
+            return f"{actuator}: {say(sentence).format(**named)}", say(to_do)
+    return None
+
+
+@cache
+def _pattern(sentence: str) -> re.Pattern[str]:
+    parts = re.split(r"\{(\w+)\}", PREFIXED + sentence)
+    texts = [f"(?P<{part}>.+?)" if i % 2 else re.escape(part) for i, part in enumerate(parts)]
+    return re.compile("".join(texts), re.DOTALL)

@@ -1,0 +1,259 @@
+"""The life of every alarm (ISA-18.2): when it came, who has seen it, whether it is over.
+
+Acknowledging and shelving are of this screen: they move nothing and arm nothing. What cannot be
+known, because the service is not heard, is neither begun nor ended.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+from aff_hmi.notices import Condition
+from aff_runtime.app.report.alarm_table import PRIORITIES
+from aff_runtime.base.events import BY_CODE, Reaction
+from aff_runtime.base.ports import Clock
+
+CHATTER_NS = 60_000_000_000
+TOGETHER_NS = 2_000_000_000
+TEN_MIN_NS = 600_000_000_000
+DAY_NS = 86_400_000_000_000
+FLOOD = 10  # in ten minutes: more than a person can follow (EEMUA 191)
+MOST = 64
+MOST_EVENTS = 200
+MOST_MINUTES = 480
+HIGH = 1
+_S = 1e-9
+
+
+class Life(StrEnum):
+    """Where an alarm stands; ``GONE`` is over and was not seen by anybody yet."""
+
+    ACTIVE = "active"
+    SEEN = "seen"
+    GONE = "gone"
+    SHELVED = "shelved"
+
+
+class Refusal(StrEnum):
+    """Why an alarm is not acknowledged or shelved."""
+
+    UNKNOWN = "unknown"
+    HIGH = "high"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Follower:
+    """An event of the same two seconds as a first-out, ``after_s`` behind it."""
+
+    name: str
+    after_s: float
+
+
+@dataclass(slots=True, kw_only=True)
+class Alarm:
+    """One line of the book.
+
+    Attributes
+    ----------
+    since_s : wall time of its coming. ``tick`` : of its event; None for what is no event.
+    gone_s : wall time of its end; None while it stands.
+    times : how often it came in a row, each within a minute of the one before.
+    seen_by : who acknowledged it. ``shelved_until_ns`` : 0 when it is not.
+    is_first : it is what took the correction out; ``followers`` came with it.
+    """
+
+    condition: Condition
+    since_s: float
+    came_ns: int
+    tick: int | None = None
+    gone_s: float | None = None
+    times: int = 1
+    seen_by: str = ""
+    shelved_until_ns: int = 0
+    shelved_by: str = ""
+    reason: str = ""
+    is_first: bool = False
+    followers: tuple[Follower, ...] = ()
+
+    @property
+    def life(self) -> Life:
+        """Where it stands."""
+        if self.shelved_until_ns:
+            return Life.SHELVED
+        if self.gone_s is not None:
+            return Life.GONE
+        return Life.SEEN if self.seen_by else Life.ACTIVE
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Load:
+    """How many alarms came: in ten minutes, and in a day (or since the start) by rank."""
+
+    ten_minutes: int
+    day: tuple[int, int, int]
+
+    @property
+    def is_flood(self) -> bool:
+        """Whether it is more than a person can follow."""
+        return self.ten_minutes > FLOOD
+
+
+class AlarmBook:
+    """Keeps the alarms of one line.
+
+    Parameters
+    ----------
+    wall : returns wall time, s since 1970.
+    can_be_seen : whether somebody can acknowledge here; else what is over leaves by itself.
+    """
+
+    def __init__(self, clock: Clock, wall: Callable[[], float], *, can_be_seen: bool) -> None:
+        self._clock = clock
+        self._wall = wall
+        self._can_be_seen = can_be_seen
+        self._alarms: dict[str, Alarm] = {}
+        self._pending: dict[str, int] = {}
+        self._left: dict[str, tuple[int, int]] = {}
+        self._events: deque[tuple[int, int, int]] = deque(maxlen=MOST_EVENTS)
+        self._came: deque[tuple[int, int]] = deque(maxlen=10_000)
+
+    def hear(self, events: Sequence[tuple[float, ...]]) -> None:
+        """Take events of the ring, (tick, monotonic ns, code, argument) in order."""
+        self._events.extend((int(t_ns), int(code), int(tick)) for tick, t_ns, code, _ in events)
+
+    def look(self, conditions: Sequence[Condition], *, is_known: bool) -> None:
+        """Compare with what stands now.
+
+        Parameters
+        ----------
+        is_known : whether ``conditions`` are all that there is; while the service is not heard
+            they are not, and nothing ends.
+        """
+        now_ns = self._clock.now_ns()
+        standing = {one.key: one for one in conditions}
+        for key, one in standing.items():
+            self._stand(key, one, now_ns)
+        for key in [key for key in self._pending if key not in standing]:
+            del self._pending[key]
+        for key, alarm in list(self._alarms.items()):
+            if key not in standing and is_known and alarm.gone_s is None:
+                alarm.gone_s = self._wall()
+            if alarm.shelved_until_ns and now_ns >= alarm.shelved_until_ns:
+                self._unshelve(alarm)
+            if alarm.gone_s is not None and not alarm.shelved_until_ns:
+                self._let_go(key, alarm, now_ns)
+        self._left = {k: v for k, v in self._left.items() if now_ns - v[0] < CHATTER_NS}
+
+    def shown(self) -> list[Alarm]:
+        """Return all lines: the most urgent first, what is over behind, shelved ones last."""
+        behind = {Life.SHELVED: 2, Life.GONE: 1}
+        return sorted(
+            self._alarms.values(),
+            key=lambda a: (behind.get(a.life, 0), a.condition.rank, not a.is_first, -a.came_ns),
+        )
+
+    def load(self) -> Load:
+        """Return how many came."""
+        now_ns = self._clock.now_ns()
+        recent = [rank for came_ns, rank in self._came if now_ns - came_ns < TEN_MIN_NS]
+        day = Counter(rank for came_ns, rank in self._came if now_ns - came_ns < DAY_NS)
+        return Load(ten_minutes=len(recent), day=(day[1], day[2], day[3]))
+
+    # --- what a person does -----------------------------------------------------------------
+
+    def acknowledge(self, key: str, who: str) -> Refusal | None:
+        """Note that somebody has seen an alarm; what is over leaves the book."""
+        alarm = self._alarms.get(key)
+        if alarm is None:
+            return Refusal.UNKNOWN
+        alarm.seen_by = who
+        if alarm.gone_s is not None and not alarm.shelved_until_ns:
+            self._let_go(key, alarm, self._clock.now_ns())
+        return None
+
+    def shelve(self, key: str, who: str, minutes: int, reason: str) -> Refusal | None:
+        """Put an alarm aside for a while, ``MOST_MINUTES`` at most; 0 takes it back."""
+        alarm = self._alarms.get(key)
+        if alarm is None:
+            return Refusal.UNKNOWN
+        if minutes <= 0:
+            self._unshelve(alarm)
+            return None
+        if alarm.condition.rank == HIGH:
+            return Refusal.HIGH
+        minutes = min(minutes, MOST_MINUTES)
+        alarm.shelved_until_ns = self._clock.now_ns() + minutes * 60_000_000_000
+        alarm.shelved_by, alarm.reason = who, reason
+        return None
+
+    # --- one alarm --------------------------------------------------------------------------
+
+    def _stand(self, key: str, one: Condition, now_ns: int) -> None:
+        alarm = self._alarms.get(key)
+        if alarm is not None and alarm.gone_s is None:
+            alarm.condition = one
+            self._mark_first(alarm)
+            return
+        since_ns = self._pending.setdefault(key, now_ns)
+        if (now_ns - since_ns) * _S < one.delay_s:
+            return
+        del self._pending[key]
+        times = 1
+        if alarm is not None:  # over, not seen yet, and here again
+            times = alarm.times + 1
+        elif key in self._left:
+            times = self._left.pop(key)[1] + 1
+        at = self._event_of(one)
+        came_ns = at[0] if at is not None else since_ns
+        fresh = Alarm(
+            condition=one,
+            since_s=self._wall() - (now_ns - came_ns) * _S,
+            came_ns=came_ns,
+            tick=at[2] if at is not None else None,
+            times=times,
+        )
+        if alarm is not None and alarm.shelved_until_ns:
+            fresh.shelved_until_ns = alarm.shelved_until_ns
+            fresh.shelved_by, fresh.reason = alarm.shelved_by, alarm.reason
+        self._alarms[key] = fresh
+        self._mark_first(fresh)
+        if not fresh.shelved_until_ns:
+            self._came.append((now_ns, one.rank))
+        self._bound()
+
+    def _event_of(self, one: Condition) -> tuple[int, int, int] | None:
+        """Return the newest event that a condition is; None for what is none."""
+        return next((e for e in reversed(self._events) if one.code and e[1] == one.code), None)
+
+    def _mark_first(self, alarm: Alarm) -> None:
+        """Note what came within two seconds of the event that took the correction out."""
+        event = BY_CODE.get(alarm.condition.code) if alarm.condition.code else None
+        alarm.is_first = event is not None and event.reaction is Reaction.FADE_AND_LATCH
+        if not alarm.is_first or alarm.tick is None:
+            return
+        first_ns = alarm.came_ns
+        found: dict[str, float] = {}
+        for t_ns, code, _ in self._events:
+            name = BY_CODE[code].name if code in BY_CODE else ""
+            is_other = code != alarm.condition.code and name in PRIORITIES
+            if is_other and 0 <= t_ns - first_ns <= TOGETHER_NS:
+                found.setdefault(name, (t_ns - first_ns) * _S)
+        alarm.followers = tuple(Follower(name=n, after_s=s) for n, s in found.items())
+
+    def _let_go(self, key: str, alarm: Alarm, now_ns: int) -> None:
+        if alarm.seen_by or not self._can_be_seen:
+            del self._alarms[key]
+            self._left[key] = (now_ns, alarm.times)
+
+    @staticmethod
+    def _unshelve(alarm: Alarm) -> None:
+        alarm.shelved_until_ns, alarm.shelved_by, alarm.reason = 0, "", ""
+
+    def _bound(self) -> None:
+        """Keep ``MOST`` lines: the oldest of those that are over go first."""
+        while len(self._alarms) > MOST:
+            over = [k for k, a in self._alarms.items() if a.gone_s is not None]
+            del self._alarms[(over or list(self._alarms))[0]]

@@ -1,0 +1,140 @@
+"""What the page of alarms and events shows of a moment, in the reader's language."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from aff_hmi.notices import filled
+from aff_hmi.see.alarm_book import Alarm, AlarmBook, Life
+from aff_hmi.see.events import Entry, Kind
+from aff_hmi.words import N_, Say
+from aff_runtime.base.printable import printable
+
+LIVES = {
+    Life.ACTIVE: N_("active"),
+    Life.SEEN: N_("active, seen"),
+    Life.GONE: N_("over, not seen yet"),
+    Life.SHELVED: N_("shelved"),
+}
+KINDS = {
+    Kind.ALARM: N_("alarm"),
+    Kind.STATE: N_("state"),
+    Kind.ROLL: N_("roll"),
+    Kind.SETTINGS: N_("settings"),
+    Kind.SERVICE: N_("service"),
+    Kind.PERSON: N_("person"),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AlarmLine:
+    """One alarm as it is shown; words are translated, times are wall time in s."""
+
+    key: str
+    rank: int
+    name: str
+    text: str
+    to_do: str
+    life: str
+    life_word: str
+    since_s: float
+    gone_s: float | None
+    tick: int | None
+    times: int
+    is_first: bool
+    followers: tuple[str, ...]
+    seen_by: str
+    shelved: str
+    can_shelve: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AlarmPart:
+    """What changes on the page.
+
+    Attributes
+    ----------
+    load : sentence on how many alarms came. ``is_flood`` : more than a person can follow.
+    newest : number of the newest event; the page asks for events when it changes.
+    history : what ails the history, empty for nothing.
+    """
+
+    alarms: tuple[AlarmLine, ...]
+    load: str
+    is_flood: bool
+    newest: int
+    history: str
+
+
+def alarm_part(book: AlarmBook, newest: int, history: str, say: Say) -> AlarmPart:
+    """Return the part of a frame that is of alarms and events."""
+    load = book.load()
+    words = say(
+        N_("alarms in ten minutes: {ten}; in a day: {high} high, {medium} medium, {low} low")
+    )
+    high, medium, low = load.day
+    return AlarmPart(
+        alarms=tuple(_line(one, say) for one in book.shown()),
+        load=words.format(ten=load.ten_minutes, high=high, medium=medium, low=low),
+        is_flood=load.is_flood,
+        newest=newest,
+        history=say(N_("history is not kept: {why}")).format(why=printable(history, 120))
+        if history
+        else "",
+    )
+
+
+def _line(alarm: Alarm, say: Say) -> AlarmLine:
+    one = alarm.condition
+    after = say(N_("{name} {seconds} s after"))
+    shelved = say(N_("by {name}: {reason}"))
+    return AlarmLine(
+        key=one.key,
+        rank=one.rank,
+        name=one.name,
+        text=filled(one.text, one.values, say),
+        to_do=say(one.to_do),
+        life=alarm.life,
+        life_word=say(LIVES[alarm.life]),
+        since_s=round(alarm.since_s, 3),
+        gone_s=None if alarm.gone_s is None else round(alarm.gone_s, 3),
+        tick=alarm.tick,
+        times=alarm.times,
+        is_first=alarm.is_first,
+        followers=tuple(
+            after.format(name=f.name, seconds=f"{f.after_s:.3f}") for f in alarm.followers
+        ),
+        seen_by=alarm.seen_by,
+        shelved=shelved.format(name=alarm.shelved_by, reason=alarm.reason)
+        if alarm.shelved_until_ns
+        else "",
+        can_shelve=one.rank != 1 and alarm.life is not Life.GONE,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EventLine:
+    """One event as it is shown."""
+
+    number: int
+    utc_s: float
+    tick: int | None
+    kind: str
+    roll: str
+    name: str
+    text: str
+    who: str
+
+
+def event_line(entry: Entry, say: Say) -> EventLine:
+    """Return an event in the reader's language."""
+    return EventLine(
+        number=entry.number,
+        utc_s=entry.utc_s,
+        tick=entry.tick,
+        kind=say(KINDS[entry.kind]),
+        roll=entry.roll,
+        name=entry.name,
+        text=filled(entry.text, entry.values, say),
+        who=entry.who,
+    )

@@ -1,0 +1,122 @@
+"""What a page asks for beside its frames: history, by GET, and nothing is changed by it."""
+
+from __future__ import annotations
+
+import csv
+import io
+import sqlite3
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from datetime import UTC, datetime
+
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import BaseRoute, Route
+
+from aff_hmi.see import events
+from aff_hmi.see.alarm_part import event_line
+from aff_hmi.see.kept import Kept
+from aff_hmi.see.trend_part import trend_part
+from aff_hmi.words import N_, Say
+
+MOST_IN_FILE = 10_000
+LONGEST_ROLL = 60
+NOT_NOW = N_("the history cannot be read now; try again")
+NO_SENSE = N_("that is no request of this screen")
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+
+
+def data_routes(kept: Kept, say_of: Callable[[HTTPConnection], Say]) -> list[BaseRoute]:
+    """Return the routes of history."""
+    data = Data(kept, say_of)
+    return [
+        Route("/data/events", data.events),
+        Route("/data/events.csv", data.events_file),
+        Route("/data/trend", data.trend),
+    ]
+
+
+class Data:
+    """Answers what is asked of history.
+
+    Parameters
+    ----------
+    say_of : the language of a request.
+    """
+
+    def __init__(self, kept: Kept, say_of: Callable[[HTTPConnection], Say]) -> None:
+        self._kept = kept
+        self._say_of = say_of
+
+    async def events(self, request: Request) -> Response:
+        """Return events, the newest first."""
+        say = self._say_of(request)
+        wanted = wanted_of(request)
+        if wanted is None:
+            return _refusal(400, say(NO_SENSE))
+        try:
+            found = await self._kept.store.ask(lambda c: events.select(c, wanted))
+        except (sqlite3.Error, BlockingIOError):
+            return _refusal(503, say(NOT_NOW))
+        return JSONResponse({"ok": True, "events": [asdict(event_line(e, say)) for e in found]})
+
+    async def events_file(self, request: Request) -> Response:
+        """Return events as a file for a spreadsheet, times in UTC."""
+        say = self._say_of(request)
+        wanted = wanted_of(request)
+        if wanted is None:
+            return _refusal(400, say(NO_SENSE))
+        try:
+            whole = replace(wanted, most=MOST_IN_FILE)
+            found = await self._kept.store.ask(lambda c: events.select(c, whole))
+        except (sqlite3.Error, BlockingIOError):
+            return _refusal(503, say(NOT_NOW))
+        text = io.StringIO()
+        writer = csv.writer(text)
+        writer.writerow(("utc", "tick", "kind", "roll", "name", "text", "who"))
+        for entry in found:
+            line = event_line(entry, say)
+            cells = (line.kind, line.roll, line.name, line.text, line.who)
+            tick = "" if line.tick is None else line.tick
+            writer.writerow((_utc(line.utc_s), tick, *map(harmless, cells)))
+        return Response(
+            text.getvalue(),
+            media_type="text/csv; charset=utf-8",
+            headers={"content-disposition": 'attachment; filename="aff-events.csv"'},
+        )
+
+    async def trend(self, request: Request) -> Response:
+        """Return the curves of a group over a window."""
+        say, asked = self._say_of(request), request.query_params
+        try:
+            read = self._kept.trends.wanted(asked.get("group", ""), asked.get("window", ""))
+        except KeyError:
+            return _refusal(400, say(NO_SENSE))
+        try:
+            found = await self._kept.store.ask(read)
+        except (sqlite3.Error, BlockingIOError):
+            return _refusal(503, say(NOT_NOW))
+        return JSONResponse({"ok": True, "trend": asdict(trend_part(found, say))})
+
+
+def wanted_of(request: Request) -> events.Wanted | None:
+    """Return which events a request wants; None for what is no request of ours."""
+    asked = request.query_params
+    kind, roll, before = asked.get("kind", ""), asked.get("roll", ""), asked.get("before", "0")
+    is_right = kind in ("", *events.Kind) and len(roll) <= LONGEST_ROLL
+    if not is_right or not (before.isascii() and before.isdigit() and len(before) <= 15):
+        return None
+    return events.Wanted(kind=kind, roll=roll, before=int(before))
+
+
+def harmless(cell: str) -> str:
+    """Return a cell that no spreadsheet takes for a formula."""
+    return f"'{cell}" if cell.startswith(FORMULA) else cell
+
+
+def _utc(utc_s: float) -> str:
+    return datetime.fromtimestamp(utc_s, UTC).isoformat(timespec="milliseconds")
+
+
+def _refusal(status: int, text: str) -> Response:
+    return JSONResponse({"ok": False, "text": text}, status)

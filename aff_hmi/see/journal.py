@@ -1,0 +1,257 @@
+"""Writes down what happens: the service's own events, and what changes between two looks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from aff_hmi.notices import is_probing, why_it_rests
+from aff_hmi.reason import MEANS
+from aff_hmi.see.events import Entry, Kind, insert, newest, prune
+from aff_hmi.see.store import Store
+from aff_hmi.watch import News, Seen
+from aff_hmi.words import N_
+from aff_runtime.app.door.messages import Facts
+from aff_runtime.app.report.alarm_table import PRIORITIES
+from aff_runtime.base.events import BY_CODE
+from aff_runtime.base.ports import Clock
+from aff_runtime.base.printable import printable
+from aff_runtime.base.signals import State
+
+STANDS_NS = 5_000_000_000  # that an order rests, before it is told
+PRUNE_NS = 600_000_000_000
+MOST_AT_ONCE = 200
+LONGEST = 200
+MISSED_NS = 60_000_000_000
+_S = 1e-9
+NEEDED, ROLL_ID = ("time_s", "tick", "state"), "roll_id"
+ROLL_EVENTS = ("SPLICE", "RADIUS_JUMP")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Told:
+    """What the facts said last, of which a change is an event."""
+
+    config: str = ""
+    differs: str = ""
+    trying: bool = False
+    probing: bool = False
+    control_pid: int = 0
+    recording: bool = True
+    shapes: tuple[str, ...] = ()
+    wire: tuple[str, ...] = ()
+
+
+class Journal:
+    """Follows one line and keeps its events in a store.
+
+    Parameters
+    ----------
+    wall : returns wall time, s since 1970.
+
+    Attributes
+    ----------
+    number : of the newest row that is kept; a page asks again when it changes.
+    """
+
+    def __init__(self, store: Store, clock: Clock, wall: Callable[[], float]) -> None:
+        self._store = store
+        self._clock = clock
+        self._wall = wall
+        self._new: list[Entry] = []
+        self._state: State | None = None
+        self._roll_id = math.nan
+        self._told: _Told | None = None
+        self._heard: bool | None = None
+        self._rests: dict[str, str] = {}
+        self._since: dict[str, tuple[str, int]] = {}
+        self._missed = math.nan
+        self._missed_ns = 0
+        self._pruned_ns: int | None = None
+        self.number = store.now(newest)
+
+    def add(self, kind: Kind, name: str, text: str, **more: str) -> None:
+        """Write something down that happens now; ``who`` and values of the text by name."""
+        who = printable(more.pop("who", ""), 60)
+        values = {key: printable(value, LONGEST) for key, value in more.items()}
+        self._write(
+            Entry(utc_s=self._wall(), kind=kind, name=name, text=text, values=values, who=who)
+        )
+
+    def listen(self, news: News) -> None:
+        """Take what a poll of the ring has brought: events, states, rolls."""
+        now_ns, now_s = self._clock.now_ns(), self._wall()
+        for tick, t_ns, code, _ in news.events:
+            self._write(_of_ring(news.ring, int(tick), now_s - (now_ns - t_ns) * _S, int(code)))
+        if not news.records or any(name not in news.columns for name in NEEDED):
+            return
+        at = {name: news.columns.index(name) for name in NEEDED}
+        of_roll = news.columns.index(ROLL_ID) if ROLL_ID in news.columns else None
+        end_s = news.records[-1][at["time_s"]]
+        for record in news.records:
+            state = record[at["state"]]
+            roll_id = self._roll_id if of_roll is None else record[of_roll]
+            is_same = of_roll is None or roll_id == self._roll_id
+            if state == self._state and is_same:
+                continue
+            utc_s = now_s - (end_s - record[at["time_s"]])
+            self._write_all(self._changes(utc_s, int(record[at["tick"]]), int(state), roll_id))
+
+    def look(self, seen: Seen) -> None:
+        """Compare with the last look what the facts and the newest tick say; then keep it all."""
+        self._hear(seen)
+        if seen.facts is not None:
+            self._compare(seen.facts)
+        if seen.row is not None and seen.writer_lives:
+            self._orders(seen)
+            self._ticks(seen.row.number("missed_count"))
+        self._keep()
+
+    # --- what is written --------------------------------------------------------------------
+
+    def _changes(self, utc_s: float, tick: int, code: int, roll_id: float) -> Iterator[Entry]:
+        state = State(code) if code in State._value2member_map_ else None
+        if state is not self._state and state is not None:
+            before = f"{self._state.name} → " if self._state is not None else ""
+            text = MEANS[state.name]
+            name = f"{before}{state.name}"
+            yield Entry(utc_s=utc_s, tick=tick, kind=Kind.STATE, name=name, text=text)
+        if math.isfinite(self._roll_id) and math.isfinite(roll_id) and roll_id != self._roll_id:
+            yield Entry(
+                utc_s=utc_s,
+                tick=tick,
+                kind=Kind.ROLL,
+                name="ROLL",
+                text=N_("another roll: number {number}"),
+                values={"number": f"{roll_id:.0f}"},
+            )
+        self._state, self._roll_id = state, roll_id
+
+    def _hear(self, seen: Seen) -> None:
+        heard = seen.facts is not None and not seen.trouble
+        if self._heard is not None and heard != self._heard:
+            text = N_("the service is heard") if heard else N_("the service is not heard any more")
+            self.add(Kind.SERVICE, "SERVICE", text)
+        self._heard = heard
+
+    def _compare(self, facts: Facts) -> None:
+        status, before = facts.status, self._told
+        recorder = status.recorder
+        now = self._told = _Told(
+            config=status.config_hash[:8],
+            differs=next(iter(status.config_differs), ""),
+            trying=bool(status.trying),
+            probing=status.probing,
+            control_pid=status.control_pid,
+            recording=recorder is None or recorder.alive or not recorder.folder,
+            shapes=status.shapes,
+            wire=facts.wire,
+        )
+        if before is None:
+            return
+        settings, service = Kind.SETTINGS, Kind.SERVICE
+        if now.config != before.config:
+            text = N_("other settings are in force: revision {after}, before {before}")
+            self.add(settings, "SETTINGS", text, after=now.config, before=before.config)
+        if now.differs != before.differs and now.differs:
+            text = N_("the site file is not what runs: {why}")
+            self.add(settings, "CONFIG_DIFFERS", text, why=now.differs)
+        if now.trying != before.trying:
+            text = N_("a try of other settings begins") if now.trying else N_("the try has ended")
+            self.add(settings, "TRY", text)
+        if now.probing != before.probing:
+            begins, ends = N_("the probe begins"), N_("the probe has ended")
+            self.add(service, "PROBE", begins if now.probing else ends)
+        if now.control_pid != before.control_pid:
+            text = N_("the control process was started anew")
+            ended = N_("the control process has ended; it comes back idle")
+            self.add(service, "CONTROL", text if now.control_pid else ended)
+        if now.recording != before.recording:
+            text = N_("it is recorded again") if now.recording else N_("nothing is recorded")
+            self.add(service, "RECORDER", text)
+        for said in [one for one in now.shapes if one not in before.shapes]:
+            self.add(Kind.ROLL, "SHAPE", "{said}", said=said)
+        for said in [one for one in now.wire if one not in before.wire][:2]:
+            self.add(service, "WIRE", "{said}", said=said)
+
+    def _orders(self, seen: Seen) -> None:
+        """Tell of orders that begin to rest, and of those that work again."""
+        assert seen.row is not None
+        if seen.row.state is not State.ACTIVE or is_probing(seen):
+            self._since.clear()
+            return
+        now_ns = self._clock.now_ns()
+        for order in seen.row.orders():
+            key, why = f"{order.actuator}.{order.name}", why_it_rests(order)
+            if why == self._rests.get(key, ""):
+                self._since.pop(key, None)
+                continue
+            since = self._since.get(key)
+            if since is None or since[0] != why:
+                self._since[key] = (why, now_ns)
+            elif now_ns - since[1] >= STANDS_NS:
+                self._since.pop(key)
+                self._rests[key] = why
+                self._write(
+                    Entry(
+                        utc_s=self._wall() - (now_ns - since[1]) * _S,
+                        tick=int(seen.row.number("tick")),
+                        kind=Kind.ROLL,
+                        roll=printable(order.roll, 60),
+                        name=printable(f"{order.actuator}: {order.name}", 120),
+                        text=why or N_("works again"),
+                    )
+                )
+
+    def _ticks(self, missed: float) -> None:
+        """Tell of ticks that never happened, once a minute at most."""
+        now_ns = self._clock.now_ns()
+        if math.isnan(self._missed) or missed < self._missed:
+            self._missed = missed
+        if missed > self._missed and now_ns - self._missed_ns >= MISSED_NS:
+            text = N_("{count} ticks did not happen")
+            self.add(Kind.SERVICE, "TICKS", text, count=f"{missed - self._missed:.0f}")
+            self._missed, self._missed_ns = missed, now_ns
+
+    # --- the store --------------------------------------------------------------------------
+
+    def _write(self, entry: Entry) -> None:
+        if len(self._new) < MOST_AT_ONCE:  # a flood costs its own tail
+            self._new.append(entry)
+
+    def _write_all(self, entries: Iterator[Entry]) -> None:
+        for entry in entries:
+            self._write(entry)
+
+    def _keep(self) -> None:
+        now_ns, now_s = self._clock.now_ns(), self._wall()
+        is_due = self._pruned_ns is None or now_ns - self._pruned_ns > PRUNE_NS
+        if not self._new and not is_due:
+            return
+        entries, self._new = self._new, []
+        store = self._store
+        if is_due:
+            self._pruned_ns = now_ns
+            store.put(lambda c: prune(c, now_s, is_full=store.is_full(c)))
+
+        def write(connection: object) -> None:
+            insert(connection, entries)  # type: ignore[arg-type]
+            self.number = newest(connection)  # type: ignore[arg-type]
+
+        if entries:
+            store.put(write)
+
+
+def _of_ring(ring: str, tick: int, utc_s: float, code: int) -> Entry:
+    event = BY_CODE.get(code)
+    name = event.name if event is not None else f"CODE {code}"
+    kind = Kind.ALARM if name in PRIORITIES else Kind.STATE
+    return Entry(
+        utc_s=utc_s,
+        tick=tick,
+        kind=Kind.ROLL if name in ROLL_EVENTS else kind,
+        name=name,
+        text=event.text if event is not None else "",
+        once=f"{ring} {tick} {code}",
+    )

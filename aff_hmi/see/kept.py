@@ -1,0 +1,173 @@
+"""Everything that the screen keeps of a line, and what a page shows of it in a frame."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+
+from aff_hmi.layout import Layout, label_of
+from aff_hmi.notices import RANK, Condition, conditions_of
+from aff_hmi.see import events
+from aff_hmi.see.alarm_book import AlarmBook
+from aff_hmi.see.alarm_part import KINDS, AlarmPart, alarm_part
+from aff_hmi.see.events import Kind
+from aff_hmi.see.journal import Journal
+from aff_hmi.see.rolls_part import RollsPart, rolls_part
+from aff_hmi.see.store import Store
+from aff_hmi.see.trend_part import GROUPS, WINDOW_WORDS, group_name
+from aff_hmi.see.trend_rows import SCHEMA as TREND_SCHEMA
+from aff_hmi.see.trends import Trends
+from aff_hmi.view import GONE, state_of
+from aff_hmi.watch import News, Seen
+from aff_hmi.words import N_, Say, say_in
+from aff_runtime.app.hand.bucket import Bucket
+from aff_runtime.app.report.alarm_table import Priority
+from aff_runtime.base.clock import wall_time_s
+from aff_runtime.base.ports import Clock
+
+LOOK_NS = 450_000_000
+FRESH_S = 0.7
+ALARMS, ROLLS = "alarms", "rolls"
+NO_SERVICE = Condition(
+    key="SERVICE",
+    rank=RANK[Priority.MEDIUM],
+    name="SERVICE",
+    text=N_("no service answers; the PI drives carry on alone"),
+    to_do=N_("start it, or see its log: journalctl -u aff-runtime"),
+    delay_s=5.0,
+)
+PEOPLE = {
+    "login": N_("logged in"),
+    "login refused": N_("a login was refused"),
+    "logout": N_("logged out"),
+    "session ended": N_("the session has ended"),
+    "hand taken": N_("took the hand"),
+    "hand taken over": N_("took the hand over"),
+    "hand released": N_("released the hand"),
+    "hand ended": N_("the hand has ended"),
+    "alarm seen": N_("has seen an alarm"),
+    "alarm put aside": N_("put an alarm aside"),
+    "alarm taken back": N_("took an alarm back"),
+    "bypass: done": N_("bypass"),
+    "bypass: refused": N_("a bypass was refused"),
+    "arm: done": N_("armed"),
+    "arm: refused": N_("arming was refused"),
+}
+
+
+class Kept:
+    """History of one line.
+
+    Parameters
+    ----------
+    folder : where it outlives the screen; None keeps it in memory, until the end.
+    can_be_seen : whether somebody can acknowledge an alarm here.
+    wall : returns wall time, s since 1970.
+    """
+
+    def __init__(
+        self,
+        folder: Path | None,
+        clock: Clock,
+        *,
+        can_be_seen: bool = False,
+        wall: Callable[[], float] = wall_time_s,
+    ) -> None:
+        self._clock = clock
+        self.store = Store(folder, (*events.SCHEMA, *TREND_SCHEMA))
+        self.journal = Journal(self.store, clock, wall)
+        if self.store.trouble:
+            text = N_("history is not kept: {why}")
+            self.journal.add(Kind.SERVICE, "HISTORY", text, why=self.store.trouble)
+        self._refusals = Bucket(clock, per_s=0.1, burst=10.0)
+        self.book = AlarmBook(clock, wall, can_be_seen=can_be_seen)
+        self.trends = Trends(self.store, wall)
+        self._columns: tuple[str, ...] = ()
+        self._looked_ns: int | None = None
+        self._seen = Seen()
+        self._layout = Layout()
+        self._texts: dict[tuple[str, str], str] = {}
+        self._parts: dict[str, Callable[[Say], AlarmPart | RollsPart]] = {
+            ALARMS: self._alarm_part,
+            ROLLS: lambda say: rolls_part(self._seen, say),
+        }
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """What a page may ask for in its frames."""
+        return tuple(self._parts)
+
+    @property
+    def kinds(self) -> tuple[tuple[str, str], ...]:
+        """Return every kind of event with its word, in English."""
+        return tuple((kind.value, word) for kind, word in KINDS.items())
+
+    @property
+    def rolls(self) -> tuple[tuple[str, str], ...]:
+        """Return every roll of the site with its label."""
+        facts = self._seen.facts
+        site = facts.status.facts if facts is not None else None
+        return tuple((one.name, label_of(one.name)) for one in site.rolls) if site else ()
+
+    @property
+    def windows(self) -> tuple[tuple[str, str], ...]:
+        """Return every window of the trends with its word, in English."""
+        return tuple(WINDOW_WORDS.items())
+
+    def groups(self, say: Say) -> tuple[tuple[str, str], ...]:
+        """Return every group of curves that is kept now, in the reader's language."""
+        there = dict.fromkeys(one.group for one in self.trends.series if one.group != "state")
+        ordered = [one for one in GROUPS if one in there]
+        ordered += [one for one in there if one not in GROUPS]
+        return tuple((group, group_name(group, say)) for group in ordered)
+
+    def listen(self, news: News) -> None:
+        """Take what a poll has brought."""
+        self.book.hear(news.events)
+        self.journal.listen(news)
+        self._columns = news.columns
+        self.trends.listen(news)
+
+    def look(self, seen: Seen, layout: Layout) -> None:
+        """Take note of a moment, twice a second at most."""
+        now_ns = self._clock.now_ns()
+        if self._looked_ns is not None and now_ns - self._looked_ns < LOOK_NS:
+            return
+        self._looked_ns = now_ns
+        self._seen, self._layout = seen, layout
+        self._texts.clear()
+        state = state_of(seen)
+        is_fresh = seen.writer_lives and seen.tick_age_s is not None
+        found = conditions_of(seen, state)
+        self.book.look(
+            (*found, NO_SERVICE) if state == GONE else found,
+            is_known=is_fresh and seen.tick_age_s < FRESH_S,  # type: ignore[operator]
+        )
+        self.journal.look(seen)
+        self.trends.look(seen, layout, self._columns)
+
+    def part(self, topic: str, language: str) -> str:
+        """Return what a page of a topic shows of the newest moment, as JSON."""
+        key = (topic, language)
+        if key not in self._texts:
+            part = self._parts[topic](say_in(language))
+            self._texts[key] = json.dumps(
+                asdict(part), ensure_ascii=False, allow_nan=False, separators=(",", ":")
+            )
+        return self._texts[key]
+
+    def person(self, what: str, who: str) -> None:
+        """Write down what somebody did; of a flood of refused logins, some."""
+        if what == "login refused" and not self._refusals.take():
+            return
+        self.journal.add(Kind.PERSON, "PERSON", PEOPLE.get(what, what), who=who)
+
+    def close(self) -> None:
+        """Write what waits, and close."""
+        self.trends.flush()
+        self.store.close()
+
+    def _alarm_part(self, say: Say) -> AlarmPart:
+        return alarm_part(self.book, self.journal.number, self.store.trouble, say)

@@ -1,0 +1,142 @@
+"""Which numbers of a line are kept: every tick of what is measured, samples of the rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aff_hmi.layout import Layout, label_of
+from aff_runtime.app.report.line_facts import LineFacts
+from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.base.signals import State
+
+MOST = 96
+VALUE, REFERENCE, NOW, WITHOUT, MEASURED = "value", "reference", "now", "without", "measured"
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Series:
+    """One curve: ``group`` is drawn together; ``role`` tells curves of one ``label`` apart."""
+
+    group: str
+    label: str
+    role: str
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class _OfTick:
+    series: Series
+    column: str
+    factor: float
+    state: State | None = None
+
+
+class SeriesSet:
+    """What is kept of one ring.
+
+    Parameters
+    ----------
+    columns : of the ring. ``layout``, ``site`` : names, units and limits of the line.
+
+    Attributes
+    ----------
+    all : every curve, those of each tick first, ``MOST`` at most.
+    """
+
+    def __init__(self, columns: Sequence[str], layout: Layout, site: LineFacts) -> None:
+        ticks = [one for one in _of_ticks(layout, site) if one.column in columns][:MOST]
+        self._ticks = tuple(ticks)
+        self._at = [columns.index(one.column) for one in ticks]
+        self._factors = np.array([one.factor for one in ticks])
+        self._states = [(i, one.state) for i, one in enumerate(ticks) if one.state is not None]
+        samples = dict(_of_samples(layout))
+        samples |= dict(_of_orders(columns, site))
+        self._samples = tuple(samples)[: MOST - len(ticks)]
+        self.all = (*(one.series for one in ticks), *(samples[slot] for slot in self._samples))
+
+    def of_ticks(self, records: Sequence[tuple[float, ...]]) -> NDArray[np.float64]:
+        """Return rows (ticks, curves) in the units of the screen; NaN where only samples are."""
+        rows = np.full((len(records), len(self.all)), np.nan)
+        picked = np.array([[record[i] for i in self._at] for record in records])
+        for at, state in self._states:
+            picked[:, at] = picked[:, at] == state
+        rows[:, : len(self._ticks)] = picked.reshape(len(records), -1) * self._factors
+        return rows
+
+    def of_sample(self, row: TickRow, values: Mapping[str, float]) -> NDArray[np.float64]:
+        """Return one row of what is no column of its own; NaN for what every tick has.
+
+        Parameters
+        ----------
+        values : of the overview, by slot.
+        """
+        found = dict(values)
+        for order in row.orders():
+            key = f"{order.actuator}.{order.name}"
+            before, now = order.ripple_before, order.ripple
+            is_both = before > 0.0 and now > 0.0 and row.state is State.ACTIVE
+            found[f"dB:{key}"] = 20.0 * math.log10(now / before) if is_both else math.nan
+            found[f"mm:{key}"] = order.size
+        sample = np.full((1, len(self.all)), np.nan)
+        sample[0, len(self._ticks) :] = [found.get(slot, math.nan) for slot in self._samples]
+        return sample
+
+
+def _of_ticks(layout: Layout, site: LineFacts) -> Iterator[_OfTick]:
+    for state in (State.ACTIVE, State.FAULT):
+        yield _OfTick(Series("state", state.name, VALUE, ""), "state", 1.0, state)
+    for tension in layout.tensions:
+        series = Series("tension", tension.label, VALUE, "N")
+        yield _OfTick(series, tension.channel, 1.0)
+        if tension.reference:
+            series = Series("tension", tension.label, REFERENCE, "N")
+            yield _OfTick(series, tension.reference, 1.0)
+    for output in site.outputs:
+        factor, unit = (1e3, "mm/s") if output.unit == "m/s" else (1.0, output.unit)
+        label = label_of(output.actuator)
+        series = Series("correction", label, VALUE, unit)
+        yield _OfTick(series, f"correction_{output.column}", factor)
+        series = Series("let_out", label, VALUE, "%")
+        yield _OfTick(series, f"applied_ratio_{output.column}", 100.0)
+    if layout.speed:
+        yield _OfTick(Series("speed", label_of(layout.speed), VALUE, "m/min"), layout.speed, 60.0)
+    for roll in site.rolls:
+        if roll.radius_channel:
+            series = Series("radius", label_of(roll.name), VALUE, "mm")
+            yield _OfTick(series, roll.radius_channel, 1e3)
+    for column, label, factor in (
+        ("tick_us", "tick", 1e-3),
+        ("wake_us", "wake", 1e-3),
+        ("age_s", "age", 1e3),
+    ):
+        yield _OfTick(Series("timing", label, VALUE, "ms"), column, factor)
+
+
+def _of_samples(layout: Layout) -> Iterator[tuple[str, Series]]:
+    for output in layout.outputs:
+        for role in (NOW, WITHOUT):
+            series = Series("ripple", output.signal, role, output.signal_unit)
+            yield f"{role}:{output.actuator}", series
+    for tension in layout.tensions:
+        yield f"rms:{tension.channel}", Series("ripple", tension.label, MEASURED, "N")
+
+
+def _of_orders(columns: Sequence[str], site: LineFacts) -> Iterator[tuple[str, Series]]:
+    """Yield change in dB and size of every order, actuator by actuator."""
+    names = [name for name in columns if name.count(".") == 2 and name.endswith(".state")]
+    for output in site.outputs:
+        label = label_of(output.actuator)
+        mine = [name.removesuffix(".state") for name in names]
+        mine = [name for name in mine if name.startswith(f"{output.actuator}.")]
+        for name in mine:
+            order = label_of(name.partition(".")[2])
+            yield f"dB:{name}", Series(f"dB {label}", order, VALUE, "dB")
+        for name in mine:
+            if f"{name}.shape_mm" in columns:
+                order = label_of(name.partition(".")[2])
+                yield f"mm:{name}", Series(f"mm {label}", order, VALUE, "mm")

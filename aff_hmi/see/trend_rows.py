@@ -1,0 +1,117 @@
+"""Rows of trends: least, mean and largest of every curve, a minute and an hour each."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aff_hmi.see.series import Series
+
+SCHEMA = (
+    "CREATE TABLE IF NOT EXISTS trend_series (id INTEGER PRIMARY KEY, names TEXT UNIQUE NOT NULL)",
+    "CREATE TABLE IF NOT EXISTS trend (tier INTEGER NOT NULL, t INTEGER NOT NULL, "
+    "series INTEGER NOT NULL, data BLOB NOT NULL, PRIMARY KEY (tier, t)) WITHOUT ROWID",
+)
+MINUTE_S, HOUR_S = 60, 3600
+KEPT_S = {MINUTE_S: 30 * 86_400, HOUR_S: 5 * 366 * 86_400}
+LEAST, MEAN, LARGEST = 0, 1, 2
+Bins = NDArray[np.float32]  # (bins, 3, curves)
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """Bins of curves in the order of time: ``t_s`` is where each begins, ``bin_s`` its length."""
+
+    t_s: NDArray[np.int64]
+    bins: Bins
+    bin_s: int
+
+
+def put_bins(
+    connection: sqlite3.Connection, tier: int, t_s: int, curves: Sequence[Series], bins: Bins
+) -> None:
+    """Keep one bin (3, curves); one of the same time is replaced."""
+    names = json.dumps([[c.group, c.label, c.role, c.unit] for c in curves])
+    connection.execute("INSERT OR IGNORE INTO trend_series (names) VALUES (?)", (names,))
+    (number,) = connection.execute(
+        "SELECT id FROM trend_series WHERE names = ?", (names,)
+    ).fetchone()
+    connection.execute(
+        "INSERT OR REPLACE INTO trend VALUES (?, ?, ?, ?)",
+        (tier, t_s, number, np.ascontiguousarray(bins, dtype=np.float32).tobytes()),
+    )
+
+
+def put_hour(connection: sqlite3.Connection, t_s: int, curves: Sequence[Series]) -> None:
+    """Keep the hour that begins at ``t_s``, from its minutes."""
+    minutes = get_bins(connection, MINUTE_S, t_s, t_s + HOUR_S, curves)
+    if len(minutes.t_s):
+        put_bins(connection, HOUR_S, t_s, curves, joined(minutes.bins))
+
+
+def get_bins(
+    connection: sqlite3.Connection, tier: int, from_s: float, to_s: float, curves: Sequence[Series]
+) -> Stretch:
+    """Return the bins of some curves; NaN where a curve was not kept."""
+    places: dict[int, list[int]] = {}
+    sizes: dict[int, int] = {}
+    for number, names in connection.execute("SELECT id, names FROM trend_series"):
+        kept = [Series(*one) for one in json.loads(names)]
+        places[number] = [kept.index(c) if c in kept else -1 for c in curves]
+        sizes[number] = len(kept)
+    rows = connection.execute(
+        "SELECT t, series, data FROM trend WHERE tier = ? AND t >= ? AND t < ? ORDER BY t",
+        (tier, from_s, to_s),
+    ).fetchall()
+    bins = np.full((len(rows), 3, len(curves)), np.nan, dtype=np.float32)
+    for n, (_, number, data) in enumerate(rows):
+        whole = np.frombuffer(data, dtype=np.float32).reshape(3, sizes[number])
+        at = np.array(places[number], dtype=np.int64)
+        bins[n][:, at >= 0] = whole[:, at[at >= 0]]
+    return Stretch(np.array([t for t, _, _ in rows], dtype=np.int64), bins, tier)
+
+
+def prune_trend(connection: sqlite3.Connection, now_s: float, *, is_full: bool) -> None:
+    """Let go of what is too old, and of the oldest tenth of the minutes where there is no room."""
+    for tier, kept_s in KEPT_S.items():
+        connection.execute("DELETE FROM trend WHERE tier = ? AND t < ?", (tier, now_s - kept_s))
+    if is_full:
+        connection.execute(
+            "DELETE FROM trend WHERE tier = ?1 AND t IN (SELECT t FROM trend WHERE tier = ?1 "
+            "ORDER BY t LIMIT (SELECT 1 + count(*) / 10 FROM trend WHERE tier = ?1))",
+            (MINUTE_S,),
+        )
+    connection.execute(
+        "DELETE FROM trend_series WHERE id NOT IN (SELECT DISTINCT series FROM trend)"
+    )
+
+
+def joined(bins: Bins) -> Bins:
+    """Return several bins (bins, 3, curves) as one (3, curves)."""
+    return folded(bins[:, LEAST], bins[:, MEAN], bins[:, LARGEST])
+
+
+def folded(
+    least: NDArray[np.floating], mean: NDArray[np.floating], largest: NDArray[np.floating]
+) -> Bins:
+    """Return one bin (3, curves) of rows (rows, curves); NaN for a curve that has nothing."""
+    with np.errstate(invalid="ignore"):
+        count = np.isfinite(mean).sum(axis=0)
+        return np.stack(
+            [np.fmin.reduce(least), np.nansum(mean, axis=0) / count, np.fmax.reduce(largest)]
+        ).astype(np.float32)
+
+
+def coarser(stretch: Stretch, bin_s: int) -> Stretch:
+    """Return the same in longer bins."""
+    if not len(stretch.t_s) or bin_s <= stretch.bin_s:
+        return stretch
+    begins = stretch.t_s // bin_s * bin_s
+    starts = np.flatnonzero(np.diff(begins, prepend=begins[0] - 1))
+    parts = np.split(stretch.bins, starts[1:])
+    return Stretch(begins[starts], np.stack([joined(part) for part in parts]), bin_s)

@@ -1,0 +1,189 @@
+// Rolls as pictures in mm, with the orders behind them.
+import { byId, number, onPart, part, put, words } from "/static/see.js";
+
+const SVG = "http://www.w3.org/2000/svg";
+const SIDE = 320;
+const ROUND = 78; // radius of the round roll, and the room that the largest deviation has: pixels
+const ROOM = 42;
+const MIDDLE = SIDE / 2;
+
+function shape(tag, attributes, text) {
+  const made = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, String(value));
+  if (text !== undefined) made.textContent = text;
+  return made;
+}
+
+// --- the picture -------------------------------------------------------------------------------
+
+function polar(roll) {
+  const size = Math.max(1e-3, ...roll.outline_mm.map(Math.abs));
+  const place = (deg, mm) => {
+    const radius = ROUND + (ROOM * mm) / size;
+    const turn = (Math.PI * deg) / 180;
+    return [MIDDLE + radius * Math.cos(turn), MIDDLE - radius * Math.sin(turn)];
+  };
+  const label = `${words.shape} ${roll.roll}: ${roll.extremes}`;
+  const picture = shape("svg", {
+    viewBox: `-16 0 ${SIDE + 32} ${SIDE}`,
+    role: "img",
+    "aria-label": label,
+    class: "polar",
+  });
+  for (const share of [-1, 0, 1]) {
+    const radius = ROUND + ROOM * share;
+    const kind = share ? "ring" : "round";
+    picture.append(shape("circle", { cx: MIDDLE, cy: MIDDLE, r: radius, class: kind }));
+    const sign = share > 0 ? "+" : "";
+    const text = `${sign}${number(share * size, 2)} mm`;
+    picture.append(shape("text", { x: MIDDLE + 4, y: MIDDLE - radius - 3 }, text));
+  }
+  for (const deg of [0, 90, 180, 270]) {
+    const [x, y] = place(deg, 1.75 * size);
+    picture.append(shape("text", { x, y: y + 4, "text-anchor": "middle" }, `${deg}°`));
+  }
+  const points = roll.outline_mm.map((mm, n) => place(n * roll.step_deg, mm).join(",")).join(" ");
+  picture.append(shape("polygon", { points, class: "outline" }));
+  return picture;
+}
+
+function enlarged(roll) {
+  const size = Math.max(1e-3, ...roll.outline_mm.map(Math.abs));
+  const times = roll.radius_mm ? ((ROOM / size) * roll.radius_mm) / ROUND : null;
+  return words.enlarged.replace("{times}", number(times, 0));
+}
+
+// --- tables ------------------------------------------------------------------------------------
+
+function table(kind, heads, rows) {
+  const made = part("table", kind);
+  const head = part("tr");
+  for (const text of heads) {
+    const cell = part("th", "", text);
+    cell.scope = "col";
+    head.append(cell);
+  }
+  made.append(part("thead"), part("tbody"));
+  made.tHead.append(head);
+  made.tBodies[0].append(...rows);
+  return made;
+}
+
+function bar(dB) {
+  const long = Math.min(1, Math.max(0, -dB / 60));
+  const made = shape("svg", { viewBox: "0 0 60 8", class: "gain", "aria-hidden": "true" });
+  made.append(shape("rect", { class: "room", width: 60, height: 8 }));
+  made.append(shape("rect", { class: dB > 0 ? "fill full" : "fill", height: 8 }));
+  made.lastChild.setAttribute("width", String(60 * (dB > 0 ? 1 : long)));
+  return made;
+}
+
+function orderRow(order, unit) {
+  const row = part("tr", order.why ? "rests" : "");
+  const figure = (value, digits, after) =>
+    part("td", "figure", value === null ? "—" : `${number(value, digits)}${after}`);
+  const gain = figure(order.change_dB, 0, " dB");
+  if (order.change_dB !== null) gain.append(" ", bar(order.change_dB));
+  const state = part("td", "", order.state);
+  if (order.why) state.textContent = `▲ ${words.rests}, ${order.state}: ${order.why}`;
+  row.append(
+    part("td", "name", order.name),
+    figure(order.frequency_Hz, 2, " Hz"),
+    figure(order.size, 3, ` ${order.unit}`),
+    figure(order.deg, 0, "°"),
+    figure(order.out_percent, 0, " %"),
+    figure(order.without, 3, ` ${unit}`),
+    figure(order.now, 3, ` ${unit}`),
+    gain,
+    figure(order.ratio, 2, ""),
+    state,
+  );
+  return row;
+}
+
+function orders(roll) {
+  const heads = [
+    ...[words.order, "Hz", words.size, words.angle, words.out, words.without, words.now, "dB"],
+    ...[words.ratio, words.state],
+  ];
+  const box = part("div", "scroll");
+  box.tabIndex = 0;
+  box.setAttribute("role", "region");
+  box.setAttribute("aria-label", `${words.order}: ${roll.roll}`);
+  const rows = roll.orders.map((order) => orderRow(order, roll.signal_unit));
+  box.append(table("wide", heads, rows));
+  return box;
+}
+
+function outlineTable(roll) {
+  const box = document.createElement("details");
+  box.dataset.key = roll.key;
+  box.append(part("summary", "", words.table));
+  const rows = [];
+  for (let n = 0; n < roll.outline_mm.length; n += 30 / roll.step_deg) {
+    const row = part("tr");
+    row.append(part("td", "figure", `${n * roll.step_deg}°`));
+    row.append(part("td", "figure", `${number(roll.outline_mm[n], 3)} mm`));
+    rows.push(row);
+  }
+  box.append(table("", [words.angle, words.deviation], rows));
+  return box;
+}
+
+function crossings(roll) {
+  const list = part("ul", "crossings");
+  let isAbove = true;
+  for (const one of roll.crossings) {
+    if (isAbove && roll.radius_mm !== null && one.radius_mm < roll.radius_mm) {
+      list.append(part("li", "here", `▶ ${number(roll.radius_mm, 1)} mm ${words.here}`));
+      isAbove = false;
+    }
+    list.append(part("li", "", `${number(one.radius_mm, 1)} mm  ${one.text}`));
+  }
+  if (isAbove && roll.radius_mm !== null) {
+    list.append(part("li", "here", `▶ ${number(roll.radius_mm, 1)} mm ${words.here}`));
+  }
+  return [part("h4", "", words.crossings), list];
+}
+
+function section(roll) {
+  const box = part("div", "roll");
+  const title = words.learned.replace("{roll}", roll.roll).replace("{actuator}", roll.actuator);
+  box.append(part("h2", "", title));
+  const side = part("div", "side");
+  if (roll.outline_mm.length) side.append(polar(roll));
+  const notes = [roll.extremes];
+  if (roll.outline_mm.length) notes.push(enlarged(roll), roll.zero);
+  if (roll.radius_mm !== null) notes.unshift(`${words.radius} ${number(roll.radius_mm, 1)} mm`);
+  side.append(part("p", "note", notes.join(" · ")));
+  if (roll.outline_mm.length) side.append(outlineTable(roll));
+  if (roll.crossings.length) side.append(...crossings(roll));
+  box.append(side, orders(roll));
+  return box;
+}
+
+const drawn = new Map();
+
+/** A roll is drawn anew when it says something new; what was opened stays open. */
+onPart((page) => {
+  const rolls = page?.rolls ?? [];
+  const next = rolls.map((roll) => {
+    const text = JSON.stringify(roll);
+    const old = drawn.get(roll.key);
+    if (old?.text === text) return old.box;
+    const box = section(roll);
+    const details = box.querySelector("details");
+    if (details) details.open = old?.box.querySelector("details")?.open ?? false;
+    const wide = old?.box.querySelector(".scroll");
+    drawn.set(roll.key, { text, box });
+    if (wide) requestAnimationFrame(() => (box.querySelector(".scroll").scrollLeft = wide.scrollLeft));
+    if (old) old.box.replaceWith(box);
+    return box;
+  });
+  const list = byId("rolls");
+  const isSame = next.length === list.children.length && next.every((b, n) => b === list.children[n]);
+  if (!next.length) list.replaceChildren(part("p", "", page === null ? "—" : words.none));
+  else if (!isSame) list.replaceChildren(...next);
+  const texts = page?.texts ?? [];
+  byId("texts").replaceChildren(...(texts.length ? texts : ["—"]).map((text) => part("li", "", text)));
+});

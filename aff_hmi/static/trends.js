@@ -1,0 +1,185 @@
+// Curves over time from what the screen keeps; drawn by uPlot, with a table behind.
+import { ask, at, byId, number, part, put, words } from "/static/see.js";
+
+const EVERY_MS = { "1min": 2000, "10min": 5000, "1h": 15000, "8h": 60000, "7d": 300000, "1y": 300000 };
+const HIGH = 320;
+const MOST_ROWS = 60;
+const BAND = 8; // height of the states above the curves, pixels
+const root = document.documentElement;
+let chart = null;
+let kind = "";
+let answer = null;
+let asked_ms = -Infinity;
+let isAsking = false;
+
+const css = (name) => getComputedStyle(root).getPropertyValue(name).trim();
+const TONES = ["--now", "--medium", "--low", "--focus", "--text", "--muted"];
+const DASHES = [[], [10, 4], [3, 3], [10, 3, 3, 3]];
+
+/** How a curve looks: tone and dash both tell it, for those who see no tones. */
+function look(n, curve) {
+  const dash = curve.dashed ? [5, 5] : DASHES[Math.floor(n / 2) % DASHES.length];
+  return { tone: css(TONES[(curve.dashed ? n - 1 : n) % TONES.length] ?? "--now") || css("--now"), dash };
+}
+
+function clock(u, splits) {
+  const isLong = answer !== null && answer.to_s - answer.from_s > 100000;
+  const how = isLong
+    ? { day: "2-digit", month: "2-digit" }
+    : answer !== null && answer.to_s - answer.from_s < 3000
+      ? { hour: "2-digit", minute: "2-digit", second: "2-digit" }
+      : { hour: "2-digit", minute: "2-digit" };
+  const format = new Intl.DateTimeFormat(root.lang, { ...how, hourCycle: "h23" });
+  return splits.map((s) => format.format(new Date(1000 * s)));
+}
+
+function states(u) {
+  const { left, top, width } = u.bbox;
+  const context = u.ctx;
+  const wide = Math.max(1, (width * answer.bin_s) / (answer.to_s - answer.from_s));
+  context.save();
+  answer.t_s.forEach((t, n) => {
+    const x = u.valToPos(t, "x", true);
+    if (x < left || x > left + width) return;
+    for (const [shares, tone, low] of [[answer.active, "--now", 0], [answer.fault, "--high", 1]]) {
+      const share = shares[n] ?? 0;
+      if (share <= 0) continue;
+      context.fillStyle = css(tone);
+      context.globalAlpha = share;
+      context.fillRect(x, top + BAND * low, wide, low ? BAND : BAND / 2);
+    }
+  });
+  context.restore();
+}
+
+function options(curves) {
+  const axis = { stroke: () => css("--text"), grid: { stroke: () => css("--line"), width: 0.5 } };
+  const series = [{}];
+  const bands = [];
+  curves.forEach((curve, n) => {
+    const { tone, dash } = look(n, curve);
+    const first = series.length;
+    series.push({ stroke: tone, width: 2, dash, points: { show: false } });
+    series.push({ stroke: "transparent", width: 0, points: { show: false } });
+    series.push({ stroke: "transparent", width: 0, points: { show: false } });
+    if (!curve.dashed) bands.push({ series: [first + 2, first + 1], fill: `${tone}33` });
+  });
+  return {
+    width: byId("chart").clientWidth,
+    height: HIGH,
+    legend: { show: false },
+    cursor: { drag: { x: false, y: false } },
+    scales: { x: { range: () => [answer.from_s, answer.to_s] } },
+    axes: [
+      { ...axis, values: clock, space: 70 },
+      { ...axis, size: 60, values: (u, splits) => splits.map((v) => short(v)) },
+    ],
+    series,
+    bands,
+    hooks: { draw: [states] },
+  };
+}
+
+function short(value) {
+  return new Intl.NumberFormat(root.lang, { maximumSignificantDigits: 5 }).format(value);
+}
+
+function figure(value) {
+  if (value === null || value === undefined) return "—";
+  const digits = Math.abs(value) >= 100 ? 1 : Math.abs(value) >= 1 ? 2 : 4;
+  return number(value, digits);
+}
+
+function draw() {
+  const { curves, t_s } = answer;
+  const data = [t_s.map((t) => t + answer.bin_s / 2)];
+  for (const curve of curves) data.push(curve.mean, curve.least, curve.largest);
+  const now = JSON.stringify([curves.map((c) => [c.label, c.unit]), root.dataset.theme]);
+  if (now !== kind || chart === null) {
+    chart?.destroy();
+    byId("chart").replaceChildren();
+    chart = new window.uPlot(options(curves), data, byId("chart"));
+    kind = now;
+  } else {
+    chart.setData(data);
+  }
+  put(byId("good"), answer.good);
+  const until = words.until.replace("{time}", at(answer.to_s));
+  put(byId("until"), t_s.length ? until.replace("{seconds}", number(answer.bin_s, 0)) : words.nothing);
+  byId("curves").replaceChildren(...curves.map(legend));
+  if (byId("as-table").open) tabulate();
+}
+
+function legend(curve, n) {
+  const line = part("li");
+  const { tone, dash } = look(n, curve);
+  const sample = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  sample.setAttribute("viewBox", "0 0 36 8");
+  sample.setAttribute("aria-hidden", "true");
+  const stroke = document.createElementNS("http://www.w3.org/2000/svg", "line");
+  const drawn = { x1: 0, x2: 36, y1: 4, y2: 4, stroke: tone, "stroke-width": 3 };
+  if (dash.length) drawn["stroke-dasharray"] = dash.join(" ");
+  for (const [name, value] of Object.entries(drawn)) stroke.setAttribute(name, String(value));
+  sample.append(stroke);
+  const last = curve.mean.at(-1) ?? null;
+  line.append(sample, part("span", "", `${curve.label}: `));
+  line.append(part("span", "number", figure(last)), ` ${curve.unit}`);
+  return line;
+}
+
+function tabulate() {
+  const head = part("tr");
+  head.append(part("th", "", words.time));
+  for (const curve of answer.curves) {
+    const unit = curve.unit ? ` [${curve.unit}]` : "";
+    const name = `${curve.label}${unit}: ${words.mean} (${words.least} … ${words.largest})`;
+    head.append(part("th", "", name));
+  }
+  for (const cell of head.children) cell.scope = "col";
+  const step = Math.max(1, Math.ceil(answer.t_s.length / MOST_ROWS));
+  const rows = [];
+  for (let n = answer.t_s.length - 1; n >= 0; n -= step) {
+    const row = part("tr");
+    row.append(part("td", "when", at(answer.t_s[n])));
+    for (const { least, mean, largest } of answer.curves) {
+      const text = `${figure(mean[n])} (${figure(least[n])} … ${figure(largest[n])})`;
+      row.append(part("td", "figure", text));
+    }
+    rows.push(row);
+  }
+  byId("table").tHead.replaceChildren(head);
+  byId("table").tBodies[0].replaceChildren(...rows);
+}
+
+async function renew() {
+  if (isAsking || document.hidden) return;
+  isAsking = true;
+  asked_ms = performance.now();
+  const query = { group: byId("group").value, window: byId("window").value };
+  const found = await ask("/data/trend", query);
+  isAsking = false;
+  if (query.group !== byId("group").value || query.window !== byId("window").value) {
+    renew();
+  } else if (found?.ok) {
+    answer = found.trend;
+    draw();
+  } else {
+    put(byId("until"), found?.text ?? words.failed);
+  }
+}
+
+for (const name of ["group", "window"]) byId(name).onchange = renew;
+byId("as-table").ontoggle = () => answer !== null && tabulate();
+new ResizeObserver(() => chart?.setSize({ width: byId("chart").clientWidth, height: HIGH })).observe(
+  byId("chart"),
+);
+new MutationObserver(() => answer !== null && draw()).observe(root, {
+  attributes: true,
+  attributeFilter: ["data-theme"],
+});
+// asked again while the line is heard: what is shown of a line that is not is crossed out with its age
+document.addEventListener("frame", (event) => {
+  const wait_ms = EVERY_MS[byId("window").value];
+  if (event.detail !== null && performance.now() - asked_ms > wait_ms) renew();
+});
+renew();

@@ -1,0 +1,202 @@
+"""What a person sees in a real Chromium: how soon, how old, how heavy."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from benchmarks.runtime.facts import Row
+from benchmarks.screen.rig import ACCOUNT, PASSWORD, Rig, pause
+from sim_plant.demo.processes import Child
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or ""
+PATIENCE_MS = 60_000.0
+THROTTLE = 6
+# keeps when the page first was whole, the bound of every frame's age, and when breaks were shown
+WATCH = """(() => {
+  const root = document.documentElement;
+  window.watched = {live: null, ages: [], broken: {}, state: {}};
+  new MutationObserver(() => {
+    const {broken, seq, state} = root.dataset;
+    const now = performance.now();
+    if (seq && broken === "") window.watched.live ??= now;
+    if (broken) window.watched.broken[broken] ??= now;
+    if (state) window.watched.state[state] ??= now;
+  }).observe(root, {attributes: true});
+  document.addEventListener("frame", ({detail}) => detail && window.watched.ages.push(
+    performance.now() - detail.echo + 1000 * (detail.tick_age_s ?? 0)));
+})()"""
+LOADED = """() => {
+  const found = performance.getEntries();
+  const files = found.filter(e => ["navigation", "resource"].includes(e.entryType));
+  return {paint: found.find(e => e.name === "first-contentful-paint")?.startTime ?? NaN,
+    live: window.watched.live, requests: files.length,
+    bytes: files.reduce((sum, e) => sum + (e.decodedBodySize ?? 0), 0)};
+}"""
+
+
+def reason_not() -> str:
+    """Return why there is no browser; empty where there is one."""
+    try:
+        import playwright.sync_api  # noqa: F401
+    except ImportError:
+        return "playwright is not installed"
+    return "" if CHROMIUM else "no Chromium on this machine: apt-get install chromium"
+
+
+@contextmanager
+def browser() -> Iterator[Any]:
+    """Run a Chromium that reaches this machine alone."""
+    from playwright.sync_api import sync_playwright
+
+    arguments = ["--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--disable-gpu"]
+    if os.geteuid() == 0:
+        arguments.append("--no-sandbox")
+    with sync_playwright() as running:
+        found = running.chromium.launch(executable_path=CHROMIUM, args=arguments)
+        yield found
+        found.close()
+
+
+@contextmanager
+def page_of(chromium: Any, url: str, throttle: int = 1) -> Iterator[Any]:
+    """Open a page with an empty cache, and wait until it is live."""
+    context = chromium.new_context(viewport={"width": 1280, "height": 800}, locale="en")
+    context.set_default_timeout(PATIENCE_MS)
+    page = context.new_page()
+    page.add_init_script(WATCH)
+    if throttle > 1:
+        session = context.new_cdp_session(page)
+        session.send("Emulation.setCPUThrottlingRate", {"rate": throttle})
+    page.goto(url)
+    page.wait_for_function("() => window.watched.live !== null")
+    yield page
+    context.close()
+
+
+def loads(chromium: Any, url: str, count: int) -> list[Row]:
+    """Return P7: how soon a page is there, and what it weighs."""
+    rows = []
+    slow = f"live, processor {THROTTLE} times slower"
+    for throttle, name in ((1, "live, cold"), (THROTTLE, slow)):
+        found = []
+        for _ in range(count):
+            with page_of(chromium, url, throttle) as page:
+                found.append(page.evaluate(LOADED))
+        live = quantiles([one["live"] for one in found])
+        paint = quantiles([one["paint"] for one in found])
+        rows.append(Row(name=f"P7 {name}", value=f"{live} ms", remark=f"first content {paint} ms"))
+    kB = found[0]["bytes"] / 1000.0
+    value = f"{kB:.1f} kB in {found[0]['requests']} requests"
+    return [*rows, Row(name="P7 a page", value=value, remark="target 150 kB, 8 requests")]
+
+
+def ages(chromium: Any, url: str, seconds: float) -> list[Row]:
+    """Return P4 and P9: how old a shown frame can be at most, and what the page costs."""
+    with page_of(chromium, url) as page:
+        session = page.context.new_cdp_session(page)
+        session.send("Performance.enable")
+        session.send("HeapProfiler.collectGarbage")
+        before = _metrics(session)
+        page.evaluate("() => { window.watched.ages.length = 0; }")
+        pause(seconds)
+        found = page.evaluate("() => window.watched.ages")
+        session.send("HeapProfiler.collectGarbage")
+        after = _metrics(session)
+    core = 100.0 * (after["TaskDuration"] - before["TaskDuration"]) / seconds
+    heap_MB = after["JSHeapUsedSize"] * 1e-6
+    grown_kB = (after["JSHeapUsedSize"] - before["JSHeapUsedSize"]) * 1e-3
+    return [
+        Row(
+            name="P4 frames", value=f"{len(found) / seconds:.1f} per s", remark="target 10 ± 10 %"
+        ),
+        Row(
+            name="P4 tick to page, at most",
+            value=f"{quantiles(found)} ms",
+            remark="bound by the page's own echoed stamp; target p99 150 ms",
+        ),
+        Row(
+            name="P9 the page",
+            value=f"{core:.1f} % of a core, {heap_MB:.1f} MB of heap",
+            remark=f"{grown_kB:+.0f} kB in {seconds:g} s; target 5 %",
+        ),
+    ]
+
+
+def breaks(chromium: Any, url: str, rig: Rig, screen: Child, count: int) -> list[Row]:
+    """Return P5: how soon a stopped process is shown as such."""
+    rows = []
+    stopped: dict[str, Callable[[], int]] = {
+        "hmi": lambda: screen.process.pid,
+        "service": lambda: rig.control_pid,
+        "plc": lambda: rig.plant.process.pid,
+    }
+    for link, pid_of in stopped.items():
+        found = []
+        for _ in range(count):
+            pid = pid_of()
+            with page_of(chromium, url) as page:
+                start_ms = page.evaluate("() => (window.watched.broken = {}, performance.now())")
+                os.kill(pid, signal.SIGSTOP)
+                try:
+                    page.wait_for_function(f"() => '{link}' in window.watched.broken")
+                finally:
+                    os.kill(pid, signal.SIGCONT)
+                at_ms = page.evaluate(f"() => window.watched.broken.{link}")
+            found.append(at_ms - start_ms)
+            pause(1.0)
+        value = f"{quantiles(found)} ms"
+        rows.append(Row(name=f"P5 {link} stopped", value=value, remark="target 1000 ms"))
+    return rows
+
+
+def keys(chromium: Any, url: str, rearm: Callable[[], bool], count: int) -> list[Row]:
+    """Return P6: from F9 to the word BYPASS on the page.
+
+    Parameters
+    ----------
+    rearm : arms the line again, False where it cannot be armed.
+    """
+    found = []
+    with page_of(chromium, f"{url}") as page:
+        page.goto(f"{url}login")
+        page.fill("#name", ACCOUNT)
+        page.fill("#password", PASSWORD)
+        page.press("#password", "Enter")
+        page.wait_for_selector("#arm", state="attached")
+        for _ in range(count):
+            if not rearm():
+                break
+            page.wait_for_function(
+                "() => /^(ARMED|ACTIVE)$/.test(document.documentElement.dataset.state)"
+            )
+            page.evaluate("() => { window.watched.state = {}; }")
+            page.evaluate(
+                """() => document.addEventListener("keydown", () => {
+                  window.pressed = performance.now(); }, {capture: true, once: true})"""
+            )
+            page.keyboard.press("F9")
+            page.wait_for_function("() => 'BYPASS' in window.watched.state")
+            found.append(page.evaluate("() => window.watched.state.BYPASS - window.pressed"))
+    if not found:
+        return [Row(name="P6 F9 to BYPASS on the page", value="skipped", remark="not armed")]
+    value = f"{quantiles(found)} ms"
+    return [Row(name="P6 F9 to BYPASS on the page", value=value, remark="target 250 ms")]
+
+
+def quantiles(found: list[float]) -> str:
+    """Return p50, p99 and the largest, as words."""
+    p50, p99, most = np.quantile(np.asarray(found, dtype=float), [0.5, 0.99, 1.0])
+    return f"p50 {p50:.0f}, p99 {p99:.0f}, max {most:.0f} of {len(found)}"
+
+
+def _metrics(session: Any) -> dict[str, float]:
+    said = session.send("Performance.getMetrics")["metrics"]
+    return {one["name"]: one["value"] for one in said if re.match("Task|JSHeap", one["name"])}

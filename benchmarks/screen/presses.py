@@ -1,0 +1,112 @@
+"""From a press over HTTP to the guard, and what a scrape costs."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import secrets
+from collections.abc import Callable
+from urllib.parse import urlsplit
+
+from aff_runtime.base.errors import AffError
+from aff_runtime.base.events import BY_NAME
+from benchmarks.runtime.facts import Row
+from benchmarks.screen.pages import quantiles
+from benchmarks.screen.rig import ACCOUNT, CLOCK, PASSWORD, Rig, pause, used
+from sim_plant.demo.processes import Child, runtime_command
+from sim_plant.demo.session import await_state, probe
+
+SCRAPES = 20
+BETWEEN_S = 0.05  # fifty requests a second are answered to one address
+
+
+class Presser:
+    """A browser that can only press."""
+
+    def __init__(self, url: str) -> None:
+        self._host = urlsplit(url).netloc
+        self._line = http.client.HTTPConnection(self._host, timeout=30.0)
+        self._cookie = ""
+        self.post("/login", {"name": ACCOUNT, "password": PASSWORD})
+
+    def post(self, path: str, said: dict[str, object]) -> int:
+        """Return the status of a press."""
+        headers = {
+            "Origin": f"http://{self._host}",
+            "Content-Type": "application/json",
+            "Cookie": self._cookie,
+        }
+        self._line.request("POST", path, json.dumps(said), headers)
+        answer = self._line.getresponse()
+        answer.read()
+        cookie = answer.getheader("Set-Cookie")
+        self._cookie = cookie.partition(";")[0] if cookie else self._cookie
+        return answer.status
+
+    def bypass(self) -> int:
+        """Press it."""
+        ident = secrets.token_hex(16)
+        return self.post("/act", {"action": "bypass", "id": ident, "seen": "", "frame": 0})
+
+    def get(self, path: str) -> bytes:
+        """Return what is at a path."""
+        self._line.request("GET", path)
+        return self._line.getresponse().read()
+
+
+def arming(rig: Rig) -> Callable[[], bool]:
+    """Measure the response; return what arms the line again, False where it cannot be armed."""
+    probe(rig.bench, print)
+
+    def rearm() -> bool:
+        try:
+            runtime_command(rig.bench, "arm")
+            await_state(rig.bench, rig.service, {"ARMED", "ACTIVE"}, 10.0)
+        except AffError as error:
+            print(error)
+            return False
+        return True
+
+    return rearm
+
+
+def presses(rig: Rig, url: str, rearm: Callable[[], bool], count: int) -> list[Row]:
+    """Return P6: from the press to the guard's own note of it."""
+    presser = Presser(url)
+    found = []
+    for _ in range(count):
+        if not rearm():
+            break
+        rig.ring.poll().events.read_new()
+        start_ns = CLOCK.now_ns()
+        if presser.bypass() != http.client.OK:
+            break
+        at_ns = rig.ring.event_ns(BY_NAME["BYPASSED"].code)
+        if at_ns is not None:
+            found.append((at_ns - start_ns) * 1e-6)
+    if not found:
+        return [Row(name="P6 press to guard", value="skipped", remark="not armed")]
+    value = f"{quantiles(found)} ms"
+    return [Row(name="P6 press to guard", value=value, remark="target p99 60 ms")]
+
+
+def scrapes(url: str, screen: Child) -> list[Row]:
+    """Return P12: what a scrape costs, and how much it says."""
+    presser = Presser(url)
+    text = presser.get("/metrics")
+    before_s, _ = used(screen.process.pid)
+    start_ns = CLOCK.now_ns()
+    for _ in range(SCRAPES):
+        text = presser.get("/metrics")
+        pause(BETWEEN_S)
+    busy_s = used(screen.process.pid)[0] - before_s
+    each_ms = 1e3 * busy_s / SCRAPES
+    passed_s = (CLOCK.now_ns() - start_ns) * 1e-9
+    series = sum(1 for line in text.splitlines() if line and not line.startswith(b"#"))
+    return [
+        Row(
+            name="P12 a scrape",
+            value=f"{each_ms:.1f} ms of processor, {series} series, {len(text) / 1000:.1f} kB",
+            remark=f"{SCRAPES} in {passed_s:.1f} s; target 50 ms, 1500 series, 200 kB",
+        )
+    ]

@@ -1,0 +1,180 @@
+"""A simulated line with service and screen on loopback, and a reader of its ticks."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import subprocess
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+
+from aff_hmi.accounts import Account, secret_of, write_accounts
+from aff_runtime.app.door.client import DoorClient
+from aff_runtime.app.door.messages import RingPassed
+from aff_runtime.app.hand.may import Role
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.python_child import module_command
+from aff_runtime.telemetry.ring import RingReader
+from benchmarks.screen.clients import beside_control
+from benchmarks.screen.ticks import Block
+from sim_plant.demo.processes import SCREEN, Child, runtime_command
+from sim_plant.demo.session import Plan, await_state, plant_command, prepare, service_command
+from sim_plant.demo.wires import free_port
+
+ROOT = Path(__file__).resolve().parents[2]
+ACCOUNT, PASSWORD = "anna", "tension, 90 N"
+LOOK_S = 0.25
+SETTLE_S = 3.0
+PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
+TICKS_PER_S = os.sysconf("SC_CLK_TCK")
+CLOCK = MonotonicClock()
+
+
+def pause(seconds: float) -> None:
+    """Wait in real time."""
+    CLOCK.sleep_until_ns(CLOCK.now_ns() + int(seconds * 1e9))
+
+
+def used(pid: int) -> tuple[float, float]:
+    """Return processor time, s, and resident memory, MB, of a process."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+    return (int(fields[11]) + int(fields[12])) / TICKS_PER_S, pages * PAGE_BYTES * 1e-6
+
+
+class Ring:
+    """Ticks and events as they come, through the service's door as any visitor gets them."""
+
+    def __init__(self, door: Path) -> None:
+        self._door = DoorClient(door)
+        self._ring: RingReader | None = None
+        self._missed = -1.0
+
+    def poll(self) -> RingReader:
+        """Follow the door to the ring of now."""
+        while True:
+            while (message := self._door.receive()) is not None:
+                if isinstance(message, RingPassed):
+                    self._let_go()
+                    self._ring = RingReader(message.descriptor)
+                    self._ring.signals.read_new()
+                    self._ring.events.read_new()
+            if self._ring is not None:
+                return self._ring
+            pause(0.02)
+
+    def ticks(self) -> tuple[list[float], int]:
+        """Return when each new tick ended, us after it was due, and how many were missed."""
+        ring = self.poll()
+        records = ring.signals.read_new()
+        at = {name: ring.columns.index(name) for name in ("wake_us", "tick_us", "missed_count")}
+        missed = 0
+        if records:
+            newest = records[-1][at["missed_count"]]
+            missed = int(newest - self._missed) if 0.0 <= self._missed <= newest else 0
+            self._missed = newest
+        return [row[at["wake_us"]] + row[at["tick_us"]] for row in records], missed
+
+    def event_ns(self, code: int, patience_s: float = 2.0) -> int | None:
+        """Return when the next event of a code took place; None for not in time."""
+        ring = self.poll()
+        end_ns = CLOCK.now_ns() + int(patience_s * 1e9)
+        while CLOCK.now_ns() < end_ns:
+            for _, t_ns, found, _ in ring.events.read_new():
+                if int(found) == code:
+                    return int(t_ns)
+            pause(0.005)
+        return None
+
+    def close(self) -> None:
+        """Leave."""
+        self._door.close()
+        self._let_go()
+
+    def _let_go(self) -> None:
+        if self._ring is not None:
+            self._ring.close()
+        self._ring = None
+
+
+class Rig:
+    """Plant and service; a screen when one is asked for.
+
+    Attributes
+    ----------
+    plant, service : their processes. ``ring`` : what the service does.
+    """
+
+    def __init__(self, out: Path, stack: ExitStack) -> None:
+        beside_control()
+        plan = Plan(
+            line=ROOT / "config/lines/euclid_ripple.yaml",
+            site=ROOT / "config/euclid.yaml",
+            out=out,
+            line_speed_m_s=1.016,
+        )
+        self.bench = prepare(plan)
+        folder = self.bench.folder
+        (folder / "state").mkdir()
+        command = plant_command(self.bench, plan.line, plan.line_speed_m_s, plan.seed)
+        self.plant = stack.enter_context(Child("plant", command, folder / "plant.log", "ready"))
+        command = service_command(self.bench)
+        command += ["--hand", "operate", "--state-dir", str(folder / "state")]
+        self.service = stack.enter_context(Child("runtime", command, folder / "runtime.log"))
+        await_state(self.bench, self.service, {"FAULT", "OFF", "READY"}, 120.0)
+        secret = secret_of(PASSWORD)
+        write_accounts(
+            folder / "accounts", [Account(name=ACCOUNT, role=Role.OPERATE, secret=secret)]
+        )
+        self.ring = Ring(self.bench.runtime_dir / "door.sock")
+        stack.callback(self.ring.close)
+
+    @property
+    def control_pid(self) -> int:
+        """Process that controls."""
+        return int(json.loads(runtime_command(self.bench, "status", "--json"))["control_pid"])
+
+    @contextlib.contextmanager
+    def screen(self) -> Iterator[tuple[Child, str]]:
+        """Run a screen; its process and its address."""
+        run = self.bench.runtime_dir
+        command = [
+            *(*SCREEN, "--door", str(run / "door.sock"), "--hand-socket", str(run / "hand.sock")),
+            *("--accounts", str(self.bench.folder / "accounts")),
+            *("--listen", f"127.0.0.1:{free_port()}"),
+        ]
+        with Child("screen", command, self.bench.folder / "screen.log", piped=True) as screen:
+            yield screen, screen.await_line("look: ", 120.0).removeprefix("look: ")
+
+    def block(self, seconds: float, screen: Child | None = None) -> Block:
+        """Return the ticks of the next ``seconds``."""
+        pids = [self.service.process.pid, *([screen.process.pid] if screen is not None else [])]
+        self.ring.ticks()
+        before = [used(pid)[0] for pid in pids]
+        ends: list[float] = []
+        missed = 0
+        start_ns = CLOCK.now_ns()
+        while CLOCK.now_ns() < start_ns + int(seconds * 1e9):
+            pause(LOOK_S)
+            fresh, lost = self.ring.ticks()
+            ends, missed = ends + fresh, missed + lost
+        passed_s = (CLOCK.now_ns() - start_ns) * 1e-9
+        cores = [(used(pid)[0] - was) / passed_s for pid, was in zip(pids, before, strict=True)]
+        return Block(
+            end_us=np.asarray(ends),
+            missed=missed,
+            supervisor_core=cores[0],
+            screen_core=cores[1] if screen is not None else 0.0,
+            screen_MB=used(pids[1])[1] if screen is not None else 0.0,
+        )
+
+
+def clients(kind: str, url: str, seconds: float) -> subprocess.Popen[str]:
+    """Start ten browsers, or a flood, for a while; they print what they saw."""
+    command = [*module_command("benchmarks.screen.clients"), kind, url, str(seconds)]
+    tree = {**os.environ, "PYTHONPATH": str(ROOT)}  # benchmarks are not installed
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=tree)

@@ -1,0 +1,82 @@
+"""Alarms, rolls and trends in a real browser: widths, languages, themes, and what is stale."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+from itertools import product
+from pathlib import Path
+
+import pytest
+
+from tests.aff_hmi.browser.eyes import Page
+from tests.aff_hmi.browser.sights import CONTRAST, MIN_CONTRAST, SMALL
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(300)]
+SHOWN = {"alarms": "#log tr", "rolls": ".roll", "trends": "#chart canvas"}
+CASES = list(product(SHOWN, (360, 1280), (("en", "light"), ("de", "dark"))))
+
+
+@pytest.mark.parametrize(("name", "width", "dress"), CASES)
+def test_it_fits_is_readable_and_stays_on_the_host(
+    chromium, screen, pictures: Path, name: str, width: int, dress: tuple[str, str]
+) -> None:
+    language, theme = dress
+    view = {"width": width, "height": 800}
+    page = Page(chromium, screen.url + name, viewport=view, locale=language, color_scheme=theme)
+    page.await_live()
+    page.await_selector(SHOWN[name])
+    page.picture(pictures / f"{name}-{width}-{language}-{theme}.png")
+    assert page.run("() => document.documentElement.lang") == language
+    assert page.run("() => document.documentElement.scrollWidth") <= width
+    ratio, where = page.run(CONTRAST)
+    assert ratio >= MIN_CONTRAST, where
+    assert page.run(SMALL) == []
+    assert page.complaints == []
+    assert {re.sub(r"/[^/]*$", "", url) for url in page.requests} <= {
+        screen.url.rstrip("/"),
+        f"{screen.url}static",
+        f"{screen.url}data",
+    }
+    page.close()
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_nothing_stale_looks_alive(chromium, screen, pictures: Path, name: str) -> None:
+    page = Page(chromium, screen.url + name, locale="en", viewport={"width": 1280, "height": 800})
+    page.await_live()
+    page.await_selector(SHOWN[name])
+    control = screen.service.status()["control_pid"]
+    os.kill(control, signal.SIGSTOP)
+    try:
+        page.await_selector("html[data-broken='service']")
+        page.await_selector(".see .live.dead > .stale:not(:empty)")
+        assert all(page.dead("service"))
+        page.picture(pictures / f"stale-{name}.png")
+    finally:
+        os.kill(control, signal.SIGCONT)
+    page.await_live()
+    page.close()
+
+
+def test_a_page_of_trends_is_light(chromium, screen) -> None:
+    page = Page(chromium, screen.url + "trends", locale="en")
+    page.await_live()
+    page.await_selector(SHOWN["trends"])
+    sizes = page.run("() => performance.getEntries().map(e => e.decodedBodySize ?? 0)")
+    assert sum(sizes) < 150_000
+    page.close()
+
+
+def test_events_are_filtered_by_kind(chromium, screen) -> None:
+    page = Page(chromium, screen.url + "alarms", locale="en")
+    page.await_live()
+    page.await_selector("#log tr")
+    page.page.select_option("#kind", "state")
+    page.page.wait_for_function(
+        "() => [...document.querySelectorAll('#log tr td:nth-child(2)')]"
+        ".every(cell => cell.textContent === 'state')"
+    )
+    assert "kind=state" in page.run("() => document.getElementById('save').href")
+    page.close()

@@ -1,0 +1,76 @@
+"""What stands against arming is said in the reader's language, with what to do about it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from aff_hmi.objections import BY_GUARD, SENTENCES, translated
+from aff_hmi.words import say_in
+from aff_runtime.core.response import Provenance, Response, ResponsePoint, arming_objections
+
+ENGLISH, GERMAN = say_in("en"), say_in("de")
+ROOT = Path(__file__).parents[2]
+
+
+def unsure(**more: float) -> Response:
+    given = {"gain": 1.0, "phase_rad": 0.0, "relative_error": 0.01, "coherence": 1.0} | more
+    points = [ResponsePoint(frequency_Hz=f, **given) for f in (1.0, 2.0, 4.0)]
+    return Response(
+        points=points, delay_s=0.0, provenance=Provenance(actuator="unwind", signal="t")
+    )
+
+
+@pytest.mark.parametrize(
+    "found",
+    [
+        arming_objections(None, [("unwind_1x", 1.0)]),
+        arming_objections(unsure(), [("unwind_1x", 0.0)]),
+        arming_objections(unsure(), [("unwind_4x", 31.4)]),
+        arming_objections(unsure(relative_error=3.0), [("unwind_1x", 2.0)]),
+        arming_objections(unsure(coherence=0.1), [("unwind_1x", 2.0)]),
+    ],
+)
+def test_what_the_law_says_is_known_word_by_word(found: tuple[str, ...]) -> None:
+    assert found
+    for sentence in found:
+        english, to_do = translated(f"unwind: {sentence}", ENGLISH) or ("", "")
+        assert english == f"unwind: {sentence}"
+        assert to_do
+        german, german_to_do = translated(f"unwind: {sentence}", GERMAN) or ("", "")
+        assert german not in ("", english)
+        assert german_to_do not in ("", to_do)
+        assert set(re.findall(r"\d+\.\d+", german)) == set(re.findall(r"\d+\.\d+", english))
+
+
+def spoken_in(*files: str) -> str:
+    """Return the texts of source files, the literals of one sentence joined."""
+    text = "".join((ROOT / "aff_runtime" / name).read_text() for name in files)
+    return re.sub(r'"\s*f?"', "", text)
+
+
+def test_every_sentence_is_one_that_law_or_guard_can_say() -> None:
+    source = spoken_in(
+        "core/response.py",
+        "core/phase.py",
+        "core/blocks/bank.py",
+        "core/shape/law.py",
+        "safety/guard.py",
+    )
+    for sentence in (*SENTENCES, *BY_GUARD):
+        fixed = max(re.split(r"\{\w+\}", sentence), key=len)
+        assert fixed in source, sentence
+
+
+def test_a_name_of_the_site_file_cannot_become_a_place_for_another_text() -> None:
+    english, _ = translated(
+        "{roll}: {0.__class__}: its roll does not turn, or its angle is not known", ENGLISH
+    ) or ("", "")
+    assert english.startswith("{roll}: {0.__class__}: its roll")
+
+
+def test_what_is_no_known_sentence_is_left_as_it_is() -> None:
+    assert translated("unwind: the moon is full", GERMAN) is None
+    assert translated("x" * 10_000 + ": ", GERMAN) is None
