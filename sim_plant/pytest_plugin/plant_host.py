@@ -1,4 +1,4 @@
-"""A process that has the line's model loaded and forks one plant per line: 50 ms, not 1.5 s.
+"""A process that has the line's model loaded and forks one plant per line.
 
 It reads one JSON request per file line and answers each with one. ``{"serve": [WORDS], "log":
 PATH}`` forks ``sim-plant serve WORDS`` with its output in ``log`` and answers the process id.
@@ -8,7 +8,9 @@ that nothing outlives the tests, whatever became of them.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
+import importlib
 import json
 import os
 import signal
@@ -38,6 +40,8 @@ class PlantHost:
         if words[0] not in self._opened:
             self._opened.add(words[0])
             _warm(words[0])
+        if "--can" in words:
+            _warm_can()
         parent = os.getpid()
         plant = os.fork()
         if plant == 0:
@@ -63,10 +67,17 @@ class PlantHost:
 
 def _warm(line: str) -> None:
     """Load the model; a line that cannot be opened is told by the plant itself."""
+    importlib.import_module("sim_plant.servers.serve")
     try:
         open_line(line)
     except Exception:
         return
+
+
+def _warm_can() -> None:
+    """Load what a bus needs; a missing library is told by the plant itself."""
+    with contextlib.suppress(ImportError):
+        importlib.import_module("sim_plant.servers.can_catalogue")
 
 
 def _signal(plant: int, number: signal.Signals) -> None:

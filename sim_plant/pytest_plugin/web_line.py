@@ -203,7 +203,7 @@ class WebLine:
         from pymodbus import client  # noqa: PLC0415 (only where one is asked for)
 
         kind = client.ModbusUdpClient if self._setup.udp else client.ModbusTcpClient
-        made = kind(self.host, port=self.port, **{"timeout": 0.5, "retries": 0} | settings)
+        made: Any = kind(self.host, port=self.port, **{"timeout": 0.5, "retries": 0} | settings)
         if not made.connect():
             raise PlantError(f"{self.host}:{self.port}: the line takes no connection")
         return made

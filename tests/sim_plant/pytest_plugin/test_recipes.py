@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sim_plant.servers.faults import Fault
+from sim_plant.servers.faults import Fault, parse_fault
 
 pytestmark = [pytest.mark.wire, pytest.mark.processes, pytest.mark.timeout(300)]
 
@@ -26,14 +26,54 @@ def web_line_host(tmp_path_factory):
     )
     yield host
     host.close()
+
+@pytest.fixture(autouse=True)
+def injected(monkeypatch):
+    from sim_plant.pytest_plugin.web_line import WebLine
+
+    def inject(line, fault, inject=WebLine.inject):
+        begin_s = inject(line, fault)
+        with open("injected", "a") as names:
+            print(fault, file=names)
+        return begin_s
+
+    monkeypatch.setattr(WebLine, "inject", inject)
 """
+KINDS = """
+import pytest
+
+def test_on_udp_a_client_is_answered(web_line_factory):
+    line = web_line_factory(udp=True)
+    assert not line.client().read_holding_registers(0, count=1).isError()
+
+def test_in_real_time_nothing_is_stepped_and_time_passes(web_line_factory):
+    line = web_line_factory(stepped=False)
+    begin_s = line.status().time_s
+    with pytest.raises(Exception, match="serve --stepped"):
+        line.step()
+    line.inject("busy")
+    assert line.status().time_s > begin_s
+
+def test_a_reference_is_in_force_on_return(web_line):
+    web_line.set("tension_ref_N", 75)
+    assert web_line.value("tension_ref_N") == 75
+
+def test_a_long_step_is_as_long_as_asked(web_line):
+    begin_s = web_line.status().time_s
+    assert web_line.step(4500) - begin_s == pytest.approx(4500 * web_line.sample_time_s)
+
+def test_the_line_of_the_factory_is_the_tests_own(web_line, web_line_factory):
+    other = web_line_factory()
+    other.step(10)
+    assert other.status().time_s > web_line.status().time_s
+"""
+_ONCE = ["-p", "no:web_line", "-p", "sim_plant.pytest_plugin.plugin"]  # installed or not
+NO_RECIPE = {Fault.SYNC}  # the page says why
 
 
 def _pytest(folder, *words):
     (folder / "conftest.py").write_text(CONFTEST)
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words]
-    if "sim_plant.pytest_plugin.plugin" not in os.environ.get("PYTEST_PLUGINS", ""):
-        command += ["-p", "sim_plant.pytest_plugin.plugin"]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *_ONCE, *words]
     return subprocess.run(
         command,
         cwd=folder,
@@ -45,15 +85,31 @@ def _pytest(folder, *words):
     )
 
 
-def test_every_test_on_the_page_passes(tmp_path):
-    (tmp_path / "test_page.py").write_text("\n".join(_BLOCK.findall(PAGE.read_text("utf-8"))))
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    """The page's tests, run; the folder holds the faults that they injected."""
+    folder = tmp_path_factory.mktemp("page")
+    (folder / "test_page.py").write_text("\n".join(_BLOCK.findall(PAGE.read_text("utf-8"))))
+    return _pytest(folder), folder / "injected"
+
+
+def test_every_test_on_the_page_passes_and_none_is_skipped(page):
+    done, _ = page
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.search(r"^\d+ passed in ", done.stdout, re.MULTILINE), done.stdout
+
+
+def test_every_fault_but_one_is_injected_by_a_test_of_the_page(page):
+    _, injected = page
+    names = {parse_fault(spec).fault for spec in injected.read_text().split()}
+    assert set(Fault) - names == NO_RECIPE
+    assert all(f"`{fault.value}`" in PAGE.read_text("utf-8") for fault in NO_RECIPE)
+
+
+def test_other_kinds_of_line_do_what_the_page_says_of_them(tmp_path):
+    (tmp_path / "test_kinds.py").write_text(KINDS)
     done = _pytest(tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
-
-
-def test_the_page_has_a_recipe_for_every_fault():
-    text = PAGE.read_text("utf-8")
-    assert [fault.value for fault in Fault if f"`{fault.value}" not in text] == []
 
 
 def test_what_goes_wrong_is_told_and_no_process_stays(tmp_path):

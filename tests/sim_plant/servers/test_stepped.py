@@ -1,6 +1,7 @@
 """Real sockets, virtual time: what a client gets is decided by commands alone."""
 
 import asyncio
+from itertools import pairwise
 
 import pytest
 
@@ -13,6 +14,7 @@ pytestmark = pytest.mark.wire
 
 READ = "0007 0000 0006 01 03 0000 0010"  # the whole read block, FC3
 ANSWER_BYTES = 9 + 2 * 16
+NAN_SWAPPED = "00008000"  # the lowest i32, its low word first
 
 
 @pytest.fixture
@@ -37,11 +39,12 @@ def test_time_passes_by_the_samples_asked_for_and_by_nothing_else(control):
 SCENE = (
     "step 7",
     "fault swap",
-    "fault nan=unwind_tension_N@0.05:0.02",
+    "fault nan=unwind_tension_N@0.04:0.02",
     "step 4",
     "step 1",
     "clear",
 )
+SAMPLES = (7, 1, 0, 4, 1, 1)  # that each takes
 
 
 def _bytes_of_a_scene(control):
@@ -55,8 +58,11 @@ def _bytes_of_a_scene(control):
 
 def test_two_runs_give_the_same_bytes_on_the_wire(control):
     first = _bytes_of_a_scene(control)
-    parts = {first[at : at + ANSWER_BYTES] for at in range(0, len(first), ANSWER_BYTES)}
-    assert len(parts) == len(SCENE)
+    parts = [first[at : at + ANSWER_BYTES] for at in range(0, len(first), ANSWER_BYTES)]
+    heartbeats = [int.from_bytes(part[9:11], "big") for part in parts]
+    assert tuple(after - before for before, after in pairwise(heartbeats)) == SAMPLES[1:]
+    tensions = [part[13:17].hex() for part in parts]
+    assert [tension == NAN_SWAPPED for tension in tensions] == [False] * 3 + [True] * 2 + [False]
     assert _bytes_of_a_scene(control) == first
 
 
