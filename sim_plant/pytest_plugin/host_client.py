@@ -56,7 +56,7 @@ class HostClient:
             return
         process.communicate(timeout=_PATIENCE_S)
 
-    def _ask(self, request: Mapping[str, object], wanted: str) -> int:
+    def _ask(self, request: Mapping[str, str | int | list[str]], wanted: str) -> int:
         process = self._process = self._process or self._start()
         assert process.stdin is not None
         assert process.stdout is not None

@@ -162,7 +162,7 @@ class WebLine:
         PlantError
             The line takes no connection, or python-can is not installed.
         """
-        client = self._can_bus(settings) if self._setup.can else self._modbus(settings)
+        client = self._can_bus(**settings) if self._setup.can else self._modbus(**settings)
         self._hang_ups.append(client.shutdown if self._setup.can else client.close)
         return client
 
@@ -199,7 +199,7 @@ class WebLine:
         finally:
             shutil.rmtree(self._folder, ignore_errors=True)
 
-    def _modbus(self, settings: dict[str, Any]) -> Any:
+    def _modbus(self, **settings: Any) -> Any:
         from pymodbus import client  # noqa: PLC0415 (only where one is asked for)
 
         kind = client.ModbusUdpClient if self._setup.udp else client.ModbusTcpClient
@@ -208,7 +208,7 @@ class WebLine:
             raise PlantError(f"{self.host}:{self.port}: the line takes no connection")
         return made
 
-    def _can_bus(self, settings: dict[str, Any]) -> Any:
+    def _can_bus(self, **settings: Any) -> Any:
         if importlib.util.find_spec("can") is None:
             raise PlantError("client() on CAN needs python-can: pip install 'aff-runtime[can]'")
         from sim_plant.pytest_plugin.can_client import WebLineBus  # noqa: PLC0415

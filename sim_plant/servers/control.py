@@ -27,7 +27,7 @@ import stat
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 from aff_runtime.base.errors import AffError, PlantError
 from aff_runtime.base.signals import Status
@@ -94,30 +94,26 @@ class ControlSocket:
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         try:
             while line := await reader.readline():
-                answer = await self.answer_in_force(line.decode("utf-8", errors="replace"))
-                writer.write(json.dumps(answer).encode() + b"\n")
+                answer = await self.answer(line.decode("utf-8", errors="replace"))
+                writer.write(json.dumps(to_json(answer)).encode() + b"\n")
                 await writer.drain()
         except (OSError, ValueError, asyncio.CancelledError):
             pass  # the client went away, its line was endless, or the plant stops
         finally:
             writer.close()
 
-    def answer(self, line: str) -> dict[str, Any]:
-        """Obey one command line as far as no time has to pass; return plain values for JSON."""
-        return to_json(self._obey(line.split()))
-
-    async def answer_in_force(self, line: str) -> dict[str, Any]:
-        """Obey one command line and return when it is in force; plain values for JSON."""
+    async def answer(self, line: str) -> Answer:
+        """Obey one command line and return when it is in force; at once without a clock."""
         words = line.split()
         if words[:1] == ["step"] and self._clock is not None:
-            return to_json(await self._step(words[1:], self._clock))
+            return await self._step(words[1:], self._clock)
         answer = self._obey(words)
         if self._clock is not None and isinstance(answer, Done) and words[0] in _TAKES_A_SAMPLE:
             begins_s = answer.start_s or 0.0
             if begins_s <= self._plant.time_s:
                 await self._clock.in_force()
             answer = replace(answer, time_s=self._plant.time_s)
-        return to_json(answer)
+        return answer
 
     async def _step(self, arguments: list[str], clock: ControlledClock) -> Answer:
         try:
