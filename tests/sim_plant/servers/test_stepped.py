@@ -1,6 +1,7 @@
 """Real sockets, virtual time: what a client gets is decided by commands alone."""
 
 import asyncio
+import socket
 from itertools import pairwise
 
 import pytest
@@ -8,7 +9,15 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.servers.control_client import ask as tell
 from sim_plant.servers.stepped import MOST_SAMPLES, SteppedClock
-from tests.sim_plant.servers.served import PATIENCE_s, SAMPLE_TIME_s, ask, closed, served, silent
+from tests.sim_plant.servers.served import (
+    PATIENCE_s,
+    SAMPLE_TIME_s,
+    ask,
+    closed,
+    receive,
+    served,
+    silent,
+)
 
 pytestmark = pytest.mark.wire
 
@@ -98,11 +107,21 @@ def test_a_late_answer_is_late_by_plant_time(control):
 
 
 def test_what_was_sent_before_a_step_is_obeyed_before_its_first_sample(control):
-    with served(control=control, stepped=True) as plant, plant.client() as client:
-        client.sendall(bytes.fromhex(READ))
-        tell(control, "step 1")
-        early = client.recv(ANSWER_BYTES)
-        late = ask(client, READ, ANSWER_BYTES)
+    with (
+        served(control=control, stepped=True) as plant,
+        socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as commands,
+    ):
+        commands.settimeout(PATIENCE_s)
+        commands.connect(str(control))
+        commands.sendall(b"status\n")  # taken: the step need not wait for the connection
+        with commands.makefile("rb") as answers:
+            assert answers.readline()
+            with plant.client() as client:
+                client.sendall(bytes.fromhex(READ))
+                commands.sendall(b"step 1\n")
+                answers.readline()
+                early = receive(client, ANSWER_BYTES)
+                late = ask(client, READ, ANSWER_BYTES)
     assert int.from_bytes(late[9:11], "big") - int.from_bytes(early[9:11], "big") == 1
 
 
