@@ -9,6 +9,7 @@ __all__ = [
     "ports",
     "profiles",
     "runge_kutta",
+    "shipped",
     "signatures",
     "svg",
     "worker_pool",

@@ -1,4 +1,4 @@
-"""`sim-plant serve`: a line in real time behind Modbus TCP or on a CAN bus."""
+"""`sim-plant serve`: a line in real or stepped time behind Modbus or on a CAN bus."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING
 
 from aff_runtime.base.arguments import speed_m_s
 from aff_runtime.base.errors import PlantError
+from sim_plant.base.shipped import shipped
 from sim_plant.cli.output import say
 
 if TYPE_CHECKING:
     from sim_plant.servers.serve import ServeOptions
 
-DEFAULT_MAP = Path(__file__).parents[2] / "config" / "plc" / "gateway_block.yaml"
+DEFAULT_MAP = shipped("plc/gateway_block.yaml")
 
 Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhere else)
 
@@ -24,7 +25,7 @@ Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhe
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     """Add the subcommand."""
     parser = subparsers.add_parser(
-        "serve", help="serve a line on Modbus (TCP, UDP) or CAN in real time"
+        "serve", help="serve a line on Modbus (TCP, UDP) or CAN, in real or stepped time"
     )
     parser.add_argument("line", type=Path, metavar="LINE.yaml")
     parser.add_argument(
@@ -73,6 +74,11 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     )
     parser.add_argument("--no-fc23", action="store_true", help="refuse function 23")
     parser.add_argument("--no-realtime", action="store_true", help="do not ask for SCHED_FIFO")
+    parser.add_argument(
+        "--stepped",
+        action="store_true",
+        help="virtual time: it stands until `sim-plant tell PATH step N`; needs --control PATH",
+    )
     parser.add_argument("--duration", type=float, metavar="S", help="stop after S seconds")
     parser.set_defaults(run=run)
 
@@ -124,6 +130,10 @@ def read_options(arguments: argparse.Namespace) -> ServeOptions:
     duration_s = arguments.duration
     if duration_s is not None and not (math.isfinite(duration_s) and duration_s > 0.0):
         raise PlantError(f"--duration {duration_s}: write seconds greater than 0")
+    if arguments.stepped and arguments.control is None:
+        raise PlantError(
+            "--stepped: write --control PATH too; time stands until `sim-plant tell PATH step N`"
+        )
     return ServeOptions(
         host=host,
         port=int(port),
@@ -138,4 +148,5 @@ def read_options(arguments: argparse.Namespace) -> ServeOptions:
         control=arguments.control,
         duration_s=duration_s,
         realtime=not arguments.no_realtime,
+        stepped=arguments.stepped,
     )

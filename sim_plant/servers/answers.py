@@ -9,10 +9,19 @@ from typing import Any, TypeAlias
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Done:
-    """It was done; in plant time, when a fault begins or the rolls are exchanged."""
+    """It was done; plant time in s: of a fault's begin, of the rolls' exchange, and now."""
 
     start_s: float | None = None
     change_s: float | None = None
+    time_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Value:
+    """One channel, true or measured, at a plant time; None where it is not a number."""
+
+    time_s: float
+    value: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +75,7 @@ class PlantStatus:
     true_tension_N, measured : true tensions, and what the PLC reads, by channel.
     status : bits that are set. ``web`` : its end.
     aff : words of the runtime as the PLC has them; ``aff_bits`` : of its state.
-    realtime : whether the rights were granted.
+    realtime : whether the rights were granted; ``stepped`` where time is virtual.
     """
 
     time_s: float
@@ -111,7 +120,7 @@ class PlantStatus:
 
 _NESTED = ("web", "aff", "aff_bits", "counts")
 _PLAIN = tuple(one.name for one in fields(PlantStatus) if one.name not in _NESTED)
-Answer: TypeAlias = Done | Refused | History | PlantStatus
+Answer: TypeAlias = Done | Value | Refused | History | PlantStatus
 
 
 def to_json(answer: Answer) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from sim_plant.servers.can_dbc_node import DbcNode, load_dbc_map
 from sim_plant.servers.can_frames import CanNode
 from sim_plant.servers.can_server import CanServer
 from sim_plant.servers.canopen_node import CanopenNetwork
+from sim_plant.servers.later import Later, in_real_time
 from sim_plant.servers.plant import Plant
 
 
@@ -30,8 +31,13 @@ def can_node(plant: Plant, protocol: str, map_path: Path) -> CanNode:
 
 
 def can_server(
-    plant: Plant, protocol: str, map_path: Path, interface: str, channel: str
+    plant: Plant,
+    protocol: str,
+    map_path: Path,
+    interface: str,
+    channel: str,
+    later: Later = in_real_time,
 ) -> CanServer:
     """Return the server of a plant on a bus."""
     node = can_node(plant, protocol, map_path)
-    return CanServer(plant, node, channel_of(interface, channel), f"{interface} {channel}")
+    return CanServer(plant, node, channel_of(interface, channel), f"{interface} {channel}", later)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import asyncio
-
 from aff_runtime.base.errors import WireError
 from sim_plant.servers.can_channel import CanChannel
 from sim_plant.servers.can_frames import BusFaults, CanFrame, CanNode
 from sim_plant.servers.faults import Fault, FaultEdge
+from sim_plant.servers.later import Later, in_real_time
 from sim_plant.servers.plant import Plant
 
 _GONE = (Fault.DROP, Fault.REFUSE, Fault.RESTART)
@@ -21,7 +20,15 @@ class CanServer:
     sent, taken : frames put on the bus and taken from it.
     """
 
-    def __init__(self, plant: Plant, node: CanNode, channel: CanChannel, name: str) -> None:
+    def __init__(
+        self,
+        plant: Plant,
+        node: CanNode,
+        channel: CanChannel,
+        name: str,
+        later: Later = in_real_time,
+    ) -> None:
+        self._later = later
         self._plant = plant
         self._node = node
         self._channel = channel
@@ -52,6 +59,9 @@ class CanServer:
     async def close(self) -> None:
         """Leave the bus."""
         self._leave()
+
+    async def settled(self) -> None:
+        """Return at once: the bus is joined again within a sample."""
 
     def take_edge(self, edge: FaultEdge) -> None:
         """Follow a fault that begins or ends."""
@@ -101,7 +111,7 @@ class CanServer:
         self.sent += len(arriving)
         if self._plant.faults.active(Fault.DELAY):
             delay_s = float(self._plant.faults.argument(Fault.DELAY)) * 1e-3
-            asyncio.get_running_loop().call_later(delay_s, self._put, arriving)
+            self._later(delay_s, lambda: self._put(arriving))
         else:
             self._put(arriving)
 

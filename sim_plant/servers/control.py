@@ -6,34 +6,61 @@ set REFERENCE VALUE         line_speed_ref_m_s or tension_ref_N
 set STATUS_BIT 0|1          any bit of the status word
 fault SPEC                  as ``--fault``; a start counts from now; answers it in plant time
 clear [NAME]                end one fault, or all
+value CHANNEL               one channel as the line has it now: true_... or as measured
+step N                      take N samples; of a plant that is served --stepped alone
 roll                        full rolls at both ends, on the run; announced as a splice for 2 s;
                             starts a line again whose web was at its end
 reset                       forget the largest correction seen
 
-Every command is answered by one line of JSON; an ``error`` key says what was wrong.
+Every command is answered by one line of JSON; an ``error`` key says what was wrong. ``set``,
+``clear`` and a ``fault`` that begins now are answered when they are in force: after the next
+sample, which a stepped plant takes for them.
 """
 
 from __future__ import annotations
 
 import asyncio
 import json
+import math
 import os
 import stat
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Protocol
 
 from aff_runtime.base.errors import AffError, PlantError
 from aff_runtime.base.signals import Status
-from sim_plant.servers.answers import Answer, Done, History, PlantStatus, Refused, to_json
+from sim_plant.servers.answers import Answer, Done, History, PlantStatus, Refused, Value, to_json
 from sim_plant.servers.faults import Fault, parse_fault
 from sim_plant.servers.plant import REFERENCES, Plant
+
+_TAKES_A_SAMPLE = frozenset({"set", "fault", "clear"})
+
+
+class ControlledClock(Protocol):
+    """The time of the plant, as far as commands have to do with it."""
+
+    async def in_force(self) -> None:
+        """Return when the next sample is over."""
+        ...
+
+    async def step(self, samples: int) -> None:
+        """Take ``samples`` samples; ``PlantError`` where time is not to be stepped."""
+        ...
 
 
 class ControlSocket:
     """Serves the commands to whoever may open the socket file (its owner alone)."""
 
-    def __init__(self, path: Path, plant: Plant, status: Callable[[], PlantStatus]) -> None:
+    def __init__(
+        self,
+        path: Path,
+        plant: Plant,
+        status: Callable[[], PlantStatus],
+        clock: ControlledClock | None = None,
+    ) -> None:
+        self._clock = clock
         self._path = path
         self._plant = plant
         self._status = status
@@ -67,31 +94,49 @@ class ControlSocket:
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         try:
             while line := await reader.readline():
-                answer = self.answer(line.decode("utf-8", errors="replace"))
-                writer.write(json.dumps(answer).encode() + b"\n")
+                answer = await self.answer(line.decode("utf-8", errors="replace"))
+                writer.write(json.dumps(to_json(answer)).encode() + b"\n")
                 await writer.drain()
         except (OSError, ValueError, asyncio.CancelledError):
             pass  # the client went away, its line was endless, or the plant stops
         finally:
             writer.close()
 
-    def answer(self, line: str) -> dict[str, Any]:
-        """Obey one command line; return plain values for JSON."""
-        return to_json(self._obey(line))
-
-    def _obey(self, line: str) -> Answer:
+    async def answer(self, line: str) -> Answer:
+        """Obey one command line and return when it is in force; at once without a clock."""
         words = line.split()
+        if words[:1] == ["step"] and self._clock is not None:
+            return await self._step(words[1:], self._clock)
+        answer = self._obey(words)
+        if self._clock is not None and isinstance(answer, Done) and words[0] in _TAKES_A_SAMPLE:
+            begins_s = answer.start_s or 0.0
+            if begins_s <= self._plant.time_s:
+                await self._clock.in_force()
+            answer = replace(answer, time_s=self._plant.time_s)
+        return answer
+
+    async def _step(self, arguments: list[str], clock: ControlledClock) -> Answer:
+        try:
+            await clock.step(int(arguments[0]) if arguments else 1)
+        except ValueError:
+            return Refused(error=f"step {arguments[0]}: write a whole number of samples")
+        except AffError as error:
+            return Refused(error=str(error))
+        return Done(time_s=self._plant.time_s)
+
+    def _obey(self, words: list[str]) -> Answer:
         commands: dict[str, Callable[[list[str]], Answer]] = {
             "status": lambda _: self._status(),
             "history": self._history,
             "set": self._set,
             "fault": self._fault,
             "clear": self._clear,
+            "value": self._value,
             "roll": lambda _: Done(change_s=self._plant.change_rolls()),
             "reset": self._reset,
         }
         if not words or words[0] not in commands:
-            return Refused(error=f"unknown command; known are {', '.join(commands)}")
+            return Refused(error=f"unknown command; known are {', '.join(commands)}, step")
         try:
             return commands[words[0]](words[1:])
         except AffError as error:
@@ -125,6 +170,13 @@ class ControlSocket:
     def _clear(self, arguments: list[str]) -> Done:
         self._plant.faults.clear(Fault(arguments[0]) if arguments else None)
         return Done()
+
+    def _value(self, arguments: list[str]) -> Value:
+        measured, name = self._plant.measured, arguments[0]
+        if name not in measured:
+            raise PlantError(f"value {name}: no such channel; there are {', '.join(measured)}")
+        value = measured[name]
+        return Value(time_s=self._plant.time_s, value=value if math.isfinite(value) else None)
 
     def _reset(self, arguments: list[str]) -> Done:
         del arguments

@@ -7,6 +7,7 @@ import socket
 from typing import Protocol
 
 from sim_plant.servers.faults import Fault, FaultBoard
+from sim_plant.servers.later import Appointment, Later, in_real_time
 from sim_plant.servers.modbus_answer import HEADER, answer_to, request_length
 from sim_plant.servers.modbus_device import ModbusDevice
 
@@ -37,14 +38,16 @@ class ModbusConnection(asyncio.Protocol):
         device: ModbusDevice,
         faults: FaultBoard,
         idle_timeout_s: float,
+        later: Later = in_real_time,
     ) -> None:
         self._keeper = keeper
         self._device = device
         self._faults = faults
         self._idle_timeout_s = idle_timeout_s
+        self._later = later
         self._buffer = bytearray()
         self._transport: asyncio.Transport | None = None
-        self._idle: asyncio.TimerHandle | None = None
+        self._idle: Appointment | None = None
         self._heard = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -94,8 +97,7 @@ class ModbusConnection(asyncio.Protocol):
             return
         answer = answer_to(frame, self._device, self._faults)
         if answer.delay_s:
-            loop = asyncio.get_running_loop()
-            loop.call_later(answer.delay_s, self._send, b"".join(answer.frames))
+            self._later(answer.delay_s, lambda: self._send(b"".join(answer.frames)))
         else:
             self._send(b"".join(answer.frames))
 
@@ -105,8 +107,7 @@ class ModbusConnection(asyncio.Protocol):
 
     def _watch_idle(self) -> None:
         self._heard = False
-        loop = asyncio.get_running_loop()
-        self._idle = loop.call_later(self._idle_timeout_s, self._judge_idle)
+        self._idle = self._later(self._idle_timeout_s, self._judge_idle)
 
     def _judge_idle(self) -> None:
         if self._heard:

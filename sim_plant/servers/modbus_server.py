@@ -6,11 +6,13 @@ import asyncio
 
 from aff_runtime.base.errors import WireError
 from sim_plant.servers.faults import Fault, FaultBoard, FaultEdge
+from sim_plant.servers.later import Later, in_real_time
 from sim_plant.servers.modbus_connection import ModbusConnection
 from sim_plant.servers.modbus_device import ModbusDevice
 
 _ABSENT = (Fault.REFUSE, Fault.RESTART)
 _REOPEN_PERIOD_S = 0.05
+_REOPEN_PATIENCE_S = 2.0
 
 
 class ModbusServer:
@@ -24,6 +26,7 @@ class ModbusServer:
     Parameters
     ----------
     idle_timeout_s : a client silent for this long (at most twice) is cut off.
+    later : by whose clock late answers and silent clients are timed.
     """
 
     def __init__(
@@ -35,6 +38,7 @@ class ModbusServer:
         port: int = 5020,
         max_connections: int = 4,
         idle_timeout_s: float = 60.0,
+        later: Later = in_real_time,
     ) -> None:
         self.host = host
         self.port = port
@@ -44,6 +48,7 @@ class ModbusServer:
         self._faults = faults
         self._max_connections = max_connections
         self._idle_timeout_s = idle_timeout_s
+        self._later = later
         self._connections: set[ModbusConnection] = set()
         self._listener: asyncio.Server | None = None
         self._reopening: asyncio.Task[None] | None = None
@@ -116,7 +121,14 @@ class ModbusServer:
         self._connections.discard(connection)
 
     def _connection(self) -> ModbusConnection:
-        return ModbusConnection(self, self._device, self._faults, self._idle_timeout_s)
+        return ModbusConnection(
+            self, self._device, self._faults, self._idle_timeout_s, self._later
+        )
+
+    async def settled(self) -> None:
+        """Wait until a server that may listen again does, at most two seconds."""
+        if self._reopening is not None:
+            await asyncio.wait({self._reopening}, timeout=_REOPEN_PATIENCE_S)
 
     async def _reopen(self) -> None:
         """Listen again once no fault forbids it; the port may be busy for a moment."""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import random
+from functools import partial
 from typing import Any
 
 from aff_runtime.base.errors import WireError
 from sim_plant.servers.faults import Fault, FaultBoard, FaultEdge
+from sim_plant.servers.later import Later, in_real_time
 from sim_plant.servers.modbus_answer import HEADER, answer_to, request_length
 from sim_plant.servers.modbus_device import ModbusDevice
 
@@ -29,7 +31,14 @@ class ModbusUdpServer(asyncio.DatagramProtocol):
     """
 
     def __init__(
-        self, device: ModbusDevice, faults: FaultBoard, *, host: str, port: int, seed: int = 0
+        self,
+        device: ModbusDevice,
+        faults: FaultBoard,
+        *,
+        host: str,
+        port: int,
+        seed: int = 0,
+        later: Later = in_real_time,
     ) -> None:
         self.host = host
         self.port = port
@@ -38,6 +47,7 @@ class ModbusUdpServer(asyncio.DatagramProtocol):
         self._device = device
         self._faults = faults
         self._dice = random.Random(seed)
+        self._later = later
         self._transport: asyncio.DatagramTransport | None = None
 
     @property
@@ -78,6 +88,9 @@ class ModbusUdpServer(asyncio.DatagramProtocol):
             self._transport = None
         await asyncio.sleep(0)
 
+    async def settled(self) -> None:
+        """Return at once: nothing is left to be done."""
+
     def take_edge(self, edge: FaultEdge) -> None:
         """Follow a fault that begins or ends: nothing is held that could end with it."""
 
@@ -94,8 +107,7 @@ class ModbusUdpServer(asyncio.DatagramProtocol):
             if self._is_lost():
                 continue
             if answer.delay_s:
-                loop = asyncio.get_running_loop()
-                loop.call_later(answer.delay_s, self._send, frame, addr)
+                self._later(answer.delay_s, partial(self._send, frame, addr))
             else:
                 self._send(frame, addr)
 

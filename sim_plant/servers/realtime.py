@@ -7,6 +7,7 @@ import gc
 import os
 from collections.abc import Callable
 
+from aff_runtime.base.errors import PlantError
 from sim_plant.servers.timer_fd import PeriodicTimer
 
 _PRIORITY = 70
@@ -40,6 +41,7 @@ class RealTimeStepper:
         self._step = step
         self._period_s = period_s
         self._timer: PeriodicTimer | None = None
+        self._waiting: list[asyncio.Future[None]] = []
         self.late_samples = 0
         self.skipped_samples = 0
         self.failure: asyncio.Future[None] | None = None
@@ -55,12 +57,33 @@ class RealTimeStepper:
         return self.failure
 
     def stop(self) -> None:
-        """Step no more."""
+        """Step no more; who waits for a sample waits in vain."""
+        for waiting in self._waiting:
+            waiting.cancel()
+        self._waiting.clear()
         if self._timer is not None:
             asyncio.get_running_loop().remove_reader(self._timer.fileno())
             self._timer.close()
             self._timer = None
             gc.unfreeze()
+
+    async def next_sample(self) -> None:
+        """Wait for the end of the next sample."""
+        waiting: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._waiting.append(waiting)
+        await waiting
+
+    async def advance(self, samples: int) -> None:
+        """Refuse: the time is real.
+
+        Raises
+        ------
+        PlantError
+            Always.
+        """
+        raise PlantError(
+            f"step {samples}: this plant runs in real time; start it with serve --stepped"
+        )
 
     def _on_timer(self) -> None:
         if self._timer is not None:
@@ -78,3 +101,11 @@ class RealTimeStepper:
             self.stop()
             if self.failure is not None and not self.failure.done():
                 self.failure.set_exception(error)
+        if now:
+            self._tell_those_who_wait()
+
+    def _tell_those_who_wait(self) -> None:
+        for waiting in self._waiting:
+            if not waiting.done():
+                waiting.set_result(None)
+        self._waiting.clear()

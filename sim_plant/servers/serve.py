@@ -15,6 +15,7 @@ from sim_plant.base.ports import SteppedLine
 from sim_plant.servers.answers import Counts, PlantStatus, WebReport
 from sim_plant.servers.control import ControlSocket
 from sim_plant.servers.faults import FaultBoard, FaultEdge, FaultSpec
+from sim_plant.servers.later import Later, PlantTimers, in_real_time
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.modbus_server import ModbusServer
 from sim_plant.servers.modbus_udp import ModbusUdpServer
@@ -23,6 +24,7 @@ from sim_plant.servers.plc import Plc
 from sim_plant.servers.plc_map import PlcMap
 from sim_plant.servers.realtime import RealTimeStepper, ask_for_realtime
 from sim_plant.servers.recorder import PlantRecorder
+from sim_plant.servers.stepped import SteppedClock
 from sim_plant.servers.web_end import WebState
 
 
@@ -42,6 +44,7 @@ class ServeOptions:
     record, control : paths of the record and of the control socket, if wanted.
     duration_s : real time after which to stop; None runs until a signal.
     realtime : ask for real-time rights.
+    stepped : time stands but for the command ``step``; faults and clients are timed by it.
     """
 
     host: str = "127.0.0.1"
@@ -57,6 +60,7 @@ class ServeOptions:
     control: Path | None = None
     duration_s: float | None = None
     realtime: bool = True
+    stepped: bool = False
     max_connections: int = 4
     idle_timeout_s: float = 60.0
 
@@ -81,21 +85,28 @@ class Wire(Protocol):
         """Follow a fault that begins or ends."""
         ...
 
+    async def settled(self) -> None:
+        """Wait until what an edge began on the wire is done."""
+        ...
+
     def counts(self) -> dict[str, int]:
         """Return what the status shows of the wire."""
         ...
 
 
 def _wire(plant: Plant, options: ServeOptions) -> Wire:
+    later: Later = PlantTimers(plant).later if options.stepped else in_real_time
     if options.can:
         from sim_plant.servers.can_catalogue import can_server  # noqa: PLC0415 (needs the can extra)
 
         return can_server(
-            plant, options.can, options.can_map, options.can_interface, options.can_channel
+            plant, options.can, options.can_map, options.can_interface, options.can_channel, later
         )
     device = ModbusDevice(plant.registers, allow_fc23=options.allow_fc23)
     if options.udp:
-        return ModbusUdpServer(device, plant.faults, host=options.host, port=options.port)
+        return ModbusUdpServer(
+            device, plant.faults, host=options.host, port=options.port, later=later
+        )
     return ModbusServer(
         device,
         plant.faults,
@@ -103,6 +114,7 @@ def _wire(plant: Plant, options: ServeOptions) -> Wire:
         port=options.port,
         max_connections=options.max_connections,
         idle_timeout_s=options.idle_timeout_s,
+        later=later,
     )
 
 
@@ -113,10 +125,24 @@ class PlantService:
         self._options = options
         self.plant = Plant(line, Plc(plc_map), FaultBoard(options.faults))
         self.server = _wire(self.plant, options)
-        self.stepper = RealTimeStepper(self.plant.step, self.plant.sample_time_s)
+        self.stepper = self._clock()
         self.plant.edge_observers.append(self.server.take_edge)
         self._scheduler = "not asked"
         self._stop = asyncio.Event()
+
+    def _clock(self) -> RealTimeStepper | SteppedClock:
+        if self._options.stepped:
+            return SteppedClock(self.plant.step, self.server.settled)
+        return RealTimeStepper(self.plant.step, self.plant.sample_time_s)
+
+    async def in_force(self) -> None:
+        """Return when the next sample is over and the wire has followed it."""
+        await self.stepper.next_sample()
+        await self.server.settled()
+
+    async def step(self, samples: int) -> None:
+        """Take ``samples`` samples of a stepped plant; see ``SteppedClock.advance``."""
+        await self.stepper.advance(samples)
 
     def stop(self) -> None:
         """Ask ``run`` to return."""
@@ -133,7 +159,9 @@ class PlantService:
         options = self._options
         recorder = PlantRecorder(options.record, self.plant) if options.record else None
         control = (
-            ControlSocket(options.control, self.plant, self.status) if options.control else None
+            ControlSocket(options.control, self.plant, self.status, self)
+            if options.control
+            else None
         )
         try:
             if recorder:
@@ -141,7 +169,9 @@ class PlantService:
             await self.server.open()
             if control:
                 await control.open()
-            if options.realtime:
+            if options.stepped:
+                self._scheduler = "stepped"
+            elif options.realtime:
                 self._scheduler = "granted" if ask_for_realtime() else "refused"
             self.plant.web.observers.append(lambda state: announce(self._web_says(state)))
             failure = self.stepper.start()

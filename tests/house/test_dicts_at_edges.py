@@ -24,6 +24,7 @@ EDGES = {
     "sim_plant/base/jit.py": "keyword arguments of numba",
     "sim_plant/cli/tell.py": "JSON for scripts",
     "sim_plant/line/declaration.py": "YAML of a line file",
+    "sim_plant/pytest_plugin/web_line.py": "JSON of the control socket",
     "sim_plant/refine/records/child.py": "JSON of the record reader",
     "sim_plant/refine/records/in_child.py": "JSON of the record reader",
     "sim_plant/refine/records/run_site.py": "YAML of a run folder",
@@ -34,7 +35,6 @@ EDGES = {
     "sim_plant/refine/without_line/verdict.py": "JSON of the verdict",
     "sim_plant/reproduce/gallery.py": "JSON of the gallery",
     "sim_plant/servers/answers.py": "JSON of the control socket",
-    "sim_plant/servers/control.py": "JSON of the control socket",
     "sim_plant/servers/control_client.py": "JSON of the control socket",
 }
 

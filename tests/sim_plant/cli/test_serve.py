@@ -82,6 +82,7 @@ def test_a_speed_in_a_unit_of_something_else_is_refused(capsys):
         (["--fault", "melt"], "unknown name"),
         (["--duration", "-1"], "write seconds"),
         (["--duration", "nan"], "write seconds"),
+        (["--stepped"], "write --control PATH too"),
     ],
 )
 def test_a_misspelt_option_exits_with_code_2_and_says_what_to_write(capsys, words, said):

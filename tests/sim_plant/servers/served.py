@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
+from sim_plant.servers.answers import to_json
 from sim_plant.servers.control import ControlSocket
 from sim_plant.servers.serve import PlantService, ServeOptions
 from tests.sim_plant.servers.fake_line import FakeLine, default_map
@@ -29,7 +30,7 @@ class Served:
 
     def command(self, line: str) -> dict[str, Any]:
         async def answer() -> dict[str, Any]:
-            return self._control.answer(line)
+            return to_json(await self._control.answer(line))
 
         return asyncio.run_coroutine_threadsafe(answer(), self.loop).result(PATIENCE_s)
 
@@ -40,6 +41,11 @@ class Served:
 
     def client(self) -> socket.socket:
         return socket.create_connection(("127.0.0.1", self.port), timeout=PATIENCE_s)
+
+
+def answered(control: ControlSocket, line: str) -> dict[str, Any]:
+    """Return what a command without a socket is answered."""
+    return to_json(asyncio.run(control.answer(line)))
 
 
 @contextlib.contextmanager

@@ -18,6 +18,7 @@ from aff_runtime.config.loader import load_site
 from aff_runtime.fieldbus.can.frame_socket import FrameSocketBus
 from aff_runtime.fieldbus.can.gateway import CanGateway
 from aff_runtime.fieldbus.can_catalogue import BusSite, can_gateway, canopen_gateway
+from sim_plant.servers.answers import to_json
 from sim_plant.servers.control import ControlSocket
 from sim_plant.servers.serve import PlantService, ServeOptions
 from tests.aff_runtime.fieldbus.euclid_can import command
@@ -75,7 +76,7 @@ class Bench:
         control = ControlSocket(Path(), self.service.plant, self.service.status)
 
         async def inject() -> dict[str, object]:
-            return control.answer(f"fault {spec}")
+            return to_json(await control.answer(f"fault {spec}"))
 
         done = asyncio.run_coroutine_threadsafe(inject(), self.loop)
         assert done.result(PATIENCE_s)["ok"]

@@ -11,7 +11,7 @@ from sim_plant.servers.control import ControlSocket
 from sim_plant.servers.plant import Plant
 from sim_plant.servers.plc import Plc
 from tests.sim_plant.servers.fake_line import FakeLine, default_map
-from tests.sim_plant.servers.served import PATIENCE_s, served
+from tests.sim_plant.servers.served import PATIENCE_s, answered, served
 
 
 @pytest.fixture
@@ -22,8 +22,8 @@ def control():
 
 def test_references_and_status_bits_can_be_set(control):
     socket_, plant = control
-    assert socket_.answer("set line_speed_ref_m_s 0.25") == {"ok": True}
-    assert socket_.answer("set WEB_INTACT 0") == {"ok": True}
+    assert answered(socket_, "set line_speed_ref_m_s 0.25") == {"ok": True}
+    assert answered(socket_, "set WEB_INTACT 0") == {"ok": True}
     plant.step()
     assert plant.measured["line_speed_m_s"] == 0.25
     assert not plant.plc.status & Status.WEB_INTACT
@@ -33,7 +33,7 @@ def test_history_gives_times_and_corrections_oldest_first(control):
     socket_, plant = control
     for _ in range(3):
         plant.step()
-    assert socket_.answer("history 2") == {
+    assert answered(socket_, "history 2") == {
         "actuators": ["unwind", "swrap_follower"],
         "time_s": pytest.approx([0.015, 0.020]),
         "applied_m_s": [(0.0, 0.0), (0.0, 0.0)],
@@ -42,11 +42,11 @@ def test_history_gives_times_and_corrections_oldest_first(control):
 
 def test_faults_are_injected_and_cleared(control):
     socket_, plant = control
-    socket_.answer("fault mute")
-    socket_.answer("fault busy")
+    answered(socket_, "fault mute")
+    answered(socket_, "fault busy")
     plant.step()
     assert plant.faults.names() == ["mute", "busy"]
-    socket_.answer("clear mute")
+    answered(socket_, "clear mute")
     plant.step()
     assert plant.faults.names() == ["busy"]
 
@@ -68,7 +68,7 @@ def test_faults_are_injected_and_cleared(control):
     ],
 )
 def test_a_wrong_command_is_answered_with_what_is_wrong(control, line, said):
-    assert said in control[0].answer(line)["error"]
+    assert said in answered(control[0], line)["error"]
 
 
 @pytest.mark.wire
@@ -125,7 +125,7 @@ def test_a_roll_is_changed_in_the_middle_of_an_announced_splice():
 
     line = Changing()
     plant = Plant(line, Plc(default_map()))
-    answer = ControlSocket(None, plant, dict).answer("roll")
+    answer = answered(ControlSocket(None, plant, dict), "roll")
     assert answer == {"ok": True, "change_s": pytest.approx(plant.time_s + 1.0)}
     while plant.time_s < answer["change_s"] - 1e-9:
         assert line.changes == 0
@@ -138,4 +138,4 @@ def test_a_roll_is_changed_in_the_middle_of_an_announced_splice():
 
 
 def test_a_line_without_rolls_says_so(control):
-    assert "no rolls" in control[0].answer("roll")["error"]
+    assert "no rolls" in answered(control[0], "roll")["error"]

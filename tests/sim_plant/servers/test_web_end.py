@@ -16,7 +16,7 @@ from sim_plant.servers.plant import Plant
 from sim_plant.servers.plc import Plc
 from sim_plant.servers.web_end import STOP_S, RESERVE_m, WebState
 from tests.sim_plant.servers.fake_line import FakeLine, default_map, write_block
-from tests.sim_plant.servers.served import served, wait_until
+from tests.sim_plant.servers.served import answered, served, wait_until
 
 pytestmark = pytest.mark.processes
 
@@ -99,16 +99,16 @@ def test_line_run_falls_with_the_first_sample_of_the_ramp_and_no_correction_coun
 
 def test_nothing_but_full_rolls_starts_the_line_again():
     bench = stopped(RollOfWeb(8.0))
-    assert "`roll`" in bench.control.answer("set line_speed_ref_m_s 1.0")["error"]
-    assert "`roll`" in bench.control.answer("set LINE_RUN 1")["error"]
-    assert "no rolls that can be exchanged" in bench.control.answer("roll")["error"]
+    assert "`roll`" in answered(bench.control, "set line_speed_ref_m_s 1.0")["error"]
+    assert "`roll`" in answered(bench.control, "set LINE_RUN 1")["error"]
+    assert "no rolls that can be exchanged" in answered(bench.control, "roll")["error"]
     assert set(bench.run(2.0)) == {0.0}
     assert not bench.runs
 
 
 def test_full_rolls_bring_line_run_and_the_speed_back_by_a_ramp():
     bench = stopped(Turret(8.0))
-    due_s = bench.control.answer("roll")["change_s"]
+    due_s = answered(bench.control, "roll")["change_s"]
     bench.run(due_s - bench.plant.time_s)
     assert Status.SPLICE_ACTIVE in bench.plant.plc.status
     speeds = bench.run(STOP_S + 1.0)
@@ -116,14 +116,14 @@ def test_full_rolls_bring_line_run_and_the_speed_back_by_a_ramp():
     assert bench.runs
     assert all(0.0 <= b - a <= DT_s / STOP_S + 1e-9 for a, b in pairwise(speeds))
     assert speeds[-1] == 1.0
-    assert bench.control.answer("set line_speed_ref_m_s 0.5") == {"ok": True}
+    assert answered(bench.control, "set line_speed_ref_m_s 0.5") == {"ok": True}
     assert bench.run(0.1)[-1] == 0.5
 
 
 def test_line_run_that_somebody_took_away_does_not_come_back_by_itself():
     bench = stopped(Turret(8.0))
-    assert bench.control.answer("set LINE_RUN 0") == {"ok": True}
-    bench.control.answer("roll")
+    assert answered(bench.control, "set LINE_RUN 0") == {"ok": True}
+    answered(bench.control, "roll")
     bench.run(3.0)
     assert bench.heard[2] is WebState.STARTS
     assert not bench.runs

@@ -1,0 +1,16 @@
+"""Lines and PLC maps that come with the product, in a checkout and in an installed wheel."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_PACKAGE = Path(__file__).parents[1]
+
+
+def shipped(name: str) -> Path:
+    """Return the path of a file of `config`, for example ``plc/gateway_block.yaml``.
+
+    An installed wheel has the folder in its package, a checkout beside it.
+    """
+    installed = _PACKAGE / "config"
+    return (installed if installed.is_dir() else _PACKAGE.parent / "config") / name

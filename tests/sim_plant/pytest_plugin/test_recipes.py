@@ -1,0 +1,143 @@
+"""The tests of the recipe page pass, on real processes and sockets in stepped time."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sim_plant.servers.faults import Fault, parse_fault
+
+pytestmark = [pytest.mark.wire, pytest.mark.processes, pytest.mark.timeout(300)]
+
+ROOT = Path(__file__).parents[3]
+PAGE = ROOT / "docs" / "tester" / "recipes.md"
+_BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
+CONFTEST = """
+import pytest
+from sim_plant.pytest_plugin.host_client import HostClient
+
+@pytest.fixture(scope="session")
+def web_line_host(tmp_path_factory):
+    host = HostClient(
+        tmp_path_factory.mktemp("host"), module="tests.sim_plant.pytest_plugin.small_host"
+    )
+    yield host
+    host.close()
+
+@pytest.fixture(autouse=True)
+def injected(monkeypatch):
+    from sim_plant.pytest_plugin.web_line import WebLine
+
+    def inject(line, fault, inject=WebLine.inject):
+        begin_s = inject(line, fault)
+        with open("injected", "a") as names:
+            print(fault, file=names)
+        return begin_s
+
+    monkeypatch.setattr(WebLine, "inject", inject)
+"""
+KINDS = """
+import pytest
+
+def test_on_udp_a_client_is_answered(web_line_factory):
+    line = web_line_factory(udp=True)
+    assert not line.client().read_holding_registers(0, count=1).isError()
+
+def test_in_real_time_nothing_is_stepped_and_time_passes(web_line_factory):
+    line = web_line_factory(stepped=False)
+    begin_s = line.status().time_s
+    with pytest.raises(Exception, match="serve --stepped"):
+        line.step()
+    line.inject("busy")
+    assert line.status().time_s > begin_s
+
+def test_a_reference_is_in_force_on_return(web_line):
+    web_line.set("tension_ref_N", 75)
+    assert web_line.value("tension_ref_N") == 75
+
+def test_a_long_step_is_as_long_as_asked(web_line):
+    begin_s = web_line.status().time_s
+    assert web_line.step(4500) - begin_s == pytest.approx(4500 * web_line.sample_time_s)
+
+def test_the_line_of_the_factory_is_the_tests_own(web_line, web_line_factory):
+    other = web_line_factory()
+    other.step(10)
+    assert other.status().time_s > web_line.status().time_s
+"""
+_ONCE = ["-p", "no:web_line", "-p", "sim_plant.pytest_plugin.plugin"]  # installed or not
+NO_RECIPE = {Fault.SYNC}  # the page says why
+
+
+def _pytest(folder, *words):
+    (folder / "conftest.py").write_text(CONFTEST)
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *_ONCE, *words]
+    return subprocess.run(
+        command,
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=280,
+        check=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    """The page's tests, run; the folder holds the faults that they injected."""
+    folder = tmp_path_factory.mktemp("page")
+    (folder / "test_page.py").write_text("\n".join(_BLOCK.findall(PAGE.read_text("utf-8"))))
+    return _pytest(folder), folder / "injected"
+
+
+def test_every_test_on_the_page_passes_and_none_is_skipped(page):
+    done, _ = page
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.search(r"^\d+ passed in ", done.stdout, re.MULTILINE), done.stdout
+
+
+def test_every_fault_but_one_is_injected_by_a_test_of_the_page(page):
+    _, injected = page
+    names = {parse_fault(spec).fault for spec in injected.read_text().split()}
+    assert set(Fault) - names == NO_RECIPE
+    assert all(f"`{fault.value}`" in PAGE.read_text("utf-8") for fault in NO_RECIPE)
+
+
+def test_other_kinds_of_line_do_what_the_page_says_of_them(tmp_path):
+    (tmp_path / "test_kinds.py").write_text(KINDS)
+    done = _pytest(tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_what_goes_wrong_is_told_and_no_process_stays(tmp_path):
+    (tmp_path / "test_wrong.py").write_text(
+        "def test_fault(web_line):\n    web_line.inject('melt')\n"
+        "def test_channel(web_line):\n    web_line.value('speed')\n"
+        "def test_words(web_line_factory):\n    web_line_factory(words=('--fault', 'melt'))\n"
+    )
+    done = _pytest(tmp_path)
+    assert "3 failed" in done.stdout
+    for said in ("unknown name; known are", "no such channel; there are", "cannot be served"):
+        assert said in done.stdout
+    assert not _processes_of(tmp_path)
+
+
+def test_a_declaration_that_is_not_there_is_refused_before_any_test(tmp_path):
+    done = _pytest(tmp_path, "--web-line", "none.yaml")
+    assert done.returncode == pytest.ExitCode.USAGE_ERROR
+    assert "none.yaml: no such file" in done.stderr
+
+
+def _processes_of(folder):
+    """Processes that were started with this working folder."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if (process / "cwd").resolve() == folder.resolve():
+                found.append(process.name)
+        except OSError:
+            continue
+    return found
