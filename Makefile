@@ -13,7 +13,7 @@ SEED   ?= 1
 .PHONY: campaign chromium demo demo-loop demo-refine hmi house picture refine-cases refine-pairs refine-records test test-hmi check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
-$(STAMP): pyproject.toml
+$(STAMP): pyproject.toml $(wildcard aff_runtime/core/compiled/*.[ch])
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) not found: install Python 3.11, or say PYTHON=..."; exit 2; }
 	@[ -x $(BIN)/python ] || $(PYTHON) -m venv $(VENV)
 	@echo "setting up $(VENV) (once; about a minute)"

@@ -31,6 +31,7 @@ from aff_runtime.cli import (
     wire_map,
 )
 from aff_runtime.cli.terminal import complain
+from aff_runtime.core.compiled.binary import arithmetic_name
 
 COMMANDS = (
     check,
@@ -51,6 +52,11 @@ COMMANDS = (
 )
 
 
+def _version() -> str:
+    """Return what ``--version`` says: the number, and what works the law out."""
+    return f"%(prog)s {__version__}, law by {arithmetic_name()}"
+
+
 def build_parser() -> argparse.ArgumentParser:
     """Return the parser of all commands."""
     parser = argparse.ArgumentParser(
@@ -58,7 +64,7 @@ def build_parser() -> argparse.ArgumentParser:
         description="Adaptive feed-forward beside the drives of a web line.",
         epilog="exit codes: 0 ok, 2 configuration, 3 communication, 4 refused, 5 alarm",
     )
-    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    parser.add_argument("--version", action="version", version=_version())
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     service = argparse.ArgumentParser(add_help=False)
     service.add_argument(
