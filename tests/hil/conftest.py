@@ -23,7 +23,7 @@ def line(_processes: LiveLine) -> Iterator[LiveLine]:
     try:
         _processes.ensure_active()
     except AssertionError:  # an earlier scenario, or a try of it, left the service dead
-        _processes.serve_again()
+        _processes.start_again()
         _processes.ensure_active()
     _processes.at_plant("reset")
     yield _processes

@@ -101,11 +101,6 @@ class LiveLine(Operator):
         log = self.bench.folder / "runtime.log"
         return Child("runtime", command, log, environment=self._environment)
 
-    def serve_again(self) -> None:
-        """End what is left of the service and start another beside the same plant."""
-        self.service.stop()
-        self.service = self._serve()
-
     def close(self) -> None:
         """End both processes."""
         self.service.stop()
