@@ -199,7 +199,6 @@ def _within_tolerances(objective: Objective, shifts: Mapping[str, float], change
     """Return whether shifted declared numbers, moved by ``change``, are together a tolerance.
 
     Effective radii do not count: the angle of a roll that is recorded tells them by itself.
-    Equation: z' z < n + k sqrt(2 n), z in prior standard deviations.
     """
     rows = zip(objective.nuisances, change, objective.prior_sd, strict=False)
     z = np.array(
@@ -209,8 +208,16 @@ def _within_tolerances(objective: Objective, shifts: Mapping[str, float], change
             if not is_effective_radius(n.name)
         ]
     )
+    return is_tolerance(z)
+
+
+def is_tolerance(z: Array) -> bool:
+    """Return whether shifts of declared numbers, in prior standard deviations, are together one.
+
+    Equation: z' z < n + k sqrt(2 n).
+    """
     widest = CRITERIA.search.degeneracy.joint_sd
-    return float(z @ z) < z.size + widest * math.sqrt(2.0 * z.size)
+    return not z.size or float(z @ z) < z.size + widest * math.sqrt(2.0 * z.size)
 
 
 def _shortened(

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.refine.fit.gauss_newton import Fit, is_tolerance
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.projection import Projector
 from sim_plant.refine.model.hypotheses import Hypothesis
@@ -85,17 +85,18 @@ def starts_outside_prior(
     rows = zip(objective.nuisances, objective.prior_sd, strict=True)
     z = {n.name: total[n.name] / sd for n, sd in rows}
     found: list[tuple[Hypothesis, tuple[float, ...], dict[str, float]]] = []
+
+    def effects_of(name: str, shift: float) -> list[tuple[Hypothesis, tuple[float, ...]]]:
+        return [p for p in as_effects(line, name, shift) if p[0].effect.name in effects]
+
     tried = 0
     for name in sorted(z, key=lambda k: -abs(z[k])):
         if abs(z[name]) < DEGENERACY.outside_prior_sd or tried >= DEGENERACY.most_outside:
             break
         others = {k: v for k, v in fit.shifts.items() if k != name}
-        fitted, declared = [
-            [pair for pair in as_effects(line, name, shift) if pair[0].effect.name in effects]
-            for shift in (fit.shifts.get(name, 0.0), total[name])
-        ]
         if name in fit.shifts:
-            found += [(*pair, others) for pair in fitted]
+            found += [(*pair, others) for pair in effects_of(name, fit.shifts[name])]
+        declared = effects_of(name, total[name])
         found += [(*pair, rolling_only(others)) for pair in declared]
         tried += len(declared)
     return found
@@ -124,7 +125,7 @@ def joint_conflict(objective: Objective, fit: Fit) -> PriorConflict | None:
     """Return the conflict of declared numbers that are too far off to be tolerance, else None."""
     total = total_shifts(objective, fit)
     z = np.array([total[n.name] for n in objective.nuisances]) / objective.prior_sd
-    if not z.size or float(z @ z) < z.size + DEGENERACY.joint_sd * np.sqrt(2.0 * z.size):
+    if is_tolerance(z):
         return None
     at = int(np.argmax(np.abs(z)))
     return PriorConflict(
