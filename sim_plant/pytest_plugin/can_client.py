@@ -5,16 +5,12 @@ from __future__ import annotations
 import contextlib
 import select
 import socket
-import struct
 from pathlib import Path
 from typing import Any
 
 import can
 
-_FRAME = struct.Struct("=IB3x8s")  # of SocketCAN
-_EXTENDED = 0x8000_0000
-_REMOTE = 0x4000_0000
-_ERROR = 0x2000_0000
+from sim_plant.servers.frame_hub import ERROR, EXTENDED, FRAME, REMOTE
 
 
 class WebLineBus(can.BusABC):
@@ -40,21 +36,21 @@ class WebLineBus(can.BusABC):
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """Send one frame; it never waits."""
         del timeout
-        can_id = msg.arbitration_id | (_EXTENDED if msg.is_extended_id else 0)
-        self._socket.send(_FRAME.pack(can_id, msg.dlc, bytes(msg.data)))
+        can_id = msg.arbitration_id | (EXTENDED if msg.is_extended_id else 0)
+        self._socket.send(FRAME.pack(can_id, msg.dlc, bytes(msg.data)))
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
         if not select.select((self._socket,), (), (), timeout)[0]:
             return None, False
-        packet = self._socket.recv(_FRAME.size)
-        if len(packet) != _FRAME.size:
+        packet = self._socket.recv(FRAME.size)
+        if len(packet) != FRAME.size:
             raise can.CanOperationError(f"{self.channel_info}: the line hung up")
-        can_id, length, data = _FRAME.unpack(packet)
+        can_id, length, data = FRAME.unpack(packet)
         message = can.Message(
             arbitration_id=can_id & 0x1FFF_FFFF,
-            is_extended_id=bool(can_id & _EXTENDED),
-            is_remote_frame=bool(can_id & _REMOTE),
-            is_error_frame=bool(can_id & _ERROR),
+            is_extended_id=bool(can_id & EXTENDED),
+            is_remote_frame=bool(can_id & REMOTE),
+            is_error_frame=bool(can_id & ERROR),
             data=data[: min(length, 8)],
         )
         return message, False

@@ -12,10 +12,10 @@ from aff_runtime.base.errors import RefusedError, WireError
 from aff_runtime.base.socket_file import make_room
 from sim_plant.servers.can_frames import CanFrame, Take
 
-_FRAME = struct.Struct("=IB3x8s")
-_EXTENDED = 0x8000_0000
-_REMOTE = 0x4000_0000
-_ERROR = 0x2000_0000
+FRAME = struct.Struct("=IB3x8s")
+"""One frame as SocketCAN lays it out: identifier with flags, length, data."""
+EXTENDED, REMOTE, ERROR = 0x8000_0000, 0x4000_0000, 0x2000_0000
+"""Flags of the identifier."""
 _BUS_OFF = 0x40
 _BUS_ERROR = 0x80
 _ANOTHER = "name another --channel"
@@ -61,14 +61,14 @@ class FrameHub:
 
     def send(self, frame: CanFrame) -> None:
         """Send one frame to every party."""
-        can_id = frame.can_id | (_EXTENDED if frame.extended else 0)
-        self._spread(_FRAME.pack(can_id, len(frame.data), frame.data), None)
+        can_id = frame.can_id | (EXTENDED if frame.extended else 0)
+        self._spread(FRAME.pack(can_id, len(frame.data), frame.data), None)
 
     def report(self, *, bus_off: bool, error: bool = False) -> None:
         """Send an error frame: bus-off, or a bus error; the end of bus-off is silent."""
         if error or bus_off:
             kind = _BUS_ERROR if error else _BUS_OFF
-            self._spread(_FRAME.pack(_ERROR | kind, 8, b""), None)
+            self._spread(FRAME.pack(ERROR | kind, 8, b""), None)
 
     def close(self) -> None:
         """Hang up on everybody."""
@@ -96,18 +96,18 @@ class FrameHub:
     def _on_frames(self, party: socket.socket) -> None:
         while True:
             try:
-                packet = party.recv(_FRAME.size)
+                packet = party.recv(FRAME.size)
             except BlockingIOError:
                 return
             except OSError:
                 packet = b""
-            if len(packet) != _FRAME.size:
+            if len(packet) != FRAME.size:
                 self._forget(party.fileno())
                 return
             self._spread(packet, party)
-            can_id, length, data = _FRAME.unpack(packet)
-            if not can_id & (_ERROR | _REMOTE):
-                extended = bool(can_id & _EXTENDED)
+            can_id, length, data = FRAME.unpack(packet)
+            if not can_id & (ERROR | REMOTE):
+                extended = bool(can_id & EXTENDED)
                 self._take(CanFrame(can_id & 0x1FFF_FFFF, extended, data[: min(length, 8)]))
 
     def _spread(self, packet: bytes, sender: socket.socket | None) -> None:
