@@ -27,9 +27,10 @@ demo: setup
 		$(if $(filter blocks,$(LAW)),--site config/euclid_blocks.yaml) --out out/demo-$(WIRE)
 
 # a hidden cause, drawn by SEED (EFFECT= of the catalogue): recorded by the service, traced, corrected
-# live and proved; at most 8 minutes, page out/demo-loop/page.html
+# live and proved; at most 8 minutes, page out/demo-loop/page.html (WIRE= modbus or can)
 demo-loop: setup
-	$(BIN)/python -m sim_plant.cli.main demo-loop --effect $(EFFECT) --seed $(SEED) --out out/demo-loop
+	$(BIN)/python -m sim_plant.cli.main demo-loop --effect $(EFFECT) --seed $(SEED) \
+		--wire $(WIRE) --out out/demo-loop
 
 # plant, service and screen on loopback: prints the address to look at; ctrl-c ends all three
 hmi: setup

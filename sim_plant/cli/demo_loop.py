@@ -17,6 +17,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     )
     parser.add_argument("--effect", default="eccentric_roller", help="of the catalogue")
     parser.add_argument("--seed", type=int, default=1, help="draws place, size and angle")
+    parser.add_argument("--wire", default="modbus", help="modbus or can (by DBC)")
     parser.add_argument("--out", type=Path, default=Path("out/demo-loop"))
     parser.set_defaults(run=run)
 
@@ -27,7 +28,9 @@ def run(arguments: argparse.Namespace) -> int:
     from sim_plant.demo.loop.proof import proof_of  # noqa: PLC0415
     from sim_plant.demo.loop.session import Plan, run_story  # noqa: PLC0415
 
-    plan = Plan(out=arguments.out, effect=arguments.effect, seed=arguments.seed)
+    plan = Plan(
+        out=arguments.out, effect=arguments.effect, seed=arguments.seed, wire=arguments.wire
+    )
     story = run_story(plan, say)
     say("judging the models on the later run")
     proof = proof_of(story)

@@ -13,22 +13,19 @@ import yaml
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.suggest import hint
 from sim_plant.base.effects import Effect, Parameter, Value
-from sim_plant.demo.wires import wire_up
+from sim_plant.demo.loop.reference import CONFIG, show_reference
+from sim_plant.demo.wires import SITES, wire_up
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.load import load_declaration
 from sim_plant.line.locations import candidate_locations, zones
 
-ROOT = Path(__file__).resolve().parents[3]
-LINE = ROOT / "config/lines/euclid.yaml"
-SITE = ROOT / "config/euclid.yaml"
-PLC = ROOT / "config/plc/gateway_block.yaml"
+LINE = CONFIG / "lines/euclid.yaml"
 IDLER = "eccentric_roller"
 SIZES = (2.0, 4.0)
 """Of what a typical effect of the catalogue has."""
 ECCENTRIC_M = (2e-4, 4e-4)
 ROLL_M = (1e-3, 2e-3)
-REFERENCE = "line_speed_ref_m_s"
 PLACES = 7
 """Decimal places of what is drawn."""
 
@@ -57,14 +54,13 @@ class Files:
     Attributes
     ----------
     line : the owner's declaration. plant : the same with what is hidden.
-    site : of the service. plc : the PLC's words.
-    plant_arguments : of the wire.
+    site : of the service.
+    plant_arguments : of the wire, and the PLC's words.
     """
 
     line: Path
     plant: Path
     site: Path
-    plc: Path
     plant_arguments: tuple[str, ...]
 
 
@@ -130,17 +126,20 @@ def _drawn(parameter: Parameter, chance: random.Random) -> Value:
     return round(min(max(float(default) + size, parameter.low), parameter.high), PLACES)
 
 
-def write_files(folder: Path, hidden: tuple[Hidden, ...]) -> Files:
+def write_files(folder: Path, hidden: tuple[Hidden, ...], wire: str = "modbus") -> Files:
     """Write line, plant, site and PLC files; the plant's alone has what is hidden.
 
     The plant also tells the true angle of every idler, to its own record only.
+
+    Raises
+    ------
+    PlantError
+        The demo has no such wire.
     """
-    wired = wire_up("modbus", SITE, folder)
-    site = wired.site.read_text(encoding="utf-8")
-    site = _once(site, "  #speed_reference: line_speed_ref_m_s", f"  speed_reference: {REFERENCE}")
-    word = f"      {REFERENCE}: {{ register: 18, type: i16, scale: 0.001 }}\n"
-    mark = "      # Encoders of 4096 counts per turn"
-    wired.site.write_text(_once(site, mark, word + mark), encoding="utf-8")
+    if wire not in SITES:
+        raise PlantError(f"WIRE={wire}: no such wire{hint(wire, sorted(SITES))}")
+    wired = wire_up(wire, CONFIG / SITES[wire], folder)
+    shown = show_reference(wire, wired, folder)
     line = LINE.read_text(encoding="utf-8")
     data = yaml.safe_load(line)
     data["effects"] = [one.entry() for one in hidden]
@@ -149,31 +148,17 @@ def write_files(folder: Path, hidden: tuple[Hidden, ...]) -> Files:
         for roller in data["rollers"]
         if roller["kind"] == "idler"
     ]
-    plc = PLC.read_text(encoding="utf-8")
-    shown = f"    {REFERENCE}: {{ address: 18, type: i16, scale: 0.001 }}\n"
-    paths = [folder / name for name in ("line.yaml", "plant.yaml", "plc.yaml")]
-    texts = (
-        line,
-        yaml.safe_dump(data, sort_keys=False),
-        _once(plc, "  applied:   ", f"{shown}  applied:   "),
-    )
-    for path, text in zip(paths, texts, strict=True):
+    paths = [folder / name for name in ("line.yaml", "plant.yaml")]
+    for path, text in zip(paths, (line, yaml.safe_dump(data, sort_keys=False)), strict=True):
         path.write_text(text, encoding="utf-8")
     return Files(
         line=paths[0],
         plant=paths[1],
         site=wired.site,
-        plc=paths[2],
-        plant_arguments=wired.plant_arguments,
+        plant_arguments=(*wired.plant_arguments, *shown),
     )
 
 
 def angle_of(roller: str) -> str:
     """Return the channel of a roller's angle."""
     return f"{roller.lower()}_angle_rad"
-
-
-def _once(text: str, old: str, new: str) -> str:
-    if text.count(old) != 1:
-        raise PlantError(f"{old.strip()!r} is expected once in the shipped file")
-    return text.replace(old, new)

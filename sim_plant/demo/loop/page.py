@@ -33,6 +33,7 @@ def write_page(story: Story, proof: Proof) -> Path:
     ).get_template("page.html.j2")
     page = template.render(
         seed=story.plan.seed,
+        wire=story.plan.wire,
         hidden=[
             {"effect": h.effect, "location": h.location, "numbers": _numbers(h.parameters)}
             for h in story.hidden
@@ -52,6 +53,7 @@ def write_page(story: Story, proof: Proof) -> Path:
             }
             for e in verdict.effects
         ],
+        alike=verdict.ambiguous,
         diff=story.diff,
         decision=story.decision,
         before=story.before,

@@ -13,6 +13,7 @@ from sim_plant.demo.loop.drawn import angle_of
 from sim_plant.demo.loop.session import Story, first_order
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.judge.holdout import evaluate
+from sim_plant.refine.model.place import Place
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
@@ -40,7 +41,7 @@ class Proof:
 
     Attributes
     ----------
-    named : the trace names the hidden effect and its place.
+    named : the trace names the hidden effect and its place, or a set that holds it.
     before_N, after_N : order 1 of the hidden roller in the plant's true tension; None where it is
         no idler, or nothing was tried.
     errors : of the model, by channel, on the run recorded after all.
@@ -68,7 +69,7 @@ class Proof:
     @property
     def targets(self) -> tuple[tuple[str, bool], ...]:
         """What had to be reached, and whether it was."""
-        found = [("the trace names effect and place", self.named)]
+        found = [("the trace names effect and place, or a set that holds it", self.named)]
         if (gained := self.reduction_dB) is not None:
             found.append((f"1x at the plant at least {TARGET_DB:g} dB lower", gained >= TARGET_DB))
         text = f"model error on the later run at most {MOST_OF_FLOOR:g} of the noise"
@@ -90,10 +91,7 @@ def proof_of(story: Story) -> Proof:
     lines = (story.files.line, amended if amended.exists() else story.files.line)
     return Proof(
         verdict=verdict,
-        named=any(
-            (e.place.effect, e.place.location) == (hidden.effect, hidden.location)
-            for e in verdict.effects
-        ),
+        named=verdict.names(Place(hidden.effect, hidden.location)),
         before_N=sizes[0],
         after_N=sizes[1],
         errors=model_errors(lines, story.later_run),

@@ -51,6 +51,7 @@ class Plan:
     out: Path
     effect: str
     seed: int
+    wire: str = "modbus"
 
 
 @dataclass(slots=True, kw_only=True)
@@ -92,10 +93,10 @@ def run_story(plan: Plan, progress: Progress) -> Story:
     """Run the whole script; both processes are ended whatever happens."""
     folder = fresh_folder(plan.out)
     hidden = drawn(plan.effect, plan.seed)
-    files = write_files(folder, hidden)
+    files = write_files(folder, hidden, plan.wire)
     story = Story(plan=plan, files=files, hidden=hidden)
     bench = Bench(folder=folder, site=files.site, plant_arguments=files.plant_arguments)
-    plant = [*plant_command(bench, files.plant, FAST_M_S, plan.seed), "--plc", str(files.plc)]
+    plant = plant_command(bench, files.plant, FAST_M_S, plan.seed)
     service = [*service_command(bench), "--state-dir", str(folder)]
     progress("starting the plant (compiles its kernel the first time)")
     with Child("plant", plant, folder / "plant.log", ready="ready") as line:

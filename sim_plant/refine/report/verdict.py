@@ -92,6 +92,11 @@ class Verdict:
     residual_rms: Mapping[str, ChannelError]
     holdout: str
 
+    def names(self, place: Place) -> bool:
+        """Whether ``place`` is an effect that was traced, or one that the record holds for it."""
+        alike = (p for a in self.ambiguous for p in a.alternatives)
+        return place in (*(e.place for e in self.effects), *alike)
+
     def to_json(self) -> str:
         """Return version 1, one key a line."""
         data = {

@@ -37,8 +37,9 @@ def test_every_effect_of_the_catalogue_can_be_hidden(name, tmp_path):
     )
 
 
-def test_line_and_site_say_nothing_of_it(tmp_path):
-    files = write_files(tmp_path, drawn("eccentric_roller", 1))
+@pytest.mark.parametrize("wire", ["modbus", "can"])
+def test_line_and_site_say_nothing_of_it(wire, tmp_path):
+    files = write_files(tmp_path, drawn("eccentric_roller", 1), wire)
     assert files.line.read_text() == LINE.read_text()
     site = yaml.safe_load(files.site.read_text())
     assert set(site["rolls"]) == {"unwind", "swrap_follower"}

@@ -133,3 +133,11 @@ def changed(**keys):
 def test_what_is_no_verdict_is_refused_with_the_reason(text, said):
     with pytest.raises(PlantError, match=said):
         Verdict.from_json(text)
+
+
+@pytest.mark.parametrize(
+    ("location", "named"), [("R6", True), ("R7", True), ("R8", False), ("unwind", False)]
+)
+def test_a_verdict_names_what_it_found_and_what_it_does_not_tell_from_that(location, named):
+    assert VERDICT.names(Place("eccentric_roller", location)) is named
+    assert not VERDICT.names(Place("unbalanced_roller", location))
