@@ -57,7 +57,7 @@ DRIVE = record_type(
     "body delay_ticks loop",  # loop: tension loop that trims this drive, or -1
     "gain_rad_s damping draw "  # K_ref, zeta, reference = line speed * (1 + draw)
     "radius_ratio "  # radius the drive believes over the true one
-    "limit_N_m slew_m_s2 "  # slew 0 = none
+    "limit_N_m slew_m_s2 correction_slew_m_s2 "  # slew 0 = none
     "shaft_stiffness_N_m shaft_damping_N_m_s shaft_backlash_rad "  # stiffness 0 = rigid
     "motor_share "  # share of the body's fixed inertia on the motor side
     "encoder_offset_ratio encoder_angle_rad "
@@ -110,6 +110,7 @@ class LineState(NamedTuple):
     drive_integral: Array  # (d,)
     torque_N_m: Array  # (d,)
     reference_m_s: Array  # (d,) velocity reference in force
+    correction_m_s: Array  # (d,) its part from tension loop and AFF
     loop_integral: Array  # (l,)
     loop_correction_m_s: Array  # (l,)
     measured_N: Array  # (c,) latest load-cell words

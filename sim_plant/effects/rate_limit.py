@@ -1,21 +1,37 @@
-"""A drive that lets its speed reference change only so fast."""
+"""A drive, or its correction's input, that changes only so fast."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
+from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Value
 
+LIMITED = {"reference": "slew_m_s2", "correction": "correction_slew_m_s2"}
+"""Column of the drive for each word of ``limits``."""
+
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
-    """Limit the velocity reference of drive ``place`` to ``slew_m_s2``; 0 is no limit.
+    """Limit the velocity reference of drive ``place``, or its correction alone; 0 is no limit.
 
-    |v_k - v_k-1| <= slew tick. Inactive, hence without trace, while nothing asks for more.
+    |v_k - v_k-1| <= slew tick. Inactive, hence without trace, while nothing asks for more. A
+    reference is what a drive's ramp generator takes: line speed and correction as one sum. A
+    correction is ramped where tension loop and AFF enter, behind that generator; the line's own
+    ramps pass.
+
+    Raises
+    ------
+    PlantError
+        When ``limits`` is neither.
     """
+    what = str(parameters["limits"])
+    if what not in LIMITED:
+        expected = " or ".join(LIMITED)
+        raise PlantError(f"rate_limit.limits: read {what!r}; expected {expected}")
     slew = float(parameters["slew_m_s2"])
     if slew != 0.0:
-        arrays.drives["slew_m_s2"][place] = slew
+        arrays.drives[LIMITED[what]][place] = slew
     return arrays
 
 
@@ -31,11 +47,18 @@ EFFECT = Effect(
             low=0.0,
             high=100.0,
             tries=(0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5),
-        )
+        ),
+        "limits": Parameter(
+            default="reference",
+            unit="",
+            role="option",
+            words=tuple(LIMITED),
+            tries=("correction", "reference"),
+        ),
     },
     traced=("slew_m_s2",),
     apply=apply,
-    text="a drive ramps its reference: fast corrections and speed changes come out slower",
+    text="a drive ramps its reference, or the correction: fast changes come out slower",
     shows=None,
-    remedy="let the tension correction enter behind the ramp of drive {place}",
+    remedy="look at the ramp times of drive {place}; let the tension correction enter behind them",
 )

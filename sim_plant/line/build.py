@@ -192,6 +192,7 @@ def start_state(
         drive_integral=np.zeros(d),
         torque_N_m=np.zeros(d),
         reference_m_s=np.full(d, line_speed_m_s),
+        correction_m_s=np.zeros(d),
         loop_integral=np.zeros(loops),
         loop_correction_m_s=np.zeros(loops),
         measured_N=np.full(c, tension_N),

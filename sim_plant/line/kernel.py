@@ -99,7 +99,7 @@ def run_loops(p: LineArrays, s: LineState, tension_ref_N: Array, period_s: float
 def drive_reference(
     p: LineArrays, s: LineState, d: int, line_speed_m_s: float, aff_m_s: float
 ) -> float:
-    """Return the velocity reference of drive ``d`` for this tick, m/s: sum, delay, rate limit."""
+    """Return the velocity reference of drive ``d`` for this tick, m/s: delay, limits, sum."""
     drive = p.drives[d]
     correction = aff_m_s
     if drive.loop >= 0:
@@ -109,13 +109,18 @@ def drive_reference(
     s.delay_m_s[d, at] = correction
     past = at - drive.delay_ticks
     delayed = s.delay_m_s[d, past if past >= 0 else past + ring]
-    wanted = line_speed_m_s * (1.0 + drive.draw) + delayed
-    step = drive.slew_m_s2 * p.timing[0].drive_tick_s
-    if step > 0.0:
-        last = s.reference_m_s[d]
-        wanted = min(max(wanted, last - step), last + step)
-    s.reference_m_s[d] = wanted
-    return float(wanted)
+    tick_s = p.timing[0].drive_tick_s
+    reached = ramped(delayed, s.correction_m_s[d], drive.correction_slew_m_s2 * tick_s)
+    s.correction_m_s[d] = reached
+    wanted = line_speed_m_s * (1.0 + drive.draw) + reached
+    s.reference_m_s[d] = ramped(wanted, s.reference_m_s[d], drive.slew_m_s2 * tick_s)
+    return float(s.reference_m_s[d])
+
+
+@compiled
+def ramped(wanted: float, last: float, step: float) -> float:
+    """Return ``wanted``, no further than ``step`` from ``last``; 0 is no limit."""
+    return min(max(wanted, last - step), last + step) if step > 0.0 else wanted
 
 
 @compiled

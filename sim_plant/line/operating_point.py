@@ -144,12 +144,10 @@ def steady_state(line: RestingLine, line_speed_m_s: float, tension_N: float) -> 
         residual = _imbalance(line, line_speed_m_s, tension_N, x)
         if np.max(np.abs(residual)) < 1e-12:
             return SteadyLine(radius_m=line.radius_m, speed_m_s=x[:n], strain=x[n:])
-        columns = [
-            (_imbalance(line, line_speed_m_s, tension_N, x + step) - residual)
-            for step in np.diag(scale)
-        ]
+        moved = _imbalance(line, line_speed_m_s, tension_N, x + np.diag(scale))
+        columns = (moved - residual).T
         try:
-            x = x - np.linalg.solve(np.array(columns).T / scale, residual)
+            x = x - np.linalg.solve(columns / scale, residual)
         except np.linalg.LinAlgError as error:
             raise PlantError(f"no single steady state at {line_speed_m_s} m/s") from error
     if np.max(np.abs(residual)) < 1e-9:
@@ -158,20 +156,22 @@ def steady_state(line: RestingLine, line_speed_m_s: float, tension_N: float) -> 
 
 
 def _imbalance(line: RestingLine, line_speed_m_s: float, tension_N: float, x: Array) -> Array:
-    """Return what is missing from balance, (2 n - 1,): mass, then one equation per body."""
+    """Return what is missing from balance, (..., 2 n - 1,): mass, then one equation per body."""
     n = line.radius_m.size
-    speed, strain = x[:n], x[n:]
+    speed, strain = x[..., :n], x[..., n:]
     over = np.maximum(np.abs(speed) - line.slip_speed_m_s, 0.0)
     web = speed * (1.0 - line.slip_s_m * over)
-    upstream = np.concatenate(([line.supply_strain], strain[:-1]))
-    mass = web[1:] * (1.0 + upstream) - web[:-1] * (1.0 + strain)
+    supplied = np.full((*strain.shape[:-1], 1), line.supply_strain)
+    upstream = np.concatenate((supplied, strain[..., :-1]), axis=-1)
+    mass = web[..., 1:] * (1.0 + upstream) - web[..., :-1] * (1.0 + strain)
     pull_N = line.EA_N * (strain - line.free_strain)
     friction, _slope = friction_at(
         line.friction_constant_N_m, line.friction_viscous_N_m_s, speed / line.radius_m
     )
-    bodies = np.zeros(n)
-    bodies[1:-1] = (pull_N[1:] - pull_N[:-1]) * line.radius_m[1:-1] - friction[1:-1]
-    bodies[line.driven] = speed[line.driven] - line_speed_m_s * line.ratio
-    mean_N = 0.5 * (pull_N[line.cell - 1] + pull_N[line.cell])
-    bodies[line.acts_on] = (line.gain * mean_N + line.offset_N - tension_N) / line.EA_N[0]
-    return np.concatenate((mass, bodies))
+    bodies = np.zeros_like(speed)
+    inner = pull_N[..., 1:] - pull_N[..., :-1]
+    bodies[..., 1:-1] = inner * line.radius_m[1:-1] - friction[..., 1:-1]
+    bodies[..., line.driven] = speed[..., line.driven] - line_speed_m_s * line.ratio
+    mean_N = 0.5 * (pull_N[..., line.cell - 1] + pull_N[..., line.cell])
+    bodies[..., line.acts_on] = (line.gain * mean_N + line.offset_N - tension_N) / line.EA_N[0]
+    return np.concatenate((mass, bodies), axis=-1)

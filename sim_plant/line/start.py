@@ -51,7 +51,7 @@ def start_at_rest(
             wanted = reference - line_speed_m_s * (1.0 + drive["draw"])
             scale = law["sign"] * law["gain_m_s_N"] * law["corner_rad_s"]
             state.loop_integral[loop] = wanted / scale
-            state.loop_correction_m_s[loop] = wanted
+            state.loop_correction_m_s[loop] = state.correction_m_s[d] = wanted
     for c, cell in enumerate(p.cells):
         force = 0.5 * (pull_N[int(cell["body"])] + pull_N[int(cell["body"]) + 1])
         y[lay.cell + c] = y[lay.resonance + 2 * c] = force

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
-from scipy.signal import lfilter
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
@@ -94,7 +93,8 @@ class NoiseModel:
         out = np.empty((values.shape[0], values.shape[1] - self.first))
         for c, taps in enumerate(self.filters):
             start = max(0, self.first - taps.size)
-            row = lfilter(taps, [1.0], values[c, start:])
+            part = values[c, start:]
+            row = np.convolve(taps, part)[: part.size]
             out[c] = row[self.first - start :] / self.sd[c]
         return out if self.slow is None else drift_whitened(out, self.slow)
 

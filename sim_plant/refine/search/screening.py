@@ -147,7 +147,10 @@ def neighbours(
 
 
 def shortlist(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return the best few of distinct effect and place; curved ones get a second chance."""
+    """Return the best few of distinct effect and place; curved ones get a second chance.
+
+    Of a curved effect each form at a place is one more: at a first size one may imitate another.
+    """
     best = candidates[0].score if candidates else 0.0
     floor = SCREENING.shortlist_floor * CRITERIA.search.acceptance.periodic_score
     kept: list[Candidate] = []
@@ -156,12 +159,17 @@ def shortlist(candidates: Sequence[Candidate]) -> list[Candidate]:
         share = SCREENING.shortlist_share_curved if curved else SCREENING.shortlist_share
         if c.score < max(floor, share * best):
             continue
-        same = [k for k in kept if k.hypothesis.key == c.hypothesis.key]
+        same = [k for k in kept if _form(k.hypothesis) == _form(c.hypothesis)]
         effect = [k for k in kept if k.hypothesis.effect.name == c.hypothesis.effect.name]
         if same or len(effect) >= SCREENING.shortlist_places:
             continue
         kept.append(c)
     return kept[: SCREENING.shortlist_length]
+
+
+def _form(h: Hypothesis) -> tuple[object, ...]:
+    """Return what is fitted once: effect and place, of a curved one with its options."""
+    return (h.key, h.fixed) if h.curved else (h.key,)
 
 
 def linear_candidate(
