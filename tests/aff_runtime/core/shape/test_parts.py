@@ -186,6 +186,17 @@ def test_room_gives_back_what_it_took_when_the_limit_is_gone():
     assert room.share == pytest.approx([1.0, 1.0])
 
 
+def test_what_rounding_leaves_of_an_excess_is_taken_from_nobody():
+    """One column at most is between all and nothing, whatever the numbers."""
+    rng = np.random.default_rng(5)
+    for _ in range(300):
+        room = OutputAllocation(ColumnState(8))
+        b, weight = rng.uniform(0.5, 5.0, (2, 8)) * np.array([[1.0 + 0j], [1e-3]])
+        room.peak = float(np.abs(weight * b).sum())
+        room.step(rng.uniform(0.3, 0.9), b, weight, rng.uniform(50.0, 150.0, 8), CYCLE_S)
+        assert np.count_nonzero((room.share > 0.0) & (room.share < 1.0)) <= 1
+
+
 def test_room_comes_back_from_a_limit_that_took_everything():
     room = OutputAllocation(ColumnState(2))
     b, weight = np.array([1 + 0j, 4 + 0j]), np.array([1e-3 + 0j, 1e-3 + 0j])
