@@ -11,7 +11,6 @@ from aff_runtime.core.shape.columns import ColumnMap
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
-Seen = npt.NDArray[np.complex64] | Complexes
 START_DEVIATION_M = 1e-3
 START_CORRECTION = 0.6
 CORRECTION_PER_TURN = 0.01
@@ -105,7 +104,9 @@ class ShapeFilter:
         """Correction d_n of P."""
         return self.response_ratio - 1.0
 
-    def update(self, error: float, phi: Seen, psi: Seen, turn_s: Floats, dt_s: float) -> None:
+    def update(
+        self, error: float, phi: Complexes, psi: Complexes, turn_s: Floats, dt_s: float
+    ) -> None:
         """Take one reading of the signal's deviation from its reference."""
         h, P, K = self._h, self.covariance, self._K
         np.conjugate(phi, out=self._seen[0])
@@ -124,7 +125,7 @@ class ShapeFilter:
             self._predict(phi, turn_s, self._passed_s, dt_s)
             self._passed_s = 0.0
 
-    def _predict(self, phi: Seen, turn_s: Floats, passed_s: float, dt_s: float) -> None:
+    def _predict(self, phi: Complexes, turn_s: Floats, passed_s: float, dt_s: float) -> None:
         """Add the process noise of ``passed_s``, brought in by readings every ``dt_s``."""
         n, noise = self.count, self._noise
         turns = passed_s / turn_s

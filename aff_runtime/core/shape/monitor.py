@@ -13,7 +13,6 @@ from aff_runtime.core.monitor import Trend
 from aff_runtime.core.shape.columns import ColumnState
 
 Complexes = npt.NDArray[np.complex128]
-Seen = npt.NDArray[np.complex64] | Complexes
 Floats = npt.NDArray[np.float64]
 TURNS = 2.0
 SLOW_TURNS = 8.0
@@ -106,7 +105,9 @@ class ShapeMonitor:
         self.dropped = state.array("monitor.dropped", False, dtype=np.bool_)
         self.calm = True  # no column rests or is on its way
 
-    def step(self, error: float, phi: Seen, found: Estimate, turn_s: Floats, dt_s: float) -> None:
+    def step(
+        self, error: float, phi: Complexes, found: Estimate, turn_s: Floats, dt_s: float
+    ) -> None:
         """Take one good sample; ``phi`` carries the angle of every column.
 
         ``found`` is the filter's estimate. The lock-in runs with every sample, sizes and verdicts
@@ -123,12 +124,12 @@ class ShapeMonitor:
             np.clip(self.share, 0.0, 1.0, out=self.share)
             np.logical_and(out & (self.share == 0.0), self._astray, out=self.dropped)
 
-    def listen(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> None:
+    def listen(self, error: float, phi: Complexes, turn_s: Floats, dt_s: float) -> None:
         """Take a sample while nothing goes out: what is there without correction, unjudged."""
         if self._lock_in(error, phi, turn_s, dt_s) is not None:
             self._judged[:] = 0.0
 
-    def _lock_in(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> Floats | None:
+    def _lock_in(self, error: float, phi: Complexes, turn_s: Floats, dt_s: float) -> Floats | None:
         """Follow every column's amplitude; return the turns since it was last read, when it is."""
         work, size, turns = self._work, self._size, None
         if self._ticks % JUDGE_TICKS == 0:

@@ -87,8 +87,8 @@ def test_the_loop_filter_is_a_convolution():
         loop.push(plain[k], sent[k], 1)
     phi, psi = loop.read()
     for i in range(2):
-        assert phi[i] == pytest.approx(np.convolve(plain[:, i], taps)[99], rel=1e-4, abs=1e-4)
-        assert psi[i] == pytest.approx(np.convolve(sent[:, i], taps)[99], rel=1e-4, abs=1e-4)
+        assert phi[i] == pytest.approx(np.convolve(plain[:, i], taps)[99], rel=1e-12, abs=1e-12)
+        assert psi[i] == pytest.approx(np.convolve(sent[:, i], taps)[99], rel=1e-12, abs=1e-12)
 
 
 def test_taps_between_radii_are_linear_and_outside_the_nearest():
