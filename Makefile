@@ -13,7 +13,7 @@ SEED   ?= 1
 .PHONY: audit lock release release-tools campaign chromium demo demo-loop demo-refine hmi house picture refine-cases refine-pairs refine-records test test-hmi check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
-$(STAMP): pyproject.toml
+$(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch])
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) not found: install Python 3.11, or say PYTHON=..."; exit 2; }
 	@[ -x $(BIN)/python ] || $(PYTHON) -m venv $(VENV)
 	@echo "setting up $(VENV) (once; about a minute)"
@@ -118,7 +118,7 @@ size:
 	@set -e; folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	$(PYTHON) -m venv --without-pip "$$folder/venv"; \
 	mkdir "$$folder/source"; \
-	cp -r $(wildcard README.md LICENSE) pyproject.toml aff_runtime sim_plant aff_hmi "$$folder/source"; \
+	cp -r $(wildcard README.md LICENSE) pyproject.toml setup.py aff_runtime sim_plant aff_hmi "$$folder/source"; \
 	empty=$$(du -sm --apparent-size "$$folder/venv" | cut -f1); \
 	$(PYTHON) -m pip --python "$$folder/venv/bin/python" install --quiet \
 		--disable-pip-version-check --no-cache-dir "$$folder/source"; \

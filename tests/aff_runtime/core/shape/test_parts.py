@@ -84,7 +84,7 @@ def test_the_loop_filter_is_a_convolution():
     plain = rng.standard_normal((100, 2)) + 1j * rng.standard_normal((100, 2))
     sent = rng.standard_normal((100, 2)) + 1j * rng.standard_normal((100, 2))
     for k in range(100):
-        loop.push(plain[k], sent[k], 1)
+        loop.push(plain[k], sent[k] / plain[k], 1.0, 1)
     phi, psi = loop.read()
     for i in range(2):
         assert phi[i] == pytest.approx(np.convolve(plain[:, i], taps)[99], rel=1e-12, abs=1e-12)
