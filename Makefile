@@ -109,7 +109,7 @@ fuzz: setup
 		|| echo "atheris cannot be had: inputs by chance"
 	$(BIN)/python -m tests.fuzz --seconds $(SECONDS) --out out/fuzz
 
-# speed, as ratios measured in one run; about two minutes, writes docs/results/bench.md
+# speed, as ratios measured in one run; about three minutes, writes docs/results/bench.md
 bench: setup
 	$(BIN)/python -m benchmarks.runtime
 

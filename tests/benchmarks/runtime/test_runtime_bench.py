@@ -10,6 +10,7 @@ from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
 from benchmarks.runtime.latency import parse
 from benchmarks.runtime.paced import law_of, law_step
 from benchmarks.runtime.page import markdown, text
+from benchmarks.runtime.shape_time import ratios, shape_work
 
 CYCLICTEST = """# Histogram
 000000 000000
@@ -57,3 +58,31 @@ def test_page_and_table_carry_every_row() -> None:
     page = markdown([section], date="2026-01-02T03:04:05Z")
     assert "| a | 1 us | r |" in page
     assert "2026-01-02" in page
+
+
+def test_the_timed_shape_law_has_its_orders_and_learns_them() -> None:
+    law, line, step = shape_work(4)
+    assert law.weight.size == 4 + 1 + 1  # orders, S-wrap 1x, imbalance
+    for tick in range(1500):  # six turns
+        line(tick)
+        step(tick)
+    assert law.adapting
+    assert law.monitor.calm
+    assert law.monitor.now[0] < 0.1  # N, of 1 N without a correction
+
+
+def test_ratios_are_of_medians_of_one_run() -> None:
+    found = {
+        ("numpy", 16): [4000, 4000],
+        ("numpy", 24): [6000],
+        ("compiled", 16): [1000],
+        ("compiled", 24): [2000],
+    }
+    assert [row.value for row in ratios(found)] == [
+        "p50 4.0, p99 4.0",
+        "p50 3.0, p99 3.0",
+        "1.50",
+        "2.00",
+    ]
+    numpy_alone = {key: value for key, value in found.items() if key[0] == "numpy"}
+    assert [row.value for row in ratios(numpy_alone)] == ["1.50"]
