@@ -13,7 +13,7 @@ SEED   ?= 1
 .PHONY: audit lock release release-tools campaign chromium demo demo-loop demo-refine hmi house picture refine-cases refine-pairs refine-records test test-hmi check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
-$(STAMP): pyproject.toml
+$(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch])
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) not found: install Python 3.11, or say PYTHON=..."; exit 2; }
 	@[ -x $(BIN)/python ] || $(PYTHON) -m venv $(VENV)
 	@echo "setting up $(VENV) (once; about a minute)"
@@ -109,7 +109,7 @@ fuzz: setup
 		|| echo "atheris cannot be had: inputs by chance"
 	$(BIN)/python -m tests.fuzz --seconds $(SECONDS) --out out/fuzz
 
-# speed, as ratios measured in one run; about two minutes, writes docs/results/bench.md
+# speed, as ratios measured in one run; about three minutes, writes docs/results/bench.md
 bench: setup
 	$(BIN)/python -m benchmarks.runtime
 
@@ -118,7 +118,7 @@ size:
 	@set -e; folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	$(PYTHON) -m venv --without-pip "$$folder/venv"; \
 	mkdir "$$folder/source"; \
-	cp -r $(wildcard README.md LICENSE) pyproject.toml aff_runtime sim_plant aff_hmi "$$folder/source"; \
+	cp -r $(wildcard README.md LICENSE) pyproject.toml setup.py aff_runtime sim_plant aff_hmi "$$folder/source"; \
 	empty=$$(du -sm --apparent-size "$$folder/venv" | cut -f1); \
 	$(PYTHON) -m pip --python "$$folder/venv/bin/python" install --quiet \
 		--disable-pip-version-check --no-cache-dir "$$folder/source"; \

@@ -2,7 +2,7 @@
 # Installs AFF Runtime as a service. Run again to update: settings and records stay.
 #
 #   sudo deploy/install.sh [--dry-run] [--can] [--records] [--hmi | --remove-hmi] [--prefix DIR]
-#                          [--python PYTHON] [--wheels DIR | --unlocked]
+#                          [--python PYTHON] [--wheels DIR | --unlocked] [--product WHEEL]
 #
 # --dry-run     say what would be done, do nothing
 # --can         CAN, CANopen or a serial line: their packages, and the service's right to use them
@@ -15,6 +15,8 @@
 #               pip download --require-hashes --only-binary :all: -d DIR -r deploy/locks/....txt
 # --unlocked    the newest packages of the ranges in pyproject.toml, unchecked; by itself exactly
 #               those of deploy/locks, each compared with its hash when fetched
+# --product     this wheel of the same release instead of one built here: the law's binary where
+#               no C compiler is (aff-runtime --version: law by compiled, else by numpy)
 set -eu
 # As root no Python takes modules from the folder in which somebody happens to stand.
 export PYTHONSAFEPATH=1
@@ -27,6 +29,7 @@ records=no
 hmi=no
 wheels=
 locked=yes
+product=
 build=
 prefix=
 python=python3
@@ -41,7 +44,8 @@ while [ $# -gt 0 ]; do
         --python) python=$2; shift ;;
         --wheels) wheels=$2; shift ;;
         --unlocked) locked=no ;;
-        -h | --help) sed -n '2,18s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        --product) product=$2; shift ;;
+        -h | --help) sed -n '2,20s/^# \{0,1\}//p' "$0"; exit 0 ;;
         *) echo "install.sh: unknown option $1" >&2; exit 2 ;;
     esac
     shift
@@ -77,7 +81,8 @@ make_wheel() {
     fi
     run mkdir "$build/source"
     run cp -r "$source_dir/pyproject.toml" "$source_dir/README.md" "$source_dir/LICENSE" \
-        "$source_dir/aff_runtime" "$source_dir/sim_plant" "$source_dir/aff_hmi" "$build/source"
+        "$source_dir/setup.py" "$source_dir/aff_runtime" "$source_dir/sim_plant" \
+        "$source_dir/aff_hmi" "$build/source"
     checked "$1" --target "$build/tools" -r "$source_dir/deploy/locks/build.txt"
     run env PYTHONPATH="$build/tools" "$1" -m pip wheel --quiet --no-cache-dir --no-index \
         --no-deps --no-build-isolation --wheel-dir "$build/wheel" "$build/source"
@@ -102,19 +107,40 @@ bring() {
             "$source_dir${extras:+[$extras]}"
         return
     fi
-    [ -n "$build" ] || make_wheel "$interpreter"
+    [ -n "$build$product" ] || make_wheel "$interpreter"
     locks=$*
     set -- -r "$source_dir/deploy/locks/gateway.txt"
     for lock in $locks; do
         set -- "$@" -r "$source_dir/deploy/locks/$lock.txt"
     done
     checked "$interpreter" "$@"
+    if [ -n "$product" ]; then
+        set -- "$product"
+    else
+        set -- --find-links "$build/wheel" aff-runtime
+    fi
     run "$interpreter" -m pip install --quiet --no-cache-dir --no-index --no-deps \
-        --force-reinstall --find-links "$build/wheel" aff-runtime
+        --force-reinstall "$@"
+}
+
+# Whether the wheel that was given says the commit of this archive.
+is_of_this_release() {
+    "$python" -c 'import sys, zipfile
+name = "aff_runtime/base/release.py"
+with open(sys.argv[2] + "/" + name, "rb") as ours:
+    sys.exit(zipfile.ZipFile(sys.argv[1]).read(name) != ours.read())' "$product" "$source_dir"
 }
 
 if [ "$locked" = no ] && [ -n "$wheels" ]; then
     echo "install.sh: --wheels takes the packages of deploy/locks; leave out --unlocked" >&2
+    exit 2
+fi
+if [ "$locked" = no ] && [ -n "$product" ]; then
+    echo "install.sh: --product goes with the packages of deploy/locks; leave out --unlocked" >&2
+    exit 2
+fi
+if [ -n "$product" ] && ! is_of_this_release; then
+    echo "install.sh: $product is no wheel of the commit of this archive" >&2
     exit 2
 fi
 if [ -z "$prefix" ] && [ "$dry_run" = no ] && [ "$(id -u)" -ne 0 ]; then

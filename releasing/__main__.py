@@ -21,12 +21,14 @@ def release(out: Path, key: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         work, fresh = Path(folder), Path(folder) / "release"
         fresh.mkdir()
-        source, wheel = build_twice(commit, work, fresh)
-        python = install_all(wheel, work / "environment")
+        source, *wheels = build_twice(commit, work, fresh)
+        python = install_all(wheels[-1], work / "environment")
         said = run([str(python.with_name("aff-runtime")), "--version"]).strip()
         if commit not in said:
             raise ReleaseError(f"the wheel says {said!r}, not its commit {commit}")
-        print(f"{said}: {source.name}, {wheel.name}")
+        if len(wheels) > 1 and not said.endswith("law by compiled"):
+            raise ReleaseError(f"{wheels[-1].name} was built, but its program says {said!r}")
+        print(f"{said}: {', '.join(path.name for path in (source, *wheels))}")
         silent = write_materials(bill(python), fresh)
         print(f"licences.tsv: {len(silent)} packages state no licence {' '.join(silent)}".rstrip())
         for lock in sorted(LOCKS.glob("*.txt")):

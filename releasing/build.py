@@ -76,8 +76,16 @@ def repack_wheel(wheel: Path, out: Path) -> None:
             new.writestr(plain, old.read(member))
 
 
-def build(commit: str, folder: Path, *, umask: int, zone: str) -> tuple[Path, Path]:
-    """Return source archive and wheel of a commit; the wheel is built from the archive.
+def kinds() -> tuple[str, ...]:
+    """Return the wheels to build: for every machine, and with the binary where a compiler is."""
+    if shutil.which("cc") is None:
+        print("no C compiler (cc): no wheel with the law's binary; the others are whole")
+        return ("numpy",)
+    return ("numpy", "compiled")
+
+
+def build(commit: str, folder: Path, *, umask: int, zone: str) -> list[Path]:
+    """Return source archive and wheels of a commit; the wheels are built from the archive.
 
     Parameters
     ----------
@@ -90,6 +98,7 @@ def build(commit: str, folder: Path, *, umask: int, zone: str) -> tuple[Path, Pa
         export(commit, folder / "source")
         environment = {
             **os.environ, "SOURCE_DATE_EPOCH": str(moment_s), "TZ": zone, "PYTHONPATH": "",
+            "LDSHARED": "cc -shared",  # Python's own names the folder of its libraries
         }  # fmt: skip
         locked = [
             "--build-constraints",
@@ -104,13 +113,17 @@ def build(commit: str, folder: Path, *, umask: int, zone: str) -> tuple[Path, Pa
         done = folder / "dist"
         done.mkdir()
         repack(raw, done / raw.name, moment_s)
-        run([*make, "--wheel", "--out-dir", str(folder / "raw"), str(done / raw.name)],
-            environment=environment)  # fmt: skip
-        (wheel,) = (folder / "raw").glob("*.whl")
-        repack_wheel(wheel, done / wheel.name)
+        made = [done / raw.name]
+        for kind in kinds():
+            into = folder / kind
+            run([*make, "--wheel", "--out-dir", str(into), str(made[0])],
+                environment={**environment, "AFF_RUNTIME_BUILD": kind})  # fmt: skip
+            (wheel,) = into.glob("*.whl")
+            made.append(done / wheel.name)
+            repack_wheel(wheel, made[-1])
     finally:
         os.umask(before)
-    return done / raw.name, done / wheel.name
+    return made
 
 
 def build_twice(commit: str, work: Path, out: Path) -> list[Path]:

@@ -12,6 +12,7 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.cli.service import add_state_dir
 from aff_runtime.cli.terminal import complain, say
 from aff_runtime.config.check import check_site
+from aff_runtime.core.compiled.binary import arithmetic_name
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
@@ -41,6 +42,8 @@ def check(options: argparse.Namespace) -> int:
         return 2
     with bounded_effort(str(options.site), ConfigError):
         report = check_site(options.site, tuple(options.speed), options.state_dir)
+    if report.ok and not options.brief:
+        say(f"law by {arithmetic_name()}")
     for line in report.lines(brief=options.brief):
         (say if report.ok else complain)(line)
     return report.exit_code

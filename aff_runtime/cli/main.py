@@ -31,6 +31,7 @@ from aff_runtime.cli import (
     wire_map,
 )
 from aff_runtime.cli.terminal import complain
+from aff_runtime.core.compiled.binary import arithmetic_name
 
 COMMANDS = (
     check,
@@ -51,14 +52,20 @@ COMMANDS = (
 )
 
 
+def _version() -> str:
+    """Return what ``--version`` says: number, commit, and what works the law out."""
+    return f"%(prog)s {release_text()}, law by {arithmetic_name()}"
+
+
 def build_parser() -> argparse.ArgumentParser:
     """Return the parser of all commands."""
     parser = argparse.ArgumentParser(
         prog="aff-runtime",
         description="Adaptive feed-forward beside the drives of a web line.",
         epilog="exit codes: 0 ok, 2 configuration, 3 communication, 4 refused, 5 alarm",
+        formatter_class=argparse.RawDescriptionHelpFormatter,  # the version is one line
     )
-    parser.add_argument("--version", action="version", version=f"%(prog)s {release_text()}")
+    parser.add_argument("--version", action="version", version=_version())
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     service = argparse.ArgumentParser(add_help=False)
     service.add_argument(

@@ -69,6 +69,8 @@ def lines(answer: StatusAnswer) -> Iterator[str]:
             f"tick {_short(timing.tick_us, 1e-3)} ms, "
             f"missed {_number(timing.missed_count)} ticks"
         )
+        if "arithmetic" in answer.live.meta.versions:
+            yield f"law      by {answer.live.meta.versions['arithmetic']}"
         for text in answer.live.wire:
             yield f"wire     {text}"
         for channel in tick.channels:

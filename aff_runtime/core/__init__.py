@@ -1,6 +1,7 @@
 """The law, pure: phases, harmonic blocks, measured response, probe."""
 
 __all__ = [
+    "compiled",
     "controller",
     "impulse",
     "laws",

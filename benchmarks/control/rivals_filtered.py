@@ -85,7 +85,7 @@ class FxLms(Rival):
         if inputs.limit_ratio < 1.0:
             self._w *= inputs.limit_ratio
         self._filter.follow_radius(self._own.radius_m)
-        self._filter.push(self._q, self._q, 1)
+        self._filter.push(self._q, self._q, 1.0, 1)
         if inputs.adapt:
             self._adapt(inputs.signal - inputs.reference, dt_s)
         angle = np.array([phase.lead(self._lead_s) for phase in self._phases])

@@ -26,6 +26,7 @@ COMMON = (
 )
 SHAPE = (
     *sorted((CORE / "shape").glob("*.py")),
+    *sorted((CORE / "compiled").glob("*.[ch]")),
     CORE / "gate.py",
     CORE / "params.py",
     BENCH / "laws.py",

@@ -10,6 +10,8 @@ from benchmarks.runtime.facts import Row, Section, machine
 from benchmarks.runtime.latency import latency
 from benchmarks.runtime.law_time import law_time
 from benchmarks.runtime.page import markdown, text
+from benchmarks.runtime.parts import parts
+from benchmarks.runtime.shape_time import shape_time
 from benchmarks.runtime.whole_tick import whole_tick
 from sim_plant.cli.bench_kernel import bench_kernel, table
 
@@ -17,14 +19,15 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "results" / "bench.md"
 
 
 def main() -> None:
-    """Take about two minutes with the defaults; a tenth with ``--quick``, for a look."""
+    """Take about three minutes with the defaults; a tenth with ``--quick``, for a look."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.runtime")
     parser.add_argument("--page", type=Path, default=PAGE, help=f"page to write (default {PAGE})")
     parser.add_argument("--quick", action="store_true", help="a tenth of the time, no page")
     options = parser.parse_args()
     share = 0.1 if options.quick else 1.0
     sections = [machine(), kernel(), latency(20.0 * share), law_time(8.0 * share)]
-    sections += whole_tick(20.0 * share)
+    sections += shape_time(6.0 * share)
+    sections += [parts(20.0 * share), *whole_tick(20.0 * share)]
     print(text(sections))
     if not options.quick:
         options.page.write_text(markdown(sections, date=wall_time_iso()), encoding="utf-8")

@@ -1,6 +1,7 @@
 """Work on the runtime's own ticker in a process with the runtime's own rights.
 
-``python -m benchmarks.runtime.paced wake SECONDS`` and ``... law BLOCKS SECONDS`` print JSON.
+``python -m benchmarks.runtime.paced wake SECONDS``, ``... law BLOCKS SECONDS`` and ``... shape
+ORDERS SECONDS`` print JSON; ``... shape-hot ORDERS SECONDS`` does not wait between ticks.
 """
 
 from __future__ import annotations
@@ -28,8 +29,14 @@ WARM_UP_TICKS = 50
 ORDERS_PER_ROLL = 16
 
 
-def pace(work: Callable[[int], None], seconds: float) -> dict[str, Any]:
-    """Do ``work`` on the grid; return lateness and duration per tick, ns."""
+def nothing(_tick: int) -> None:
+    """Prepare nothing."""
+
+
+def pace(
+    work: Callable[[int], None], seconds: float, prepare: Callable[[int], None] = nothing
+) -> dict[str, Any]:
+    """Do ``work`` on the grid, what it needs before; return lateness and its duration, ns."""
     clock = MonotonicClock()
     rights = ask(RealtimeRequest(cpus=(own_processor(),)))
     ticker = Ticker(clock, PERIOD_NS)
@@ -38,6 +45,7 @@ def pace(work: Callable[[int], None], seconds: float) -> dict[str, Any]:
     ticker.start()
     for tick in range(WARM_UP_TICKS + round(seconds * 1e9 / PERIOD_NS)):
         ticker.wait()
+        prepare(tick)
         begun_ns = clock.now_ns()
         work(tick)
         if tick >= WARM_UP_TICKS:
@@ -50,6 +58,25 @@ def pace(work: Callable[[int], None], seconds: float) -> dict[str, Any]:
         "fifo": rights.grants[-1].granted,
         "refused": [line for line in rights.lines() if "refused" in line],
     }
+
+
+def back_to_back(
+    work: Callable[[int], None], seconds: float, prepare: Callable[[int], None] = nothing
+) -> dict[str, Any]:
+    """Do ``work`` again and again, what it needs before; return its duration per tick, ns."""
+    clock = MonotonicClock()
+    ask(RealtimeRequest(cpus=(own_processor(),)))
+    ends_ns = clock.now_ns() + round(seconds * 1e9)
+    work_ns: list[int] = []
+    tick = 0
+    while clock.now_ns() < ends_ns:
+        prepare(tick)
+        begun_ns = clock.now_ns()
+        work(tick)
+        if tick >= WARM_UP_TICKS:
+            work_ns.append(clock.now_ns() - begun_ns)
+        tick += 1
+    return {"work_ns": work_ns}
 
 
 def own_processor() -> int:
@@ -125,10 +152,11 @@ def law_step(blocks: int) -> Callable[[int], None]:
     return step
 
 
-def in_child(*arguments: str) -> dict[str, Any]:
-    """Run this module in a process of its own and return what it measured."""
+def in_child(*arguments: str, **more: str) -> dict[str, Any]:
+    """Run this module in a process of its own, ``more`` in its environment; what it measured."""
     command = [*module_command("benchmarks.runtime.paced"), *arguments]
-    done = subprocess.run(command, check=True, capture_output=True, text=True, env=environment())
+    env = {**environment(), **more}
+    done = subprocess.run(command, check=True, capture_output=True, text=True, env=env)
     found: dict[str, Any] = json.loads(done.stdout)
     return found
 
@@ -136,8 +164,16 @@ def in_child(*arguments: str) -> dict[str, Any]:
 def main(arguments: list[str]) -> None:
     """Measure what the command line names."""
     kind, *numbers = arguments
-    work = law_step(int(numbers[0])) if kind == "law" else (lambda _tick: None)
-    json.dump(pace(work, float(numbers[-1])), sys.stdout)
+    prepare: Callable[[int], None] = nothing
+    work: Callable[[int], None] = nothing
+    if kind.startswith("shape"):
+        from benchmarks.runtime.shape_time import shape_work
+
+        _, prepare, work = shape_work(int(numbers[0]))
+    elif kind == "law":
+        work = law_step(int(numbers[0]))
+    measure = back_to_back if kind == "shape-hot" else pace
+    json.dump(measure(work, float(numbers[-1]), prepare), sys.stdout)
 
 
 if __name__ == "__main__":

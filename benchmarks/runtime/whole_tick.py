@@ -31,6 +31,7 @@ from sim_plant.demo.wires import SITES, wire_up
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 CONNECT_TICKS = 400
 ROUNDS = 3
+STAMPS = "stamps.json"
 WIRES = {"modbus": "Modbus TCP, one FC23", "can": "CAN by DBC", "canopen": "CANopen 402"}
 COLUMNS = {"state": 3, "outcome": 6, "heartbeat": 9, "wake": -4, "io": -3, "tick": -2}
 
@@ -106,25 +107,40 @@ def one_round(wire: str, seconds: float) -> dict[str, Any]:
     """Measure one wire once; adds the age of the data in each good tick, ns."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        wired = wire_up(wire, CONFIG / SITES[wire], folder)
-        stamps = folder / "stamps.json"
-        command = [
-            *(*module_command("benchmarks.runtime.stamped_plant"), str(stamps)),
-            *(str(CONFIG / "lines" / "euclid_ripple.yaml"), *wired.plant_arguments),
-        ]
-        ours = module_command("benchmarks.runtime.whole_tick")
-        log, env = folder / "plant.log", environment()
-        with Child("plant", command, log, ready="ready", environment=env):
-            done = subprocess.run(
-                [*ours, str(wired.site), str(seconds)],
-                check=True,
-                stdout=subprocess.PIPE,
-                text=True,
-                env=env,
-            )
-        found: dict[str, Any] = json.loads(done.stdout)
-        made_ns = {int(k): int(v) for k, v in json.loads(stamps.read_text()).items()}
+        found = beside_plant(
+            wire, folder, module_command("benchmarks.runtime.whole_tick"), seconds
+        )
+        made_ns = {int(k): int(v) for k, v in json.loads((folder / STAMPS).read_text()).items()}
     found["age"] = [at_ns - made_ns[beat] for at_ns, beat in found.pop("used")]
+    return found
+
+
+def beside_plant(
+    wire: str, folder: Path, ours: Sequence[str], seconds: float, **more: str
+) -> dict[str, Any]:
+    """Run a runtime's end against the plant's server; return what it printed.
+
+    Parameters
+    ----------
+    folder : gets the site file, and what the plant writes.
+    ours : command of that end; gets the site file and ``seconds``.
+    more : in its environment.
+    """
+    wired = wire_up(wire, CONFIG / SITES[wire], folder)
+    command = [
+        *(*module_command("benchmarks.runtime.stamped_plant"), str(folder / STAMPS)),
+        *(str(CONFIG / "lines" / "euclid_ripple.yaml"), *wired.plant_arguments),
+    ]
+    env = environment()
+    with Child("plant", command, folder / "plant.log", ready="ready", environment=env):
+        done = subprocess.run(
+            [*ours, str(wired.site), str(seconds)],
+            check=True,
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**env, **more},
+        )
+    found: dict[str, Any] = json.loads(done.stdout)
     return found
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from releasing.build import repack, repack_wheel
+from releasing.build import kinds, repack, repack_wheel
 from releasing.sums import sha256, write_sums
 
 FILES = {"pkg/__init__.py": b"value = 1\n", "pkg/tool.sh": b"#!/bin/sh\n"}
@@ -83,3 +83,14 @@ def test_sums_name_every_file_but_themselves_and_their_signature(
         "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad  a.txt\n"
         "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855  b.txt\n"
     )
+
+
+def test_without_a_compiler_the_wheel_for_every_machine_is_built_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert kinds() == ("numpy",)
+    assert "no C compiler" in capsys.readouterr().out
+    (tmp_path / "cc").write_text("#!/bin/sh\n")
+    (tmp_path / "cc").chmod(0o755)
+    assert kinds() == ("numpy", "compiled")

@@ -34,6 +34,7 @@ from aff_runtime.config.plain_file import TooLargeError, read_plain
 from aff_runtime.config.revision import file_digest, learned_digests, revision_hash, revision_with
 from aff_runtime.config.site_paths import STATE_DIRECTORY, shape_path
 from aff_runtime.config.yaml_marks import MAX_BYTES
+from aff_runtime.core.compiled.binary import arithmetic_name
 from aff_runtime.core.response import Provenance, Response
 
 MAX_RECORD_BYTES = MAX_PACKET_BYTES - 4096  # what goes with it in one packet
@@ -170,6 +171,7 @@ def _finding(reading: Reading, actuator: str, text: str) -> str:
 def _versions() -> dict[str, str]:
     """Return the versions that a record should name."""
     names = {"python": platform.python_version(), "aff-runtime": __version__, "commit": commit()}
+    names["arithmetic"] = arithmetic_name()
     for package in ("numpy", "pydantic", "pymodbus"):
         try:
             names[package] = version(package)

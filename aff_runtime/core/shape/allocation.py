@@ -11,6 +11,7 @@ from aff_runtime.core.shape.columns import ColumnState
 
 Floats = npt.NDArray[np.float64]
 RATIO_EPS = 1e-9
+SHARE_EPS = 1e-9
 MARGIN = 0.97
 TAKEN_MORE = 0.01  # of the output, so that the next tick is not at the limit again
 RETURN_S = 2.0
@@ -59,7 +60,9 @@ class OutputAllocation:
             if self.peak < MARGIN * self._limit:
                 cost = np.where(self.share < 1.0, _cost(b, signal_per_m), math.inf)
                 at = int(np.argmin(cost))
-                self.share[at] = min(1.0, self.share[at] + dt_s / RETURN_S)
+                risen = self.share[at] + dt_s / RETURN_S
+                # whole, but for the rounding of the steps: no rounding decides on one step more
+                self.share[at] = 1.0 if risen > 1.0 - SHARE_EPS else risen
                 self.limited = bool((self.share < 1.0).any())
 
     def adopt(self, old: OutputAllocation) -> None:
@@ -77,7 +80,7 @@ class OutputAllocation:
         amplitude = np.abs(weight * b)
         cost = np.where(self.share * amplitude > TINY, _cost(b, signal_per_m), -1.0)
         for at in np.argsort(-cost):
-            if excess <= 0.0 or cost[at] < 0.0:
+            if excess <= TINY or cost[at] < 0.0:
                 return
             taken = min(float(self.share[at]), excess / float(amplitude[at]))
             self.share[at] -= taken

@@ -11,6 +11,7 @@ from aff_runtime.core.phase import Quality, RollPhase
 from aff_runtime.core.shape.columns import ColumnState
 
 FADE_S = 0.3
+LOST = Quality.LOST
 
 
 class RollAvailability:
@@ -57,10 +58,13 @@ class RollAvailability:
 
     def step(self, dt_s: float) -> npt.NDArray[np.bool_] | None:
         """Advance; return the columns to forget now, or None."""
-        seen = [phase.quality is not Quality.LOST for phase in self._phases]
-        self.known = all(seen)
+        self.known = True
+        for phase in self._phases:
+            if phase.quality is LOST:
+                self.known = False
         if self.known and self._calm:
             return None
+        seen = [phase.quality is not LOST for phase in self._phases]
         wanted = np.array(seen)[self._index] & ~self._leaving
         self.moving = not bool((self.share == wanted).all())
         self._calm = self.known and not self.moving

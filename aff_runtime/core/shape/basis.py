@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.core.compiled.binary import chosen, holding
 from aff_runtime.core.params import DriveParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.shape.columns import ColumnMap, ColumnState
@@ -65,11 +66,15 @@ class ShapeBasis:
     """
 
     __slots__ = (
+        "_K",
         "_arm",
         "_before",
+        "_c",
+        "_compiled",
         "_core",
         "_drive",
         "_heaves",
+        "_held",
         "_imbalance",
         "_index",
         "_known",
@@ -86,6 +91,7 @@ class ShapeBasis:
         "_turns",
         "_work",
         "b",
+        "carrier",
         "fade",
         "frequency_Hz",
         "names",
@@ -111,7 +117,7 @@ class ShapeBasis:
         self.names = [f"{roll}_{n}x" for roll, n in columns] + ["imbalance"] * has_imbalance
         self._phases = [phases[roll] for roll in self.rolls]
         self._own = self.rolls.index(drive.roll)
-        self._index = np.array([self.rolls.index(roll) for roll, _ in entries])
+        self._index = np.array([self.rolls.index(roll) for roll, _ in entries], dtype=np.int64)
         self.order = np.array([float(n) for _, n in entries])
         self._pull = np.array([float(roll == drive.roll) for roll, _ in entries])
         self._pull *= float(drive.torque_term)
@@ -122,11 +128,13 @@ class ShapeBasis:
             self._imbalance[-1] = IMBALANCE_N_M_PER_M
         self._heaves = self._pull * (self.order == 1.0)
         self._drive = drive
+        self._K, self._c = drive.K_ref_rad_s, drive.corner_rad_s
         self._lead_s = lead_s
         self._track = SpeedTrack()
         # angle, omega, first term per metre (real; imaginary per order), s per turn, Hz: per roll
         self._rolls = np.zeros((6, len(self.rolls)))
         self._turns = np.zeros((6, count))
+        self._turns[4] = math.inf
         self.state = ColumnState(count)
         self._low = self.state.array("basis.low", dtype=np.complex128, rows=2)
         self._before = self.state.array("basis.before", dtype=np.complex128, rows=2)
@@ -139,18 +147,34 @@ class ShapeBasis:
         self.b = self.state.array("basis.b", dtype=np.complex128)
         self.fade = self.state.array("basis.fade")
         self.frequency_Hz = np.zeros(count)
-        self.omega_rad_s = np.zeros(count)
-        self.turn_s = np.full(count, math.inf)
+        self.omega_rad_s, self.turn_s = self._turns[1], self._turns[4]
+        self.carrier = self._before[1]  # e^{j n theta} at the angle where the output acts
+        self._compiled = chosen()
+        self._held = holding(
+            *(self.order, self._owns, self._index, self._rolls, self._arm, self._turns),
+            *(self._low, self._before, self.b, self.fade, self.frequency_Hz),
+            np.array([self._K, self._c, lead_s, FADE_TO_HZ, self._span, ABSURD]),
+        )
 
     def step(self, line_speed_m_s: float, tension_N: float, dt_s: float) -> None:
         """Advance to the angles the phases have now; the result is in ``b``, 1/s."""
-        K, c = self._drive.K_ref_rad_s, self._drive.corner_rad_s
-        self._track.step(line_speed_m_s, dt_s)
+        K, c = self._K, self._c
+        track = self._track
+        track.step(line_speed_m_s, dt_s)
+        gain = self._torque(tension_N, K)
+        if self._compiled is not None:
+            self._compiled.basis_step(
+                self._held, self._phases, track.speed_m_s, track.slope_m_s2, dt_s
+            )
+            return
         self._read_rolls(K, c)
+        self._turn(gain, math.exp(-c * dt_s), c / K)
+
+    def _turn(self, gain: Complexes, keep: float, c_over_K: float) -> None:
+        """Work out every column from its roll's numbers and the torque per metre."""
         turns = self._turns
         np.take(self._rolls, self._index, axis=1, out=turns, mode="clip")
         order, now, work, low = self.order, self._now, self._work, self._low
-        self.omega_rad_s, self.turn_s = turns[1], turns[4]
         np.multiply(order, turns[5], out=self.frequency_Hz)
         np.subtract(FADE_TO_HZ, self.frequency_Hz, out=self.fade)
         self.fade *= self._span
@@ -160,13 +184,11 @@ class ShapeBasis:
         work[0].real = 0.0
         np.exp(work[0], out=now[1])
         np.multiply(turns[1], now[1], out=now[0])
-        keep = math.exp(-c * dt_s)
         np.add(now, self._before, out=work)
         work *= 0.5 * (1.0 - keep)
         low *= keep
         low += work
         self._before[:] = now
-        gain = self._torque(tension_N, K)
         core = self._core
         np.multiply(self._owns, turns[2], out=core.real)
         np.multiply(order, turns[3], out=core.imag)
@@ -174,7 +196,7 @@ class ShapeBasis:
         core += gain
         np.multiply(core, now[1], out=self.b)
         np.multiply(self._owns, low[0], out=core)
-        core *= c / K
+        core *= c_over_K
         self.b += core
         np.multiply(gain, low[1], out=core)
         self.b -= core
@@ -219,11 +241,6 @@ class ShapeBasis:
         return self._arm
 
     @property
-    def carrier(self) -> Complexes:
-        """e^{j n theta} of every column at the angle where its output acts."""
-        return np.asarray(self._before[1])
-
-    @property
     def imbalance_pair(self) -> tuple[int, int]:
         """Columns of the own roll's order 1 and of its imbalance; (-1, -1) without one."""
         if not self._imbalance.any():
@@ -252,8 +269,4 @@ class ShapeBasis:
                 self._rolls[:, i] = old._rolls[:, old.rolls.index(roll)]
                 mine = np.flatnonzero(self._index == i)
                 self._turns[:, mine] = self._rolls[:, i : i + 1]
-                self.omega_rad_s[mine], self.turn_s[mine] = (
-                    self._turns[1, mine],
-                    self._turns[4, mine],
-                )
                 self.frequency_Hz[mine] = self.order[mine] * self._turns[5, mine]

@@ -20,7 +20,7 @@ class ResponseConfidence:
     looked at in turn, a few per tick, so that none of them makes a tick long.
     """
 
-    __slots__ = ("_next", "_response", "held", "moving", "share")
+    __slots__ = ("_next", "_response", "_settled", "held", "moving", "share")
 
     def __init__(self, state: ColumnState, response: Response | None) -> None:
         self._response = response
@@ -28,6 +28,7 @@ class ResponseConfidence:
         self.held = state.array("confidence.held", False, dtype=np.bool_)
         self.share = state.array("confidence.share", 1.0)
         self.moving = False
+        self._settled = False
 
     def judge(self, frequency_Hz: Floats) -> None:
         """Look at every column at once, at the start and before arming."""
@@ -41,13 +42,23 @@ class ResponseConfidence:
         for _ in range(RENEWED_PER_TICK):
             self._next = (self._next + 1) % self.held.size
             self._look(self._next, float(frequency_Hz[self._next]))
+        if self._settled:
+            return
         target = np.where(self.held, 0.0, 1.0)
         self.moving = not bool((self.share == target).all())
+        self._settled = not self.moving
         if self.moving:
             change = dt_s / FADE_S
             self.share += np.clip(target - self.share, -change, change)
 
+    def adopt(self) -> None:
+        """Go on with shares that were taken over."""
+        self._settled = False
+
     def _look(self, at: int, frequency_Hz: float) -> None:
         if self._response is not None and frequency_Hz > 0.0:
             bound = self._response.phase_error_bound_rad(frequency_Hz)
-            self.held[at] = bound > MAX_PHASE_ERROR_RAD
+            held = bound > MAX_PHASE_ERROR_RAD
+            if held != self.held[at]:
+                self.held[at] = held
+                self._settled = False

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.core.compiled.binary import chosen, holding
 from aff_runtime.core.shape.columns import ColumnMap
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
-Seen = npt.NDArray[np.complex64] | Complexes
 START_DEVIATION_M = 1e-3
 START_CORRECTION = 0.6
 CORRECTION_PER_TURN = 0.01
@@ -24,6 +24,15 @@ KNOWN_SHARE = 0.2
 KNOWN_M = 3e-5
 KNOWN_CORRECTION = 0.2
 PREDICT_TICKS = 8
+NUMBERS = np.array(
+    [
+        SMALLEST_GAIN / START_DEVIATION_M**2,
+        CORRECTION_PER_TURN,
+        CORRECTION_PER_OCTAVE,
+        TRAVEL_OCTAVES,
+        BIAS_SDS_PER_SQRT_S,
+    ]
+)
 
 
 class ShapeFilter:
@@ -37,15 +46,19 @@ class ShapeFilter:
 
     State, real: a_n and g_n as pairs re, im (n pairs each), bias. The covariance is updated by a
     rank-one product of a vector with itself, which keeps it symmetric; process noise is added
-    every eighth reading for all of them.
+    every eighth reading for all of them. An imbalance has the frequency of order 1 and no g of its
+    own: with ``imbalance_pair`` (order 1, imbalance) psi of both counts as one.
     """
 
     __slots__ = (
         "_K",
+        "_compiled",
         "_diagonal",
         "_drift",
         "_fresh",
         "_h",
+        "_held",
+        "_imbalance_pair",
         "_memory_turns",
         "_noise",
         "_none",
@@ -65,7 +78,12 @@ class ShapeFilter:
     )
 
     def __init__(
-        self, count: int, memory_turns: float, signal_sd: float, drift: Floats | None = None
+        self,
+        count: int,
+        memory_turns: float,
+        signal_sd: float,
+        drift: Floats | None = None,
+        imbalance_pair: tuple[int, int] = (-1, -1),
     ) -> None:
         """``drift``, (count,): share of the process noise of a_n per column, 1 when not given."""
         self.count = count
@@ -99,15 +117,39 @@ class ShapeFilter:
         self._passed_s = 0.0
         self._ticks = 0
         self.innovation = 0.0
+        self._imbalance_pair = imbalance_pair
+        self._compiled = chosen()
+        self._held = holding(
+            self._drift, self.state, self.covariance, self._h, self._K, self._start, self._turn_s
+        )
 
     @property
     def correction(self) -> Complexes:
         """Correction d_n of P."""
         return self.response_ratio - 1.0
 
-    def update(self, error: float, phi: Seen, psi: Seen, turn_s: Floats, dt_s: float) -> None:
-        """Take one reading of the signal's deviation from its reference."""
+    def update(
+        self, error: float, phi: Complexes, psi: Complexes, turn_s: Floats, dt_s: float
+    ) -> None:
+        """Take one reading of the signal's deviation from its reference; ``psi`` is used up."""
+        if self._compiled is not None:
+            self.innovation = self._compiled.filter_update(
+                self._held, phi, psi, error, self._sd, *self._imbalance_pair
+            )
+        else:
+            self._update(error, phi, psi)
+        self._passed_s += dt_s
+        self._ticks += 1
+        if self._ticks % PREDICT_TICKS == 0:
+            self._predict(phi, turn_s, self._passed_s, dt_s)
+            self._passed_s = 0.0
+
+    def _update(self, error: float, phi: Complexes, psi: Complexes) -> None:
         h, P, K = self._h, self.covariance, self._K
+        first, imbalance = self._imbalance_pair
+        if imbalance >= 0:
+            psi[first] += psi[imbalance]
+            psi[imbalance] = 0.0
         np.conjugate(phi, out=self._seen[0])
         np.conjugate(psi, out=self._seen[1])
         self.innovation = error - float(h @ self.state)
@@ -118,14 +160,16 @@ class ShapeFilter:
         P -= self._work
         K *= self.innovation / math.sqrt(spread)
         self.state += K
-        self._passed_s += dt_s
-        self._ticks += 1
-        if self._ticks % PREDICT_TICKS == 0:
-            self._predict(phi, turn_s, self._passed_s, dt_s)
-            self._passed_s = 0.0
+        if imbalance >= 0:
+            self.response_ratio[imbalance] = self.response_ratio[first]
 
-    def _predict(self, phi: Seen, turn_s: Floats, passed_s: float, dt_s: float) -> None:
+    def _predict(self, phi: Complexes, turn_s: Floats, passed_s: float, dt_s: float) -> None:
         """Add the process noise of ``passed_s``, brought in by readings every ``dt_s``."""
+        if self._compiled is not None:
+            self._compiled.filter_predict(
+                self._held, phi, turn_s, NUMBERS, passed_s, dt_s, self._sd, self._memory_turns
+            )
+            return
         n, noise = self.count, self._noise
         turns = passed_s / turn_s
         info = phi.real * phi.real + phi.imag * phi.imag

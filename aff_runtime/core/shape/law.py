@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.base.signals import ActuatorStep
+from aff_runtime.core.compiled.binary import chosen, holding
 from aff_runtime.core.gate import RAMP_S, SpeedGate
 from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import ActuatorLaw, Inputs
@@ -27,6 +29,7 @@ from aff_runtime.core.shape.filter import LoopFilter
 from aff_runtime.core.shape.kalman import ShapeFilter
 from aff_runtime.core.shape.monitor import ShapeMonitor
 from aff_runtime.core.shape.profile import ShapeProfile
+from aff_runtime.core.shape.sending import Sending
 
 NEWTON_TURNS = 0.5
 IMBALANCE_DRIFT = 0.1
@@ -34,6 +37,12 @@ RATIO_FROM, RATIO_TO = 1.0 / 3.0, 3.0
 ABSURD = 1e6
 CHECK_TICKS = 100
 SILENT = ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
+
+
+class Sharing(Protocol):
+    """A part that says how much of every column may go out, 0..1, (columns,)."""
+
+    share: npt.NDArray[np.float64]
 
 
 class ShapeLaw:
@@ -76,24 +85,32 @@ class ShapeLaw:
         drift = np.ones(count)
         if self._imbalance >= 0:
             drift[self._imbalance] = IMBALANCE_DRIFT
-        self.filter = ShapeFilter(count, params.shape.memory_turns, params.shape.signal_sd, drift)
-        self.monitor = ShapeMonitor(
-            state, self._roll_of, params.shape.signal_sd, self.basis.imbalance_pair
-        )
+        memory_turns, signal_sd = params.shape.memory_turns, params.shape.signal_sd
+        pair = self.basis.imbalance_pair
+        self.filter = ShapeFilter(count, memory_turns, signal_sd, drift, pair)
+        self.monitor = ShapeMonitor(state, self._roll_of, signal_sd, pair)
         self.availability = RollAvailability(state, self._roll_of, used)
         self.allocation = OutputAllocation(state)
         self.confidence = ResponseConfidence(state, response)
-        self._bounds = PeakBound(self.basis.order, self._roll_of, drive.roll)
         self._gate = SpeedGate(params.active_above_m_s)
         self.weight = state.array("law.weight_m", dtype=np.complex128, of_roll=True)
         self._sent = state.array("law.sent_m", dtype=np.complex128, of_roll=True)
-        self._parts = np.zeros(count, dtype=np.complex128)
         self._move = np.zeros(count, dtype=np.complex128)
         self._signal_per_m = state.array("law.signal_per_m")
         self._step_1_s = np.zeros(count)
         self._tension_N = drive.tension_N
         self._ticks = 0
         self.adapting = False
+        self._compiled, weight, found = chosen(), self.weight, self.filter
+        self._held = holding(weight, self._step_1_s, found.deviation, found.response_ratio)
+        self._sending = Sending(
+            self.basis,
+            PeakBound(self.basis.order, self._roll_of, drive.roll),
+            weight_m=weight,
+            sent_m=self._sent,
+            step_1_s=self._step_1_s,
+            shares=[part.share for part in self._sharing()],
+        )
 
     def step(self, inputs: Inputs) -> ActuatorStep:
         """Advance by one tick; weights move only on a fresh sample and with permission."""
@@ -102,12 +119,11 @@ class ShapeLaw:
             return SILENT
         self._ticks += 1
         ratio = inputs.applied_ratio if 0.0 <= inputs.applied_ratio <= 1.0 else 0.0
-        b = self.basis.b
-        self.allocation.step(inputs.limit_ratio, b, self.weight, self._signal_per_m, dt_s)
+        b, limit_ratio = self.basis.b, inputs.limit_ratio
+        if self.allocation.limited or limit_ratio < 1.0:
+            self.allocation.step(limit_ratio, b, self.weight, self._signal_per_m, dt_s)
         self._loop.follow_radius(self._own.radius_m)
-        np.multiply(self._sent, b, out=self._parts)
-        self._parts *= ratio
-        self._loop.push(b, self._parts, round(dt_s / self._cycle_s))
+        self._loop.push(b, self._sent, ratio, round(dt_s / self._cycle_s))
         self._settle_availability(dt_s)
         self.confidence.step(self.basis.frequency_Hz, dt_s)
         speed_m_s = self._speed_m_s(inputs.line_speed_m_s)
@@ -146,14 +162,8 @@ class ShapeLaw:
                 self.monitor.listen(error, self._loop.read()[0], self.basis.turn_s, dt_s)
             return
         phi, psi = self._loop.read()
-        if self._imbalance >= 0:  # one frequency, one correction of P: the imbalance has no own
-            psi[self._first] += psi[self._imbalance]
-            psi[self._imbalance] = 0.0
         turn_s = self.basis.turn_s
         self.filter.update(error, phi, psi, turn_s, dt_s)
-        if self._imbalance >= 0:
-            self.filter.response_ratio[self._imbalance] = self.filter.response_ratio[self._first]
-        deviation = self.filter.deviation
         self.monitor.step(error, phi, self.filter, turn_s, dt_s)
         if not self.monitor.calm and self.monitor.dropped.any():
             self._start_anew(self.monitor.dropped)
@@ -163,7 +173,7 @@ class ShapeLaw:
             self.filter.check()
         if self.allocation.limited or inputs.limit_ratio < 1.0:
             np.abs(phi, out=self._signal_per_m)
-        self._newton(deviation, turn_s, dt_s)
+        self._newton(dt_s)
 
     def _start_anew(self, columns: npt.NDArray[np.bool_]) -> None:
         """Forget columns that lost their effect, and what was learned of P: it led them astray."""
@@ -171,54 +181,51 @@ class ShapeLaw:
         self._sent[columns] = 0.0
         self.filter.forget(columns, response=True)
 
-    def _newton(
-        self, deviation: npt.NDArray[np.complex128], turn_s: npt.NDArray[np.float64], dt_s: float
-    ) -> None:
+    def _newton(self, dt_s: float) -> None:
+        calm, held = self.monitor.calm, self.confidence.held
+        limit = self._p.shape.weight_limit_m
+        if self._compiled is not None:
+            self._compiled.newton_step(
+                self._held,
+                self.basis.turn_s,
+                None if calm else self.monitor.rest_turns,
+                None if self._response is None else held,
+                *(NEWTON_TURNS, RATIO_FROM, RATIO_TO, limit, dt_s),
+            )
+            return
         ratio, move = self.filter.response_ratio, self._move
         np.multiply(ratio, self.weight, out=move)
-        move += deviation
+        move += self.filter.deviation
         size = np.abs(ratio)
-        share = -np.expm1(-dt_s / (NEWTON_TURNS * turn_s))
+        share = -np.expm1(-dt_s / (NEWTON_TURNS * self.basis.turn_s))
         share *= np.maximum(size, 1e-9) / np.minimum(np.maximum(size, RATIO_FROM), RATIO_TO)
         move *= share
         move /= ratio
-        if not self.monitor.calm:
+        if not calm:
             move[self.monitor.resting] = 0.0
         if self._response is not None:
-            move[self.confidence.held] = 0.0
+            move[held] = 0.0
         self.weight -= move
-        limit = self._p.shape.weight_limit_m
         if np.vdot(self.weight, self.weight).real > limit * limit:
             self.weight *= limit / np.maximum(np.abs(self.weight), limit)
         np.abs(move, out=self._step_1_s)
         self._step_1_s *= 1.0 / dt_s
 
     def _send(self, gate: float) -> ActuatorStep:
-        b = self.basis.b
-        sent, parts = self._sent, self._parts
-        np.multiply(self.weight, gate, out=sent)
-        sent *= self.allocation.share
-        sent *= self.availability.share
-        sent *= self.monitor.share
-        sent *= self.confidence.share
-        np.multiply(sent, b, out=parts)
-        value = float(parts.real.sum())
-        peak, slew = self._bounds.of(parts, self.basis.carrier, self.basis.omega_rad_s)
-        peak = max(peak, abs(value))
-        # a weight that moves moves the output by no more than its shares
-        slew += float((self._step_1_s * self.shares()) @ np.abs(b))
-        if self._gate.moving or self.availability.moving or self.confidence.moving:
-            slew += float(np.abs(self.weight * b).sum()) / min(RAMP_S, self.availability.fade_s)
-        if not math.isfinite(value + slew):
+        moving = self._gate.moving or self.availability.moving or self.confidence.moving
+        step = self._sending.step(gate, min(RAMP_S, self.availability.fade_s) if moving else 0.0)
+        if not math.isfinite(step.value + step.slew_bound):
             self._restart()
             return SILENT
-        self.allocation.peak = peak
-        return ActuatorStep(value=value, peak_bound=peak, slew_bound=slew)
+        self.allocation.peak = step.peak_bound
+        return step
+
+    def _sharing(self) -> tuple[Sharing, ...]:
+        return self.allocation, self.availability, self.monitor, self.confidence
 
     def shares(self) -> npt.NDArray[np.float64]:
         """Return how much of every column may go out, 0..1, the speed gate apart."""
-        shares = self.allocation.share * self.availability.share * self.monitor.share
-        return np.asarray(shares * self.confidence.share)
+        return np.asarray(math.prod(part.share for part in self._sharing()))
 
     def _restart(self) -> None:
         """Start from nothing: a number stopped being one."""
@@ -276,6 +283,7 @@ class ShapeLaw:
         self.monitor.adopt(old.monitor)
         self.allocation.adopt(old.allocation)
         self.availability.adopt(old.availability)
+        self.confidence.adopt()
         self._change_P(old._model, both.mine)
 
     def _change_P(self, old: LoopModel, columns: npt.NDArray[np.int_]) -> None:

@@ -9,11 +9,11 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.core.compiled.binary import chosen, holding
 from aff_runtime.core.monitor import Trend
 from aff_runtime.core.shape.columns import ColumnState
 
 Complexes = npt.NDArray[np.complex128]
-Seen = npt.NDArray[np.complex64] | Complexes
 Floats = npt.NDArray[np.float64]
 TURNS = 2.0
 SLOW_TURNS = 8.0
@@ -26,6 +26,9 @@ LOST_TURNS = 2.0
 REST_TURNS = 20.0
 FADE_S = 1.0
 JUDGE_TICKS = 8
+NUMBERS = np.array(
+    [TURNS, SLOW_TURNS, HARM, HARM_TURNS, LOST_RATIO, LOST_SHARE, LOST_TURNS, REST_TURNS]
+)
 
 
 class Estimate(Protocol):
@@ -53,6 +56,8 @@ class ShapeMonitor:
         "_age",
         "_astray",
         "_bad",
+        "_compiled",
+        "_held",
         "_imbalance_pair",
         "_judged",
         "_lost",
@@ -105,16 +110,24 @@ class ShapeMonitor:
         self.meets = state.array("monitor.meets", False, dtype=np.bool_)
         self.dropped = state.array("monitor.dropped", False, dtype=np.bool_)
         self.calm = True  # no column rests or is on its way
+        self._compiled = chosen()
+        self._held = holding(
+            *(self._pull, self._phasor, self._size, self.now, self._age, self._slow, self._bad),
+            *(self._lost, self._judged, self._rest, self.without, self._astray, self.meets),
+            *(self.share, NUMBERS),
+        )
 
-    def step(self, error: float, phi: Seen, found: Estimate, turn_s: Floats, dt_s: float) -> None:
+    def step(
+        self, error: float, phi: Complexes, found: Estimate, turn_s: Floats, dt_s: float
+    ) -> None:
         """Take one good sample; ``phi`` carries the angle of every column.
 
         ``found`` is the filter's estimate. The lock-in runs with every sample, sizes and verdicts
         every eighth.
         """
-        turns = self._lock_in(error, phi, turn_s, dt_s)
-        if turns is not None:
-            self._judge(turns, found, turn_s, dt_s)
+        passed_s = self._lock_in(error, phi, turn_s, dt_s)
+        if passed_s is not None:
+            self.calm = self._judge(passed_s, found, turn_s, dt_s)
         if not self.calm:
             change = dt_s / FADE_S
             target = np.where(self._rest > 0.0, -change, change)
@@ -123,24 +136,39 @@ class ShapeMonitor:
             np.clip(self.share, 0.0, 1.0, out=self.share)
             np.logical_and(out & (self.share == 0.0), self._astray, out=self.dropped)
 
-    def listen(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> None:
+    def listen(self, error: float, phi: Complexes, turn_s: Floats, dt_s: float) -> None:
         """Take a sample while nothing goes out: what is there without correction, unjudged."""
         if self._lock_in(error, phi, turn_s, dt_s) is not None:
             self._judged[:] = 0.0
 
-    def _lock_in(self, error: float, phi: Seen, turn_s: Floats, dt_s: float) -> Floats | None:
-        """Follow every column's amplitude; return the turns since it was last read, when it is."""
-        work, size, turns = self._work, self._size, None
+    def _lock_in(self, error: float, phi: Complexes, turn_s: Floats, dt_s: float) -> float | None:
+        """Follow every column's amplitude; return the time since it was last read, when it is."""
+        passed_s = None
         if self._ticks % JUDGE_TICKS == 0:
-            turns, tick = self._passed_s / turn_s, dt_s / turn_s
-            self._passed_s = 0.0
-            np.minimum(self._age + turns, SLOW_TURNS, out=self._age)
-            # a roll that has not turned yet pulls nothing
-            heard = np.minimum(np.maximum(self._age, np.maximum(tick, 1e-12)), TURNS)
-            np.divide(tick, heard, out=self._pull)
-            np.abs(self._phasor, out=self.now)
+            passed_s, self._passed_s = self._passed_s, 0.0
+            self._hear(turn_s, passed_s, dt_s)
         self._ticks += 1
         self._passed_s += dt_s
+        if self._compiled is not None:
+            self._compiled.monitor_follow(self._held, phi, error)
+        else:
+            self._follow(error, phi)
+        return passed_s
+
+    def _hear(self, turn_s: Floats, passed_s: float, dt_s: float) -> None:
+        """Read every amplitude, and set how fast it is followed from now on."""
+        if self._compiled is not None:
+            self._compiled.monitor_hear(self._held, turn_s, passed_s, dt_s)
+            return
+        tick = dt_s / turn_s
+        np.minimum(self._age + passed_s / turn_s, SLOW_TURNS, out=self._age)
+        # a roll that has not turned yet pulls nothing
+        heard = np.minimum(np.maximum(self._age, np.maximum(tick, 1e-12)), TURNS)
+        np.divide(tick, heard, out=self._pull)
+        np.abs(self._phasor, out=self.now)
+
+    def _follow(self, error: float, phi: Complexes) -> None:
+        work, size = self._work, self._size
         np.abs(phi, out=size)
         np.maximum(size, 1e-9, out=size)
         np.conjugate(phi, out=work)
@@ -149,9 +177,14 @@ class ShapeMonitor:
         work -= self._phasor
         work *= self._pull
         self._phasor += work
-        return turns
 
-    def _judge(self, turns: Floats, found: Estimate, turn_s: Floats, dt_s: float) -> None:
+    def _judge(self, passed_s: float, found: Estimate, turn_s: Floats, dt_s: float) -> bool:
+        """Say of every column whether it helps; return whether all is calm."""
+        if self._compiled is not None:
+            numbers = (passed_s, dt_s, self._noise, *self._imbalance_pair)
+            deviation, ratio = found.deviation, found.response_ratio
+            return self._compiled.monitor_judge(self._held, turn_s, deviation, ratio, *numbers)
+        turns = passed_s / turn_s
         self._judged += turns
         heard = np.minimum(self._judged, SLOW_TURNS)
         self._slow += turns / np.maximum(heard, np.maximum(turns, 1e-9)) * (self.now - self._slow)
@@ -172,7 +205,7 @@ class ShapeMonitor:
         if imbalance >= 0 and self._rest[first] > self._rest[imbalance]:
             for part in (self._rest, self._astray):
                 part[imbalance] = part[first]
-        self.calm = not self._rest.any() and bool((self.share == 1.0).all())
+        return not self._rest.any() and bool((self.share == 1.0).all())
 
     @property
     def heard(self) -> bool:
@@ -189,6 +222,11 @@ class ShapeMonitor:
     def resting(self) -> npt.NDArray[np.bool_]:
         """Columns that did harm and are held."""
         return self._rest > 0.0
+
+    @property
+    def rest_turns(self) -> Floats:
+        """Turns that each column still rests."""
+        return self._rest
 
     def listen_anew(self) -> None:
         """Judge with the next sample: a lock-in that was forgotten starts with its age."""

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -97,6 +98,34 @@ def test_without_a_network_packages_come_from_a_folder_alone(tmp_path: Path) -> 
     assert [row for row in rows if "--no-index" not in row] == []
     assert [row for row in rows if f"--find-links {folder}" in row] == [rows[0], rows[2]]
     assert install("--dry-run", "--wheels", str(folder), "--unlocked").returncode == 2
+
+
+def product_of(path: Path, text: bytes) -> Path:
+    """Write a wheel that says this of its commit."""
+    with zipfile.ZipFile(path, "w") as made:
+        made.writestr("aff_runtime/base/release.py", text)
+    return path
+
+
+def test_a_wheel_of_the_same_release_is_installed_instead_of_built(tmp_path: Path) -> None:
+    ours = (ROOT / "aff_runtime" / "base" / "release.py").read_bytes()
+    wheel = product_of(tmp_path / "aff_runtime-0-cp311-abi3-linux_x86_64.whl", ours)
+    done = install("--dry-run", "--product", str(wheel), "--prefix", str(tmp_path / "p"))
+    rows = [line for line in done.stdout.splitlines() if " -m pip " in line]
+    assert packages_of(done) == ["gateway.txt"]
+    assert rows[-1].endswith(f"--force-reinstall {wheel}")
+    assert not any("pip wheel" in row for row in rows)
+
+
+def test_a_wheel_of_another_commit_is_refused(tmp_path: Path) -> None:
+    wheel = product_of(tmp_path / "other.whl", b'COMMIT = "1234"')
+    done = install("--dry-run", "--product", str(wheel), "--prefix", str(tmp_path / "p"))
+    assert done.returncode == 2
+    assert "no wheel of the commit" in done.stderr
+    assert "pip" not in done.stdout
+    ours = (ROOT / "aff_runtime" / "base" / "release.py").read_bytes()
+    wheel = product_of(tmp_path / "same.whl", ours)
+    assert install("--dry-run", "--product", str(wheel), "--unlocked").returncode == 2
 
 
 def test_a_second_installation_keeps_the_technicians_files(tmp_path: Path) -> None:

@@ -142,3 +142,13 @@ def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
         main(["--version"])
     assert ended.value.code == 0
     assert capsys.readouterr().out.startswith("aff-runtime ")
+
+
+def test_the_version_of_a_release_is_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("aff_runtime.cli.main.release_text", lambda: f"1.2 (commit {'9f' * 20})")
+    with pytest.raises(SystemExit):
+        main(["--version"])
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line.endswith((", law by compiled", ", law by numpy"))

@@ -91,6 +91,11 @@ def test_the_alarm_code_is_for_alarms_only() -> None:
         assert is_alarm(read_answer(resting)) is alarms
 
 
+def test_the_status_says_what_works_the_law_out() -> None:
+    said = {**answer(0), "meta": {"versions": {"arithmetic": "compiled"}}}
+    assert "law      by compiled" in list(lines(read_answer(said)))
+
+
 def test_lost_rows_and_a_differing_file_are_told() -> None:
     text = "\n".join(lines(read_answer(answer(0))))
     assert "3 LOST" in text

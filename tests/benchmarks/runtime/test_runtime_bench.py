@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 
+from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response
 from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
 from benchmarks.runtime.latency import parse
 from benchmarks.runtime.paced import law_of, law_step
 from benchmarks.runtime.page import markdown, text
+from benchmarks.runtime.parts import Stopwatch, respond, table
+from benchmarks.runtime.shape_time import ratios, shape_work
 
 CYCLICTEST = """# Histogram
 000000 000000
@@ -57,3 +61,56 @@ def test_page_and_table_carry_every_row() -> None:
     page = markdown([section], date="2026-01-02T03:04:05Z")
     assert "| a | 1 us | r |" in page
     assert "2026-01-02" in page
+
+
+def test_the_timed_shape_law_has_its_orders_and_learns_them() -> None:
+    law, line, step = shape_work(4)
+    assert law.weight.size == 4 + 1 + 1  # orders, S-wrap 1x, imbalance
+    for tick in range(1500):  # six turns
+        line(tick)
+        step(tick)
+    assert law.adapting
+    assert law.monitor.calm
+    assert law.monitor.now[0] < 0.1  # N, of 1 N without a correction
+
+
+def test_ratios_are_of_medians_of_one_run() -> None:
+    found = {
+        ("numpy", 16): [4000, 4000],
+        ("numpy", 24): [6000],
+        ("compiled", 16): [1000],
+        ("compiled", 24): [2000],
+    }
+    assert [row.value for row in ratios(found)] == [
+        "p50 4.0, p99 4.0",
+        "p50 3.0, p99 3.0",
+        "1.50",
+        "2.00",
+    ]
+    numpy_alone = {key: value for key, value in found.items() if key[0] == "numpy"}
+    assert [row.value for row in ratios(numpy_alone)] == ["1.50"]
+
+
+def test_a_part_inside_another_is_taken_out_of_it() -> None:
+    clock = iter([0, 10, 14, 20, 27, 100])  # begins and ends, as they are asked for
+    watch = Stopwatch(lambda: next(clock))
+    codec = watch.around(lambda: None, "codec")
+    watch.around(lambda: (codec(), codec()), "wire")()
+    assert watch.take() == {"codec": 4 + 7, "wire": 100 - 11}
+    assert watch.take() == {}
+
+
+def test_the_table_of_parts_adds_them_up_tick_by_tick() -> None:
+    found = {("numpy", "law"): [3000, 1000], ("numpy", "ring"): [1000, 1000]}
+    rows = {row.name: row.value for row in table(found)}
+    assert rows["law, by numpy"].startswith("p50 2 us")
+    assert rows["all, by numpy"] == "p50 3 us, p99 4 us, max 4 us"
+
+
+def test_the_written_response_is_that_of_the_declared_line(tmp_path: Path) -> None:
+    respond(tmp_path)
+    text = (tmp_path / "learned" / "euclid_unwind.json").read_text(encoding="utf-8")
+    found = Response.from_json(text)
+    # the tension loop takes slow pushes away
+    assert abs(found.at(0.2)) < abs(found.at(2.0))
+    assert found.phase_error_bound_rad(2.0) < MAX_PHASE_ERROR_RAD
