@@ -7,6 +7,7 @@ c load cells, l tension loops, r torque-ripple terms, s shape tables.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -124,3 +125,14 @@ class LineState(NamedTuple):
 def copy_state(state: LineState) -> LineState:
     """Return an independent copy."""
     return LineState(**{name: part.copy() for name, part in state._asdict().items()})
+
+
+def total_inertia_kg_m2(arrays: LineArrays, body: int) -> float:
+    """Return the inertia of a body at the start, wound web included   [source 2.3, 2.4]."""
+    record = arrays.bodies[body]
+    fixed = float(record["inertia_kg_m2"])
+    if int(record["kind"]) < UNWIND:
+        return fixed
+    web = arrays.web[0]
+    ring = 0.5 * math.pi * float(web["density_kg_m3"]) * float(web["width_m"])
+    return fixed + ring * float(record["radius_m"] ** 4 - web["core_radius_m"] ** 4)

@@ -5,19 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from sim_plant.base.arrays import UNWIND, LineArrays
+from sim_plant.base.arrays import LineArrays, total_inertia_kg_m2
 from sim_plant.base.effects import Effect, Parameter, Value
-
-
-def total_inertia_kg_m2(arrays: LineArrays, body: int) -> float:
-    """Return the inertia of a body at the start, wound web included   [source 2.3, 2.4]."""
-    record = arrays.bodies[body]
-    fixed = float(record["inertia_kg_m2"])
-    if int(record["kind"]) < UNWIND:
-        return fixed
-    web = arrays.web[0]
-    ring = 0.5 * math.pi * float(web["density_kg_m3"]) * float(web["width_m"])
-    return fixed + ring * float(record["radius_m"] ** 4 - web["core_radius_m"] ** 4)
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:

@@ -9,6 +9,7 @@ __all__ = [
     "corrections",
     "dancer_section",
     "declaration",
+    "fastest_mode",
     "frequency",
     "load",
     "locations",

@@ -7,6 +7,7 @@ from pathlib import Path
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.corrections import apply_corrections
 from sim_plant.line.declaration import Declaration
+from sim_plant.line.fastest_mode import ACCURATE_STEP, fastest_mode, substeps_for
 from sim_plant.line.load import load_declaration
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.line.with_effects import apply_effects
@@ -22,13 +23,21 @@ def make_line(
     substeps: int = 1,
     effects: bool = True,
 ) -> LineSimulation:
-    """Return a line with its declared corrections and effects, not settled yet."""
+    """Return a line with its declared corrections and effects, not settled yet.
+
+    A drive tick has at least as many ``substeps`` as the declaration's fastest mode takes.
+
+    Raises
+    ------
+    PlantError
+        When an effect cannot be put on this line, or no sensible step follows it.
+    """
     timing = timing_of(declaration, sample_time_s or declaration.sample_time_s)
     arrays = build_arrays(declaration, timing, substeps)
     arrays = apply_corrections(declaration, arrays, declaration.corrections)
     if effects:
         arrays = apply_effects(declaration, arrays, declaration.effects)
-    return LineSimulation(
+    made = LineSimulation(
         declaration,
         sample_time_s=sample_time_s,
         seed=seed,
@@ -36,6 +45,10 @@ def make_line(
         line_speed_m_s=speed_m_s,
         tension_N=tension_N,
     )
+    mode = fastest_mode(declaration, arrays, made.lengths_m)
+    wanted = substeps_for(mode, timing.drive_tick_s, ACCURATE_STEP)
+    arrays.timing["substeps"] = max(substeps, wanted)
+    return made
 
 
 def open_line(

@@ -119,6 +119,12 @@ class LineSimulation:
             return np.zeros((1, width))
         return self._rng.standard_normal((frames, width))
 
+    @property
+    def lengths_m(self) -> Array:
+        """Length of every span now, m (n - 1,)."""
+        found: Array = self.work.contacts[:, 0]
+        return found
+
     def angles(self) -> Array:
         """Return the angle of every body, rad, sense of transport (view of the state)."""
         lay = self.layout

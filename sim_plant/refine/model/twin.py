@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -15,6 +16,14 @@ from sim_plant.geometry.shapes import orders
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.corrections import apply_corrections
 from sim_plant.line.declaration import Declaration, EffectEntry
+from sim_plant.line.fastest_mode import (
+    ACCURATE_STEP,
+    STABLE_STEP,
+    FastestMode,
+    fastest_mode,
+    substeps_for,
+)
+from sim_plant.line.open import make_line
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.line.with_effects import apply_effects
 
@@ -69,7 +78,7 @@ def seen_by(case: Case, record: int) -> Case:
     return case if len(effects) == len(case.effects) else replace(case, effects=effects)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Twin:
     """A declaration and the references it ran under.
 
@@ -137,6 +146,11 @@ class Twin:
             arrays = add_shape(arrays, body, shape)
         if case.seed is None:
             arrays.cells["lsb_N"] = 0.0  # mean of a dithered word; the steps only add chaos
+        tick_s, step = (
+            line.control.drive_sample_time_s,
+            STABLE_STEP if case.quick else ACCURATE_STEP,
+        )
+        arrays.timing["substeps"] = substeps_for(self._fastest, tick_s, step)
         return LineSimulation(
             line,
             seed=case.seed,
@@ -144,6 +158,12 @@ class Twin:
             line_speed_m_s=float(self.speed_m_s[0]),
             tension_N=float(self.tension_N[0]),
         )
+
+    @cached_property
+    def _fastest(self) -> FastestMode:
+        """Of the line as declared: cases that are compared take the same steps."""
+        made = make_line(self.declaration, seed=None, effects=False)
+        return fastest_mode(self.declaration, made.arrays, made.lengths_m)
 
     def _outputs(self, case: Case) -> tuple[Array, Array]:
         run = self.line(case)
