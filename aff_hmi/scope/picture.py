@@ -12,12 +12,13 @@ from datetime import UTC, datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from aff_hmi.scope.shot import Asked, Shot
+from aff_hmi.scope.shot import LONGEST, Asked, Shot
 from aff_hmi.scope.signals import THETA, Signal
 from aff_hmi.scope.ticks import Cut
 from aff_hmi.scope.turns import orders_of, turns_of
 from aff_hmi.words import Say
 from aff_runtime.base.events import BY_CODE
+from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
 
 SHOWN_EVENTS = 20
@@ -93,8 +94,10 @@ def table(shot: Shot, asked: Asked) -> Iterator[list[str]]:
     cut = shot.cut
     wanted = _wanted(cut, asked)
     turns = turns_of(cut.of(asked.roll + THETA)) if asked.roll else None
-    named = [f"{one.name} [{one.unit}]" if one.unit else one.name for one in wanted]
-    named += [f"turns of {asked.roll}"] if asked.roll else []
+    names = [printable(one.name, LONGEST) for one in wanted]
+    units = [f" [{one.unit}]" if one.unit else "" for one in wanted]
+    named = [name + unit for name, unit in zip(names, units, strict=True)]
+    named += [f"turns of {printable(asked.roll, LONGEST)}"] if asked.roll else []
     yield ["utc", "tick", "time_s", "state", *named]
     columns = [cut.of(one.name) for one in wanted] + ([turns] if turns is not None else [])
     for n in range(len(cut)):

@@ -116,11 +116,12 @@ def shot_of(cut: Cut, asked: Asked) -> Shot | None:
             end = int(np.searchsorted(cut.ticks, asked.end, side="right"))
         return Shot(cut=cut.part(max(0, end - count), end))
     before = min(count - 1, round(0.01 * asked.pre_percent * count))
-    for at in places(cut, asked.trigger):
-        if cut.ticks[at] <= asked.after or (at < before and asked.trigger.on in LEVELS):
-            continue
-        begin, end = max(0, int(at) - before), int(at) - before + count
-        if end > len(cut):
-            return None
-        return Shot(cut=cut.part(begin, end), at=int(at) - begin)
-    return None
+    found = places(cut, asked.trigger)
+    found = found[cut.ticks[found] > asked.after]
+    if asked.trigger.on in LEVELS:  # what happened is shown with what there is before it
+        found = found[found >= before]
+    if not len(found):
+        return None
+    at = int(found[0])
+    begin, end = max(0, at - before), at - before + count
+    return Shot(cut=cut.part(begin, end), at=at - begin) if end <= len(cut) else None

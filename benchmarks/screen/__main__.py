@@ -37,11 +37,11 @@ TARGETS = {"alone": 1.05, "clients": 1.05, "flood": 1.10, "stopped": 1.05}
 def main() -> None:
     """Take about 25 minutes with the defaults; ``--quick`` is a look of a few minutes."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.screen")
-    parser.add_argument("--page", type=Path, default=PAGE, help=f"page to write (default {PAGE})")
+    parser.add_argument("--page", type=Path, help=f"page to write (default {PAGE})")
     parser.add_argument("--out", type=Path, default=Path("out/bench-screen"))
     parser.add_argument("--block", type=float, default=30.0, metavar="S", help="a block, s")
     parser.add_argument("--rounds", type=int, default=6, help="blocks of every kind")
-    parser.add_argument("--quick", action="store_true", help="short, and no page")
+    parser.add_argument("--quick", action="store_true", help="short, and a page only where named")
     given = parser.parse_args()
     block_s, rounds, count = (5.0, 2, 3) if given.quick else (given.block, given.rounds, 20)
     sections = [machine()]
@@ -51,12 +51,12 @@ def main() -> None:
         sections += [of_ticks(blocks, block_s, rounds), of_screen(blocks, rates)]
         sections += [*seen(rig, count)]
     print(text(sections))
-    if not given.quick:
-        page = markdown(
-            sections, date=wall_time_iso(), title="The screen", command="make bench-screen"
-        )
-        given.page.write_text(page, encoding="utf-8")
-        print(f"written: {given.page}")
+    path = given.page or (None if given.quick else PAGE)
+    if path is not None:
+        command = "python -m benchmarks.screen --quick" if given.quick else "make bench-screen"
+        page = markdown(sections, date=wall_time_iso(), title="The screen", command=command)
+        path.write_text(page, encoding="utf-8")
+        print(f"written: {path}")
 
 
 def beside(

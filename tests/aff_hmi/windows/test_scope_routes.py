@@ -6,6 +6,7 @@ import asyncio
 import json
 from collections.abc import Callable
 from typing import Any
+from urllib.parse import quote
 
 import pytest
 
@@ -13,6 +14,7 @@ pytest.importorskip("starlette")
 
 from aff_hmi.gate import HEADERS
 from aff_hmi.scope.shot import SECONDS
+from aff_hmi.watch import News
 from aff_hmi.windows.desk import FULL, LONGEST_NOTE, MOST_S, NO_NAME, NO_TICKS, NOT_THERE
 from aff_runtime.base.signals import State
 from tests.aff_hmi.asgi import HOST, scope
@@ -219,6 +221,26 @@ def test_hostile_names_are_text_of_one_line_and_bounded(keeping: Pressed) -> Non
     assert len(one["note"]) <= LONGEST_NOTE
     page = keeping.browser().get("/scope").said["text"]
     assert "<img src=x" not in page  # names come by data alone, and go in as text
+
+
+def test_a_column_with_a_hostile_name_is_text_on_the_page_and_in_the_file(
+    keeping: Pressed,
+) -> None:
+    assert keeping.hub.rooms is not None
+    name = "=1+1<img src=x onerror=alert(1)>{{7*7}}\u202e\n_tension_N"
+    columns = ("time_s", "tick", "state", name)
+    records = [(n * CYCLE_S, float(n), 3.0, float(n)) for n in range(10)]
+    for brought in ([], records):
+        keeping.hub.rooms.listen(News(ring="one", columns=columns, records=brought))
+        keeping.show(State.ACTIVE)
+    page = keeping.browser().get("/scope").said["text"]
+    assert "<img" not in page
+    assert "{{7*7}}" in page
+    body = raw(keeping, f"/data/scope.csv?signals={quote(name)}")[2].decode()
+    head = body.splitlines()[0]
+    assert head.startswith("utc,tick,time_s,state,'=1+1<img")
+    assert "\u202e" not in head
+    assert len(body.splitlines()) == 11
 
 
 def test_a_full_share_is_told_and_nothing_is_pushed_out(keeping: Pressed) -> None:
