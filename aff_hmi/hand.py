@@ -78,7 +78,11 @@ class Hand:
 
     def reasons(self, action: Action, session: Session | None, place: Place) -> tuple[Reason, ...]:
         """Return why a session may not do something now; empty when it may."""
-        return may(action, self.person(session, place), self._circumstances())
+        return self.reasons_of(action, self.person(session, place))
+
+    def reasons_of(self, action: Action, person: Person) -> tuple[Reason, ...]:
+        """Return why somebody may not do something now; empty when he may."""
+        return may(action, person, self._circumstances())
 
     def person(self, session: Session | None, place: Place) -> Person:
         """Return who asks."""

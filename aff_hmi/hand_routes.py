@@ -5,31 +5,29 @@ Nothing here is reached by GET but the page for the login. What is not in the ta
 
 from __future__ import annotations
 
-import asyncio
 import hmac
-import json
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
-from typing import TypeAlias
 
-from starlette.requests import ClientDisconnect, HTTPConnection, Request
-from starlette.responses import JSONResponse, Response
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import Response
 from starlette.routing import Route
 from starlette.types import Scope
 
+from aff_hmi.asked import DONE, TABLE, Answering, Asked, Entry, Said, because, body, done, refusal
 from aff_hmi.counts import Counts
 from aff_hmi.doorkeeper import Doorkeeper
-from aff_hmi.hand import Hand, said_in
-from aff_hmi.see.alarm_desk import GONE_ALARM, AlarmDesk
+from aff_hmi.hand import Hand
+from aff_hmi.lesser_presses import LesserPresses
+from aff_hmi.see.alarm_desk import AlarmDesk
 from aff_hmi.sessions import Session
+from aff_hmi.windows.desk import WindowDesk
 from aff_hmi.words import N_, Say
-from aff_runtime.app.hand.may import Action, Code, Place, Reason, Role
+from aff_runtime.app.hand.may import Action, Code, Place, Reason
 from aff_runtime.app.hand.messages import Command, Notice, is_account_name, is_command_id
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import State
 
-BODY_PATIENCE_S = 10.0
 NOBODY = "nobody"
 LOOPBACK = ("127.0.0.1", "::1")
 PANEL_NAMES = ("127.0.0.1", "localhost", "[::1]")
@@ -40,59 +38,7 @@ NO_TOKEN = N_("this page is older than your login: load it again")
 NO_SENSE = N_("that is no request of this screen")
 NOT_HEARD = N_("the service does not hear this screen: use the switch at the line")
 TAKEN = N_("{name} has the hand; take it over?")
-DONE = N_("done")
 ROLE_WORDS = (N_("view"), N_("operate"), N_("commission"))
-Said: TypeAlias = dict[str, str | int | bool]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
-    """One request past the gate; ``session`` is there wherever the table asks for it.
-
-    Attributes
-    ----------
-    token : of the session, in the cookie of the name ``cookie``.
-    """
-
-    said: Said
-    session: Session | None
-    token: str
-    cookie: str
-    place: Place
-    address: str
-    say: Say
-
-
-Answering: TypeAlias = Callable[[Asked], Awaitable[Response]]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
-    """One row of the table.
-
-    Attributes
-    ----------
-    role : the least that the account must be for; None needs no login.
-    keys : of its JSON body, with their kinds. ``needs_token`` : None leaves it to the entry.
-    """
-
-    role: Role | None
-    keys: dict[str, type]
-    needs_token: bool | None = True
-
-
-TABLE = {
-    "/login": Entry(role=None, keys={"name": str, "password": str}, needs_token=False),
-    "/logout": Entry(role=Role.VIEW, keys={}),
-    "/hand": Entry(role=Role.OPERATE, keys={"do": str}),
-    "/act": Entry(
-        role=Role.VIEW,
-        keys={"action": str, "id": str, "seen": str, "frame": int},
-        needs_token=None,
-    ),
-    "/acknowledge": Entry(role=Role.OPERATE, keys={"key": str}),
-    "/shelve": Entry(role=Role.OPERATE, keys={"key": str, "minutes": int, "reason": str}),
-}
 
 
 class HandRoutes:
@@ -101,7 +47,7 @@ class HandRoutes:
     Parameters
     ----------
     is_tls : whether browsers come by https.
-    say_of : the language of a request. ``alarms`` : None on a screen that keeps none.
+    say_of : the language of a request. ``alarms``, ``windows`` : None where none are kept.
     """
 
     def __init__(
@@ -113,9 +59,9 @@ class HandRoutes:
         is_tls: bool,
         say_of: Callable[[HTTPConnection], Say],
         alarms: AlarmDesk | None = None,
+        windows: WindowDesk | None = None,
     ) -> None:
         self._hand = hand
-        self._alarms = alarms
         self._counts = counts
         self._clock = clock
         self._is_tls = is_tls
@@ -126,8 +72,7 @@ class HandRoutes:
             "/logout": self._logout,
             "/hand": self._take,
             "/act": self._act,
-            "/acknowledge": self._acknowledge,
-            "/shelve": self._shelve,
+            **LesserPresses(hand.sessions, self._note, alarms, windows).answers(),
         }
 
     def routes(self) -> list[Route]:
@@ -162,21 +107,21 @@ class HandRoutes:
 
         async def endpoint(request: Request) -> Response:
             say = self._say_of(request)
-            said = await _body(request, entry)
+            said = await body(request, entry)
             if said is None:
-                return _refusal(400, say(NO_SENSE))
+                return refusal(400, say(NO_SENSE))
             token = self.token_of(request)
             place = place_of(request)
             session = self._hand.sessions.find(token, place)
             if entry.role is not None and session is None:
-                return _because(401, Reason(code=Code.LOGGED_OUT), say)
+                return because(401, Reason(code=Code.LOGGED_OUT), say)
             if session is not None and not self._has_token(request, session, entry, said):
-                return _refusal(403, say(NO_TOKEN))
+                return refusal(403, say(NO_TOKEN))
             if session is not None and entry.role is not None:
                 if session.account.role < entry.role:
-                    return _because(403, Reason(code=Code.ROLE), say)
+                    return because(403, Reason(code=Code.ROLE), say)
                 if said.get("action") != Action.BYPASS and not session.presses.take():
-                    return _because(429, Reason(code=Code.FAST), say)
+                    return because(429, Reason(code=Code.FAST), say)
             return await answer(
                 Asked(
                     said=said,
@@ -215,15 +160,15 @@ class HandRoutes:
             account = await self._doorkeeper.check(name, password)
         except BlockingIOError:
             self._counts.logins["waits"] += 1
-            return _refusal(429, asked.say(WAIT))
+            return refusal(429, asked.say(WAIT))
         self._counts.logins["refused" if account is None else "done"] += 1
         if account is None:
             self._note("login refused", shown, asked.place)
-            return _refusal(401, asked.say(WRONG))
+            return refusal(401, asked.say(WRONG))
         self._hand.sessions.end(asked.token)
         token = self._hand.sessions.begin(account, asked.place)
         self._note("login", account.name, asked.place)
-        answer = _done(asked.say(DONE))
+        answer = done(asked.say(DONE))
         answer.set_cookie(
             asked.cookie, token, path="/", secure=self._is_tls, httponly=True, samesite="strict"
         )
@@ -233,7 +178,7 @@ class HandRoutes:
         assert asked.session is not None
         self._hand.sessions.end(asked.token)
         self._note("logout", asked.session.account.name, asked.place)
-        answer = _done(asked.say(DONE))
+        answer = done(asked.say(DONE))
         answer.delete_cookie(
             asked.cookie, path="/", secure=self._is_tls, httponly=True, samesite="strict"
         )
@@ -247,7 +192,7 @@ class HandRoutes:
         assert session is not None
         name = session.account.name
         if sessions.is_idle(session):
-            return _because(403, Reason(code=Code.IDLE), asked.say)
+            return because(403, Reason(code=Code.IDLE), asked.say)
         sessions.press(session)
         match asked.said["do"]:
             case "release":
@@ -257,12 +202,12 @@ class HandRoutes:
                 held = sessions.holder()
                 if held is not None and held.session is not session and do == "take":
                     words = asked.say(TAKEN).replace("{name}", held.session.account.name)
-                    return _refusal(409, words, "other hand")
+                    return refusal(409, words, "other hand")
                 before = sessions.take(session)
                 self._note("hand taken over" if before else "hand taken", name, asked.place)
             case _:
-                return _refusal(400, asked.say(NO_SENSE))
-        return _done(asked.say(DONE))
+                return refusal(400, asked.say(NO_SENSE))
+        return done(asked.say(DONE))
 
     async def _act(self, asked: Asked) -> Response:
         """Do a press, and count it."""
@@ -279,16 +224,16 @@ class HandRoutes:
         action, ident, seen = str(said["action"]), str(said["id"]), str(said["seen"])
         is_known = action in tuple(Action) and is_command_id(ident)
         if not is_known or seen not in ("", *State.__members__):
-            return _refusal(400, asked.say(NO_SENSE))
+            return refusal(400, asked.say(NO_SENSE))
         self._hand.sessions.press(session)
         until_ns = 0
         if action != Action.BYPASS:
             reasons = self._hand.reasons(Action(action), session, asked.place)
             if reasons:
-                return _because(409, reasons[0], asked.say)
+                return because(409, reasons[0], asked.say)
             until_ns = self._hand.valid_until_ns(int(said["frame"]), seen)
             if self._clock.now_ns() > until_ns:
-                return _because(409, Reason(code=Code.LATE), asked.say)
+                return because(409, Reason(code=Code.LATE), asked.say)
         command = Command(
             id=ident,
             action=Action(action),
@@ -301,32 +246,10 @@ class HandRoutes:
         try:
             answer = await self._hand.desk.press(command)
         except WireError:
-            return _refusal(503, asked.say(NOT_HEARD))
+            return refusal(503, asked.say(NOT_HEARD))
         if answer.reason is not None:
-            return _because(409, answer.reason, asked.say)
-        return _done(asked.say(DONE))
-
-    # --- alarms -----------------------------------------------------------------------------
-
-    async def _acknowledge(self, asked: Asked) -> Response:
-        return self._of_alarm(asked, "alarm seen", lambda desk, who: desk.seen(asked.said, who))
-
-    async def _shelve(self, asked: Asked) -> Response:
-        what = "alarm put aside" if int(asked.said["minutes"]) > 0 else "alarm taken back"
-        return self._of_alarm(asked, what, lambda desk, who: desk.shelve(asked.said, who))
-
-    def _of_alarm(self, asked: Asked, what: str, do: Callable[[AlarmDesk, str], str]) -> Response:
-        """Do what is of the screen's alarms alone; no hand is needed for it."""
-        session = asked.session
-        assert session is not None
-        if self._hand.sessions.is_idle(session):
-            return _because(403, Reason(code=Code.IDLE), asked.say)
-        self._hand.sessions.press(session)
-        against = do(self._alarms, session.account.name) if self._alarms else GONE_ALARM
-        if against:
-            return _refusal(409, asked.say(against))
-        self._note(what, session.account.name, asked.place)
-        return _done(asked.say(DONE))
+            return because(409, answer.reason, asked.say)
+        return done(asked.say(DONE))
 
     def _note(self, what: str, account: str, place: Place) -> None:
         self._hand.desk.notice(Notice(what=what, account=account, place=place))
@@ -342,28 +265,3 @@ def place_of(asked: HTTPConnection) -> Place:
     is_loopback = asked.client is not None and asked.client.host in LOOPBACK
     is_called_so = heads.get("host", "").lower().rpartition(":")[0] in PANEL_NAMES
     return Place.PANEL if is_loopback and is_called_so and not is_passed_on else Place.NETWORK
-
-
-async def _body(request: Request, entry: Entry) -> Said | None:
-    """Return the body: the keys of its entry, of their kinds; None for anything else."""
-    try:
-        text = await asyncio.wait_for(request.body(), BODY_PATIENCE_S)
-        said = json.loads(text)
-    except (ValueError, RecursionError, TimeoutError, ClientDisconnect):
-        return None
-    if not isinstance(said, dict) or set(said) != set(entry.keys):
-        return None
-    is_right = all(type(said[key]) is kind for key, kind in entry.keys.items())
-    return said if is_right else None
-
-
-def _done(text: str) -> Response:
-    return JSONResponse({"ok": True, "text": text})
-
-
-def _because(status: int, reason: Reason, say: Say) -> Response:
-    return _refusal(status, said_in(reason, say), reason.code)
-
-
-def _refusal(status: int, text: str, code: str = "") -> Response:
-    return JSONResponse({"ok": False, "text": text, "code": code}, status)

@@ -15,6 +15,7 @@ from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout, layout_of
 from aff_hmi.metrics import Metrics
 from aff_hmi.room import has_room
+from aff_hmi.rooms import Rooms
 from aff_hmi.see.kept import Kept
 from aff_hmi.view import view_of
 from aff_hmi.watch import Seen, Watch
@@ -69,7 +70,7 @@ class Hub:
     Attributes
     ----------
     boot : changes with every start; a page of an earlier one begins anew.
-    counts : what the screen counts of itself.
+    counts : what the screen counts of itself. ``rooms`` : of the pages beside the overview.
     """
 
     def __init__(
@@ -81,12 +82,13 @@ class Hub:
         self._clock = clock
         if hand is not None and kept is not None:
             hand.desk.told = kept.person
+        self.counts = Counts()
+        self.rooms = Rooms(kept, clock, self.counts, hand, self.metrics) if kept else None
         self._viewers: set[Viewer] = set()
         self._frames: dict[tuple[str, str], str] = {}
         self._metrics = Metrics(clock)
         self._number = 0
         self.boot = secrets.token_hex(8)
-        self.counts = Counts()
         self.layout = Layout()
 
     async def run(self, alive: Callable[[], None] = lambda: None) -> None:
@@ -98,8 +100,8 @@ class Hub:
                 due_ns = max(due_ns + period_ns, self._clock.now_ns())
                 await asyncio.sleep((due_ns - self._clock.now_ns()) * 1e-9)
                 self._watch.poll()
-                if self.kept is not None:
-                    self.kept.listen(self._watch.news)
+                if self.rooms is not None:
+                    self.rooms.listen(self._watch.news)
                 if self.hand is not None:
                     self.hand.desk.poll()
             self.make_frames(self._watch.seen())
@@ -114,8 +116,9 @@ class Hub:
         self._number += 1
         if self.hand is not None:
             self.hand.look(seen, self._number)
-        if self.kept is not None:
-            self.kept.look(seen, self.layout)
+        self.counts.sockets = len(self._viewers)
+        if self.rooms is not None:
+            self.rooms.look(seen, self.layout)
         heads = {
             language: frames.encode(
                 view_of(seen, self.layout, say_in(language)), number=self._number, boot=self.boot
@@ -139,7 +142,6 @@ class Hub:
         return self._metrics.text(self._watch.seen(), self._own_samples)
 
     def _own_samples(self) -> Iterator[Sample]:
-        self.counts.sockets = len(self._viewers)
         hand = self.hand
         return self.counts.samples(hand.sessions.by_role() if hand is not None else None)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from starlette.applications import Starlette
 from starlette.requests import HTTPConnection, Request
@@ -11,44 +9,15 @@ from starlette.responses import HTMLResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
+from aff_hmi.bundles import FOLDER, served
 from aff_hmi.hand_routes import HandRoutes, place_of
 from aff_hmi.hub import Hub
+from aff_hmi.rooms import PAGES as SEEN
 from aff_hmi.see.alarm_desk import AlarmDesk
-from aff_hmi.see.data_routes import data_routes
-from aff_hmi.see.kept import ALARMS, ROLLS
 from aff_hmi.words import LANGUAGES, NAMES, Say, language_of, say_in
 from aff_runtime import __version__
 from aff_runtime.app.report.metrics.exposition import CONTENT_TYPE
 from aff_runtime.base.ports import Clock
-
-FOLDER = Path(__file__).parent
-# path of a page beside the overview: its template, and what its frames carry
-SEEN = {
-    "/alarms": ("alarms.html", ALARMS),
-    "/rolls": ("rolls.html", ROLLS),
-    "/trends": ("trends.html", ""),
-}
-# of others, with their licences and hashes beside them
-VENDORED = {
-    "uPlot.iife.min.js": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.iife.min.js",
-    "uPlot.min.css": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.min.css",
-}
-ASSETS = {
-    "overview.js": "text/javascript; charset=utf-8",
-    "freshness.js": "text/javascript; charset=utf-8",
-    "hand.js": "text/javascript; charset=utf-8",
-    "login.js": "text/javascript; charset=utf-8",
-    "overview.css": "text/css; charset=utf-8",
-    "hand.css": "text/css; charset=utf-8",
-    "see.css": "text/css; charset=utf-8",
-    "see.js": "text/javascript; charset=utf-8",
-    "trends.js": "text/javascript; charset=utf-8",
-    "uPlot.iife.min.js": "text/javascript; charset=utf-8",
-    "uPlot.min.css": "text/css; charset=utf-8",
-    "rolls.js": "text/javascript; charset=utf-8",
-    "alarms.js": "text/javascript; charset=utf-8",
-    "icon.svg": "image/svg+xml",
-}
 
 
 class Pages:
@@ -72,10 +41,9 @@ class Pages:
                 is_tls=is_tls,
                 say_of=self._say_of,
                 alarms=AlarmDesk(hub.kept) if hub.kept is not None else None,
+                windows=hub.rooms.windows if hub.rooms is not None else None,
             )
-        self._texts = {
-            name: VENDORED.get(name, FOLDER / "static" / name).read_bytes() for name in ASSETS
-        }
+        self._files = served(has_hand=hub.hand is not None)
         self._templates = Environment(
             loader=FileSystemLoader(FOLDER / "templates"),
             autoescape=True,
@@ -92,9 +60,9 @@ class Pages:
             Route("/metrics", self.metrics),
             WebSocketRoute("/live", self.live),
         ]
-        if self._hub.kept is not None:
+        if self._hub.rooms is not None:
             routes += [Route(path, self.seen) for path in SEEN]
-            routes += data_routes(self._hub.kept, self._say_of)
+            routes += self._hub.rooms.routes(self._say_of)
         if self.presses is not None:
             routes += [Route("/login", self.login), *self.presses.routes()]
         return Starlette(routes=routes)
@@ -121,6 +89,8 @@ class Pages:
             path=path,
             topic=topic,
             kept=self._hub.kept,
+            rooms=self._hub.rooms,
+            script=name.removesuffix(".html"),
             others=[(one, NAMES[one]) for one in LANGUAGES if one != language],
             layout=self._hub.layout,
             boot=self._hub.boot,
@@ -133,9 +103,10 @@ class Pages:
     async def asset(self, request: Request) -> Response:
         """Return one of the files that there are."""
         name = request.path_params["name"]
-        if name not in ASSETS:
+        if name not in self._files:
             return Response("not found\n", 404, media_type="text/plain")
-        return Response(self._texts[name], media_type=ASSETS[name])
+        text, kind = self._files[name]
+        return Response(text, media_type=kind)
 
     async def metrics(self, request: Request) -> Response:
         """Return the numbers of the line for a monitoring system."""

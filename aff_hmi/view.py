@@ -47,6 +47,7 @@ class View:
     Attributes
     ----------
     plc_age_s : of the PLC's data in the newest tick. ``tick_age_s`` : since a tick arrived.
+    facts_age_s : since the supervisor spoke.
     plc_late_s, plc_dead_s : ages at which the service holds, and gives up.
     state, word, shape, why, to_do : the guard's state, in words; ``word`` is translated.
     heart : heartbeat value of the PLC; what moves on the screen moves by it.
@@ -56,6 +57,7 @@ class View:
     layout: str
     plc_age_s: float | None = None
     tick_age_s: float | None = None
+    facts_age_s: float | None = None
     plc_late_s: float = 0.0
     plc_dead_s: float = 0.0
     state: str = STARTING
@@ -93,6 +95,7 @@ def view_of(seen: Seen, layout: Layout, say: Say) -> View:
         layout=layout.ident,
         plc_age_s=_known(row.number("age_s")) if row is not None else None,
         tick_age_s=seen.tick_age_s if seen.writer_lives else None,
+        facts_age_s=_known(seen.facts_age_s) if seen.facts_age_s is not None else None,
         plc_late_s=site.hold_after_s if site is not None else 0.0,
         plc_dead_s=site.fault_after_s if site is not None else 0.0,
         state=state,

@@ -30,6 +30,7 @@ class Seen:
     ----------
     tick_age_s : since a tick was last seen to arrive. ``facts_age_s`` : since the facts were told.
     writer_lives : whether the control process exists. ``meta`` : what it says of itself.
+    unread : ticks of the ring that were overwritten before they were read here.
     events : (code, argument, age in s), the newest first.
     trouble : why there is no door, in words.
     """
@@ -41,6 +42,7 @@ class Seen:
     writer_lives: bool = False
     meta: RunMeta | None = None
     window: Window | None = None
+    unread: int = 0
     events: tuple[tuple[int, float, float], ...] = ()
     trouble: str = ""
 
@@ -114,6 +116,7 @@ class Watch:
             writer_lives=self._ring is not None and self._ring.writer_alive(),
             meta=self._ring.header.meta if self._ring is not None else None,
             window=self._window,
+            unread=self._ring.signals.overrun_count if self._ring is not None else 0,
             events=tuple(
                 (code, argument, (now_ns - t_ns) * _S)
                 for code, argument, t_ns in reversed(self._events)

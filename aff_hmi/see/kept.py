@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any, TypeAlias
 
 from aff_hmi.layout import Layout, label_of
 from aff_hmi.notices import RANK, Condition, conditions_of
@@ -14,7 +15,7 @@ from aff_hmi.see.alarm_book import AlarmBook
 from aff_hmi.see.alarm_part import KINDS, AlarmPart, alarm_part
 from aff_hmi.see.events import Kind
 from aff_hmi.see.journal import Journal
-from aff_hmi.see.rolls_part import RollsPart, rolls_part
+from aff_hmi.see.rolls_part import rolls_part
 from aff_hmi.see.store import Store
 from aff_hmi.see.trend_part import GROUPS, WINDOW_WORDS, group_name
 from aff_hmi.see.trend_rows import SCHEMA as TREND_SCHEMA
@@ -50,11 +51,15 @@ PEOPLE = {
     "alarm seen": N_("has seen an alarm"),
     "alarm put aside": N_("put an alarm aside"),
     "alarm taken back": N_("took an alarm back"),
+    "window kept": N_("kept a window of ticks"),
+    "window let go": N_("let go of a window of ticks"),
     "bypass: done": N_("bypass"),
     "bypass: refused": N_("a bypass was refused"),
     "arm: done": N_("armed"),
     "arm: refused": N_("arming was refused"),
 }
+
+Part: TypeAlias = Any  # a dataclass; every room has its own
 
 
 class Kept:
@@ -76,6 +81,7 @@ class Kept:
         wall: Callable[[], float] = wall_time_s,
     ) -> None:
         self._clock = clock
+        self.wall = wall
         self.store = Store(folder, (*events.SCHEMA, *TREND_SCHEMA))
         self.journal = Journal(self.store, clock, wall)
         if self.store.trouble:
@@ -89,10 +95,14 @@ class Kept:
         self._seen = Seen()
         self._layout = Layout()
         self._texts: dict[tuple[str, str], str] = {}
-        self._parts: dict[str, Callable[[Say], AlarmPart | RollsPart]] = {
+        self._parts: dict[str, Callable[[Say], Part]] = {
             ALARMS: self._alarm_part,
             ROLLS: lambda say: rolls_part(self._seen, say),
         }
+
+    def join(self, topic: str, part: Callable[[Say], Part]) -> None:
+        """Have frames of a topic carry what another room says."""
+        self._parts[topic] = part
 
     @property
     def topics(self) -> tuple[str, ...]:

@@ -36,7 +36,8 @@ class Store:
 
     Attributes
     ----------
-    is_lasting : whether it outlives the screen. ``trouble`` : what failed last, in words.
+    is_lasting : whether it outlives the screen. ``most_bytes`` : its bound.
+    trouble : what failed last, in words.
     lost_count : writes that were not done.
 
     Raises
@@ -51,7 +52,8 @@ class Store:
         self.is_lasting = folder is not None
         self.trouble = ""
         self.lost_count = 0
-        self._pages = max(64, (most_bytes if folder else most_bytes // 10) // PAGE_BYTES)
+        self.most_bytes = most_bytes if folder else most_bytes // 10
+        self._pages = max(64, self.most_bytes // PAGE_BYTES)
         self._waiting = 0
         self._counting = threading.Lock()
         self._executor = ThreadPoolExecutor(max_workers=1, thread_name_prefix="history")
@@ -76,6 +78,19 @@ class Store:
         if not self._has_room():
             raise BlockingIOError
         return await asyncio.wrap_future(self._executor.submit(self._read, work))
+
+    async def change(self, work: Work[Found]) -> Found:
+        """Write something whole or not at all, and return what comes of it.
+
+        Raises
+        ------
+        BlockingIOError
+            When too much waits already. ``sqlite3.Error`` when it cannot be written; what the
+            work itself raises.
+        """
+        if not self._has_room():
+            raise BlockingIOError
+        return await asyncio.wrap_future(self._executor.submit(self._changed, work))
 
     def now(self, work: Work[Found]) -> Found:
         """Return what is read, waiting for it: at the start, and in tests."""
@@ -158,6 +173,17 @@ class Store:
             self.trouble = str(error)
             if self._connection.in_transaction:
                 self._connection.execute("ROLLBACK")
+
+    def _changed(self, work: Work[Found]) -> Found:
+        self._begin()
+        self._connection.execute("BEGIN")
+        try:
+            found = work(self._connection)
+            self._connection.execute("COMMIT")
+        finally:
+            if self._connection.in_transaction:
+                self._connection.execute("ROLLBACK")
+        return found
 
     def _read(self, work: Work[Found]) -> Found:
         self._begin()

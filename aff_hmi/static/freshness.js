@@ -3,6 +3,7 @@
 
 export const WORN_MS = 350;
 export const DEAD_MS = 700;
+export const FACTS_MS = 800; // the supervisor speaks twice a second
 
 /** @typedef {"good" | "worn" | "dead" | "none"} Quality  none: it cannot be known */
 /** @typedef {{age_ms: number | null, quality: Quality}} Link */
@@ -21,17 +22,21 @@ function quality(age_ms) {
  * @param {object | null} frame newest frame, null before the first
  * @param {number} arrived_ms when it came
  * @param {number} now_ms
- * @returns {{browser: Link, hmi: Link, service: Link, plc: Link}}
+ * @returns {{browser: Link, hmi: Link, service: Link, plc: Link, supervisor: Link}}
  */
 export function judge(frame, arrived_ms, now_ms) {
   const unknown = { age_ms: null, quality: /** @type {Quality} */ ("none") };
-  const links = { browser: unknown, hmi: unknown, service: unknown, plc: unknown };
+  const links = { browser: unknown, hmi: unknown, service: unknown, plc: unknown, supervisor: unknown };
   if (frame === null) return links;
   const bound_ms = now_ms - frame.echo;
   const since_ms = now_ms - arrived_ms;
   links.browser = { age_ms: bound_ms, quality: quality(bound_ms) };
   links.hmi = { age_ms: since_ms, quality: links.browser.quality };
   if (links.browser.quality === "dead") return links;
+  if (frame.facts_age_s !== null) {
+    const facts_ms = 1000 * frame.facts_age_s + since_ms;
+    links.supervisor = { age_ms: facts_ms, quality: facts_ms < FACTS_MS ? "good" : "dead" };
+  }
   if (frame.tick_age_s === null) {
     links.service = { age_ms: null, quality: "dead" };
     return links;
@@ -52,17 +57,23 @@ export function judge(frame, arrived_ms, now_ms) {
 /**
  * The link that has stopped, seen from here: what lies behind it cannot be known.
  *
- * @returns {"hmi" | "service" | "plc" | ""}
+ * @returns {"hmi" | "service" | "plc" | "supervisor" | ""}
  */
 export function broken(links) {
-  for (const name of ["hmi", "service", "plc"]) {
+  for (const name of ["hmi", "service", "plc", "supervisor"]) {
     if (links[name].quality === "dead") return name;
   }
   return "";
 }
 
-/** Whether what comes from `source` ("service" or "plc") is too old to be taken for true. */
+const NEEDED = {
+  hmi: ["hmi"],
+  service: ["hmi", "service"],
+  plc: ["hmi", "service", "plc"],
+  supervisor: ["hmi", "service", "supervisor"],
+};
+
+/** Whether what comes from `source` (one of `NEEDED`) is too old to be taken for true. */
 export function isDead(source, links) {
-  const needed = source === "plc" ? ["hmi", "service", "plc"] : ["hmi", "service"];
-  return needed.some((name) => links[name].quality === "dead" || links[name].quality === "none");
+  return NEEDED[source].some((name) => links[name].quality === "dead" || links[name].quality === "none");
 }

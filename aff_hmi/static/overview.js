@@ -128,8 +128,10 @@ function look() {
   document.title = `${byId("shape").textContent} ${byId("state").textContent} · ${line}`;
   put(byId("was"), gone ? `${words.was} ${frame.word}` : "");
   root.dataset.broken = frame === null ? "waiting" : name;
-  const texts = { hmi: words.deadHmi, service: words.deadService, plc: words.deadPlc };
-  const steps = { hmi: words.todoHmi, service: words.todoService, plc: words.todoPlc };
+  const { deadHmi, deadService, deadPlc, deadSupervisor } = words;
+  const texts = { hmi: deadHmi, service: deadService, plc: deadPlc, supervisor: deadSupervisor };
+  const { todoHmi, todoService, todoPlc, todoSupervisor } = words;
+  const steps = { hmi: todoHmi, service: todoService, plc: todoPlc, supervisor: todoSupervisor };
   const sentence = name ? `${texts[name].replace("{age}", age(old_ms))} ${steps[name]}` : "";
   put(byId("broken"), frame === null ? words.waiting : sentence);
   root.classList.toggle("waiting", frame === null);
@@ -235,7 +237,7 @@ const actions = {
   t: otherTheme,
   l: () => byId("language").click(),
   a: () => {
-    const list = byId("alarms") ?? byId("main");
+    const list = [byId("book"), byId("alarms")].find((one) => one?.offsetParent) ?? byId("main");
     list.tabIndex = -1;
     list.focus();
   },

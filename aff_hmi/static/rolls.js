@@ -84,10 +84,11 @@ function orderRow(order, unit) {
     part("td", "figure", value === null ? "—" : `${number(value, digits)}${after}`);
   const gain = figure(order.change_dB, 0, " dB");
   if (order.change_dB !== null) gain.append(" ", bar(order.change_dB));
-  const state = part("td", "", order.state);
+  const state = part("td", "why", order.state);
   if (order.why) state.textContent = `▲ ${words.rests}, ${order.state}: ${order.why}`;
   row.append(
     part("td", "name", order.name),
+    state, // second: on a phone it is seen without a push to the side
     figure(order.frequency_Hz, 2, " Hz"),
     figure(order.size, 3, ` ${order.unit}`),
     figure(order.deg, 0, "°"),
@@ -96,15 +97,14 @@ function orderRow(order, unit) {
     figure(order.now, 3, ` ${unit}`),
     gain,
     figure(order.ratio, 2, ""),
-    state,
   );
   return row;
 }
 
 function orders(roll) {
   const heads = [
-    ...[words.order, "Hz", words.size, words.angle, words.out, words.without, words.now, "dB"],
-    ...[words.ratio, words.state],
+    ...[words.order, words.state, "Hz", words.size, words.angle, words.out],
+    ...[words.without, words.now, "dB", words.ratio],
   ];
   const box = part("div", "scroll");
   box.tabIndex = 0;

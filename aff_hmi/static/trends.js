@@ -1,4 +1,5 @@
 // Curves over time from what the screen keeps; drawn by uPlot, with a table behind.
+import { css, figure, legendLine, look, short } from "/static/curves.js";
 import { ask, at, byId, number, part, put, words } from "/static/see.js";
 
 const EVERY_MS = { "1min": 2000, "10min": 5000, "1h": 15000, "8h": 60000, "7d": 300000, "1y": 300000 };
@@ -11,16 +12,6 @@ let kind = "";
 let answer = null;
 let asked_ms = -Infinity;
 let isAsking = false;
-
-const css = (name) => getComputedStyle(root).getPropertyValue(name).trim();
-const TONES = ["--now", "--medium", "--low", "--focus", "--text", "--muted"];
-const DASHES = [[], [10, 4], [3, 3], [10, 3, 3, 3]];
-
-/** How a curve looks: tone and dash both tell it, for those who see no tones. */
-function look(n, curve) {
-  const dash = curve.dashed ? [5, 5] : DASHES[Math.floor(n / 2) % DASHES.length];
-  return { tone: css(TONES[(curve.dashed ? n - 1 : n) % TONES.length] ?? "--now") || css("--now"), dash };
-}
 
 function clock(u, splits) {
   const isLong = answer !== null && answer.to_s - answer.from_s > 100000;
@@ -57,7 +48,7 @@ function options(curves) {
   const series = [{}];
   const bands = [];
   curves.forEach((curve, n) => {
-    const { tone, dash } = look(n, curve);
+    const { tone, dash } = look(n, curve.dashed);
     const first = series.length;
     series.push({ stroke: tone, width: 2, dash, points: { show: false } });
     series.push({ stroke: "transparent", width: 0, points: { show: false } });
@@ -78,16 +69,6 @@ function options(curves) {
     bands,
     hooks: { draw: [states] },
   };
-}
-
-function short(value) {
-  return new Intl.NumberFormat(root.lang, { maximumSignificantDigits: 5 }).format(value);
-}
-
-function figure(value) {
-  if (value === null || value === undefined) return "—";
-  const digits = Math.abs(value) >= 100 ? 1 : Math.abs(value) >= 1 ? 2 : 4;
-  return number(value, digits);
 }
 
 function draw() {
@@ -111,20 +92,7 @@ function draw() {
 }
 
 function legend(curve, n) {
-  const line = part("li");
-  const { tone, dash } = look(n, curve);
-  const sample = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  sample.setAttribute("viewBox", "0 0 36 8");
-  sample.setAttribute("aria-hidden", "true");
-  const stroke = document.createElementNS("http://www.w3.org/2000/svg", "line");
-  const drawn = { x1: 0, x2: 36, y1: 4, y2: 4, stroke: tone, "stroke-width": 3 };
-  if (dash.length) drawn["stroke-dasharray"] = dash.join(" ");
-  for (const [name, value] of Object.entries(drawn)) stroke.setAttribute(name, String(value));
-  sample.append(stroke);
-  const last = curve.mean.at(-1) ?? null;
-  line.append(sample, part("span", "", `${curve.label}: `));
-  line.append(part("span", "number", figure(last)), ` ${curve.unit}`);
-  return line;
+  return legendLine(curve.label, curve.mean.at(-1) ?? null, curve.unit, look(n, curve.dashed));
 }
 
 function tabulate() {

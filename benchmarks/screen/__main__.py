@@ -37,30 +37,31 @@ TARGETS = {"alone": 1.05, "clients": 1.05, "flood": 1.10, "stopped": 1.05}
 def main() -> None:
     """Take about 25 minutes with the defaults; ``--quick`` is a look of a few minutes."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.screen")
-    parser.add_argument("--page", type=Path, default=PAGE, help=f"page to write (default {PAGE})")
+    parser.add_argument("--page", type=Path, help=f"page to write (default {PAGE})")
     parser.add_argument("--out", type=Path, default=Path("out/bench-screen"))
     parser.add_argument("--block", type=float, default=30.0, metavar="S", help="a block, s")
     parser.add_argument("--rounds", type=int, default=6, help="blocks of every kind")
-    parser.add_argument("--quick", action="store_true", help="short, and no page")
+    parser.add_argument("--quick", action="store_true", help="short, and a page only where named")
     given = parser.parse_args()
-    block_s, rounds, count = (5.0, 2, 3) if given.quick else (given.block, given.rounds, 20)
+    block_s, rounds, count = (3.0, 2, 2) if given.quick else (given.block, given.rounds, 20)
+    settle_s = 1.0 if given.quick else SETTLE_S
     sections = [machine()]
     with ExitStack() as stack:
         rig = Rig(given.out, stack)
-        blocks, rates = beside(rig, block_s, rounds)
+        blocks, rates = beside(rig, block_s, rounds, settle_s)
         sections += [of_ticks(blocks, block_s, rounds), of_screen(blocks, rates)]
         sections += [*seen(rig, count)]
     print(text(sections))
-    if not given.quick:
-        page = markdown(
-            sections, date=wall_time_iso(), title="The screen", command="make bench-screen"
-        )
-        given.page.write_text(page, encoding="utf-8")
-        print(f"written: {given.page}")
+    path = given.page or (None if given.quick else PAGE)
+    if path is not None:
+        command = "python -m benchmarks.screen --quick" if given.quick else "make bench-screen"
+        page = markdown(sections, date=wall_time_iso(), title="The screen", command=command)
+        path.write_text(page, encoding="utf-8")
+        print(f"written: {path}")
 
 
 def beside(
-    rig: Rig, block_s: float, rounds: int
+    rig: Rig, block_s: float, rounds: int, settle_s: float
 ) -> tuple[dict[str, list[Block]], list[dict[str, float]]]:
     """Return blocks of every kind, taken in turns, and what the browsers saw."""
     blocks: dict[str, list[Block]] = {kind: [] for kind in KINDS}
@@ -68,19 +69,21 @@ def beside(
     for turn in range(rounds):
         kinds = list(KINDS) if turn % 2 == 0 else list(KINDS)[::-1]
         for kind in kinds:
-            blocks[kind].append(_block(rig, kind, block_s, rates))
+            blocks[kind].append(_block(rig, kind, block_s, settle_s, rates))
             print(f"round {turn + 1} of {rounds}: {kind}", flush=True)
     return blocks, rates
 
 
-def _block(rig: Rig, kind: str, block_s: float, rates: list[dict[str, float]]) -> Block:
+def _block(
+    rig: Rig, kind: str, block_s: float, settle_s: float, rates: list[dict[str, float]]
+) -> Block:
     if kind == "without":
-        pause(SETTLE_S)
+        pause(settle_s)
         return rig.block(block_s)
     with rig.screen() as (screen, url):
         load = {"clients": "look", "flood": "flood"}.get(kind)
-        visitors = clients(load, url, block_s + 2.0 * SETTLE_S) if load else None
-        pause(SETTLE_S)
+        visitors = clients(load, url, block_s + 2.0 * settle_s) if load else None
+        pause(settle_s)
         if kind == "stopped":
             screen.process.send_signal(signal.SIGSTOP)
         found = rig.block(block_s, screen)

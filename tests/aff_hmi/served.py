@@ -11,18 +11,19 @@ import uvicorn
 
 from aff_hmi.hub import Hub
 from aff_hmi.listening import listening
+from aff_hmi.see.kept import Kept
 from aff_hmi.server import config_of
 from aff_hmi.watch import Watch
 from aff_runtime.base.clock import MonotonicClock
 
 
 @contextlib.asynccontextmanager
-async def served(watch: Watch) -> AsyncIterator[tuple[int, Hub]]:
-    """Serve the screen of a watch; the port, and the hub."""
+async def served(watch: Watch, kept: Kept | None = None) -> AsyncIterator[tuple[int, Hub]]:
+    """Serve the screen of a watch, with the pages of its history where there is one."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    hub = Hub(watch, MonotonicClock())
+    hub = Hub(watch, MonotonicClock(), kept=kept)
     place = listening(f"127.0.0.1:{port}", (), None, None, None)
     server = uvicorn.Server(config_of(place, hub, "en"))
     polling, serving = asyncio.create_task(hub.run()), asyncio.create_task(server.serve())

@@ -10,13 +10,14 @@ import pytest
 
 pytest.importorskip("starlette")
 
+from aff_hmi.bundles import FOLDER, PAGES, STATIC, STYLES, VENDORED, joined, served, source
 from aff_hmi.gate import BURST, HEADERS, MAX_ADDRESSES, Rates
 from aff_hmi.layout import layout_of
-from aff_hmi.pages import ASSETS, FOLDER, VENDORED
 from tests.aff_hmi.asgi import HOST, get, screen, shake
 from tests.aff_hmi.moments import facts
 from tests.doubles.virtual_clock import VirtualClock
 
+FILES = served(has_hand=False)
 OWN = [("host", HOST), ("origin", f"http://{HOST}")]
 
 
@@ -25,7 +26,7 @@ def app(tmp_path: Path):
     return screen(tmp_path, VirtualClock(1))[0]
 
 
-@pytest.mark.parametrize("path", ["/", "/metrics", *(f"/static/{name}" for name in ASSETS)])
+@pytest.mark.parametrize("path", ["/", "/metrics", *(f"/static/{name}" for name in FILES)])
 def test_every_page_has_the_headers(app, path: str) -> None:
     answer = get(app, path)
     assert answer.status == 200
@@ -159,19 +160,49 @@ def test_a_page_asks_for_nothing_off_the_host(app, language: str) -> None:
     assert f'lang="{language}"' in page
     assert not re.search(r"""(src|href)=["'](?!/)(?!#)""", page)
     assert not re.search(r"\son\w+=|\sstyle=|javascript:", page)
-    for name in ASSETS:
-        text = VENDORED.get(name, FOLDER / "static" / name).read_text()
+    for path in (*STATIC.iterdir(), *VENDORED.values()):
+        text = path.read_text()
         assert not re.search(r"@import|url\(|\beval\b|Function\(|innerHTML|insertAdjacent", text)
-        if name in VENDORED:  # its own address stands in its head
+        if path in VENDORED.values():  # its own address stands in its head
             continue
         found = re.findall(r"https?://[^\s\"']+", text)
         assert [one for one in found if "w3.org" not in one] == []
 
 
 def test_all_script_and_style_is_ours_and_small() -> None:
-    assert {path.name for path in (FOLDER / "static").iterdir()} == set(ASSETS) - set(VENDORED)
-    files = [VENDORED.get(name, FOLDER / "static" / name) for name in ASSETS]
+    files = [*STATIC.iterdir(), *VENDORED.values()]
     assert sum(file.stat().st_size for file in files) < 150_000
+
+
+@pytest.mark.parametrize("has_hand", [False, True])
+def test_every_file_of_ours_is_in_what_is_served_once_and_no_name_is_taken_from_outside(
+    has_hand: bool,
+) -> None:
+    files = served(has_hand=has_hand)
+    scripts = {f"{page}.js": files[f"{page}.js"][0].decode() for page in PAGES}
+    style = files["screen.css"][0].decode()
+    for path in STATIC.glob("*.css"):
+        assert path.read_text() in style
+        assert path.name in STYLES
+    for text in scripts.values():
+        assert not re.search(r"^\s*(import|export)\b", text, re.MULTILINE)
+        assert len(re.findall(r"^// ([a-z]+\.js)$", text, re.MULTILINE)) == len(
+            set(re.findall(r"^// ([a-z]+\.js)$", text, re.MULTILINE))
+        )
+    used = {
+        name for text in scripts.values() for name in re.findall(r"^// (\w+\.js)$", text, re.M)
+    }
+    of_hand = set() if has_hand else {"hand.js"}
+    assert used == {path.name for path in STATIC.glob("*.js")} - of_hand
+
+
+def test_a_joined_module_comes_after_those_that_it_takes_names_from() -> None:
+    text = joined(("scope.js",))
+    places = [text.index(f"// {name}") for name in ("see.js", "curves.js", "scope.js")]
+    assert places == sorted(places)
+    assert "return { byId, words, put, part, number, at, ask, press, onPart };" in text
+    assert "const { css, figure, legendLine, look, row, short } = of_curves;" in text
+    assert text.count(source("see.js").splitlines()[0]) == 1
 
 
 def test_what_is_of_others_is_what_they_published_with_its_licence() -> None:

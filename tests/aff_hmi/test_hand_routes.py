@@ -13,8 +13,9 @@ pytest.importorskip("starlette")
 from starlette.requests import HTTPConnection
 from starlette.routing import Route
 
+from aff_hmi.asked import TABLE
 from aff_hmi.gate import BURST, MAX_BODY_BYTES
-from aff_hmi.hand_routes import TABLE, place_of
+from aff_hmi.hand_routes import place_of
 from aff_runtime.app.hand.may import Code, Place, Reason, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Welcome
 from aff_runtime.base.signals import State
@@ -29,6 +30,8 @@ GOOD: dict[str, dict[str, Any]] = {
     "/act": {"action": "bypass", "id": "a" * 32, "seen": "READY", "frame": 1},
     "/acknowledge": {"key": "PLC_STALE"},
     "/shelve": {"key": "PLC_STALE", "minutes": 30, "reason": "known"},
+    "/keep": {"first": 1, "last": 9, "ring": "0" * 12, "name": "a splice", "note": ""},
+    "/let-go": {"number": 1},
 }
 # what a logged-in role, or nobody, gets: the status of a press that is right in everything else
 MATRIX = {
@@ -39,6 +42,9 @@ MATRIX = {
     # no such alarm stands here: 409 is what those get who may
     "/acknowledge": {None: 401, Role.VIEW: 403, Role.OPERATE: 409, Role.COMMISSION: 409},
     "/shelve": {None: 401, Role.VIEW: 403, Role.OPERATE: 409, Role.COMMISSION: 409},
+    # no such ticks, no such window
+    "/keep": {None: 401, Role.VIEW: 403, Role.OPERATE: 409, Role.COMMISSION: 409},
+    "/let-go": {None: 401, Role.VIEW: 403, Role.OPERATE: 409, Role.COMMISSION: 409},
 }
 CELLS = [(path, role) for path in MATRIX for role in BY_ROLE]
 

@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("starlette")
 
 
-from aff_hmi.pages import ASSETS
+from aff_hmi.bundles import served
 from aff_hmi.sessions import HAND_NS, IDLE_NS, LASTS_NS
 from aff_runtime.app.hand.may import Code, Place
 from aff_runtime.base.signals import State
@@ -220,7 +220,9 @@ def test_the_pages_show_what_can_be_pressed(at: Pressed) -> None:
     page = at.browser().get("/login?lang=de").said["text"]
     assert "Passwort" in page
     assert "default-src 'none'" in at.browser().get("/login").headers["content-security-policy"]
-    assert {"hand.js", "login.js", "hand.css"} <= set(ASSETS)
+    files = served(has_hand=True)
+    assert {"login.js", "overview.js", "screen.css"} <= set(files)
+    assert b"// hand.js" in files["overview.js"][0]
 
 
 def test_presses_logins_and_sessions_are_counted_without_a_name(at: Pressed) -> None:

@@ -30,6 +30,8 @@ NOTICES = (
     "alarm seen",
     "alarm put aside",
     "alarm taken back",
+    "window kept",
+    "window let go",
 )
 _ID = re.compile(r"[A-Za-z0-9-]{16,64}")
 _ACCOUNT = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,31}")

@@ -32,12 +32,12 @@ SMALL = """() => [...document.querySelectorAll('a:not(.skip), button, input, sel
   .filter(e => e.getClientRects().length)
   .map(e => [e.textContent || e.id, e.getBoundingClientRect()])
   .filter(([, r]) => r.width < 48 || r.height < 48).map(([t]) => t)"""
-# text that is cut, by its element or by the edge of the window
+# text that is cut, by its element or by the edge of the window; what scrolls by itself may be
 CLIPPED = """() => {
   const found = [];
   for (const e of document.querySelectorAll("body *")) {
     const text = [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim());
-    if (!text || !e.getClientRects().length || e.closest(".skip")) continue;
+    if (!text || !e.getClientRects().length || e.closest(".skip, .scroll")) continue;
     const box = e.getBoundingClientRect();
     const cut = getComputedStyle(e).overflow !== "visible" &&
       (e.scrollWidth > e.clientWidth + 1 || e.scrollHeight > e.clientHeight + 1);

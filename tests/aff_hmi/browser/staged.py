@@ -14,6 +14,7 @@ from aff_hmi.accounts import Account, secret_of, write_accounts
 from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
 from aff_hmi.listening import listening
+from aff_hmi.see.kept import Kept
 from aff_hmi.server import config_of
 from aff_hmi.watch import Seen
 from aff_runtime.app.hand.may import Place, Role
@@ -82,13 +83,15 @@ class Stage:
     Parameters
     ----------
     folder : None for a screen without a hand; else where its accounts are kept.
+    keeps : whether it has history, in memory, and the pages of it.
     """
 
-    def __init__(self, folder: Path | None = None) -> None:
+    def __init__(self, folder: Path | None = None, *, keeps: bool = False) -> None:
         self.watch = Shown()
         self.desk = Desk()
         hand = self._hand(folder) if folder is not None else None
-        self._hub = Hub(self.watch, MonotonicClock(), hand)  # type: ignore[arg-type]
+        kept = Kept(None, MonotonicClock(), can_be_seen=hand is not None) if keeps else None
+        self._hub = Hub(self.watch, MonotonicClock(), hand, kept)  # type: ignore[arg-type]
         place = listening(f"127.0.0.1:{free_port()}", (), None, None, None)
         self.url = place.url
         self._server = uvicorn.Server(config_of(place, self._hub, "en"))
@@ -115,6 +118,10 @@ class Stage:
         """Have every page show a moment; return the number of the newest frame without it."""
         self.watch.moment = shown
         return self._hub._number
+
+    def calm(self) -> None:
+        """Have a page that is opened next find a line at work, whatever was shown before."""
+        self.watch.moment = moment("ACTIVE")
 
     def close(self) -> None:
         self._server.should_exit = True

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from aff_hmi import doorkeeper
 from tests.aff_hmi.browser.axe import grave_findings
 from tests.aff_hmi.browser.eyes import Page
 from tests.aff_hmi.browser.sights import CLIPPED, CONTRAST, MIN_CONTRAST, OVERLAPS, SMALL
@@ -34,10 +35,20 @@ def stage() -> Iterator[Stage]:
 
 @pytest.fixture(scope="module")
 def pressed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stage]:
-    """A screen with a hand."""
-    found = Stage(tmp_path_factory.mktemp("hand"))
-    yield found
-    found.close()
+    """A screen with a hand, at which one may log in as often as there are tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(doorkeeper, "PER_ACCOUNT", 1000)
+        patch.setattr(doorkeeper, "PER_ADDRESS", 1000)
+        found = Stage(tmp_path_factory.mktemp("hand"))
+        yield found
+        found.close()
+
+
+@pytest.fixture(autouse=True)
+def _calm(stage: Stage, pressed: Stage) -> None:
+    """Every page is opened at a line at work."""
+    stage.calm()
+    pressed.calm()
 
 
 def looked_at(page: Page, width: int) -> None:

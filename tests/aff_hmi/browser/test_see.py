@@ -1,4 +1,4 @@
-"""Alarms, rolls and trends in a real browser: widths, languages, themes, and what is stale."""
+"""The pages beside the overview in a real browser: widths, languages, themes, what is stale."""
 
 from __future__ import annotations
 
@@ -10,12 +10,22 @@ from pathlib import Path
 
 import pytest
 
+from tests.aff_hmi.browser.axe import grave_findings
 from tests.aff_hmi.browser.eyes import Page
-from tests.aff_hmi.browser.sights import CONTRAST, MIN_CONTRAST, SMALL
+from tests.aff_hmi.browser.sights import CLIPPED, CONTRAST, MIN_CONTRAST, OVERLAPS, SMALL
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(300)]
-SHOWN = {"alarms": "#log tr", "rolls": ".roll", "trends": "#chart canvas"}
-CASES = list(product(SHOWN, (360, 1280), (("en", "light"), ("de", "dark"))))
+SHOWN = {
+    "alarms": "#log tr",
+    "rolls": ".roll",
+    "trends": "#chart canvas",
+    "scope": "#readout tbody tr",
+    "timing": "#times .time",
+}
+DRESSES = (("en", "light"), ("de", "dark"))
+CASES = list(product(SHOWN, (360, 768, 1280, 1920), DRESSES))
+MOST_REQUESTS = 8
+MOST_BYTES = {"trends": 220_000, "scope": 220_000}
 
 
 @pytest.mark.parametrize(("name", "width", "dress"), CASES)
@@ -33,6 +43,8 @@ def test_it_fits_is_readable_and_stays_on_the_host(
     ratio, where = page.run(CONTRAST)
     assert ratio >= MIN_CONTRAST, where
     assert page.run(SMALL) == []
+    assert page.run(CLIPPED) == []
+    assert page.run(OVERLAPS) == []
     assert page.complaints == []
     assert {re.sub(r"/[^/]*$", "", url) for url in page.requests} <= {
         screen.url.rstrip("/"),
@@ -53,6 +65,7 @@ def test_nothing_stale_looks_alive(chromium, screen, pictures: Path, name: str) 
         page.await_selector("html[data-broken='service']")
         page.await_selector(".see .live.dead > .stale:not(:empty)")
         assert all(page.dead("service"))
+        assert all(page.dead("supervisor"))
         page.picture(pictures / f"stale-{name}.png")
     finally:
         os.kill(control, signal.SIGCONT)
@@ -60,12 +73,24 @@ def test_nothing_stale_looks_alive(chromium, screen, pictures: Path, name: str) 
     page.close()
 
 
-def test_a_page_of_trends_is_light(chromium, screen) -> None:
-    page = Page(chromium, screen.url + "trends", locale="en")
+@pytest.mark.parametrize("name", SHOWN)
+def test_every_page_is_light_and_comes_in_few_requests(chromium, screen, name: str) -> None:
+    page = Page(chromium, screen.url + name, locale="en")
     page.await_live()
-    page.await_selector(SHOWN["trends"])
+    page.await_selector(SHOWN[name])
     sizes = page.run("() => performance.getEntries().map(e => e.decodedBodySize ?? 0)")
-    assert sum(sizes) < 150_000
+    assert sum(sizes) < MOST_BYTES.get(name, 150_000)
+    once = {url for url in page.requests if "/data/scope?" not in url}  # asked again and again
+    assert len(once) + 1 <= MOST_REQUESTS
+    page.close()
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_axe_finds_nothing_serious(chromium, screen, name: str) -> None:
+    page = Page(chromium, screen.url + name, locale="en", viewport={"width": 1280, "height": 800})
+    page.await_live()
+    page.await_selector(SHOWN[name])
+    assert grave_findings(page.page) == []
     page.close()
 
 

@@ -131,9 +131,20 @@ def test_a_cable_that_is_pulled(page: Page, screen, pictures: Path, figures) -> 
     assert not any(page.dead("plc"))
 
 
-def test_a_supervisor_that_hangs_is_told_and_the_numbers_go_on(page: Page, screen) -> None:
+def test_a_supervisor_that_hangs_is_told_and_the_numbers_go_on(
+    page: Page, screen, pictures: Path, figures
+) -> None:
+    start_ms = page.watch()
     screen.service.process.send_signal(signal.SIGSTOP)
     try:
+        figures["supervisor"] = stale = page.stale_since(start_ms, "supervisor")
+        judge(stale)
+        pause(0.4)
+        assert all(page.dead("supervisor"))
+        assert page.crossed_out("#config")
+        assert "The supervisor is silent for" in page.text("#broken")
+        assert page.text("#state") != "UNKNOWN"
+        page.picture(pictures / "stale-supervisor.png")
         page.await_selector("#alarms li[data-rank]")
         until("the notice", lambda: "SUPERVISOR" in page.text("#alarms"))
         assert not any(page.dead("plc"))

@@ -1,0 +1,108 @@
+"""A press on its way: what a request must be, what is known of who sends it, and its answers."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import JSONResponse, Response
+
+from aff_hmi.hand import said_in
+from aff_hmi.sessions import Session
+from aff_hmi.words import N_, Say
+from aff_runtime.app.hand.may import Place, Reason, Role
+
+BODY_PATIENCE_S = 10.0
+DONE = N_("done")
+Said: TypeAlias = dict[str, str | int | bool]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """One request past the gate; ``session`` is there wherever the table asks for it.
+
+    Attributes
+    ----------
+    token : of the session, in the cookie of the name ``cookie``.
+    """
+
+    said: Said
+    session: Session | None
+    token: str
+    cookie: str
+    place: Place
+    address: str
+    say: Say
+
+
+Answering: TypeAlias = Callable[[Asked], Awaitable[Response]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """One row of the table.
+
+    Attributes
+    ----------
+    role : the least that the account must be for; None needs no login.
+    keys : of its JSON body, with their kinds. ``needs_token`` : None leaves it to the entry.
+    """
+
+    role: Role | None
+    keys: dict[str, type]
+    needs_token: bool | None = True
+
+
+TABLE = {
+    "/login": Entry(role=None, keys={"name": str, "password": str}, needs_token=False),
+    "/logout": Entry(role=Role.VIEW, keys={}),
+    "/hand": Entry(role=Role.OPERATE, keys={"do": str}),
+    "/act": Entry(
+        role=Role.VIEW,
+        keys={"action": str, "id": str, "seen": str, "frame": int},
+        needs_token=None,
+    ),
+    "/acknowledge": Entry(role=Role.OPERATE, keys={"key": str}),
+    "/shelve": Entry(role=Role.OPERATE, keys={"key": str, "minutes": int, "reason": str}),
+    "/keep": Entry(
+        role=Role.OPERATE, keys={"first": int, "last": int, "ring": str, "name": str, "note": str}
+    ),
+    "/let-go": Entry(role=Role.OPERATE, keys={"number": int}),
+}
+
+
+async def body(request: Request, entry: Entry) -> Said | None:
+    """Return the body: the keys of its entry, of their kinds; None for anything else."""
+    try:
+        text = await asyncio.wait_for(request.body(), BODY_PATIENCE_S)
+        said = json.loads(text)
+    except (ValueError, RecursionError, TimeoutError, ClientDisconnect):
+        return None
+    if not isinstance(said, dict) or set(said) != set(entry.keys):
+        return None
+    is_right = all(_is(said[key], kind) for key, kind in entry.keys.items())
+    return said if is_right else None
+
+
+def _is(value: object, kind: type) -> bool:
+    """Return whether a value is of a kind; whole numbers are no larger than JavaScript's."""
+    return type(value) is kind and (kind is not int or abs(value) < 2**53)  # type: ignore[arg-type]
+
+
+def done(text: str) -> Response:
+    """Return the answer to what was done."""
+    return JSONResponse({"ok": True, "text": text})
+
+
+def because(status: int, reason: Reason, say: Say) -> Response:
+    """Return a refusal in the words of ``may``."""
+    return refusal(status, said_in(reason, say), reason.code)
+
+
+def refusal(status: int, text: str, code: str = "") -> Response:
+    """Return why something was not done."""
+    return JSONResponse({"ok": False, "text": text, "code": code}, status)

@@ -1,0 +1,90 @@
+"""Presses that move nothing at the line: alarms that were seen, windows that are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from starlette.responses import Response
+
+from aff_hmi.asked import DONE, Answering, Asked, because, done, refusal
+from aff_hmi.see.alarm_desk import GONE_ALARM, AlarmDesk
+from aff_hmi.sessions import Sessions
+from aff_hmi.windows.desk import NOT_KEPT, WindowDesk
+from aff_runtime.app.hand.may import Code, Place, Reason
+
+Noting = Callable[[str, str, Place], None]
+
+
+class LesserPresses:
+    """Answers what needs a login of role operate, and no hand.
+
+    Parameters
+    ----------
+    note : writes what was done into the audit: what, account, place.
+    alarms, windows : None on a screen that keeps none.
+    """
+
+    def __init__(
+        self,
+        sessions: Sessions,
+        note: Noting,
+        alarms: AlarmDesk | None,
+        windows: WindowDesk | None,
+    ) -> None:
+        self._sessions = sessions
+        self._note = note
+        self._alarms = alarms
+        self._windows = windows
+
+    def answers(self) -> dict[str, Answering]:
+        """Return what answers each entry of the table."""
+        return {
+            "/acknowledge": self._acknowledge,
+            "/shelve": self._shelve,
+            "/keep": self._keep,
+            "/let-go": self._let_go,
+        }
+
+    async def _acknowledge(self, asked: Asked) -> Response:
+        who = self._who(asked)
+        if isinstance(who, Response):
+            return who
+        against = self._alarms.seen(asked.said, who) if self._alarms else GONE_ALARM
+        return self._said(asked, "alarm seen", who, against)
+
+    async def _shelve(self, asked: Asked) -> Response:
+        who = self._who(asked)
+        if isinstance(who, Response):
+            return who
+        against = self._alarms.shelve(asked.said, who) if self._alarms else GONE_ALARM
+        what = "alarm put aside" if int(asked.said["minutes"]) > 0 else "alarm taken back"
+        return self._said(asked, what, who, against)
+
+    async def _keep(self, asked: Asked) -> Response:
+        who = self._who(asked)
+        if isinstance(who, Response):
+            return who
+        against = await self._windows.keep(asked.said, who) if self._windows else NOT_KEPT
+        return self._said(asked, "window kept", who, against)
+
+    async def _let_go(self, asked: Asked) -> Response:
+        who = self._who(asked)
+        if isinstance(who, Response):
+            return who
+        against = await self._windows.let_go(asked.said, who) if self._windows else NOT_KEPT
+        return self._said(asked, "window let go", who, against)
+
+    def _who(self, asked: Asked) -> str | Response:
+        """Return the account, or why its session may not; a press keeps the session awake."""
+        session = asked.session
+        assert session is not None
+        if self._sessions.is_idle(session):
+            return because(403, Reason(code=Code.IDLE), asked.say)
+        self._sessions.press(session)
+        return session.account.name
+
+    def _said(self, asked: Asked, what: str, who: str, against: str) -> Response:
+        if against:
+            return refusal(409, asked.say(against))
+        self._note(what, who, asked.place)
+        return done(asked.say(DONE))

@@ -1,0 +1,87 @@
+"""All rooms of the screen beside the overview, made once: what they hear, show and answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from starlette.requests import HTTPConnection
+from starlette.routing import BaseRoute
+
+from aff_hmi.counts import Counts
+from aff_hmi.hand import Hand
+from aff_hmi.layout import Layout
+from aff_hmi.scope.room import Scope
+from aff_hmi.scope.shot import PRE_PERCENT, SECONDS
+from aff_hmi.scope.trigger import WORDS as TRIGGER_WORDS
+from aff_hmi.see.data_routes import data_routes
+from aff_hmi.see.kept import Kept
+from aff_hmi.support.bundle import FILES
+from aff_hmi.support.desk import SupportDesk
+from aff_hmi.timing.room import Timing
+from aff_hmi.watch import News, Seen
+from aff_hmi.windows.desk import WindowDesk
+from aff_hmi.windows.routes import tick_routes
+from aff_hmi.words import Say
+from aff_runtime.base.ports import Clock
+
+TIMING = "timing"
+# path of a page: its template, and what its frames carry
+PAGES = {
+    "/alarms": ("alarms.html", "alarms"),
+    "/rolls": ("rolls.html", "rolls"),
+    "/trends": ("trends.html", ""),
+    "/scope": ("scope.html", ""),
+    "/timing": ("timing.html", TIMING),
+}
+
+
+class Rooms:
+    """What the hub hands ticks and moments to, and the pages take their answers from.
+
+    Parameters
+    ----------
+    kept : history, whose store the windows share. ``counts`` : of the screen itself.
+    hand : None on a screen for looking only. ``metrics`` : returns the numbers as text.
+
+    Attributes
+    ----------
+    scope, windows, timing, support : one room each.
+    """
+
+    def __init__(
+        self,
+        kept: Kept,
+        clock: Clock,
+        counts: Counts,
+        hand: Hand | None,
+        metrics: Callable[[], str],
+    ) -> None:
+        self.kept = kept
+        self.scope = Scope(kept.wall)
+        self.windows = WindowDesk(self.scope, kept.store, kept.journal)
+        self.timing = Timing(clock, counts, hand, kept.store)
+        self.support = SupportDesk(kept, self.timing, clock, metrics)
+        kept.join(TIMING, self.timing.part)
+
+    seconds = SECONDS
+    pre_percent = PRE_PERCENT
+    triggers = tuple((on.value, word) for on, word in TRIGGER_WORDS.items())
+    support_files = tuple(FILES.items())
+
+    def listen(self, news: News) -> None:
+        """Take what a poll has brought."""
+        for room in (self.kept, self.scope, self.timing):
+            room.listen(news)
+
+    def look(self, seen: Seen, layout: Layout) -> None:
+        """Take note of a moment."""
+        for room in (self.kept, self.scope, self.windows, self.timing, self.support):
+            room.look(seen, layout)
+
+    def routes(self, say_of: Callable[[HTTPConnection], Say]) -> list[BaseRoute]:
+        """Return what is asked for by GET beside the pages; nothing is changed by it."""
+        return [
+            *data_routes(self.kept, say_of),
+            *tick_routes(self.scope, self.windows, say_of),
+            *self.support.routes(),
+        ]
