@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from sim_plant.base.effects import Value
+from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.line.open import make_line
 from sim_plant.refine.fit.objective import declared_objective
@@ -33,8 +34,8 @@ class Traced:
     unknown: tuple[str, ...]
 
 
-def traced(hidden: EffectEntry) -> Traced:
-    """Return what the whole library finds in 12 s at two speeds with noise.
+def traced(hidden: EffectEntry, among: tuple[str, ...] = ()) -> Traced:
+    """Return what the library, the whole or these effects, finds in 12 s at two speeds with noise.
 
     Every declared number is exact, so nothing but effects can explain the record.
     """
@@ -50,7 +51,9 @@ def traced(hidden: EffectEntry) -> Traced:
     measured = np.stack([columns[name] for name in twin.channels])
     with SimulationPool([twin], workers=1) as pool:
         objective = declared_objective(pool, [measured])
-        found = forward_selection(objective, library(line), lambda _: None)
+        without = {e.name for e in CATALOGUE if among and e.name not in among}
+        tried = library(line, without)
+        found = forward_selection(objective, tried, lambda _: None, without)
     return Traced(
         places=tuple(accepted.hypothesis.key for accepted in found.accepted),
         ambiguous=tuple(accepted.ambiguous for accepted in found.accepted),
