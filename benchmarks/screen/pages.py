@@ -21,15 +21,15 @@ PATIENCE_MS = 60_000.0
 THROTTLE = 6
 # keeps when the page first was whole, the bound of every frame's age, and when breaks were shown
 WATCH = """(() => {
-  const root = document.documentElement;
   window.watched = {live: null, ages: [], broken: {}, state: {}};
   new MutationObserver(() => {
-    const {broken, seq, state} = root.dataset;
+    const {broken, seq, state} = document.documentElement?.dataset ?? {};
     const now = performance.now();
     if (seq && broken === "") window.watched.live ??= now;
     if (broken) window.watched.broken[broken] ??= now;
     if (state) window.watched.state[state] ??= now;
-  }).observe(root, {attributes: true});
+  }).observe(document, {attributes: true, childList: true, subtree: true,
+    attributeFilter: ["data-broken", "data-seq", "data-state"]});
   document.addEventListener("frame", ({detail}) => detail && window.watched.ages.push(
     performance.now() - detail.echo + 1000 * (detail.tick_age_s ?? 0)));
 })()"""

@@ -49,9 +49,14 @@ class Presser:
         return self.post("/act", {"action": "bypass", "id": ident, "seen": "", "frame": 0})
 
     def get(self, path: str) -> bytes:
-        """Return what is at a path."""
-        self._line.request("GET", path)
-        return self._line.getresponse().read()
+        """Return what is at a path; a line that is silent for five seconds is made anew."""
+        try:
+            self._line.request("GET", path)
+            return self._line.getresponse().read()
+        except (ConnectionError, http.client.HTTPException):
+            self._line.close()
+            self._line.request("GET", path)
+            return self._line.getresponse().read()
 
 
 def arming(rig: Rig) -> Callable[[], bool]:
@@ -77,6 +82,7 @@ def presses(rig: Rig, url: str, rearm: Callable[[], bool], count: int) -> list[R
     for _ in range(count):
         if not rearm():
             break
+        presser.get("/static/icon.svg")  # the line is there, as a browser's is
         rig.ring.poll().events.read_new()
         start_ns = CLOCK.now_ns()
         if presser.bypass() != http.client.OK:
