@@ -54,13 +54,14 @@ class Files:
     Attributes
     ----------
     line : the owner's declaration. plant : the same with what is hidden.
-    site : of the service.
+    site : of the service. plc : the PLC's words: registers, on CAN signals.
     plant_arguments : of the wire, and the PLC's words.
     """
 
     line: Path
     plant: Path
     site: Path
+    plc: Path
     plant_arguments: tuple[str, ...]
 
 
@@ -139,7 +140,7 @@ def write_files(folder: Path, hidden: tuple[Hidden, ...], wire: str = "modbus") 
     if wire not in SITES:
         raise PlantError(f"WIRE={wire}: no such wire{hint(wire, sorted(SITES))}")
     wired = wire_up(wire, CONFIG / SITES[wire], folder)
-    shown = show_reference(wire, wired, folder)
+    option, plc = show_reference(wire, wired, folder)
     line = LINE.read_text(encoding="utf-8")
     data = yaml.safe_load(line)
     data["effects"] = [one.entry() for one in hidden]
@@ -155,7 +156,8 @@ def write_files(folder: Path, hidden: tuple[Hidden, ...], wire: str = "modbus") 
         line=paths[0],
         plant=paths[1],
         site=wired.site,
-        plant_arguments=(*wired.plant_arguments, *shown),
+        plc=plc,
+        plant_arguments=(*wired.plant_arguments, option, str(plc)),
     )
 
 

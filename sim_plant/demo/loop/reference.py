@@ -19,12 +19,12 @@ FRAME = """BO_ 389 PLC_REFERENCE: 3 PLC
 """
 
 
-def show_reference(wire: str, wired: Wired, folder: Path) -> tuple[str, ...]:
+def show_reference(wire: str, wired: Wired, folder: Path) -> tuple[str, Path]:
     """Add the word to the site's copy and to copies of the PLC's own files.
 
     Returns
     -------
-    arguments of the plant that name those copies.
+    the plant's option for such a file, and the copy of the PLC's own.
 
     Raises
     ------
@@ -36,17 +36,17 @@ def show_reference(wire: str, wired: Wired, folder: Path) -> tuple[str, ...]:
     return _WIRES[wire](wired.site, folder)
 
 
-def _on_modbus(site: Path, folder: Path) -> tuple[str, ...]:
+def _on_modbus(site: Path, folder: Path) -> tuple[str, Path]:
     word = "register: 18, type: i16, scale: 0.001"
     _map_in_site(site, word)
     plc = (CONFIG / "plc/gateway_block.yaml").read_text(encoding="utf-8")
     shown = f"    {REFERENCE}: {{ {word.replace('register', 'address')} }}\n"
     path = folder / "plc.yaml"
     path.write_text(_once(plc, "  applied:   ", f"{shown}  applied:   "), encoding="utf-8")
-    return ("--plc", str(path))
+    return "--plc", path
 
 
-def _on_can(site: Path, folder: Path) -> tuple[str, ...]:
+def _on_can(site: Path, folder: Path) -> tuple[str, Path]:
     signal = "signal: PLC_REFERENCE.LineSpeedRef"
     _map_in_site(site, f"{signal}, scale: 1")
     described = folder / "euclid.dbc"
@@ -57,10 +57,10 @@ def _on_can(site: Path, folder: Path) -> tuple[str, ...]:
     rows = _once(rows, "applied:\n", f"  {REFERENCE}: {{ {signal} }}\napplied:\n")
     path = folder / "can_map.yaml"
     path.write_text(rows, encoding="utf-8")
-    return ("--can-map", str(path))
+    return "--can-map", path
 
 
-_WIRES: Mapping[str, Callable[[Path, Path], tuple[str, ...]]] = {
+_WIRES: Mapping[str, Callable[[Path, Path], tuple[str, Path]]] = {
     "modbus": _on_modbus,
     "can": _on_can,
 }
