@@ -279,6 +279,12 @@ class UnexplainedCriteria:
         "beside effects less is nothing",
         "a law that is 20 % off in shape leaves as much; slip of other code leaves 0.03",
     )
+    imitated_share: float = criterion(
+        0.005,
+        "of what was there",
+        "beside a strong line an effect that is none and leaves more, and a fair share, imitates",
+        "a model may be wrong by as much of a strong effect; right pairs leave 0.0001",
+    )
     loud: float = criterion(
         1.12,
         "power over noise",

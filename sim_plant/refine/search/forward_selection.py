@@ -39,6 +39,7 @@ from sim_plant.refine.search.selection import (
     accept,
     also_explained_by,
     at_noise_floor,
+    imitates,
     preferred,
     score,
     standing,
@@ -189,9 +190,14 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
 
 
 def _classified(objective: Objective, selection: Selection) -> Selection:
+    fit = selection.fit
     unknown = unexplained_parts(
-        objective, selection.nominal, selection.fit, selection.travels, selection.after
+        objective, selection.nominal, fit, selection.travels, selection.after
     )
+    excess = objective.excess(fit.cost, fit.residual)
+    there = selection.nominal.cost - objective.expected_cost
+    if not unknown and imitates(selection.accepted, excess, there):
+        unknown = [Unknown(kind="broadband", strength=excess, coordinate={})]
     return replace(selection, unknown=tuple(unknown))
 
 

@@ -13,6 +13,7 @@ from sim_plant.refine.search.selection import (
     Selection,
     accept,
     at_noise_floor,
+    imitates,
     preferred,
     score,
     standing,
@@ -181,6 +182,26 @@ def test_beside_something_that_is_no_line_only_strong_periodic_effects_are_claim
     assert standing(effects, 5000.0) == [0]
     assert standing(effects, 1000.0) == [0, 2]
     assert standing(effects, 0.0) == [0, 2]
+
+
+@pytest.mark.parametrize(
+    ("excess", "there", "said"),
+    [
+        (60_000.0, 3e6, True),  # three tenths of what was there beside the line, and 2 % of all
+        (300.0, 3e6, False),
+        (10_000.0, 3e6, False),  # a model may be wrong by as much of the line
+        (20_000.0, 3e6, False),  # 18 % of what was there beside it: what remains of a right one
+    ],
+)
+def test_effects_beside_a_line_that_leave_a_fair_share_imitate_something(excess, there, said):
+    def found(h, worth):
+        return AcceptedEffect(hypothesis=h, score=worth, runner_up=None, margin=worth, rejected=())
+
+    roll = found(hypothesis(BY_NAME["eccentric_roller"], "R3"), there)
+    drag = found(DRAG, 90_000.0)
+    assert imitates([roll, drag], excess, there) is said
+    assert not imitates([roll], excess, there)
+    assert not imitates([drag], excess, there)
 
 
 @pytest.mark.parametrize(("line", "kind"), [(5000.0, "time"), (100.0, "broadband")])
