@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
+from functools import partial
 
 from starlette.responses import Response
 
@@ -13,6 +14,8 @@ from aff_hmi.windows.desk import NOT_KEPT, WindowDesk
 from aff_runtime.app.hand.may import Code, Place, Reason
 
 Noting = Callable[[str, str, Place], None]
+Press = Callable[[Asked, str], Awaitable[tuple[str, str]]]
+"""What was pressed and the account -> what it is called in the audit, and why not."""
 
 
 class LesserPresses:
@@ -39,40 +42,38 @@ class LesserPresses:
     def answers(self) -> dict[str, Answering]:
         """Return what answers each entry of the table."""
         return {
-            "/acknowledge": self._acknowledge,
-            "/shelve": self._shelve,
-            "/keep": self._keep,
-            "/let-go": self._let_go,
+            "/acknowledge": partial(self._answer, self._acknowledge),
+            "/shelve": partial(self._answer, self._shelve),
+            "/keep": partial(self._answer, self._keep),
+            "/let-go": partial(self._answer, self._let_go),
         }
 
-    async def _acknowledge(self, asked: Asked) -> Response:
+    async def _answer(self, press: Press, asked: Asked) -> Response:
+        """Answer a press of a session that may; what was done goes into the audit."""
         who = self._who(asked)
         if isinstance(who, Response):
             return who
-        against = self._alarms.seen(asked.said, who) if self._alarms else GONE_ALARM
-        return self._said(asked, "alarm seen", who, against)
+        what, against = await press(asked, who)
+        if against:
+            return refusal(409, asked.say(against))
+        self._note(what, who, asked.place)
+        return done(asked.say(DONE))
 
-    async def _shelve(self, asked: Asked) -> Response:
-        who = self._who(asked)
-        if isinstance(who, Response):
-            return who
+    async def _acknowledge(self, asked: Asked, who: str) -> tuple[str, str]:
+        return "alarm seen", self._alarms.seen(asked.said, who) if self._alarms else GONE_ALARM
+
+    async def _shelve(self, asked: Asked, who: str) -> tuple[str, str]:
         against = self._alarms.shelve(asked.said, who) if self._alarms else GONE_ALARM
         what = "alarm put aside" if int(asked.said["minutes"]) > 0 else "alarm taken back"
-        return self._said(asked, what, who, against)
+        return what, against
 
-    async def _keep(self, asked: Asked) -> Response:
-        who = self._who(asked)
-        if isinstance(who, Response):
-            return who
+    async def _keep(self, asked: Asked, who: str) -> tuple[str, str]:
         against = await self._windows.keep(asked.said, who) if self._windows else NOT_KEPT
-        return self._said(asked, "window kept", who, against)
+        return "window kept", against
 
-    async def _let_go(self, asked: Asked) -> Response:
-        who = self._who(asked)
-        if isinstance(who, Response):
-            return who
+    async def _let_go(self, asked: Asked, who: str) -> tuple[str, str]:
         against = await self._windows.let_go(asked.said, who) if self._windows else NOT_KEPT
-        return self._said(asked, "window let go", who, against)
+        return "window let go", against
 
     def _who(self, asked: Asked) -> str | Response:
         """Return the account, or why its session may not; a press keeps the session awake."""
@@ -82,9 +83,3 @@ class LesserPresses:
             return because(403, Reason(code=Code.IDLE), asked.say)
         self._sessions.press(session)
         return session.account.name
-
-    def _said(self, asked: Asked, what: str, who: str, against: str) -> Response:
-        if against:
-            return refusal(409, asked.say(against))
-        self._note(what, who, asked.place)
-        return done(asked.say(DONE))

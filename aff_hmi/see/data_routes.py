@@ -53,11 +53,11 @@ class Data:
         say = self._say_of(request)
         wanted = wanted_of(request)
         if wanted is None:
-            return _refusal(400, say(NO_SENSE))
+            return refused(400, say(NO_SENSE))
         try:
             found = await self._kept.store.ask(lambda c: events.select(c, wanted))
         except (sqlite3.Error, BlockingIOError):
-            return _refusal(503, say(NOT_NOW))
+            return refused(503, say(NOT_NOW))
         return JSONResponse({"ok": True, "events": [asdict(event_line(e, say)) for e in found]})
 
     async def events_file(self, request: Request) -> Response:
@@ -65,12 +65,12 @@ class Data:
         say = self._say_of(request)
         wanted = wanted_of(request)
         if wanted is None:
-            return _refusal(400, say(NO_SENSE))
+            return refused(400, say(NO_SENSE))
         try:
             whole = replace(wanted, most=MOST_IN_FILE)
             found = await self._kept.store.ask(lambda c: events.select(c, whole))
         except (sqlite3.Error, BlockingIOError):
-            return _refusal(503, say(NOT_NOW))
+            return refused(503, say(NOT_NOW))
         text = io.StringIO()
         writer = csv.writer(text)
         writer.writerow(("utc", "tick", "kind", "roll", "name", "text", "who"))
@@ -91,11 +91,11 @@ class Data:
         try:
             read = self._kept.trends.wanted(asked.get("group", ""), asked.get("window", ""))
         except KeyError:
-            return _refusal(400, say(NO_SENSE))
+            return refused(400, say(NO_SENSE))
         try:
             found = await self._kept.store.ask(read)
         except (sqlite3.Error, BlockingIOError):
-            return _refusal(503, say(NOT_NOW))
+            return refused(503, say(NOT_NOW))
         return JSONResponse({"ok": True, "trend": asdict(trend_part(found, say))})
 
 
@@ -118,5 +118,6 @@ def _utc(utc_s: float) -> str:
     return datetime.fromtimestamp(utc_s, UTC).isoformat(timespec="milliseconds")
 
 
-def _refusal(status: int, text: str) -> Response:
+def refused(status: int, text: str) -> Response:
+    """Return why a question has no answer."""
     return JSONResponse({"ok": False, "text": text}, status)

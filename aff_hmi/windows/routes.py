@@ -16,7 +16,7 @@ from starlette.routing import BaseRoute, Route
 from aff_hmi.scope.picture import encode, table, waiting
 from aff_hmi.scope.room import Scope
 from aff_hmi.scope.shot import Asked, Shot, asked_of
-from aff_hmi.see.data_routes import NO_SENSE, NOT_NOW, harmless
+from aff_hmi.see.data_routes import NO_SENSE, NOT_NOW, harmless, refused
 from aff_hmi.windows.desk import NOT_THERE, WindowDesk
 from aff_hmi.words import Say
 
@@ -64,7 +64,7 @@ class ScopeData:
         """Return exactly what a shot shows as a file for a spreadsheet; one at a time."""
         asked = asked_of(request.query_params)
         if self._one.locked():
-            return _refusal(503, self._say_of(request)(NOT_NOW))
+            return refused(503, self._say_of(request)(NOT_NOW))
         async with self._one:
             found = await self._shot(request, asked)
             if isinstance(found, Response):
@@ -82,22 +82,22 @@ class ScopeData:
         try:
             found = await self._windows.windows()
         except (sqlite3.Error, BlockingIOError):
-            return _refusal(503, self._say_of(request)(NOT_NOW))
+            return refused(503, self._say_of(request)(NOT_NOW))
         return JSONResponse({"ok": True, "windows": [asdict(one) for one in found]})
 
     async def _shot(self, request: Request, asked: Asked | None) -> Shot | Response | None:
         say = self._say_of(request)
         if asked is None:
-            return _refusal(400, say(NO_SENSE))
+            return refused(400, say(NO_SENSE))
         try:
             kept = await self._windows.ticks(asked.kept) if asked.kept else None
             if asked.kept and kept is None:
-                return _refusal(404, say(NOT_THERE))
+                return refused(404, say(NOT_THERE))
             return self._scope.shot(asked, kept)
         except KeyError:
-            return _refusal(400, say(NO_SENSE))
+            return refused(400, say(NO_SENSE))
         except (sqlite3.Error, BlockingIOError):
-            return _refusal(503, say(NOT_NOW))
+            return refused(503, say(NOT_NOW))
 
 
 def _written(shot: Shot, asked: Asked) -> str:
@@ -106,7 +106,3 @@ def _written(shot: Shot, asked: Asked) -> str:
     for n, row in enumerate(table(shot, asked)):
         writer.writerow(row if n else map(harmless, row))
     return text.getvalue()
-
-
-def _refusal(status: int, text: str) -> Response:
-    return JSONResponse({"ok": False, "text": text}, status)

@@ -13,14 +13,15 @@ import yaml
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.suggest import hint
 from sim_plant.base.effects import Effect, Parameter, Value
-from sim_plant.demo.loop.reference import CONFIG, show_reference
+from sim_plant.base.shipped import shipped
+from sim_plant.demo.loop.reference import show_reference
 from sim_plant.demo.wires import SITES, wire_up
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.load import load_declaration
 from sim_plant.line.locations import candidate_locations, zones
 
-LINE = CONFIG / "lines/euclid.yaml"
+LINE = shipped("lines/euclid.yaml")
 IDLER = "eccentric_roller"
 SIZES = (2.0, 4.0)
 """Of what a typical effect of the catalogue has."""
@@ -139,7 +140,7 @@ def write_files(folder: Path, hidden: tuple[Hidden, ...], wire: str = "modbus") 
     """
     if wire not in SITES:
         raise PlantError(f"WIRE={wire}: no such wire{hint(wire, sorted(SITES))}")
-    wired = wire_up(wire, CONFIG / SITES[wire], folder)
+    wired = wire_up(wire, shipped(SITES[wire]), folder)
     option, plc = show_reference(wire, wired, folder)
     line = LINE.read_text(encoding="utf-8")
     data = yaml.safe_load(line)

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.base.shipped import shipped
 from sim_plant.demo.wires import Wired
 
-CONFIG = Path(__file__).resolve().parents[3] / "config"
 REFERENCE = "line_speed_ref_m_s"
 SPEED_MAX = "  # Highest speed of normal operation"
 ENCODERS = "      # Encoders of 4096 counts"
@@ -39,7 +39,7 @@ def show_reference(wire: str, wired: Wired, folder: Path) -> tuple[str, Path]:
 def _on_modbus(site: Path, folder: Path) -> tuple[str, Path]:
     word = "register: 18, type: i16, scale: 0.001"
     _map_in_site(site, word)
-    plc = (CONFIG / "plc/gateway_block.yaml").read_text(encoding="utf-8")
+    plc = shipped("plc/gateway_block.yaml").read_text(encoding="utf-8")
     shown = f"    {REFERENCE}: {{ {word.replace('register', 'address')} }}\n"
     path = folder / "plc.yaml"
     path.write_text(_once(plc, "  applied:   ", f"{shown}  applied:   "), encoding="utf-8")
@@ -52,7 +52,7 @@ def _on_can(site: Path, folder: Path) -> tuple[str, Path]:
     described = folder / "euclid.dbc"
     text = described.read_text(encoding="cp1252")
     described.write_text(_once(text, "BO_ 512 AFF", f"{FRAME}BO_ 512 AFF"), encoding="cp1252")
-    rows = (CONFIG / "plc/can_dbc.yaml").read_text(encoding="utf-8")
+    rows = shipped("plc/can_dbc.yaml").read_text(encoding="utf-8")
     rows = _once(rows, "dbc: ../euclid.dbc", f"dbc: {described.name}")
     rows = _once(rows, "applied:\n", f"  {REFERENCE}: {{ {signal} }}\napplied:\n")
     path = folder / "can_map.yaml"
