@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Value
 
@@ -19,19 +18,10 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     reference is what a drive's ramp generator takes: line speed and correction as one sum. A
     correction is ramped where tension loop and AFF enter, behind that generator; the line's own
     ramps pass.
-
-    Raises
-    ------
-    PlantError
-        When ``limits`` is neither.
     """
-    what = str(parameters["limits"])
-    if what not in LIMITED:
-        expected = " or ".join(LIMITED)
-        raise PlantError(f"rate_limit.limits: read {what!r}; expected {expected}")
     slew = float(parameters["slew_m_s2"])
     if slew != 0.0:
-        arrays.drives[LIMITED[what]][place] = slew
+        arrays.drives[LIMITED[str(parameters["limits"])]][place] = slew
     return arrays
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.suggest import hint
@@ -43,16 +43,25 @@ def _known(table: Mapping[str, Effect], name: str, where: str) -> Effect:
 
 
 def merged(effect: Effect, given: Mapping[str, Value], where: str) -> dict[str, Value]:
-    """Return defaults with ``given`` on top; PlantError on an unknown or non-finite value."""
+    """Return defaults with ``given`` on top; PlantError on an unknown key, word or number."""
     values = dict(effect.parameters)
     for key, value in given.items():
         if key not in values:
             raise PlantError(f"{where}.parameters: unknown key {key!r}{hint(key, values)}")
         if isinstance(values[key], str):
-            values[key] = str(value)
+            values[key] = _word(str(value), effect.accepts[key].words, f"{where}.parameters.{key}")
         else:
             values[key] = _number(value, f"{where}.parameters.{key}")
     return values
+
+
+def _word(value: str, words: Sequence[str], where: str) -> str:
+    """Return a word of the catalogue's row; PlantError on another, where the row names them."""
+    if words and value not in words:
+        raise PlantError(
+            f"{where}: read {value!r:.60}; expected {' or '.join(words)}{hint(value, words)}"
+        )
+    return value
 
 
 def _number(value: object, where: str) -> float:
