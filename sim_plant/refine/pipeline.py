@@ -14,7 +14,7 @@ from sim_plant.line.load import LineFile
 from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.fit.start_angles import at_start_angles
 from sim_plant.refine.judge.holdout import Evaluation, evaluate
-from sim_plant.refine.judge.refutation import as_declared, refuted
+from sim_plant.refine.judge.refutation import as_declared, made_worse, refuted
 from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.record_match import limits, twin_of
 from sim_plant.refine.model.run_limits import run_limits
@@ -74,8 +74,9 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     judged = held[0] if held else fitted[0]
     progress(f"judging on {judged.record.path.name}")
     evaluation = judge(judged, selection, plan.workers, progress, held_out=bool(held))
-    if held and selection.accepted and not selection.unknown and refuted(evaluation):
-        cannot.append(not_confirmed(selection, judged.record))
+    against = denied(selection, evaluation) if held else ""
+    if against:
+        cannot.append(not_confirmed(selection, judged.record, against))
         progress(cannot[-1])
         selection, evaluation = withdrawn(selection), as_declared(evaluation)
     outcome = Outcome(
@@ -181,10 +182,20 @@ def judge(
         return evaluate(pool, judged.measured, selection.fit.effects, shifts, find_angles=held_out)
 
 
-def not_confirmed(selection: Selection, record: Recording) -> str:
-    """Return what is said of effects that the record held out refutes."""
+def denied(selection: Selection, evaluation: Evaluation) -> str:
+    """Return how the record held out speaks against the effects found; "" where it does not."""
+    if not selection.accepted:
+        return ""
+    if not selection.unknown:
+        return "explains what was fitted, and not" if refuted(evaluation) else ""
+    worse = made_worse(evaluation)
+    return f"beside what is unknown, and {', '.join(worse)} worse with it in" if worse else ""
+
+
+def not_confirmed(selection: Selection, record: Recording, against: str) -> str:
+    """Return what is said of effects that the record held out speaks against."""
     found = " and ".join(str(accepted.hypothesis.key) for accepted in selection.accepted)
-    return f"not claimed: {found}: explains what was fitted, and not {record.path.name}"
+    return f"not claimed: {found}: {against} {record.path.name}"
 
 
 def write_all(outcome: Outcome, command: str) -> None:

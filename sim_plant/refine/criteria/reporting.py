@@ -23,6 +23,12 @@ class JudgeCriteria:
         "effects that leave more are no explanation of it",
         "right effects leave 0.01 to 0.1 (refine-pairs); half is no matter of a model's accuracy",
     )
+    worse_power: float = criterion(
+        0.25,
+        "of the power of noise, in one channel of force or speed",
+        "beside something unknown, an effect that adds more to a record held out is not there",
+        "what is there takes power away wherever it shows; right ones add up to 0.06 (cases)",
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

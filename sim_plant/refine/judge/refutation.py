@@ -11,6 +11,8 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.judge.holdout import Evaluation
 
 JUDGE = CRITERIA.judge
+STATES = ("_angle_rad", "_radius_m")
+"""Ends of channels that begin anew in each record."""
 
 
 def refuted(evaluation: Evaluation) -> bool:
@@ -29,6 +31,20 @@ def refuted(evaluation: Evaluation) -> bool:
     if there < JUDGE.least_power:
         return False
     return beyond_noise(evaluation.after) > JUDGE.refuted_share * there
+
+
+def made_worse(evaluation: Evaluation) -> tuple[str, ...]:
+    """Return the channels of force and speed to which the effects found add what is not there.
+
+    Equation: after^2 - before^2 > share floor^2  [own]. Beside something unknown nothing tells
+    how much effects have to explain; but what an effect adds is there or not.
+    """
+    added = (evaluation.after**2 - evaluation.before**2) / evaluation.floor**2
+    return tuple(
+        name
+        for name, more in zip(evaluation.channels, added, strict=True)
+        if more > JUDGE.worse_power and not name.endswith(STATES)
+    )
 
 
 def as_declared(evaluation: Evaluation) -> Evaluation:

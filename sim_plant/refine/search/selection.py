@@ -197,19 +197,20 @@ def accept(
 
 
 def withdrawn(selection: Selection) -> Selection:
-    """Return the selection without its effects: what they stood for is unknown."""
+    """Return the selection without its effects: what they stood for is unknown.
+
+    Where something is unknown already, that is what it is.
+    """
+    bare = replace(
+        selection, fit=selection.nominal, after=selection.before, accepted=(), corrections={}
+    )
+    if selection.unknown:
+        return bare
     left = periodic_left(selection.before, excess=0.0)
     if left is None:
         explained = selection.nominal.cost - selection.fit.cost
         left = Unknown(kind="broadband", strength=explained, coordinate={})
-    return replace(
-        selection,
-        fit=selection.nominal,
-        after=selection.before,
-        accepted=(),
-        unknown=(left,),
-        corrections={},
-    )
+    return replace(bare, unknown=(left,))
 
 
 def also_explained_by(extension: Extension, places: Sequence[Place]) -> Extension:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim_plant.refine.judge.holdout import Evaluation
-from sim_plant.refine.judge.refutation import as_declared, refuted
+from sim_plant.refine.judge.refutation import as_declared, made_worse, refuted
 
 CHANNELS = ("unwind_tension_N", "pull_roll_speed_m_s", "unwind_angle_rad")
 
@@ -46,6 +46,19 @@ def test_half_of_the_power_beyond_noise_is_the_limit():
     before = (np.sqrt(1.0 + 8.0), 1.0, 1.0)
     assert not refuted(evaluation(before, (np.sqrt(1.0 + 3.9), 1.0, 1.0)))
     assert refuted(evaluation(before, (np.sqrt(1.0 + 4.1), 1.0, 1.0)))
+
+
+@pytest.mark.parametrize(
+    ("after", "worse"),
+    [
+        ((3.0, 1.0, 50.0), ()),  # an angle begins anew in each record
+        ((4.0, 1.1, 1.0), ()),  # power of noise 1.21 - 1: as much as chance
+        ((3.0, 1.2, 1.0), ("pull_roll_speed_m_s",)),
+        ((4.04, 1.2, 1.0), ("unwind_tension_N", "pull_roll_speed_m_s")),
+    ],
+)
+def test_an_effect_that_adds_power_to_a_channel_makes_it_worse(after, worse):
+    assert made_worse(evaluation((4.0, 1.0, 1.0), after)) == worse
 
 
 def test_a_line_as_declared_has_its_own_error_after():

@@ -19,6 +19,7 @@ from sim_plant.refine.search.selection import (
     standing,
     withdrawn,
 )
+from sim_plant.refine.search.unexplained import Unknown
 from tests.sim_plant.refine.small import fit_of, one_peak, quiet
 
 DRAG = hypothesis(BY_NAME["bearing_drag"], "R3")
@@ -211,3 +212,11 @@ def test_effects_that_are_withdrawn_leave_their_line_unknown_or_something_irregu
     left = withdrawn(replace(found, before=one_peak(line)))
     assert [u.kind for u in left.unknown] == [kind]
     assert (left.accepted, left.corrections, left.fit) == ((), {}, left.nominal)
+
+
+def test_effects_that_are_withdrawn_beside_something_unknown_leave_that():
+    known = AcceptedEffect(hypothesis=DRAG, score=900.0, runner_up=None, margin=900.0, rejected=())
+    line = Unknown(kind="time", strength=9000.0, coordinate={"frequency_Hz": 0.39})
+    found = selection(cost=COST - 900.0, nominal=COST, accepted=(known,), unknown=(line,))
+    left = withdrawn(found)
+    assert (left.unknown, left.accepted, left.fit) == ((line,), (), left.nominal)
