@@ -45,8 +45,8 @@ def write_fleet(
     for number in range(1, count + 1):
         name = f"line{number:04d}"
         draw = np.random.default_rng([seed, number])
-        data = drawn_line(draw)
-        line = Declaration.model_validate(data)
+        text = drawn_line(draw)
+        line = declared(text)
         effect = drawn_effect(draw, line) if draw.random() >= HEALTHY_SHARE else None
         looks = GROWING_LOOKS if number % GROWING_EVERY == 0 else 1
         hidden[name] = f"{effect.effect} at {effect.location}" if effect else ""
@@ -55,26 +55,32 @@ def write_fleet(
             lines.mkdir(parents=True, exist_ok=True)
             file = lines / f"{name}.yaml"
             if not file.exists():
-                file.write_text(yaml.safe_dump(data, sort_keys=False), encoding="utf-8")
+                file.write_text(text, encoding="utf-8")
             for look in range(looks):
                 day = (FIRST_DAY + timedelta(weeks=look)).isoformat()
                 size = GROWTH**look
                 for part in "ab":
                     path = runs / name / f"{day}_{part}.csv.gz"
                     if not path.exists():
-                        write_record(path, data, grown(effect, size), draw)
+                        write_record(path, text, grown(effect, size), draw)
         except OSError as error:
             raise PlantError(f"{name}: cannot be written ({error})") from error
         say(f"{name}: {hidden[name] or 'healthy'}")
     return hidden
 
 
-def drawn_line(draw: np.random.Generator) -> dict[str, object]:
-    """Return a declaration of a line like Euclid's with a web of its own."""
+def drawn_line(draw: np.random.Generator) -> str:
+    """Return the file of a line like Euclid's with a web of its own."""
     data = read_source(shipped("lines/euclid.yaml")).data
     EA_N = round(float(data["web"]["EA_N"]) * math.exp(draw.uniform(-0.4, 0.4)), 0)
-    own = {"web": data["web"] | {"EA_N": EA_N}, "sample_time_s": STEP_S}
-    return {key: value for key, value in data.items() if key != "effects"} | own
+    data = data | {"web": data["web"] | {"EA_N": EA_N}, "sample_time_s": STEP_S}
+    data.pop("effects", None)
+    return yaml.safe_dump(data, sort_keys=False)
+
+
+def declared(text: str) -> Declaration:
+    """Return what a line file says."""
+    return Declaration.model_validate(yaml.safe_load(text))
 
 
 def drawn_effect(draw: np.random.Generator, line: Declaration) -> EffectEntry:
@@ -109,10 +115,10 @@ def grown(effect: EffectEntry | None, size: float) -> EffectEntry | None:
 
 
 def write_record(
-    path: Path, data: dict[str, object], effect: EffectEntry | None, draw: np.random.Generator
+    path: Path, text: str, effect: EffectEntry | None, draw: np.random.Generator
 ) -> None:
     """Run the line with the effect under two speeds and a tension step, and write its record."""
-    own = Declaration.model_validate(data)
+    own = declared(text)
     guilty = own.model_copy(update={"effects": (effect,)}) if effect else own
     slow, fast = sorted(draw.uniform(*SPEEDS_M_S, size=2))
     samples = round(DURATION_S / STEP_S)
@@ -128,7 +134,7 @@ def write_record(
     }
     columns |= {s.channel: out[s.channel] for s in own.sensors}
     side = path.with_name(path.name.removesuffix(".csv.gz") + ".yaml")
-    side.write_text(yaml.safe_dump(data, sort_keys=False), encoding="utf-8")
+    side.write_text(text, encoding="utf-8")
     rows = np.column_stack(list(columns.values()))
     fresh = path.with_name(f".{path.name}")  # a stopped run leaves no half record under its name
     np.savetxt(fresh, rows, "%.7g", ",", header=",".join(columns), comments="")
