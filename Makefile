@@ -52,7 +52,7 @@ refine-pairs: setup
 # the 80 labelled pairs of shared/data/cases, scored; hours, rows are kept in out/refine-cases
 # (EXTRA="--part check --only case01" for some of them)
 refine-cases: setup
-	nice -n 19 $(BIN)/python -m benchmarks.cases --docs docs/results $(EXTRA)
+	nice -n 19 $(BIN)/python -m benchmarks.cases --docs docs/results $(if $(SCHEDULER),--scheduler $(SCHEDULER)) $(EXTRA)
 
 # the measured records without a line (shared/data), each held out from the other; minutes
 refine-records: setup
@@ -142,7 +142,8 @@ bench-control: setup
 # refine on CASES random records that other code made, against its targets; hours, goes on where
 # it was stopped (out/campaign), writes docs/results/refine-campaign.md
 campaign: setup
-	nice -n 19 $(BIN)/python -m benchmarks.campaign --cases $(CASES) --docs docs/results
+	nice -n 19 $(BIN)/python -m benchmarks.campaign --cases $(CASES) --docs docs/results \
+		$(if $(SCHEDULER),--scheduler $(SCHEDULER)) $(EXTRA)
 
 # archives of this commit, built twice and compared, with bill of materials, licences, locks and sums
 # in out/release; only from a clean tree. SIGN= a key id of gpg or the file of an ssh key

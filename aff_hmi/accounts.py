@@ -18,9 +18,9 @@ from pathlib import Path
 
 from aff_runtime.app.hand.may import ROLES, Role
 from aff_runtime.app.hand.messages import is_account_name
-from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.link.peer import uids_with
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.files import replace_text
 
 LEAST_CHARACTERS = 10
 MOST_CHARACTERS = 256

@@ -8,7 +8,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.link.files import replace_text
+from aff_runtime.base.files import replace_text
 
 
 def write_row(path: Path, row: Any) -> None:

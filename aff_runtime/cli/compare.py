@@ -38,8 +38,8 @@ def add(commands: Any, _service: argparse.ArgumentParser) -> None:
 
 def compare(options: argparse.Namespace) -> int:
     """Write page and JSON, print the orders; 0 whatever they say."""
-    from aff_runtime.app.link.files import replace_text  # noqa: PLC0415 - numpy is for this alone
     from aff_runtime.app.report.comparison import comparing, page  # noqa: PLC0415
+    from aff_runtime.base.files import replace_text  # noqa: PLC0415 - numpy is for this alone
 
     with bounded_effort("compare", ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
         found = comparing.compare(run_window(options.before), run_window(options.after))

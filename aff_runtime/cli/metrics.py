@@ -10,11 +10,11 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.report.metrics.exposition import exposition
 from aff_runtime.app.report.metrics.readings import readings
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError, WireError
+from aff_runtime.base.files import replace_text
 from aff_runtime.cli.service import connect, status_of
 from aff_runtime.cli.terminal import complain, say
 

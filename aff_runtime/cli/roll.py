@@ -7,10 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.report.roll_page import page
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.files import replace_text
 from aff_runtime.cli.service import connect, status_of
 from aff_runtime.cli.terminal import say
 

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.check.limits import PATIENCE_S
-from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError, RefusedError, WireError
+from aff_runtime.base.files import replace_text
 from aff_runtime.base.ports import Clock
 from aff_runtime.cli.service import connect
 from aff_runtime.cli.terminal import say

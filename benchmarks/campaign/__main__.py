@@ -13,7 +13,7 @@ from typing import Any
 from benchmarks.campaign.cases import GROUPS, case_number, numbers_of
 from benchmarks.campaign.work import run_case, tell_again
 from benchmarks.rows import read_row, write_row
-from benchmarks.workers import LostJobError, WorkerPool
+from benchmarks.workers import Cluster, LostJobError, add_workers
 
 ROOT = Path(__file__).resolve().parents[2]
 LIMIT_S = 1800.0
@@ -22,12 +22,14 @@ KEYS = ("number", "group", "seed", "faults", "floor", "classes", "coordinate", "
 """What a row is not whole without."""
 
 
-def run(seed: int, numbers: Sequence[int], workers: int, out: Path, until_s: float) -> list[int]:
+def run(
+    seed: int, numbers: Sequence[int], workers: int, out: Path, until_s: float, scheduler: str = ""
+) -> list[int]:
     """Run the cases that have no row yet; stop handing out new ones after ``until_s``.
 
     Returns
     -------
-    The cases that lost every worker process that was given them.
+    The cases that lost every process that was given them.
     """
     todo = [n for n in numbers if read_row(place(out, n), KEYS) is None]
     begun = time.monotonic()  # noqa: TID251
@@ -39,8 +41,10 @@ def run(seed: int, numbers: Sequence[int], workers: int, out: Path, until_s: flo
             yield seed, number, out / "work" / f"{os.getpid()}-{number:05d}"
 
     lost = []
-    with WorkerPool(run_case, workers, limit_s=LIMIT_S, name=_name, tell=_say) as pool:
-        for at, row in pool.run(in_time()):
+    with Cluster(
+        run_case, workers, limit_s=LIMIT_S, scheduler=scheduler, name=_name, tell=_say
+    ) as cluster:
+        for at, row in cluster.run(in_time()):
             if isinstance(row, LostJobError):
                 lost.append(todo[at])
                 _say(f"{row}; it has no row")
@@ -78,13 +82,18 @@ def rows_of(out: Path) -> list[tuple[Path, dict[str, Any]]]:
     return [(path, row) for path, row in found if row is not None]
 
 
-def tell_all_again(out: Path, workers: int) -> list[int]:
+def tell_all_again(out: Path, workers: int, scheduler: str = "") -> list[int]:
     """Tell anew what the record of every row can show; return the cases that lost all workers."""
     kept, lost = rows_of(out), []
-    with WorkerPool(
-        tell_again, workers, limit_s=LIMIT_S, name=lambda row: f"case {row['number']}", tell=_say
-    ) as pool:
-        for at, row in pool.run(row for _, row in kept):
+    with Cluster(
+        tell_again,
+        workers,
+        limit_s=LIMIT_S,
+        scheduler=scheduler,
+        name=lambda row: f"case {row['number']}",
+        tell=_say,
+    ) as cluster:
+        for at, row in cluster.run(row for _, row in kept):
             if isinstance(row, LostJobError):
                 lost.append(kept[at][1]["number"])
                 _say(f"{row}; its row stays as it was")
@@ -104,7 +113,7 @@ def main() -> int:
         help="of the cases only those of this group",
     )
     parser.add_argument("--seed", type=int, default=100)
-    parser.add_argument("--workers", type=int, default=2)
+    add_workers(parser)
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "campaign")
     parser.add_argument("--docs", type=Path, default=None, help="also write the page here")
     parser.add_argument("--for-s", type=float, default=1e9, help="hand out no case after this")
@@ -133,14 +142,13 @@ def main() -> int:
         return 0
     lost: list[int] = []
     if not given.report_only and not given.tell_again:
-        for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
-            os.environ.setdefault(name, "1")
         numbers = numbers_of(given.cases, given.group)
-        lost = run(given.seed, numbers, given.workers, given.out, given.for_s)
+        out = given.out.absolute()
+        lost = run(given.seed, numbers, given.workers, out, given.for_s, given.scheduler)
     from benchmarks.campaign.report import page
 
     if given.tell_again:
-        lost = tell_all_again(given.out, given.workers)
+        lost = tell_all_again(given.out, given.workers, given.scheduler)
     text = page([row for _, row in rows_of(given.out)], given.note)
     print(text)
     (given.out / "refine-campaign.md").write_text(text, encoding="utf-8")

@@ -7,11 +7,22 @@ import sys
 from collections.abc import Callable, Sequence
 
 from aff_runtime.base.errors import AffError
-from sim_plant.cli import demo, demo_loop, identify, live, refine, reproduce, serve, simulate, tell
+from sim_plant.cli import (
+    demo,
+    demo_loop,
+    fleet,
+    identify,
+    live,
+    refine,
+    reproduce,
+    serve,
+    simulate,
+    tell,
+)
 from sim_plant.cli.output import say
 
 # a new subcommand is one more module in this row
-COMMANDS = (demo, demo_loop, identify, live, refine, reproduce, serve, simulate, tell)
+COMMANDS = (demo, demo_loop, fleet, identify, live, refine, reproduce, serve, simulate, tell)
 
 
 def build_parser() -> argparse.ArgumentParser:

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from aff_runtime.app.link import files
-from aff_runtime.app.link.files import replace_text
+from aff_runtime.base import files
+from aff_runtime.base.files import replace_text
 from aff_runtime.telemetry.disk_bound import delete_oldest, used_bytes
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext

@@ -2,7 +2,6 @@
 
 __all__ = [
     "answers",
-    "files",
     "messages",
     "packet_client",
     "packets",

@@ -13,8 +13,8 @@ from typing import Any, Literal, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from aff_runtime.app.link.files import replace_bytes
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.files import replace_bytes
 from aff_runtime.base.printable import printable
 
 Kind = Literal["number", "whole", "text", "truth", "moment"]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from aff_runtime.app.link.answers import Done, KeptResponse, ProbeDone
-from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.link.messages import Probed, ProbeResult
 from aff_runtime.app.link.request_socket import Asked
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.files import replace_text
 
 
 class ProbeSession:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.link.messages import Message, ShapeLearned, ShapeNews
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.wiring.shape_file import WAITS, ShapeFile, read_shapes
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.files import replace_text
 from aff_runtime.core.shape.profile import ShapeProfile
 
 KEPT_SENTENCES = 8

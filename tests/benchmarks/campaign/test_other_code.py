@@ -69,8 +69,11 @@ def test_only_one_module_knows_the_product_and_only_its_command_line():
         ("__main__", "benchmarks.workers"),
         ("__main__", "benchmarks.rows"),
     }
-    assert imported(folder.parent / "workers.py") == {"sim_plant.base.worker_pool"}
-    assert imported(folder.parent / "rows.py") == {"aff_runtime.app.link.files"}
+    assert imported(folder.parent / "workers.py") == {
+        "sim_plant.base.worker_pool",
+        "sim_plant.fleet.cluster",
+    }
+    assert imported(folder.parent / "rows.py") == {"aff_runtime.base.files"}
 
 
 def test_a_healthy_line_is_the_same_to_a_tenth_of_the_noise(healthy):

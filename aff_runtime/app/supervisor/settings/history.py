@@ -10,9 +10,9 @@ from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
-from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.link.settings_answer import Version
 from aff_runtime.base.clock import wall_time_iso
+from aff_runtime.base.files import replace_text
 from aff_runtime.base.printable import printable
 from aff_runtime.config.plain_file import read_plain
 

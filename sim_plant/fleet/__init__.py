@@ -1,0 +1,3 @@
+"""Many lines, many cases: spread over a Dask cluster, one row each."""
+
+__all__ = ["example", "job_child", "pipeline"]

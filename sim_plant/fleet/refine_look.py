@@ -1,0 +1,94 @@
+"""One look from files to result; runs on a worker of the cluster, by the product's own command."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from aff_runtime.base.errors import PlantError
+from aff_runtime.base.python_child import module_command
+from sim_plant.fleet.looks import Look
+from sim_plant.refine.report.verdict import Verdict
+
+LAST_WORDS = 400
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Order:
+    """A look, and the folder that its report goes to."""
+
+    look: Look
+    out: Path
+
+    def __str__(self) -> str:
+        return str(self.look)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LookResult:
+    """What a look came to: a verdict, or None and why there is none."""
+
+    line: str
+    recorded: str
+    verdict: Verdict | None
+    error: str
+    time_s: float
+
+    @property
+    def answer(self) -> str:
+        """The verdict in a word."""
+        return "failed" if self.verdict is None else self.verdict.answer
+
+    def to_json(self) -> str:
+        """Return the row that is kept of it."""
+        verdict = None if self.verdict is None else json.loads(self.verdict.to_json())
+        row = {"line": self.line, "recorded": self.recorded, "verdict": verdict}
+        return json.dumps(row | {"error": self.error, "time_s": self.time_s}, indent=1) + "\n"
+
+    @classmethod
+    def from_json(cls, text: str) -> LookResult:
+        """Return what a kept row says.
+
+        Raises
+        ------
+        PlantError
+            When it is none.
+        """
+        try:
+            row = json.loads(text)
+            verdict = row["verdict"]
+            return cls(
+                line=str(row["line"]),
+                recorded=str(row["recorded"]),
+                verdict=None if verdict is None else Verdict.from_json(json.dumps(verdict)),
+                error=str(row["error"]),
+                time_s=float(row["time_s"]),
+            )
+        except (KeyError, TypeError, ValueError, RecursionError) as error:
+            raise PlantError(f"no row of a look ({error!r})") from error
+
+
+def refine_look(order: Order) -> LookResult:
+    """Refine one look."""
+    look = order.look
+    command = [
+        *(*module_command("sim_plant.cli.main"), "refine", str(look.file), str(look.fitted)),
+        *("--holdout", str(look.held), "--out", str(order.out), "--workers", "1"),
+    ]
+    begun = time.monotonic()  # noqa: TID251
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    verdict, error = None, ""
+    if done.returncode == 0:
+        verdict = Verdict.from_json((order.out / "verdict.json").read_text(encoding="utf-8"))
+    else:
+        error = done.stderr.strip()[-LAST_WORDS:] or f"ended with code {done.returncode}"
+    return LookResult(
+        line=look.line,
+        recorded=look.recorded,
+        verdict=verdict,
+        error=error,
+        time_s=time.monotonic() - begun,  # noqa: TID251
+    )

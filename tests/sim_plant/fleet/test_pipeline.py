@@ -1,0 +1,74 @@
+"""Rows once each, what was stopped goes on, and the command's exit codes."""
+
+import pytest
+
+from sim_plant.cli.main import main
+from sim_plant.fleet.looks import looks_in
+from sim_plant.fleet.pipeline import FleetPlan, kept_result, refine_fleet, row_file
+from sim_plant.fleet.refine_look import LookResult
+from sim_plant.refine.report.verdict import Verdict
+
+pytestmark = pytest.mark.processes
+NOTHING = Verdict(
+    answer="nothing", effects=(), unknown=(), ambiguous=(), residual_rms={}, holdout="b.csv"
+)
+
+
+@pytest.fixture
+def plan(tmp_path):
+    """Return a plan of two lines: one with a row already, one whose line file is no line."""
+    for name in ("film1", "film2"):
+        folder = tmp_path / "runs" / name
+        folder.mkdir(parents=True)
+        for part in "ab":
+            (folder / f"2026-11-20_{part}.csv").write_text("time_s\n0\n", encoding="utf-8")
+        (tmp_path / "lines").mkdir(exist_ok=True)
+        (tmp_path / "lines" / f"{name}.yaml").write_text("rollers: 3\n", encoding="utf-8")
+    found = FleetPlan(lines=tmp_path / "lines", runs=tmp_path / "runs", out=tmp_path / "out")
+    first = looks_in(found.lines, found.runs)[0]
+    row = LookResult(line="film1", recorded="2026-11-20", verdict=NOTHING, error="", time_s=60.0)
+    path = row_file(found.out, first.key)
+    path.parent.mkdir(parents=True)
+    path.write_text(row.to_json(), encoding="utf-8")
+    return found
+
+
+def test_what_has_a_row_is_not_done_again_and_a_failure_is_a_row(plan, capsys):
+    said = []
+    outcome = refine_fleet(plan, said.append)
+    assert said[0] == "2 looks at 2 lines, 1 to refine"
+    by_line = {f.line: f for f in outcome.findings}
+    assert by_line["film1"].verdict == "nothing"
+    assert by_line["film2"].verdict == "failed"
+    assert "film2.yaml" in by_line["film2"].to_do
+    again = []
+    assert repr(refine_fleet(plan, again.append).findings) == repr(outcome.findings)  # with NaN
+    assert again == ["2 looks at 2 lines, 0 to refine"]
+    arguments = [str(plan.lines), "--runs", str(plan.runs), "--out", str(plan.out)]
+    assert main(["fleet", *arguments]) == 0
+    assert "film2 2026-11-20 failed" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [
+        (["--workers", "0"], "--workers 0: give more than 0"),
+        (["--limit-s", "-1"], "--limit-s -1.0: give more than 0"),
+        (["--example", "-2"], "--example -2: give a number of lines"),
+    ],
+)
+def test_a_number_that_makes_no_sense_is_refused(more, says, tmp_path, capsys):
+    folder = str(tmp_path)
+    assert main(["fleet", folder, "--runs", folder, "--out", folder, *more]) == 2
+    assert says in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[1]", '{"line": 1}', '{"verdict": {}}', "null", "[" * 9999]
+)
+def test_a_row_that_is_none_counts_as_not_done(text, tmp_path):
+    said = []
+    (tmp_path / "row.json").write_text(text, encoding="utf-8")
+    assert kept_result(tmp_path / "row.json", said.append) is None
+    assert len(said) == 1
+    assert "it counts as not done" in said[0]
