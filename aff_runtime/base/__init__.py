@@ -6,6 +6,7 @@ __all__ = [
     "effort",
     "errors",
     "events",
+    "machine",
     "ports",
     "printable",
     "python_child",

@@ -7,6 +7,7 @@ __all__ = [
     "crossings",
     "devices",
     "diff",
+    "facts",
     "loader",
     "models",
     "plain_file",

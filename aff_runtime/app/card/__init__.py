@@ -1,0 +1,14 @@
+"""The commissioning card: measured step by step, signed, in a chain of hashes."""
+
+__all__ = [
+    "book",
+    "chain",
+    "entries",
+    "evidence",
+    "gather",
+    "lines",
+    "page",
+    "records",
+    "typed_values",
+    "work",
+]
