@@ -114,7 +114,7 @@ def _link(line: bytes, at: int, prev: str) -> Link:
         raise _RefusedError("its number is none")
     if not all(isinstance(text, str) for text in texts):
         raise _RefusedError("time, kind or a hash of it is no text")
-    if canonical({**said, "sha256": digest}) != line:
+    if _as_written({**said, "sha256": digest}) != line:
         raise _RefusedError("is not written in canonical form: it was written by something else")
     if hashlib.sha256(canonical(said)).hexdigest() != digest:
         raise _RefusedError("its content does not have its hash: it was changed")
@@ -125,6 +125,13 @@ def _link(line: bytes, at: int, prev: str) -> Link:
     return Link(
         number=number, utc=said["utc"], kind=said["kind"], body=said["body"], sha256=digest
     )
+
+
+def _as_written(said: Any) -> bytes:
+    try:
+        return canonical(said)
+    except (ValueError, RecursionError):  # 1e999 is read as infinite
+        raise _RefusedError("holds a number beyond all floats, or is nested too deep") from None
 
 
 def _plain(line: bytes) -> Any:
