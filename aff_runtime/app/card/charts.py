@@ -11,6 +11,7 @@ from aff_runtime.base.printable import printable
 
 ROW, LEFT, WIDE = 18, 330, 640
 HIGH, MOST = 120, 40
+COURSE = ("time_s", "amplitude")
 BODE = ("frequency_Hz", "gain", "phase_rad", "relative_error")
 
 
@@ -53,6 +54,25 @@ def bode(sample: Sample) -> str:
         f'<svg viewBox="0 0 {WIDE} {2 * HIGH + 40}" font-size="11" role="img" '
         f'aria-label="response">{"".join(_bode(rows))}</svg>'
         f"<p>response of {_text(sample.of)}: gain (log) with its error, phase in degrees</p>"
+    )
+
+
+def course(sample: Sample) -> str:
+    """Return an amplitude over the time from arming on; empty for any other sample."""
+    if sample.columns != COURSE or len(sample.rows) < 2:
+        return ""
+    times, sizes = zip(*sample.rows, strict=True)
+    if not all(math.isfinite(value) for value in (*times, *sizes)):
+        return ""
+    x, y = _Scale(min(times), max(times), 50, WIDE - 20), _Scale(0.0, max(sizes), HIGH, 10)
+    line = "L".join(f"{x(t):.1f} {y(size):.1f}" for t, size in sample.rows)
+    return (
+        f'<svg viewBox="0 0 {WIDE} {HIGH + 20}" font-size="11" role="img" '
+        f'aria-label="ripple over time"><path d="M{line}" stroke="#06c" fill="none"/>'
+        f'<path d="M{x(0.0):.1f} 10V{HIGH}" stroke="#888"/>'
+        f'<text x="0" y="18">{max(sizes):.3g}</text></svg>'
+        f"<p>{_text(sample.of)}: amplitude turn by turn, {min(times):.0f} s to {max(times):.0f} s "
+        "from arming on</p>"
     )
 
 

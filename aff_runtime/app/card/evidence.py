@@ -42,7 +42,7 @@ class Evidence:
     ----------
     windows : of records; a step without is not of the record.
     rights, machine : real-time rights of the control process; the machine, where it is this one.
-    blocks : every order of every law, from the newest tick.
+    state, blocks : of the running service: its state, every order of every law.
     responses : the measured response by actuator. ``probed_here`` : of whom the service says so.
     former : samples of the step from before, as far as they still count.
     """
@@ -52,6 +52,7 @@ class Evidence:
     windows: tuple[Window, ...] = ()
     rights: tuple[Right, ...] = ()
     machine: Machine | None = None
+    state: str = ""
     blocks: tuple[BlockStatus, ...] = ()
     responses: Mapping[str, Response] = field(default_factory=dict)
     probed_here: frozenset[str] = frozenset()

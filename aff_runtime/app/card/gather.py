@@ -101,6 +101,8 @@ def gather(
     AffError
         A record cannot be read, or is of other settings; the service is needed and not there.
     """
+    if Need.SERVICE in step.needs and Need.RECORD not in step.needs and sources.answer is None:
+        raise RefusedError(f"no service answers; step {step.number} looks at {Need.SERVICE}")
     wanted = list(_wanted(step, sources))
     windows = tuple(load_window(one) for one in wanted)
     for one in windows:
@@ -111,6 +113,7 @@ def gather(
         windows=windows,
         rights=_rights(sources, windows),
         machine=sources.machine if sources.answer is not None else None,
+        state=sources.answer.state if sources.answer is not None else "",
         blocks=sources.answer.blocks if sources.answer is not None else (),
         responses={n: Response.from_json(text) for n, text in sources.record.responses.items()},
         probed_here=frozenset(_probed_here(sources)),

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 
-from aff_runtime.app.card.charts import bode, intervals
+from aff_runtime.app.card.charts import bode, course, intervals
 from aff_runtime.app.card.entries import Measured, RecordWindow, Typed
 from aff_runtime.app.card.figures import Figure
 from aff_runtime.app.card.standing import Card, Stand, StepStanding
@@ -147,7 +147,7 @@ def _step(one: StepStanding) -> str:
         _paragraphs("to be done again, since it has changed", one.why),
         _figures(finding.figures),
         intervals(finding.figures),
-        *(bode(sample) for sample in finding.samples),
+        *(bode(sample) or course(sample) for sample in finding.samples),
         _paragraphs("still missing", finding.missing),
         _paragraphs("proposed, and not applied", finding.proposals),
         _paragraphs("remarks", finding.remarks),

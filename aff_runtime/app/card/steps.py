@@ -12,10 +12,13 @@ from aff_runtime.app.card.measure import (
     limits,
     load_cell,
     machine,
+    orders,
     plug,
     proof,
     response,
+    ripple,
     shadow,
+    trips,
     words,
 )
 from aff_runtime.base.errors import RefusedError
@@ -161,6 +164,9 @@ STEPS: tuple[Step, ...] = (
         unit="dB",
         limit="falls within 3 settle times or 10 turns",
         rests_on=_LOOP,
+        needs=_RECORD,
+        seconds=600.0,
+        measure=ripple.measure,
     ),
     Step(
         number=9,
@@ -177,6 +183,8 @@ STEPS: tuple[Step, ...] = (
         unit="dB",
         limit="none held",
         rests_on=_LOOP,
+        needs=(Need.SERVICE,),
+        measure=orders.measure,
     ),
     Step(
         number=11,
@@ -185,6 +193,10 @@ STEPS: tuple[Step, ...] = (
         unit="ms",
         limit="at most 300 ms, no bump, stays off until armed",
         rests_on=_WORDS,
+        needs=_RECORD,
+        seconds=120.0,
+        typed=lambda _: trips.TYPED,
+        measure=trips.measure,
     ),
     Step(
         number=12,

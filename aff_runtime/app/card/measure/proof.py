@@ -38,7 +38,7 @@ def measure(evidence: Evidence) -> Finding:
             ),
         )
     pairs = tuple(compare(chosen[k].of(window), chosen[k + 1].of(window)) for k in (0, 2))
-    wanted = _corrected(evidence.site)
+    wanted = corrected(evidence.site)
     figures = [
         *_overall(pairs, wanted, promised),
         *_conditions(pairs, window.table.events),
@@ -95,7 +95,7 @@ def reduction(changes: Sequence[Change]) -> Change:
     return Change(value_dB=mean, low_dB=mean - half, high_dB=mean + half, bound="")
 
 
-def _corrected(site: Site) -> frozenset[Key]:
+def corrected(site: Site) -> frozenset[Key]:
     """Return signal, roll and order of everything that a block corrects."""
     return frozenset(
         (actuator.error.signal, block.roll, order)
@@ -113,22 +113,26 @@ def _by_key(found: Comparison, wanted: frozenset[Key]) -> Mapping[Key, OrderRow]
 def _orders(pairs: Sequence[Comparison], wanted: frozenset[Key]) -> Iterator[Figure]:
     first, second = (_by_key(pair, wanted) for pair in pairs)
     for key in first:
-        if key not in second:
-            continue
-        signal, roll, order = key
-        change = reduction([first[key].change, second[key].change])
-        noise = change.bound == "none"
-        at_least = " (at least: it is in the noise when on)" if change.bound else ""
-        yield Figure(
-            name=f"{signal}, {roll} {order}x: reduction{'' if noise else at_least}",
-            value=change.value_dB,
-            unit="dB",
-            low=change.low_dB,
-            high=change.high_dB,
-            limit="in the noise, off or both" if noise else "does not rise",
-            good=None if noise else not change.high_dB < 0.0,
-            needed=not noise,
-        )
+        if key in second:
+            yield reduction_figure(key, [first[key].change, second[key].change])
+
+
+def reduction_figure(key: Key, changes: Sequence[Change]) -> Figure:
+    """Return the reduction of one order; one that is in the noise has no figure."""
+    signal, roll, order = key
+    change = reduction(changes)
+    noise = change.bound == "none"
+    at_least = " (at least: it is in the noise when on)" if change.bound and not noise else ""
+    return Figure(
+        name=f"{signal}, {roll} {order}x: reduction{at_least}",
+        value=change.value_dB,
+        unit="dB",
+        low=change.low_dB,
+        high=change.high_dB,
+        limit="in the noise, off or both" if noise else "does not rise",
+        good=None if noise else not change.high_dB < 0.0,
+        needed=not noise,
+    )
 
 
 def _overall(

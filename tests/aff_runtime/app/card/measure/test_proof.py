@@ -2,51 +2,18 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from aff_runtime.app.card.figures import Verdict
 from aff_runtime.app.card.measure import proof
 from aff_runtime.app.card.measure.phases import Phase, phases
 from aff_runtime.app.report.comparison.turns import Change
-from aff_runtime.loop.messages import Bypass
 from sim_plant.base.order_tracking import order_amplitudes
 from tests.aff_runtime.app.card.measure.recorded import evidence, figure, window
-from tests.doubles.recorded_run import RecordedRun, files
 
 pytestmark = pytest.mark.timeout(300)
-EFFECTS = [
-    {
-        "effect": "eccentric_roller",
-        "location": "swrap_follower",
-        "parameters": {"eccentricity_m": 1.5e-4, "angle_rad": 0.5},
-    }
-]
 SETTLE_S = 12.0
 NAME = "pullroll_tension_N, swrap_follower 1x: reduction"
-
-
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """Off 25 s, on 37 s, twice; and the plant's true tension and angle."""
-    folder = tmp_path_factory.mktemp("run")
-    run = RecordedRun(files(folder, EFFECTS, cancels=""), folder / "runs")
-    truth = []
-    run.bench.plant.observers.append(
-        lambda plant: truth.append(
-            (
-                plant.time_s,
-                plant.measured["true_pullroll_tension_N"],
-                plant.measured["true_swrap_follower_angle_rad"],
-            )
-        )
-    )
-    run.bench.run(30.0)
-    run.bench.arm(37.0)
-    run.bench.say(Bypass())
-    run.bench.run(26.0)
-    run.bench.arm(37.0)
-    return run.end(), np.array(truth)
 
 
 def true_size(truth, phase):
@@ -55,12 +22,12 @@ def true_size(truth, phase):
     return float(abs(order_amplitudes(tension, angle, (1,))[0]))
 
 
-def test_the_reduction_is_that_of_the_plants_true_tension_within_a_decibel(made):
-    whole = window(made[0], from_s=5.0)
+def test_the_reduction_is_that_of_the_plants_true_tension_within_a_decibel(abab_run):
+    whole = window(abab_run[0], from_s=5.0)
     found = proof.measure(evidence(whole, given=[f"settle={SETTLE_S} s"]))
     four = proof.abab(phases(whole), SETTLE_S)
     assert [phase.on for phase in four] == [False, True, False, True]
-    sizes = [true_size(made[1], phase) for phase in four]
+    sizes = [true_size(abab_run[1], phase) for phase in four]
     true_dB = 10.0 * math.log10(sizes[0] * sizes[2] / sizes[1] / sizes[3])
     order = figure(found, NAME)
     if "at least" in order.name:
@@ -73,16 +40,16 @@ def test_the_reduction_is_that_of_the_plants_true_tension_within_a_decibel(made)
     assert found.verdict is Verdict.PASS
 
 
-def test_a_promise_that_is_not_kept_fails(made):
-    whole = window(made[0], from_s=5.0)
+def test_a_promise_that_is_not_kept_fails(abab_run):
+    whole = window(abab_run[0], from_s=5.0)
     given = [f"settle={SETTLE_S} s", "promised=90 dB"]
     found = proof.measure(evidence(whole, given=given))
     assert figure(found, "pullroll_tension_N: all").good is False
     assert found.verdict is Verdict.FAIL
 
 
-def test_a_record_without_the_second_on_is_open(made):
-    found = proof.measure(evidence(window(made[0], to_s=60.0), given=["settle=12 s"]))
+def test_a_record_without_the_second_on_is_open(abab_run):
+    found = proof.measure(evidence(window(abab_run[0], to_s=60.0), given=["settle=12 s"]))
     assert found.verdict is Verdict.OPEN
     assert "off, on, off, on is not in the window" in found.missing[0]
 

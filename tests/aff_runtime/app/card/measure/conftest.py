@@ -1,0 +1,38 @@
+"""A run of a simulated line, off, on, off, on: long to make, so made once."""
+
+import numpy as np
+import pytest
+
+from aff_runtime.loop.messages import Bypass
+from tests.doubles.recorded_run import RecordedRun, files
+
+EFFECTS = [
+    {
+        "effect": "eccentric_roller",
+        "location": "swrap_follower",
+        "parameters": {"eccentricity_m": 1.5e-4, "angle_rad": 0.5},
+    }
+]
+
+
+@pytest.fixture(scope="session")
+def abab_run(tmp_path_factory):
+    """Off 25 s, on 37 s, twice; and the plant's true tension and angle."""
+    folder = tmp_path_factory.mktemp("run")
+    run = RecordedRun(files(folder, EFFECTS, cancels=""), folder / "runs")
+    truth = []
+    run.bench.plant.observers.append(
+        lambda plant: truth.append(
+            (
+                plant.time_s,
+                plant.measured["true_pullroll_tension_N"],
+                plant.measured["true_swrap_follower_angle_rad"],
+            )
+        )
+    )
+    run.bench.run(30.0)
+    run.bench.arm(37.0)
+    run.bench.say(Bypass())
+    run.bench.run(26.0)
+    run.bench.arm(37.0)
+    return run.end(), np.array(truth)
