@@ -150,7 +150,7 @@ def _plain(line: bytes) -> Any:
         raise _RefusedError(f"is no JSON ({printable(str(error), 120)})") from None
 
 
-def _once(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+def _once(pairs: Sequence[tuple[str, Any]]) -> Any:
     found = dict(pairs)
     if len(found) != len(pairs):
         names = [name for name, _ in pairs]

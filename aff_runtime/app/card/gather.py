@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,7 +25,7 @@ from aff_runtime.config.revision import SHORT, file_digest, revision_hash
 from aff_runtime.core.response import Response
 from aff_runtime.telemetry.header import Right, RunMeta
 
-EDITS = ("EDIT", "CONFIG_APPLIED")
+EDIT, SETTINGS, AT_START = "EDIT", "SETTINGS", " started by "
 MARGIN_S = 0.5
 """Of the newest rows, which the recorder may not have written yet."""
 
@@ -159,7 +159,7 @@ def _wanted(step: Step, sources: Sources) -> Iterator[RunWindow]:
 
 def _check_settings(window: Window, sources: Sources) -> None:
     """Refuse a record of other settings, and one in which they were changed."""
-    if any(row.get("name") in EDITS for row in window.table.events):
+    if any(map(_changes_settings, window.table.events)):
         raise RefusedError(f"{window.table.window}: settings were changed in it")
     recorder = sources.answer.recorder if sources.answer is not None else None
     folder = window.table.window.folder
@@ -171,6 +171,12 @@ def _check_settings(window: Window, sources: Sources) -> None:
             f"{window.table.window}: recorded on other settings ({found[:SHORT]}) than the site "
             f"file says now ({sources.record.site_hash[:SHORT]})"
         )
+
+
+def _changes_settings(row: Mapping[str, str]) -> bool:
+    """Return whether an event says that other settings ran from then on."""
+    name = row.get("name")
+    return name == EDIT or (name == SETTINGS and AT_START not in row.get("text", ""))
 
 
 def _rights(sources: Sources, windows: Sequence[Window]) -> tuple[Right, ...]:

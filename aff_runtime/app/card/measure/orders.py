@@ -21,13 +21,14 @@ def measure(evidence: Evidence) -> Finding:
     blocks = evidence.blocks
     held = [one for one in blocks if one.state in HELD]
     missing = [] if blocks else ["no order is computed: arm, and wait until they have settled"]
-    if blocks and evidence.state != State.ACTIVE.name:
+    is_on = bool(blocks) and evidence.state == State.ACTIVE.name
+    if blocks and not is_on:
         missing.append(f"the correction is not on: the service is {evidence.state or 'not there'}")
     count = Figure(
         name=f"orders held, of {len(blocks)}",
-        value=float(len(held)) if blocks else NAN,
+        value=float(len(held)) if is_on else NAN,
         limit="0",
-        good=not held if blocks else None,
+        good=not held if is_on else None,
     )
     return Finding(
         figures=(count, *(figure for one in blocks for figure in _of(one))),

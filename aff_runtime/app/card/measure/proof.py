@@ -15,7 +15,6 @@ from aff_runtime.config.models import Site
 TYPED = ("promised", "settle")
 DEFAULT_PROMISE_dB = 0.0
 SPEED_PERCENT = 2.0
-EDITS = ("EDIT", "CONFIG_APPLIED")
 PLAIN_SETTLES, SHAPE_MEMORIES = 3.0, 2.0
 Key = tuple[str, str, int]
 _DB = 20.0 / math.log(10.0)
@@ -143,7 +142,7 @@ def _overall(
     for signal in dict.fromkeys(key[0] for key in both[0]):
         sums = [
             [
-                _root_sum([_end(row, side) for key, row in rows.items() if key[0] == signal], side)
+                root_sum([_end(row, side) for key, row in rows.items() if key[0] == signal], side)
                 for side in (0, 1)
             ]
             for rows in both
@@ -173,7 +172,7 @@ def _end(row: OrderRow, side: int) -> Estimate:
     return row.after if side else row.before
 
 
-def _root_sum(ends: Sequence[Estimate], noise: float) -> tuple[float, float]:
+def root_sum(ends: Sequence[Estimate], noise: float) -> tuple[float, float]:
     """Return the root of the sum of squares of amplitudes, and half its interval.
 
     What is in the noise counts as ``noise`` times its floor: nothing when off, all when on, so
@@ -200,9 +199,8 @@ def _conditions(
         good=at_most(apart, SPEED_PERCENT),
     )
     rose = sum(row.get("name") == "RIPPLE_ROSE" for row in events)
-    edits = sum(row.get("name") in EDITS for row in events)
     others = sum(len(pair.differences) for pair in pairs)
-    for name, count in (("RIPPLE_ROSE", rose), ("changes of settings", edits + others)):
+    for name, count in (("RIPPLE_ROSE", rose), ("differences of settings", others)):
         yield Figure(name=f"{name} in it", value=float(count), limit="0", good=count == 0)
 
 
