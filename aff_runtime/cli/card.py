@@ -121,7 +121,7 @@ def _show(options: argparse.Namespace) -> int:
 
 def _step(options: argparse.Namespace) -> int:
     """Measure; 5 when a limit is not kept."""
-    from aff_runtime.app.card import lines, work  # noqa: PLC0415
+    from aff_runtime.app.card import lines, steps, work  # noqa: PLC0415
     from aff_runtime.app.card.typed_values import typed  # noqa: PLC0415
     from aff_runtime.cli import card_sources  # noqa: PLC0415
 
@@ -133,6 +133,8 @@ def _step(options: argparse.Namespace) -> int:
         found: Measured = work.leave_out(card, options.number, options.not_applicable, inputs, by)
     else:
         values = tuple(typed(text) for text in options.typed)
+        if options.number == steps.SEARCH:
+            sources = card_sources.after_search(options, sources, values)
         with bounded_effort("card", ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
             found = work.measure(card, options.number, sources, values, by)
     work.keep_site(options.card, sources.record)

@@ -8,6 +8,7 @@ __all__ = [
     "devices",
     "diff",
     "facts",
+    "findings",
     "loader",
     "models",
     "plain_file",

@@ -7,8 +7,10 @@ __all__ = [
     "evidence",
     "gather",
     "lines",
+    "measure",
     "page",
     "records",
+    "steps",
     "typed_values",
     "work",
 ]

@@ -35,6 +35,22 @@ class CheckedSite:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Try:
+    """A setting that the service has tried for a while.
+
+    Attributes
+    ----------
+    factor : of the value in the site file. ``measured`` : a window of the record is of it.
+    ended : why the service took it back before its time; empty where it did not.
+    """
+
+    actuator: str
+    factor: float
+    measured: bool
+    ended: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Evidence:
     """Everything that one measurement rests on.
 
@@ -44,6 +60,7 @@ class Evidence:
     rights, machine : real-time rights of the control process; the machine, where it is this one.
     state, blocks : of the running service: its state, every order of every law.
     responses : the measured response by actuator. ``probed_here`` : of whom the service says so.
+    tries : settings that were tried, each with a window where it was measured.
     former : samples of the step from before, as far as they still count.
     """
 
@@ -56,6 +73,7 @@ class Evidence:
     blocks: tuple[BlockStatus, ...] = ()
     responses: Mapping[str, Response] = field(default_factory=dict)
     probed_here: frozenset[str] = frozenset()
+    tries: tuple[Try, ...] = ()
     former: tuple[Sample, ...] = ()
 
     @property

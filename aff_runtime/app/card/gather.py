@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from aff_runtime.app.card.entries import Inputs, RecordWindow
-from aff_runtime.app.card.evidence import CheckedSite, Evidence, Need
+from aff_runtime.app.card.evidence import CheckedSite, Evidence, Need, Try
 from aff_runtime.app.card.figures import Sample
 from aff_runtime.app.card.records import record_window
 from aff_runtime.app.card.steps import Step
@@ -40,6 +40,7 @@ class Sources:
     answer : how the running service stands; None: none answers.
     windows : of records that were named; none: the newest of the running service.
     machine : this one. ``plc`` : version of the PLC's program, typed.
+    tries : settings that were tried, for the search.
     """
 
     record: ParameterRecord
@@ -48,6 +49,7 @@ class Sources:
     windows: tuple[RunWindow, ...] = ()
     machine: Machine | None = None
     plc: str = ""
+    tries: tuple[Try, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,6 +119,7 @@ def gather(
         blocks=sources.answer.blocks if sources.answer is not None else (),
         responses={n: Response.from_json(text) for n, text in sources.record.responses.items()},
         probed_here=frozenset(_probed_here(sources)),
+        tries=sources.tries,
         former=former,
     )
     typed.refuse_others(step.typed(evidence))

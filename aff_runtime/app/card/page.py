@@ -31,7 +31,6 @@ SYMBOLS = {
     Stand.AGAIN: "\u21bb again",
     Stand.NOT_DONE: "\u2014 not done",
     Stand.NOT_APPLICABLE: "n/a",
-    Stand.NOT_BUILT: "\u2014 not measured by this release",
 }
 
 
@@ -103,8 +102,7 @@ def _overview(card: Card) -> str:
 
 
 def _class(one: StepStanding) -> str:
-    undone = one.stand in (Stand.NOT_DONE, Stand.NOT_BUILT)
-    return "undone" if undone else str(one.stand).split(" ", 1)[0]
+    return "undone" if one.stand is Stand.NOT_DONE else str(one.stand).split(" ", 1)[0]
 
 
 def _signature(one: StepStanding) -> str:

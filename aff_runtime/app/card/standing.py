@@ -20,7 +20,6 @@ class Stand(StrEnum):
     FAIL = "fail"
     PASS = "pass"
     NOT_APPLICABLE = "not applicable"
-    NOT_BUILT = "not measured by this release"
 
 
 _OF_VERDICT = {
@@ -154,7 +153,7 @@ def _standing(step: Step, entries: Sequence[Entry], now: Inputs | None) -> StepS
         if isinstance(entry.said, Measured) and entry.said.step == step.number
     ]
     if not mine:
-        return StepStanding(step=step, stand=Stand.NOT_DONE if step.is_built else Stand.NOT_BUILT)
+        return StepStanding(step=step, stand=Stand.NOT_DONE)
     last = mine[-1]
     assert isinstance(last.said, Measured)
     why = tuple(changed(step, last.said.inputs, now)) if now is not None else ()

@@ -17,6 +17,7 @@ from aff_runtime.app.card.measure import (
     proof,
     response,
     ripple,
+    search,
     shadow,
     trips,
     words,
@@ -43,7 +44,7 @@ class Step:
     measured, unit, limit : what comes out, in words.
     rests_on : what turns it to "again". ``needs`` : what has to be gathered.
     seconds : of the record that are looked at where no window is named; 0: no record.
-    typed : names that may be typed. ``measure`` : None where this release has none.
+    typed : names that may be typed.
     """
 
     number: int
@@ -55,18 +56,15 @@ class Step:
     needs: tuple[Need, ...] = ()
     seconds: float = 0.0
     typed: Callable[[Evidence], Iterable[str]] = lambda _: ()
-    measure: Callable[[Evidence], Finding] | None = None
-
-    @property
-    def is_built(self) -> bool:
-        """Whether this release measures it."""
-        return self.measure is not None
+    measure: Callable[[Evidence], Finding]
 
 
 _WORDS = (Rest.SITE, Rest.PLC)
 _LOOP = (Rest.SITE, Rest.PLC, Rest.RESPONSES)
 _ROLL = (Rest.CONFIG, Rest.PLC, Rest.ROLL)
 _RECORD = (Need.RECORD,)
+SEARCH, SEARCH_TYPED = 9, ("actuator",)
+"""The step that tries settings; who runs it does so before it is measured."""
 
 STEPS: tuple[Step, ...] = (
     Step(
@@ -169,12 +167,15 @@ STEPS: tuple[Step, ...] = (
         measure=ripple.measure,
     ),
     Step(
-        number=9,
+        number=SEARCH,
         title="Search of settle_s or memory_turns",
         measured="table of candidates: ripple, noise gain, largest correction",
         unit="N",
         limit="the shortest that is not worse, doubled",
         rests_on=_LOOP,
+        needs=_RECORD,
+        typed=lambda _: SEARCH_TYPED,
+        measure=search.measure,
     ),
     Step(
         number=10,

@@ -9,6 +9,7 @@ __all__ = [
     "proof",
     "response",
     "ripple",
+    "search",
     "shadow",
     "trips",
     "words",
