@@ -138,6 +138,17 @@ def entries_of(chain: Chain) -> tuple[Entry, ...]:
     return found
 
 
+def read_back(kind: str, body: Any) -> Begun | Measured | Signed:
+    """Return what a body says.
+
+    Raises
+    ------
+    ConfigError
+        It is none of this release.
+    """
+    return _said(Link(number=0, utc="", kind=kind, body=body, sha256=""))
+
+
 def _said(link: Link) -> Begun | Measured | Signed:
     fields = Fields(link.body, f"entry {link.number}")
     if link.kind == BEGUN:

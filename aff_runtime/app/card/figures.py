@@ -94,11 +94,17 @@ class Finding:
     missing: tuple[str, ...] = ()
 
     @property
+    def waits_for(self) -> tuple[str, ...]:
+        """What the step still waits for; where no sentence says it, figures that are not there."""
+        names = (one.name for one in self.figures if one.is_missing)
+        return self.missing or tuple(f"no figure: {name}" for name in names)
+
+    @property
     def verdict(self) -> Verdict:
         """Pass, fail, or open while something is missing."""
         if any(figure.good is False for figure in self.figures):
             return Verdict.FAIL
-        if self.missing or not self.figures or any(one.is_missing for one in self.figures):
+        if self.waits_for or not self.figures:
             return Verdict.OPEN
         return Verdict.PASS
 

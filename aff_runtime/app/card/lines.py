@@ -24,7 +24,7 @@ def measured_lines(found: Measured) -> Iterator[str]:
     """Yield the figures of a measurement, and what it says."""
     for figure in found.finding.figures:
         yield _figure(figure)
-    for text in found.finding.missing:
+    for text in found.finding.waits_for:
         yield f"missing   {text}"
     for text in found.finding.proposals:
         yield f"proposed  {text}"

@@ -14,6 +14,7 @@ from aff_runtime.base.printable import printable
 
 SIZES = {"a4": "A4", "letter": "Letter"}
 _HASH_ROW = 32
+ROUNDING = 1e-9
 STYLE = (
     "body{font:10.5pt/1.35 sans-serif;margin:1.5em;color:#111;max-width:60em}"
     "h1{font-size:16pt;margin:0 0 .3em}h2{font-size:12.5pt;margin:1.2em 0 .2em}"
@@ -119,7 +120,7 @@ def undone(card: Card) -> Iterator[str]:
             said = f"{said}, not signed"
         why = [*one.why]
         if one.stand is Stand.OPEN and one.measured is not None:
-            why += one.measured.finding.missing
+            why += one.measured.finding.waits_for
         yield f"step {one.step.number}, {one.step.title}: {said}" + (
             f" ({'; '.join(why)})" if why else ""
         )
@@ -146,7 +147,7 @@ def _step(one: StepStanding) -> str:
         _figures(finding.figures),
         intervals(finding.figures),
         *(bode(sample) or course(sample) for sample in finding.samples),
-        _paragraphs("still missing", finding.missing),
+        _paragraphs("still missing", finding.waits_for),
         _paragraphs("proposed, and not applied", finding.proposals),
         _paragraphs("remarks", finding.remarks),
         _typed(said.typed),
@@ -176,14 +177,19 @@ def value_text(figure: Figure) -> str:
     """Return a value with its unit, a dash where it is none."""
     if not math.isfinite(figure.value):
         return "\u2014"
-    return f"{figure.value:.4g} {figure.unit}".rstrip()
+    return f"{_number(figure.value)} {figure.unit}".rstrip()
 
 
 def span_text(figure: Figure) -> str:
     """Return the interval, empty where it is not known."""
     if not (math.isfinite(figure.low) and math.isfinite(figure.high)):
         return ""
-    return f"{figure.low:.4g} to {figure.high:.4g}"
+    return f"{_number(figure.low)} to {_number(figure.high)}"
+
+
+def _number(value: float) -> str:
+    """Return four digits; what rounding alone has left is 0."""
+    return f"{value if abs(value) > ROUNDING else 0.0:.4g}"
 
 
 def _good(figure: Figure) -> str:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from aff_runtime.app.card.book import CardBook
@@ -19,6 +20,7 @@ from aff_runtime.app.card.entries import (
     Typed,
     as_plain,
     entries_of,
+    read_back,
 )
 from aff_runtime.app.card.figures import Finding, Verdict
 from aff_runtime.app.card.gather import Sources, gather, inputs_of
@@ -37,8 +39,10 @@ from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.release import release_text
+from aff_runtime.base.run_table import few
 from aff_runtime.config.revision import SHORT, file_digest
 
+LONGEST_SENTENCE = 600
 SHORTEST_REASON, LONGEST_REASON, SHORTEST_NAME, LONGEST_NAME = 8, 500, 2, 80
 
 
@@ -133,7 +137,7 @@ def measure(
     step = step_of(number)
     former = former_samples(step, card.entries, inputs_of(sources))
     found = gather(step, sources, TypedValues(typed), former)
-    finding = step.measure(found.evidence)
+    finding = _bounded(step.measure(found.evidence))
     kept = Measured(
         step=number,
         verdict=finding.verdict,
@@ -144,7 +148,7 @@ def measure(
         by=by,
         release=release_text(),
     )
-    card.book.add(MEASURED, as_plain(kept), card.newest)
+    _put(card, MEASURED, kept)
     return kept
 
 
@@ -165,7 +169,7 @@ def leave_out(card: CardFile, number: int, reason: str, inputs: Inputs, by: str)
         by=by,
         release=release_text(),
     )
-    card.book.add(MEASURED, as_plain(kept), card.newest)
+    _put(card, MEASURED, kept)
     return kept
 
 
@@ -192,8 +196,32 @@ def sign(card: CardFile, number: int, now: Inputs, *, name: str, reason: str, by
         reason=_said(reason, "reason", SHORTEST_REASON, LONGEST_REASON),
         by=by,
     )
-    card.book.add(SIGNED, as_plain(kept), card.newest)
+    _put(card, SIGNED, kept)
     return kept
+
+
+def _put(card: CardFile, kind: str, said: Measured | Signed) -> None:
+    """Put an entry on a card; one that could not be read back is refused before."""
+    body = as_plain(said)
+    try:
+        read_back(kind, body)
+    except ConfigError as error:
+        raise RefusedError(f"{card.book.path}: too much for one entry: {error}") from None
+    card.book.add(kind, body, card.newest)
+
+
+def _bounded(finding: Finding) -> Finding:
+    """Return a finding of which no sentence and no list is longer than anybody reads."""
+    return replace(
+        finding,
+        remarks=_cut(finding.remarks),
+        proposals=_cut(finding.proposals),
+        missing=_cut(finding.missing),
+    )
+
+
+def _cut(sentences: Sequence[str]) -> tuple[str, ...]:
+    return tuple(printable(one, LONGEST_SENTENCE) for one in few(sentences))
 
 
 def keep_site(folder: Path, record: ParameterRecord) -> None:

@@ -33,6 +33,8 @@ def measure(evidence: Evidence) -> Finding:
     figures.extend(_counts(evidence))
     warnings = evidence.checked.warnings
     understood = evidence.typed.number(UNDERSTOOD, "")
+    if warnings and not math.isfinite(understood):
+        missing.append(f"read the warnings one by one: --typed {UNDERSTOOD}={len(warnings)}")
     if warnings:
         figures.append(
             Figure(
