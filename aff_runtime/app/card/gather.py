@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from aff_runtime.app.card.entries import Inputs, RecordWindow
 from aff_runtime.app.card.evidence import CheckedSite, Evidence, Need, Try
@@ -186,9 +187,10 @@ def _rights(sources: Sources, windows: Sequence[Window]) -> tuple[Right, ...]:
     if sources.answer is not None and sources.answer.live is not None:
         return sources.answer.live.meta.rights
     try:
-        return RunMeta.from_json(windows[-1].table.about.data).rights if windows else ()
+        said: Any = RunMeta.from_json(windows[-1].table.about.data).rights if windows else ()
     except (KeyError, TypeError, AttributeError, ValueError):
         return ()
+    return tuple(one for one in said if isinstance(one.text, str))
 
 
 def _probed_here(sources: Sources) -> Iterator[str]:

@@ -12,6 +12,7 @@ from aff_runtime.app.report.comparison.comparing import Comparison, OrderRow, co
 from aff_runtime.app.report.comparison.turns import Change, Estimate
 from aff_runtime.config.models import Site
 
+AT_LEAST = " (at least: in the noise when on)"
 TYPED = ("promised", "settle")
 DEFAULT_PROMISE_dB = 0.0
 SPEED_PERCENT = 2.0
@@ -121,7 +122,7 @@ def reduction_figure(key: Key, changes: Sequence[Change]) -> Figure:
     signal, roll, order = key
     change = reduction(changes)
     noise = change.bound == "none"
-    at_least = " (at least: it is in the noise when on)" if change.bound and not noise else ""
+    at_least = AT_LEAST if change.bound and not noise else ""
     return Figure(
         name=f"{signal}, {roll} {order}x: reduction{at_least}",
         value=change.value_dB,
@@ -137,39 +138,40 @@ def reduction_figure(key: Key, changes: Sequence[Change]) -> Figure:
 def _overall(
     pairs: Sequence[Comparison], wanted: frozenset[Key], promised: float
 ) -> Iterator[Figure]:
+    """Yield per signal the reduction of all corrected orders that stand out at all."""
     bound = promised if math.isfinite(promised) else DEFAULT_PROMISE_dB
     both = [_by_key(pair, wanted) for pair in pairs]
     for signal in dict.fromkeys(key[0] for key in both[0]):
-        sums = [
-            [
-                root_sum([_end(row, side) for key, row in rows.items() if key[0] == signal], side)
-                for side in (0, 1)
-            ]
-            for rows in both
+        rows = [
+            [row for key, row in one.items() if key[0] == signal and row.change.bound != "none"]
+            for one in both
         ]
-        each = [
-            _DB * math.log(off[0] / on[0]) if on[0] > 0.0 < off[0] else NAN for off, on in sums
-        ]
-        value = sum(each) / len(each)
-        half = (
-            0.5
-            * _DB
-            * math.hypot(*(end[1] / end[0] if end[0] else NAN for pair in sums for end in pair))
-        )
-        half = max(half, 0.5 * abs(each[0] - each[1]))
+        if not all(rows):
+            continue
+        change = reduction([_together(one) for one in rows])
+        at_least = AT_LEAST if change.bound else ""
         yield Figure(
-            name=f"{signal}: all corrected orders together, reduction",
-            value=value,
+            name=f"{signal}: all corrected orders together, reduction{at_least}",
+            value=change.value_dB,
             unit="dB",
-            low=value - half,
-            high=value + half,
+            low=change.low_dB,
+            high=change.high_dB,
             limit=f"above {bound:g} dB" + (" (promised)" if math.isfinite(promised) else ""),
-            good=value >= bound if math.isfinite(value) else None,
+            good=change.value_dB >= bound if math.isfinite(change.value_dB) else None,
         )
 
 
-def _end(row: OrderRow, side: int) -> Estimate:
-    return row.after if side else row.before
+def _together(rows: Sequence[OrderRow]) -> Change:
+    """Return the change of orders together; a bound where one of them is in the noise when on."""
+    off, off_half = root_sum([row.before for row in rows], 0.0)
+    on, on_half = root_sum([row.after for row in rows], 1.0)
+    if off <= 0.0 or on <= 0.0:
+        return Change(value_dB=NAN, low_dB=NAN, high_dB=NAN, bound="none")
+    value = _DB * math.log(on / off)
+    if any(not row.after.stands_out for row in rows):
+        return Change(value_dB=value, low_dB=NAN, high_dB=NAN, bound="at_most")
+    half = _DB * math.hypot(off_half / off, on_half / on)
+    return Change(value_dB=value, low_dB=value - half, high_dB=value + half, bound="")
 
 
 def root_sum(ends: Sequence[Estimate], noise: float) -> tuple[float, float]:
