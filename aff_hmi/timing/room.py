@@ -12,11 +12,12 @@ from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout
 from aff_hmi.see.store import Store
 from aff_hmi.timing.histogram import EDGES_US, Figures, Times
-from aff_hmi.timing.machine import Machine, Own, machine, own
+from aff_hmi.timing.own import Own, own
 from aff_hmi.timing.rights import RightLine, right_lines
 from aff_hmi.timing.who import WhoLine, who_lines
 from aff_hmi.watch import News, Seen
 from aff_hmi.words import N_, Say
+from aff_runtime.base.machine import Machine, machine
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.printable import printable
 

@@ -7,6 +7,7 @@ __all__ = [
     "errors",
     "events",
     "files",
+    "machine",
     "ports",
     "printable",
     "python_child",

@@ -15,6 +15,7 @@ from aff_runtime.base.errors import AffError
 from aff_runtime.base.release import release_text
 from aff_runtime.cli import (
     audit,
+    card,
     check,
     compare,
     export,
@@ -49,6 +50,7 @@ COMMANDS = (
     probe_map,
     wire_map,
     audit,
+    card,
 )
 
 

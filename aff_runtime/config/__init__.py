@@ -7,6 +7,8 @@ __all__ = [
     "crossings",
     "devices",
     "diff",
+    "facts",
+    "findings",
     "loader",
     "models",
     "plain_file",

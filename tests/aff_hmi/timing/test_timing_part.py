@@ -14,7 +14,7 @@ pytest.importorskip("starlette")
 from aff_hmi.counts import Counts
 from aff_hmi.layout import Layout
 from aff_hmi.see.store import Store
-from aff_hmi.timing.machine import machine, own
+from aff_hmi.timing.own import own
 from aff_hmi.timing.rights import KNOWN, right_lines
 from aff_hmi.timing.room import Timing
 from aff_hmi.timing.who import PLACE_WORDS, ROLE_WORDS, who_lines
@@ -22,6 +22,7 @@ from aff_hmi.watch import Seen
 from aff_hmi.words import say_in
 from aff_runtime.app.hand.may import Action, Person
 from aff_runtime.app.hand.may import may as judge
+from aff_runtime.base.machine import machine
 from aff_runtime.base.signals import State
 from aff_runtime.loop.realtime import RealtimeRequest, ask
 from aff_runtime.telemetry.header import Right, RunMeta

@@ -12,7 +12,7 @@ pytest.importorskip("starlette")
 from aff_hmi.layout import Layout
 from aff_hmi.scope.shot import SECONDS
 from aff_hmi.see.kept import Kept
-from aff_hmi.timing.machine import own
+from aff_hmi.timing.own import own
 from aff_hmi.watch import Watch
 from aff_runtime.base.clock import MonotonicClock
 from tests.aff_hmi.moments import seen

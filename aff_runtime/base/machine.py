@@ -1,15 +1,13 @@
-"""What can be seen of the machine without a right: processors, kernel, our own process."""
+"""What can be seen of the machine without a right: processors and kernel."""
 
 from __future__ import annotations
 
 import os
-import resource
 from dataclasses import dataclass
 from pathlib import Path
 
 SYS = Path("/sys")
 LONGEST = 100
-PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,14 +26,6 @@ class Machine:
     processors: int | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Own:
-    """The screen server itself: processor time since its start, s; memory, MB."""
-
-    cpu_s: float
-    memory_MB: float | None
-
-
 def machine(sys: Path = SYS) -> Machine:
     """Return what there is to see."""
     cpus = sys / "devices/system/cpu"
@@ -48,19 +38,6 @@ def machine(sys: Path = SYS) -> Machine:
         isolated=isolated or ("-" if is_there else ""),
         is_realtime=realtime == "1" if cpus.exists() else None,
         processors=os.cpu_count(),
-    )
-
-
-def own() -> Own:
-    """Return what this process has used."""
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    try:
-        pages = int(Path("/proc/self/statm").read_text().split()[1])
-    except (OSError, ValueError, IndexError):
-        pages = 0
-    return Own(
-        cpu_s=round(used.ru_utime + used.ru_stime, 1),
-        memory_MB=round(pages * PAGE_BYTES / 1e6, 1) if pages else None,
     )
 
 

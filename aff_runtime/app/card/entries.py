@@ -1,0 +1,263 @@
+"""The three kinds of entry as frozen records: begun, measured, signed; here alone their JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from aff_runtime.app.card.chain import Chain, Link
+from aff_runtime.app.card.fields import Fields, plain
+from aff_runtime.app.card.figures import Figure, Finding, Sample, Verdict
+from aff_runtime.base.errors import ConfigError
+
+BEGUN, MEASURED, SIGNED = "begun", "measured", "signed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Begun:
+    """What the card is of.
+
+    Attributes
+    ----------
+    site : path of the site file; ``site_sha256`` : of its text then.
+    site_hash : its revision. ``release`` : of the runtime. ``machine`` : as ``uname`` names it.
+    """
+
+    line: str
+    site: str
+    site_sha256: str
+    site_hash: str
+    release: str
+    machine: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inputs:
+    """What a measurement rests on; empty where it is not known.
+
+    Attributes
+    ----------
+    site_hash : revision of the site file alone. ``config_hash`` : with what was learned.
+    plc : version of the PLC's program, typed. ``roll_id`` : the PLC's counter of rolls.
+    responses : SHA-256 of the measured response by actuator.
+    """
+
+    site_hash: str = ""
+    config_hash: str = ""
+    plc: str = ""
+    roll_id: str = ""
+    responses: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Segment:
+    """A file of a record as far as it was written then: ``sha256`` of its first ``size`` bytes."""
+
+    name: str
+    size: int
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordWindow:
+    """Where in a record the figures come from; times are those of its column ``time_s``, s."""
+
+    folder: str
+    from_s: float
+    to_s: float
+    segments: tuple[Segment, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Typed:
+    """What a person read from a display: SI ``number`` with ``unit``, NaN for a word."""
+
+    name: str
+    text: str
+    number: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measured:
+    """One measurement of a step.
+
+    Attributes
+    ----------
+    reason : why the step does not apply. ``by`` : who ran the command, by the kernel.
+    """
+
+    step: int
+    verdict: Verdict
+    finding: Finding
+    inputs: Inputs
+    windows: tuple[RecordWindow, ...] = ()
+    typed: tuple[Typed, ...] = ()
+    reason: str = ""
+    by: str = ""
+    release: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Signed:
+    """A signature below one measurement, which ``measured`` names by its hash."""
+
+    step: int
+    measured: str
+    name: str
+    reason: str
+    by: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """One entry with what it says."""
+
+    number: int
+    utc: str
+    sha256: str
+    said: Begun | Measured | Signed
+
+
+def entries_of(chain: Chain) -> tuple[Entry, ...]:
+    """Return what a chain that holds says.
+
+    Raises
+    ------
+    ConfigError
+        An entry is none of this release; the message says which, and where.
+    """
+    found = tuple(
+        Entry(number=link.number, utc=link.utc, sha256=link.sha256, said=_said(link))
+        for link in chain.links
+    )
+    begun = [entry for entry in found if isinstance(entry.said, Begun)]
+    if not found or begun != [found[0]]:
+        raise ConfigError("entry 1: a card begins with what it is of, once; no card of ours")
+    return found
+
+
+def read_back(kind: str, body: Any) -> Begun | Measured | Signed:
+    """Return what a body says.
+
+    Raises
+    ------
+    ConfigError
+        It is none of this release.
+    """
+    return _said(Link(number=0, utc="", kind=kind, body=body, sha256=""))
+
+
+def _said(link: Link) -> Begun | Measured | Signed:
+    fields = Fields(link.body, f"entry {link.number}")
+    if link.kind == BEGUN:
+        names = ("line", "site", "site_sha256", "site_hash", "release", "machine")
+        return Begun(**{name: fields.text(name) for name in names})
+    if link.kind == MEASURED:
+        return _measured(fields)
+    if link.kind == SIGNED:
+        below = ("measured", "name", "reason", "by")
+        return Signed(step=fields.whole("step"), **{name: fields.text(name) for name in below})
+    raise ConfigError(f"entry {link.number}: of a kind that this release does not know")
+
+
+def _measured(said: Fields) -> Measured:
+    try:
+        verdict = Verdict(said.text("verdict"))
+    except ValueError:
+        raise ConfigError(f"entry: {said.text('verdict')!r} is no verdict of a step") from None
+    return Measured(
+        step=said.whole("step"),
+        verdict=verdict,
+        finding=Finding(
+            figures=said.each("figures", _figure),
+            remarks=said.texts("remarks"),
+            proposals=said.texts("proposals"),
+            samples=said.each("samples", _sample),
+            missing=said.texts("missing"),
+        ),
+        inputs=_inputs(said.inner("inputs")),
+        windows=said.each("windows", _window),
+        typed=said.each("typed", _typed),
+        reason=said.text("reason"),
+        by=said.text("by"),
+        release=said.text("release"),
+    )
+
+
+def _figure(said: Fields) -> Figure:
+    return Figure(
+        name=said.text("name"),
+        value=said.number("value"),
+        unit=said.text("unit"),
+        low=said.number("low"),
+        high=said.number("high"),
+        limit=said.text("limit"),
+        good=said.flag("good"),
+        needed=said.flag("needed") is not False,
+    )
+
+
+def _sample(said: Fields) -> Sample:
+    found = Sample(
+        kind=said.text("kind"),
+        of=said.text("of"),
+        names=said.texts("names"),
+        numbers=said.numbers("numbers"),
+        columns=said.texts("columns"),
+        rows=said.table("rows"),
+    )
+    if len(found.names) != len(found.numbers) or any(
+        len(row) != len(found.columns) for row in found.rows
+    ):
+        raise ConfigError("entry: a sample's names and numbers are not alike; no card of ours")
+    return found
+
+
+def _inputs(said: Fields) -> Inputs:
+    return Inputs(
+        site_hash=said.text("site_hash"),
+        config_hash=said.text("config_hash"),
+        plc=said.text("plc"),
+        roll_id=said.text("roll_id"),
+        responses=said.named("responses"),
+    )
+
+
+def _window(said: Fields) -> RecordWindow:
+    return RecordWindow(
+        folder=said.text("folder"),
+        from_s=said.number("from_s"),
+        to_s=said.number("to_s"),
+        segments=said.each(
+            "segments",
+            lambda one: Segment(
+                name=one.text("name"), size=one.whole("size"), sha256=one.text("sha256")
+            ),
+        ),
+    )
+
+
+def _typed(said: Fields) -> Typed:
+    return Typed(
+        name=said.text("name"),
+        text=said.text("text"),
+        number=said.number("number"),
+        unit=said.text("unit"),
+    )
+
+
+def as_plain(value: Any) -> Any:
+    """Return a record as plain values for an entry; a number that is none is null."""
+    if hasattr(value, "__dataclass_fields__"):
+        found = {name: as_plain(getattr(value, name)) for name in value.__dataclass_fields__}
+        finding = found.pop("finding", {}) if isinstance(value, Measured) else {}
+        return {**found, **finding}
+    if isinstance(value, Mapping):
+        return {str(key): as_plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [as_plain(inner) for inner in value]
+    if isinstance(value, float):
+        return plain(value)
+    return str(value) if isinstance(value, Verdict) else value

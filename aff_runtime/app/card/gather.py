@@ -1,0 +1,202 @@
+"""From check, service and records to what a step looks at, and what it rests on."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.app.card.entries import Inputs, RecordWindow
+from aff_runtime.app.card.evidence import CheckedSite, Evidence, Need, Try
+from aff_runtime.app.card.figures import Sample
+from aff_runtime.app.card.records import record_window
+from aff_runtime.app.card.steps import Step
+from aff_runtime.app.card.typed_values import TypedValues
+from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.report.comparison.window import Window, load_window
+from aff_runtime.app.report.status_answer import StatusAnswer
+from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.machine import Machine
+from aff_runtime.base.run_window import RunWindow
+from aff_runtime.config.loader import load_recorded_site
+from aff_runtime.config.revision import SHORT, file_digest, revision_hash
+from aff_runtime.core.response import Response
+from aff_runtime.telemetry.header import Right, RunMeta
+
+EDIT, SETTINGS, AT_START = "EDIT", "SETTINGS", " started by "
+MARGIN_S = 0.5
+"""Of the newest rows, which the recorder may not have written yet."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sources:
+    """What there is to gather from.
+
+    Attributes
+    ----------
+    record : of the site file as it lies there now. ``checked`` : what the check says of it.
+    answer : how the running service stands; None: none answers.
+    windows : of records that were named; none: the newest of the running service.
+    machine : this one. ``plc`` : version of the PLC's program, typed.
+    tries : settings that were tried, for the search.
+    """
+
+    record: ParameterRecord
+    checked: CheckedSite
+    answer: StatusAnswer | None = None
+    windows: tuple[RunWindow, ...] = ()
+    machine: Machine | None = None
+    plc: str = ""
+    tries: tuple[Try, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gathered:
+    """What a step looks at, and what of it goes on the card beside the finding."""
+
+    evidence: Evidence
+    windows: tuple[RecordWindow, ...]
+    inputs: Inputs
+
+
+def inputs_of(sources: Sources, windows: Sequence[Window] = ()) -> Inputs:
+    """Return what a measurement rests on now.
+
+    Raises
+    ------
+    RefusedError
+        The service runs on something else than the site file says.
+    """
+    record, answer = sources.record, sources.answer
+    config_hash, roll_id = record.config_hash, ""
+    if answer is not None:
+        if answer.site_hash != record.site_hash:
+            raise RefusedError(
+                f"the service runs on other settings ({answer.site_hash[:SHORT]}) than the site "
+                f"file says ({record.site_hash[:SHORT]}); see `aff-runtime status`"
+            )
+        if answer.trying:
+            raise RefusedError("other settings are being tried; keep or undo them first")
+        config_hash = answer.config_hash
+        if answer.live is not None:
+            roll_id = _whole(answer.live.tick.number("roll_id"))
+    elif windows and "roll_id" in windows[-1].table.columns:
+        roll_id = _whole(float(windows[-1].table.columns["roll_id"][-1]))
+    return Inputs(
+        site_hash=record.site_hash,
+        config_hash=config_hash,
+        plc=sources.plc,
+        roll_id=roll_id,
+        responses={name: file_digest(text) for name, text in record.responses.items()},
+    )
+
+
+def gather(
+    step: Step, sources: Sources, typed: TypedValues, former: tuple[Sample, ...]
+) -> Gathered:
+    """Return what a step looks at.
+
+    Raises
+    ------
+    AffError
+        A record cannot be read, or is of other settings; the service is needed and not there.
+    """
+    if Need.SERVICE in step.needs and Need.RECORD not in step.needs and sources.answer is None:
+        raise RefusedError(f"no service answers; step {step.number} looks at {Need.SERVICE}")
+    wanted = list(_wanted(step, sources))
+    windows = tuple(load_window(one) for one in wanted)
+    for one in windows:
+        _check_settings(one, sources)
+    evidence = Evidence(
+        checked=sources.checked,
+        typed=typed,
+        windows=windows,
+        rights=_rights(sources, windows),
+        machine=sources.machine if sources.answer is not None else None,
+        state=sources.answer.state if sources.answer is not None else "",
+        blocks=sources.answer.blocks if sources.answer is not None else (),
+        responses={n: Response.from_json(text) for n, text in sources.record.responses.items()},
+        probed_here=frozenset(_probed_here(sources)),
+        tries=sources.tries,
+        former=former,
+    )
+    typed.refuse_others(step.typed(evidence))
+    return Gathered(
+        evidence=evidence,
+        windows=tuple(
+            record_window(
+                given,
+                max(given.from_s, float(one.table.columns["time_s"][0])),
+                min(given.to_s, float(one.table.columns["time_s"][-1])),
+            )
+            for given, one in zip(wanted, windows, strict=True)
+        ),
+        inputs=inputs_of(sources, windows),
+    )
+
+
+def _whole(number: float) -> str:
+    return f"{number:.0f}" if math.isfinite(number) else ""
+
+
+def _wanted(step: Step, sources: Sources) -> Iterator[RunWindow]:
+    """Yield the windows that were named, else the newest of the service."""
+    if Need.RECORD not in step.needs:
+        if sources.windows:
+            raise ConfigError(f"step {step.number} looks at no record; leave --run out")
+        return
+    if sources.windows:
+        yield from sources.windows
+        return
+    answer = sources.answer
+    if answer is None or answer.live is None or answer.recorder is None:
+        raise RefusedError(
+            "no service answers that records now; name a window with --run RUN_DIR@FROM..TO"
+        )
+    end_s = answer.live.tick.time_s - MARGIN_S
+    folder = Path(answer.recorder.folder)
+    yield RunWindow(folder=folder, from_s=max(0.0, end_s - step.seconds), to_s=end_s)
+
+
+def _check_settings(window: Window, sources: Sources) -> None:
+    """Refuse a record of other settings, and one in which they were changed."""
+    if any(map(_changes_settings, window.table.events)):
+        raise RefusedError(f"{window.table.window}: settings were changed in it")
+    recorder = sources.answer.recorder if sources.answer is not None else None
+    folder = window.table.window.folder
+    if recorder is not None and os.path.realpath(recorder.folder) == os.path.realpath(folder):
+        return  # the service itself says what it runs on
+    found = revision_hash(load_recorded_site(window.table.site_text, f"{folder}/site.yaml"))
+    if found != sources.record.site_hash:
+        raise RefusedError(
+            f"{window.table.window}: recorded on other settings ({found[:SHORT]}) than the site "
+            f"file says now ({sources.record.site_hash[:SHORT]})"
+        )
+
+
+def _changes_settings(row: Mapping[str, str]) -> bool:
+    """Return whether an event says that other settings ran from then on."""
+    name = row.get("name")
+    return name == EDIT or (name == SETTINGS and AT_START not in row.get("text", ""))
+
+
+def _rights(sources: Sources, windows: Sequence[Window]) -> tuple[Right, ...]:
+    if sources.answer is not None and sources.answer.live is not None:
+        return sources.answer.live.meta.rights
+    try:
+        said: Any = RunMeta.from_json(windows[-1].table.about.data).rights if windows else ()
+    except (KeyError, TypeError, AttributeError, ValueError):
+        return ()
+    return tuple(one for one in said if isinstance(one.text, str))
+
+
+def _probed_here(sources: Sources) -> Iterator[str]:
+    """Yield actuators of whose response the service says that its own probe wrote it."""
+    said = sources.answer.learned if sources.answer is not None else ()
+    for name, text in sources.record.responses.items():
+        beginning = f"{name}: response {file_digest(text)[:SHORT]} (probed here)"
+        if any(sentence.startswith(beginning) for sentence in said):
+            yield name

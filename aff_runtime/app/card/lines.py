@@ -1,0 +1,40 @@
+"""A card and a measurement as lines for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from aff_runtime.app.card.entries import Measured
+from aff_runtime.app.card.figures import Figure
+from aff_runtime.app.card.page import span_text, undone, value_text
+from aff_runtime.app.card.standing import Card
+
+
+def card_lines(card: Card) -> Iterator[str]:
+    """Yield how every step stands, then what was not done."""
+    yield f"{card.begun.line}: {card.entries} entries, newest {card.newest}"
+    for one in card.steps:
+        signed = f"signed as {one.signed.name}" if one.signed is not None else ""
+        yield f"{one.step.number:3}  {one.step.title[:52]:52}  {one.stand:14}  {signed}".rstrip()
+    for sentence in undone(card):
+        yield f"not done: {sentence}"
+
+
+def measured_lines(found: Measured) -> Iterator[str]:
+    """Yield the figures of a measurement, and what it says."""
+    for figure in found.finding.figures:
+        yield _figure(figure)
+    for text in found.finding.waits_for:
+        yield f"missing   {text}"
+    for text in found.finding.proposals:
+        yield f"proposed  {text}"
+    for text in found.finding.remarks:
+        yield f"remark    {text}"
+    yield f"step {found.step}: {found.verdict}"
+
+
+def _figure(figure: Figure) -> str:
+    mark = {True: "ok   ", False: "FAIL ", None: "-    "}[figure.good]
+    span = span_text(figure)
+    limit = f"; {figure.limit}" if figure.limit else ""
+    return f"{mark} {figure.name}: {value_text(figure)}{f' ({span})' if span else ''}{limit}"

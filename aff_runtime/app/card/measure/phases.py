@@ -1,0 +1,55 @@
+"""Where in a record the correction was off and on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from aff_runtime.app.report.comparison.window import Window, sum_of_corrections
+from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.signals import State
+
+SHORTEST_S = 5.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Phase:
+    """A stretch of a record in which the correction was on, or off; times of ``time_s``, s."""
+
+    on: bool
+    from_s: float
+    to_s: float
+
+    def later(self, seconds: float) -> Phase:
+        """Return the stretch without its first seconds."""
+        return Phase(on=self.on, from_s=self.from_s + seconds, to_s=self.to_s)
+
+    def of(self, window: Window) -> RunWindow:
+        """Return it as a window of the same run."""
+        folder = window.table.window.folder
+        return RunWindow(folder=folder, from_s=self.from_s, to_s=self.to_s)
+
+
+def phases(window: Window) -> list[Phase]:
+    """Return the stretches of a window, those of fades and of less than 5 s left out."""
+    columns = window.table.columns
+    time_s = columns["time_s"]
+    sent = sum_of_corrections(columns) > 0.0
+    on = sent & (columns["state"] == State.ACTIVE)
+    code = np.where(on, 1, np.where(sent, 2, 0))
+    edges = np.flatnonzero(np.diff(code)) + 1
+    starts, ends = np.concatenate([[0], edges]), np.concatenate([edges, [code.size]])
+    found: list[Phase] = []
+    for start, end in zip(starts, ends, strict=True):
+        last = min(int(end), time_s.size - 1)
+        phase = Phase(
+            on=bool(code[start] == 1), from_s=float(time_s[start]), to_s=float(time_s[last])
+        )
+        if code[start] == 2 or phase.to_s - phase.from_s < SHORTEST_S:
+            continue
+        if found and found[-1].on == phase.on:
+            phase = Phase(on=phase.on, from_s=found[-1].from_s, to_s=phase.to_s)
+            found.pop()
+        found.append(phase)
+    return found

@@ -1,0 +1,216 @@
+"""Step 12: off, on, off, on over the running web: by how much each order is smaller."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+from aff_runtime.app.card.evidence import Evidence
+from aff_runtime.app.card.figures import NAN, Figure, Finding, at_most
+from aff_runtime.app.card.measure.phases import Phase, phases
+from aff_runtime.app.report.comparison.comparing import Comparison, OrderRow, compare
+from aff_runtime.app.report.comparison.turns import Change, Estimate
+from aff_runtime.config.models import Site
+
+AT_LEAST = " (at least: in the noise when on)"
+TYPED = ("promised", "settle")
+DEFAULT_PROMISE_dB = 0.0
+SPEED_PERCENT = 2.0
+PLAIN_SETTLES, SHAPE_MEMORIES = 3.0, 2.0
+Key = tuple[str, str, int]
+_DB = 20.0 / math.log(10.0)
+
+
+def measure(evidence: Evidence) -> Finding:
+    """Return the reduction of every order that is corrected, and of all together."""
+    window = evidence.window
+    settle_s = evidence.typed.number("settle", "s")
+    if not math.isfinite(settle_s):
+        settle_s = default_settle_s(evidence.site)
+    promised = evidence.typed.number("promised", "dB")
+    chosen = abab(phases(window), settle_s)
+    if not chosen:
+        return Finding(
+            figures=(),
+            missing=(
+                "off, on, off, on is not in the window, each long enough "
+                f"(on: {settle_s:.0f} s to settle, and 20 turns)",
+            ),
+        )
+    pairs = tuple(compare(chosen[k].of(window), chosen[k + 1].of(window)) for k in (0, 2))
+    wanted = corrected(evidence.site)
+    figures = [
+        *_overall(pairs, wanted, promised),
+        *_conditions(pairs, window.table.events),
+        *_orders(pairs, wanted),
+    ]
+    return Finding(figures=tuple(figures), remarks=tuple(_remarks(pairs)))
+
+
+def default_settle_s(site: Site) -> float:
+    """Return how long an on is left alone before it counts, s.
+
+    Three settle times of the slowest block; of a shape law twice its memory, at the largest
+    radius and a third of the highest speed.
+    """
+    found = []
+    for actuator in site.actuators.values():
+        if actuator.uses_shape and actuator.drive is not None:
+            radius_m = site.rolls[actuator.drive.roll].largest_radius_m
+            turn_s = math.tau * radius_m / (site.speed_max_m_s / 3.0)
+            found.append(SHAPE_MEMORIES * actuator.memory_turns * turn_s)
+        else:
+            found.extend(PLAIN_SETTLES * block.settle_s for block in actuator.blocks)
+    return max(found, default=0.0)
+
+
+def abab(found: Sequence[Phase], settle_s: float) -> list[Phase]:
+    """Return the last off, on, off, on, the settling taken from each on; empty without."""
+    usable = [
+        phase.later(settle_s) if phase.on else phase
+        for phase in found
+        if not phase.on or phase.to_s - phase.from_s > settle_s
+    ]
+    for end in range(len(usable), 3, -1):
+        four = usable[end - 4 : end]
+        if [phase.on for phase in four] == [False, True, False, True]:
+            return four
+    return []
+
+
+def reduction(changes: Sequence[Change]) -> Change:
+    """Return two changes as one reduction, dB, positive where ripple fell.
+
+    The interval is that of the mean, and never narrower than half of what the two differ by.
+    """
+    bounds = {change.bound for change in changes}
+    values = [-change.value_dB for change in changes if math.isfinite(change.value_dB)]
+    if "none" in bounds or "at_least" in bounds or not values:
+        return Change(value_dB=NAN, low_dB=NAN, high_dB=NAN, bound="none")
+    if bounds != {""}:
+        return Change(value_dB=min(values), low_dB=NAN, high_dB=NAN, bound="at_least")
+    halves = [0.5 * (change.high_dB - change.low_dB) for change in changes]
+    mean = sum(values) / len(values)
+    half = max(math.hypot(*halves) / len(values), 0.5 * (max(values) - min(values)))
+    return Change(value_dB=mean, low_dB=mean - half, high_dB=mean + half, bound="")
+
+
+def corrected(site: Site) -> frozenset[Key]:
+    """Return signal, roll and order of everything that a block corrects."""
+    return frozenset(
+        (actuator.error.signal, block.roll, order)
+        for actuator in site.actuators.values()
+        for block in actuator.blocks
+        for order in block.orders
+    )
+
+
+def _by_key(found: Comparison, wanted: frozenset[Key]) -> Mapping[Key, OrderRow]:
+    rows = {(row.signal, row.roll, row.order): row for row in found.rows}
+    return {key: row for key, row in rows.items() if key in wanted}
+
+
+def _orders(pairs: Sequence[Comparison], wanted: frozenset[Key]) -> Iterator[Figure]:
+    first, second = (_by_key(pair, wanted) for pair in pairs)
+    for key in first:
+        if key in second:
+            yield reduction_figure(key, [first[key].change, second[key].change])
+
+
+def reduction_figure(key: Key, changes: Sequence[Change]) -> Figure:
+    """Return the reduction of one order; one that is in the noise has no figure."""
+    signal, roll, order = key
+    change = reduction(changes)
+    noise = change.bound == "none"
+    at_least = AT_LEAST if change.bound and not noise else ""
+    return Figure(
+        name=f"{signal}, {roll} {order}x: reduction{at_least}",
+        value=change.value_dB,
+        unit="dB",
+        low=change.low_dB,
+        high=change.high_dB,
+        limit="in the noise, off or both" if noise else "does not rise",
+        good=None if noise else not change.high_dB < 0.0,
+        needed=not noise,
+    )
+
+
+def _overall(
+    pairs: Sequence[Comparison], wanted: frozenset[Key], promised: float
+) -> Iterator[Figure]:
+    """Yield per signal the reduction of all corrected orders that stand out at all."""
+    bound = promised if math.isfinite(promised) else DEFAULT_PROMISE_dB
+    both = [_by_key(pair, wanted) for pair in pairs]
+    for signal in dict.fromkeys(key[0] for key in both[0]):
+        rows = [
+            [row for key, row in one.items() if key[0] == signal and row.change.bound != "none"]
+            for one in both
+        ]
+        if not all(rows):
+            continue
+        change = reduction([_together(one) for one in rows])
+        at_least = AT_LEAST if change.bound else ""
+        yield Figure(
+            name=f"{signal}: all corrected orders together, reduction{at_least}",
+            value=change.value_dB,
+            unit="dB",
+            low=change.low_dB,
+            high=change.high_dB,
+            limit=f"above {bound:g} dB" + (" (promised)" if math.isfinite(promised) else ""),
+            good=change.value_dB >= bound if math.isfinite(change.value_dB) else None,
+        )
+
+
+def _together(rows: Sequence[OrderRow]) -> Change:
+    """Return the change of orders together; a bound where one of them is in the noise when on."""
+    off, off_half = root_sum([row.before for row in rows], 0.0)
+    on, on_half = root_sum([row.after for row in rows], 1.0)
+    if off <= 0.0 or on <= 0.0:
+        return Change(value_dB=NAN, low_dB=NAN, high_dB=NAN, bound="none")
+    value = _DB * math.log(on / off)
+    if any(not row.after.stands_out for row in rows):
+        return Change(value_dB=value, low_dB=NAN, high_dB=NAN, bound="at_most")
+    half = _DB * math.hypot(off_half / off, on_half / on)
+    return Change(value_dB=value, low_dB=value - half, high_dB=value + half, bound="")
+
+
+def root_sum(ends: Sequence[Estimate], noise: float) -> tuple[float, float]:
+    """Return the root of the sum of squares of amplitudes, and half its interval.
+
+    What is in the noise counts as ``noise`` times its floor: nothing when off, all when on, so
+    that the reduction is never better than is known.
+    """
+    sizes = [end.amplitude if end.stands_out else noise * end.floor for end in ends]
+    halves = [0.5 * (end.high - end.low) if end.stands_out else 0.0 for end in ends]
+    total = math.sqrt(sum(size**2 for size in sizes))
+    spread = math.sqrt(sum((s * h) ** 2 for s, h in zip(sizes, halves, strict=True)))
+    return total, spread / total if total else NAN
+
+
+def _conditions(
+    pairs: Sequence[Comparison], events: Sequence[Mapping[str, str]]
+) -> Iterator[Figure]:
+    """Yield what makes it no proof: another speed, other settings, a ripple that rose."""
+    speeds = [facts.speed_m_s[0] for pair in pairs for facts in pair.windows]
+    apart = 100.0 * (max(speeds) - min(speeds)) / max(1e-12, *map(abs, speeds))
+    yield Figure(
+        name="line speed: largest difference of the four",
+        value=apart,
+        unit="%",
+        limit=f"at most {SPEED_PERCENT:g} %",
+        good=at_most(apart, SPEED_PERCENT),
+    )
+    rose = sum(row.get("name") == "RIPPLE_ROSE" for row in events)
+    others = sum(len(pair.differences) for pair in pairs)
+    for name, count in (("RIPPLE_ROSE", rose), ("differences of settings", others)):
+        yield Figure(name=f"{name} in it", value=float(count), limit="0", good=count == 0)
+
+
+def _remarks(pairs: Sequence[Comparison]) -> Iterator[str]:
+    for which, pair in zip(("first", "second"), pairs, strict=True):
+        for window in pair.windows:
+            yield (
+                f"{which} pair: {window.name}, {window.seconds:.0f} s at "
+                f"{window.speed_m_s[0]:.4g} m/s"
+            )
+        yield from (f"{which} pair: {label}" for label in pair.labels)

@@ -1,0 +1,112 @@
+"""Step 8: from arming on, ripple falls: one order of the plain law, or a whole shape."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from aff_runtime.app.card.evidence import Evidence
+from aff_runtime.app.card.figures import Figure, Finding, Sample
+from aff_runtime.app.card.measure.phases import Phase, phases
+from aff_runtime.app.card.measure.proof import corrected, reduction_figure
+from aff_runtime.app.report.comparison.comparing import compare
+from aff_runtime.app.report.comparison.turns import order_per_turn
+from aff_runtime.app.report.comparison.window import Window, roll_angle
+from aff_runtime.base.run_table import read_table
+from aff_runtime.config.models import Actuator
+
+SETTLES, TURNS = 3.0, 10.0
+RATIO = (0.5, 2.0)
+GAIN = ".gain_of_P"
+KIND, COLUMNS = "course", ("time_s", "amplitude")
+
+
+def measure(evidence: Evidence) -> Finding:
+    """Return the reduction once the time is over, the course of it, and the response ratio."""
+    window = evidence.window
+    found = phases(window)
+    pairs = [k for k in range(len(found) - 1) if not found[k].on and found[k + 1].on]
+    if not pairs:
+        return Finding(
+            figures=(), missing=("no arming in the window: begin it some turns before",)
+        )
+    off, on = found[pairs[-1]], found[pairs[-1] + 1]
+    waits_s = max(_wait_s(evidence, one, window) for one in evidence.site.actuators.values())
+    if not on.to_s - on.from_s > waits_s + 1.0:
+        return Finding(
+            figures=(), missing=(f"stay armed for more than {waits_s:.0f} s, and some turns",)
+        )
+    both = compare(off.of(window), on.later(waits_s).of(window))
+    wanted = corrected(evidence.site)
+    rows = {(row.signal, row.roll, row.order): row for row in both.rows}
+    figures = [
+        Figure(name="left to settle from arming on", value=waits_s, unit="s"),
+        *(reduction_figure(key, [row.change]) for key, row in rows.items() if key in wanted),
+        *_ratios(on, window),
+    ]
+    fell = any(one.unit == "dB" and one.good for one in figures)
+    return Finding(
+        figures=tuple(figures),
+        samples=tuple(_courses(evidence, window, off, on)),
+        missing=() if fell else ("no corrected order stands out of the noise",),
+        remarks=both.labels,
+    )
+
+
+def _wait_s(evidence: Evidence, actuator: Actuator, window: Window) -> float:
+    """Return three settle times, or ten turns of the roll that a shape is of."""
+    if not actuator.uses_shape or actuator.drive is None:
+        return SETTLES * max((block.settle_s for block in actuator.blocks), default=0.0)
+    roll = evidence.site.rolls[actuator.drive.roll]
+    speed = window.speed
+    mean = abs(float(np.nanmean(speed))) if speed is not None else evidence.site.speed_max_m_s
+    radius = window.readings(roll.radius or "")
+    radius_m = roll.largest_radius_m if radius is None else float(np.nanmean(radius))
+    return TURNS * math.tau * radius_m / max(mean, 1e-3)
+
+
+def _ratios(on: Phase, window: Window) -> Iterator[Figure]:
+    """Yield the lowest and highest median of the response ratio that the shape law follows."""
+    table = read_table(on.of(window), keep=lambda name: name.endswith(GAIN))
+    medians = [
+        float(np.median(values[np.isfinite(values)]))
+        for name, values in table.columns.items()
+        if name.endswith(GAIN) and np.isfinite(values).any()
+    ]
+    if medians:
+        for which, value in (("lowest", min(medians)), ("highest", max(medians))):
+            yield Figure(
+                name=f"gain_of_P, {which} of the orders",
+                value=value,
+                limit=f"{RATIO[0]:g} to {RATIO[1]:g}",
+                good=RATIO[0] <= value <= RATIO[1],
+            )
+
+
+def _courses(evidence: Evidence, window: Window, off: Phase, on: Phase) -> Iterator[Sample]:
+    """Yield the amplitude of the first order of every block, turn by turn, from off to on."""
+    inside = (window.time_s >= off.from_s) & (window.time_s < on.to_s)
+    for actuator in evidence.site.actuators.values():
+        values = window.readings(actuator.error.signal)
+        for block in actuator.blocks:
+            angle = roll_angle(window, window.section("rolls").section(block.roll))
+            if values is None or angle is None:
+                continue
+            order = block.orders[0]
+            good = angle.good & inside & np.isfinite(values)
+            turns, _ = order_per_turn(angle.angle_rad, np.nan_to_num(values), good, [order])
+            if len(turns) < 2:
+                continue
+            times = np.linspace(off.from_s, on.to_s, len(turns)) - on.from_s
+            step = max(1, len(turns) // 400)
+            yield Sample(
+                kind=KIND,
+                of=f"{actuator.error.signal}, {block.roll} {order}x",
+                columns=COLUMNS,
+                rows=tuple(
+                    (float(t), float(abs(turn[0])))
+                    for t, turn in zip(times[::step], turns[::step], strict=True)
+                ),
+            )

@@ -1,0 +1,179 @@
+"""How every step stands: the last measurement counts, unless what it rests on has changed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+from aff_runtime.app.card.entries import Begun, Entry, Inputs, Measured, Signed
+from aff_runtime.app.card.figures import Sample, Verdict
+from aff_runtime.app.card.steps import STEPS, Rest, Step
+
+
+class Stand(StrEnum):
+    """How one step stands."""
+
+    NOT_DONE = "not done"
+    OPEN = "open"
+    AGAIN = "again"
+    FAIL = "fail"
+    PASS = "pass"
+    NOT_APPLICABLE = "not applicable"
+
+
+_OF_VERDICT = {
+    Verdict.PASS: Stand.PASS,
+    Verdict.FAIL: Stand.FAIL,
+    Verdict.OPEN: Stand.OPEN,
+    Verdict.NOT_APPLICABLE: Stand.NOT_APPLICABLE,
+}
+SIGNABLE = (Stand.PASS, Stand.FAIL, Stand.NOT_APPLICABLE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StepStanding:
+    """One step.
+
+    Attributes
+    ----------
+    why : what has changed since, in sentences, where it is to be done again.
+    last : entry of the measurement that counts; None without one.
+    earlier : how many were made before it. ``signature`` : entry below ``last``.
+    """
+
+    step: Step
+    stand: Stand
+    why: tuple[str, ...] = ()
+    last: Entry | None = None
+    earlier: int = 0
+    signature: Entry | None = None
+
+    @property
+    def measured(self) -> Measured | None:
+        """What was measured last."""
+        said = self.last.said if self.last is not None else None
+        return said if isinstance(said, Measured) else None
+
+    @property
+    def signed(self) -> Signed | None:
+        """The signature below it."""
+        said = self.signature.said if self.signature is not None else None
+        return said if isinstance(said, Signed) else None
+
+    @property
+    def is_done(self) -> bool:
+        """Whether nothing is left to do: passed or not applicable, and signed."""
+        return self.stand in (Stand.PASS, Stand.NOT_APPLICABLE) and self.signed is not None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Card:
+    """A whole card as it stands.
+
+    Attributes
+    ----------
+    begun : what it is of. ``newest`` : hash of the last entry. ``utc`` : its time.
+    """
+
+    begun: Begun
+    steps: tuple[StepStanding, ...]
+    newest: str
+    entries: int
+    utc: str
+
+    @property
+    def not_done(self) -> tuple[StepStanding, ...]:
+        """Steps that are not passed and signed."""
+        return tuple(one for one in self.steps if not one.is_done)
+
+
+def card_of(entries: Sequence[Entry], now: Inputs | None = None) -> Card:
+    """Return how a card stands.
+
+    Parameters
+    ----------
+    now : what holds now; None: nothing is compared, as on a page of old.
+    """
+    begun = entries[0].said
+    assert isinstance(begun, Begun)  # `entries_of` has seen to it
+    return Card(
+        begun=begun,
+        steps=tuple(_standing(step, entries, now) for step in STEPS),
+        newest=entries[-1].sha256,
+        entries=len(entries),
+        utc=entries[-1].utc,
+    )
+
+
+def changed(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
+    """Yield what a step rests on and has changed; what is not known on one side is no change."""
+    pairs = {
+        Rest.SITE: (then.site_hash, now.site_hash),
+        Rest.CONFIG: (then.config_hash, now.config_hash),
+        Rest.PLC: (then.plc, now.plc),
+        Rest.ROLL: (then.roll_id, now.roll_id),
+    }
+    for rest in step.rests_on:
+        if rest is Rest.RESPONSES:
+            for name in sorted({*then.responses, *now.responses}):
+                old, new = then.responses.get(name, ""), now.responses.get(name, "")
+                if old != new:
+                    yield f"{rest} of {name}: {_short(old)}, now {_short(new)}"
+            continue
+        old, new = pairs[rest]
+        if old and new and old != new:
+            yield f"{rest}: {_short(old)}, now {_short(new)}"
+
+
+def former_samples(step: Step, entries: Sequence[Entry], now: Inputs) -> tuple[Sample, ...]:
+    """Return samples of a step that still count: made on the same site file and PLC.
+
+    A learned response is what step 7 itself makes, so a new one takes none of them away.
+    """
+    found: list[Sample] = []
+    for entry in entries:
+        said = entry.said
+        if isinstance(said, Measured) and said.step == step.number:
+            same = (said.inputs.site_hash, said.inputs.plc) == (now.site_hash, now.plc)
+            found = [*found, *said.finding.samples] if same else []
+    return tuple(found)
+
+
+def newest_plc(entries: Sequence[Entry]) -> str:
+    """Return the version of the PLC's program that was typed last, empty without one."""
+    said = (entry.said for entry in reversed(entries))
+    return next((one.inputs.plc for one in said if isinstance(one, Measured)), "")
+
+
+def _standing(step: Step, entries: Sequence[Entry], now: Inputs | None) -> StepStanding:
+    mine = [
+        entry
+        for entry in entries
+        if isinstance(entry.said, Measured) and entry.said.step == step.number
+    ]
+    if not mine:
+        return StepStanding(step=step, stand=Stand.NOT_DONE)
+    last = mine[-1]
+    assert isinstance(last.said, Measured)
+    why = tuple(changed(step, last.said.inputs, now)) if now is not None else ()
+    signature = next(
+        (
+            entry
+            for entry in reversed(entries)
+            if isinstance(entry.said, Signed) and entry.said.measured == last.sha256
+        ),
+        None,
+    )
+    return StepStanding(
+        step=step,
+        stand=Stand.AGAIN if why else _OF_VERDICT[last.said.verdict],
+        why=why,
+        last=last,
+        earlier=len(mine) - 1,
+        signature=signature,
+    )
+
+
+def _short(digest: str) -> str:
+    return digest[:12] or "none"

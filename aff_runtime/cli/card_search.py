@@ -1,0 +1,121 @@
+"""Step 9 on the console: each candidate is tried by the service, which takes it back by itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from aff_runtime.app.card.evidence import CheckedSite, Evidence, Try
+from aff_runtime.app.card.measure.search import (
+    Candidate,
+    candidate,
+    next_factor,
+    text_with,
+    values_of,
+)
+from aff_runtime.app.card.typed_values import TypedValues
+from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.report.comparison.window import load_window
+from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
+from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.ports import Clock
+from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.signals import State
+
+SETTLES, MEMORIES, TURNS = 3.0, 2.0, 20.0
+LEAST_S, WRITTEN_S, LOOK_NS = 10.0, 1.0, 500_000_000
+Ask = Callable[..., Any]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tried:
+    """What was tried, and where in the record each that ran to its end lies."""
+
+    tries: tuple[Try, ...]
+    windows: tuple[RunWindow, ...]
+
+
+def search(
+    actuator: str,
+    record: ParameterRecord,
+    checked: CheckedSite,
+    ask: Ask,
+    clock: Clock,
+    say: Callable[[str], None],
+) -> Tried:
+    """Try one candidate after the other until the search is over.
+
+    Parameters
+    ----------
+    ask : one request to the service.
+    clock : how long to wait. ``say`` : hears how it goes.
+
+    Raises
+    ------
+    RefusedError
+        The correction is not on, or the service refuses a try.
+    """
+    found, windows, table = list[Try](), list[RunWindow](), list[Candidate]()
+    while (factor := next_factor(table)) is not None:
+        settle_s, look_s = _times_s(record, actuator, factor, read_answer(ask("status")))
+        say(f"{factor:g} of the present setting: {settle_s + look_s:.0f} s")
+        if factor < 1.0:
+            values = {path: factor * v for path, v in values_of(checked.site, actuator).items()}
+            seconds = settle_s + look_s + 4.0 * WRITTEN_S
+            why = f"card, step 9: {actuator} at {factor:g} of its setting"
+            text = text_with(record.site_text, values)
+            ask("settings", act="try", text=text, seconds=seconds, why=why)
+        ended, window = _watch(ask, clock, settle_s, look_s, tried=factor < 1.0)
+        if factor < 1.0 and not ended:
+            ask("settings", act="undo", why=f"card, step 9: {factor:g} is measured")
+        one = Try(actuator=actuator, factor=factor, measured=window is not None, ended=ended)
+        seen = load_window(window) if window is not None else None
+        table.append(candidate(Evidence(checked=checked, typed=TypedValues(())), one, seen))
+        found.append(one)
+        windows += [window] if window is not None else []
+    return Tried(tries=tuple(found), windows=tuple(windows))
+
+
+def _times_s(
+    record: ParameterRecord, actuator: str, factor: float, answer: StatusAnswer
+) -> tuple[float, float]:
+    """Return how long a candidate settles, and how long it is looked at."""
+    if answer.state != State.ACTIVE.name or answer.live is None:
+        raise RefusedError(f"the correction is not on: the service is {answer.state}; arm it")
+    site = record.site
+    speed = abs(answer.live.tick.number(site.line.speed))
+    given = site.actuators[actuator]
+    rolls = [site.rolls[block.roll] for block in given.blocks]
+    radius_m = max(roll.largest_radius_m for roll in rolls)
+    turn_s = math.tau * radius_m / speed if speed > 0.0 else math.inf
+    look_s = max(LEAST_S, TURNS * turn_s)
+    value = factor * max(values_of(site, actuator).values())
+    settle_s = MEMORIES * value * turn_s if given.uses_shape else SETTLES * value
+    if not settle_s + look_s < 3600.0:
+        raise RefusedError("the line stands or is too slow for a search")
+    return settle_s, look_s
+
+
+def _watch(
+    ask: Ask, clock: Clock, settle_s: float, look_s: float, *, tried: bool
+) -> tuple[str, RunWindow | None]:
+    """Wait until a candidate has been looked at; return why it ended before, or its window."""
+    start_s = read_answer(ask("status")).live
+    begin_s = start_s.tick.time_s if start_s is not None else math.nan
+    from_s = begin_s + settle_s
+    while True:
+        clock.sleep_until_ns(clock.now_ns() + LOOK_NS)
+        answer = read_answer(ask("status"))
+        now_s = answer.live.tick.time_s if answer.live is not None else math.nan
+        if answer.state != State.ACTIVE.name or not now_s >= begin_s:
+            return f"the correction was taken back: {answer.state}", None
+        if tried and not answer.trying:
+            return "the former settings returned", None
+        if now_s >= from_s + look_s + WRITTEN_S:
+            if answer.recorder is None:
+                raise RefusedError("nothing is recorded: no search")
+            folder = Path(answer.recorder.folder)
+            return "", RunWindow(folder=folder, from_s=from_s, to_s=from_s + look_s)

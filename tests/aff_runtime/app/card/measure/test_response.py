@@ -1,0 +1,116 @@
+"""Step 7: repeats against their stated error; coherence and sign; three places, twice each."""
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+
+from aff_runtime.app.card.figures import Verdict
+from aff_runtime.app.card.measure import response
+from aff_runtime.core.response import Provenance, Response, ResponsePoint
+from tests.aff_runtime.app.card.measure.recorded import evidence, figure
+
+FREQUENCIES = np.linspace(0.3, 8.0, 16)
+DELAY_S, ERROR = 0.03, 0.05
+SIGNS = ["sign_unwind=-1", "sign_swrap_follower=-1"]
+BOTH = frozenset({"unwind", "swrap_follower"})
+
+
+def probed(speed, seed, size=ERROR, coherence=0.97, sign=-1.0, radius=0.2, error=ERROR):
+    """Return a probe of sign * 100 / (1 + jf) with a delay, off by ``size`` of itself."""
+    rng = np.random.default_rng(seed)
+    points = []
+    for f in FREQUENCIES:
+        true = sign * 100.0 / (1.0 + 1j * f) * cmath.exp(-1j * math.tau * f * DELAY_S)
+        noise = complex(*rng.standard_normal(2)) / math.sqrt(2.0)
+        value = true * (1.0 + size * noise)
+        points.append(
+            ResponsePoint(
+                frequency_Hz=float(f),
+                gain=abs(value),
+                phase_rad=cmath.phase(value),
+                relative_error=error,
+                coherence=coherence,
+            )
+        )
+    about = Provenance(actuator="unwind", signal="s", line_speed_m_s=speed, radius_m=radius)
+    return Response(points=points, delay_s=DELAY_S, provenance=about)
+
+
+def taken(probes, given=(*SIGNS,)):
+    """Return what step 7 says after each of these probes, one measurement each."""
+    former = ()
+    for one in probes:
+        found = response.measure(
+            evidence(
+                given=given,
+                responses={"unwind": one, "swrap_follower": one},
+                probed_here=BOTH,
+                former=former,
+            )
+        )
+        former = (*former, *found.samples)
+    return found
+
+
+def six(**how):
+    return [probed(v, 10 * k + n, **how) for k, v in enumerate((0.5, 1.0, 1.5)) for n in (0, 1)]
+
+
+def test_three_speeds_twice_with_their_stated_error_pass():
+    found = taken(six())
+    assert found.verdict is Verdict.PASS
+    assert figure(found, "unwind: speeds or radii probed twice").value == 3.0
+    assert figure(found, "unwind: sign").value == -1.0
+    assert found.missing == ()
+
+
+def test_repeats_are_apart_by_one_where_the_stated_error_is_right():
+    found = [
+        response.repeat_sigmas(probed(1.0, seed), probed(1.0, seed + 1000)) for seed in range(100)
+    ]
+    assert np.sqrt(np.mean(np.square(found))) == pytest.approx(1.0, abs=0.08)
+
+
+def test_an_error_that_is_stated_three_times_too_small_fails():
+    found = taken(six(size=3.0 * ERROR))
+    assert figure(found, "unwind: difference of repeats").value > 2.0
+    assert found.verdict is Verdict.FAIL
+
+
+def test_low_coherence_at_an_order_and_the_wrong_sign_fail():
+    low = taken(six(coherence=0.7))
+    assert figure(low, "unwind: lowest coherence").value == pytest.approx(0.7)
+    assert low.verdict is Verdict.FAIL
+    wrong = taken(six(sign=1.0))
+    assert figure(wrong, "unwind: sign").good is False
+    assert taken(six(), given=()).verdict is Verdict.OPEN  # no sign was typed
+
+
+def test_what_is_still_to_be_probed_is_said():
+    found = taken(six()[:3])
+    assert found.verdict is Verdict.OPEN
+    assert "unwind: once more at 1 m/s, radius 0.2 m" in found.missing
+    assert "unwind: 1 more speeds or radii" in found.missing
+
+
+def test_the_same_response_twice_is_one_probe():
+    one = probed(1.0, 1)
+    found = taken([one, one])
+    assert found.samples == ()
+    assert figure(found, "unwind: speeds or radii probed twice").value == 0.0
+
+
+def test_places_differ_by_speed_or_radius_and_none_is_known_without_them():
+    found = taken(
+        [probed(1.0, 1), probed(1.02, 2), probed(1.0, 3, radius=0.3), probed(math.nan, 4)]
+    )
+    assert figure(found, "unwind: speeds or radii probed twice").value == 1.0
+
+
+def test_a_response_that_was_brought_from_outside_is_remarked():
+    one = probed(1.0, 1)
+    found = response.measure(evidence(given=SIGNS, responses={"unwind": one}))
+    assert any("does not say of every response" in text for text in found.remarks)
+    assert any("aff-runtime probe" in text for text in found.missing)

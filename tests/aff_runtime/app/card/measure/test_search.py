@@ -1,0 +1,177 @@
+"""Step 9: halves as long as ripple falls, bounded; only the numbers that are meant change."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from aff_runtime.app.card.evidence import CheckedSite, Try
+from aff_runtime.app.card.figures import Verdict
+from aff_runtime.app.card.measure import search
+from aff_runtime.app.card.measure.search import Candidate
+from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.cli.card_search import search as run_search
+from aff_runtime.config.loader import load_recorded_site, load_site
+from tests.aff_runtime.app.card.measure.recorded import SITE, SITE_FILE, evidence, figure, window
+from tests.doubles.virtual_clock import VirtualClock
+from tests.parameter_records import CONFIG, record_of
+
+TEXT = SITE_FILE.read_text()
+SHAPE_FILE = CONFIG / "euclid.yaml"
+
+
+def tried(ripples, value=16.0, half=0.1, ended=""):
+    return [
+        Candidate(factor=0.5**k, value=value * 0.5**k, ripple=r, half=half,
+                  ended=ended if k == len(ripples) - 1 else "")
+        for k, r in enumerate(ripples)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("ripples", "factor"),
+    [
+        ([], 1.0),
+        ([5.0], 0.5),
+        ([5.0, 4.0], 0.25),
+        ([5.0, 4.9], None),  # within hypot(0.1, 0.1)
+        ([5.0, 5.5], None),
+        ([5.0, 4.0, 3.0], 0.125),
+    ],
+)
+def test_it_halves_while_ripple_falls_by_more_than_its_error(ripples, factor):
+    assert search.next_factor(tried(ripples)) == factor
+
+
+@given(st.lists(st.floats(0.0, 10.0), max_size=12), st.floats(1.0, 300.0))
+def test_it_ends_and_never_goes_below_the_least(ripples, value):
+    table = []
+    for ripple in ripples:
+        factor = search.next_factor(table)
+        if factor is None:
+            break
+        table.append(Candidate(factor=factor, value=factor * value, ripple=ripple, half=0.0))
+        assert factor * value >= min(value, search.LEAST)
+    assert len(table) <= search.MOST_TRIES
+
+
+def test_it_takes_the_double_of_the_last_and_never_a_longer_one():
+    assert search.chosen(tried([5.0, 4.0, 3.99])) == 0.5
+    assert search.chosen(tried([5.0, 5.0])) == 1.0
+    assert search.chosen(tried([5.0])) == 1.0
+    assert search.next_factor(tried([5.0, math.nan], ended="ripple rose")) is None
+
+
+def test_a_plain_law_scales_its_blocks_and_a_shape_its_memory():
+    assert list(search.values_of(SITE, "unwind").values()) == [6.0, 10.0]
+    assert search.values_of(load_site(SHAPE_FILE), "unwind") == {
+        ("actuators", "unwind", "memory_turns"): 9.0
+    }
+    with pytest.raises(RefusedError, match="there are unwind, swrap_follower"):
+        search.values_of(SITE, "winder")
+
+
+@settings(deadline=None, max_examples=50)
+@given(st.floats(1.0, 300.0), st.floats(1.0, 300.0))
+def test_every_byte_but_those_numbers_stays(first, second):
+    paths = list(search.values_of(SITE, "unwind"))
+    new = search.text_with(TEXT, dict(zip(paths, (first, second), strict=True)))
+    site = load_recorded_site(new, "site.yaml")
+    found = [block.settle_s for block in site.actuators["unwind"].blocks]
+    assert found == pytest.approx([float(f"{first:g}"), float(f"{second:g}")])
+    back = search.text_with(new, dict(zip(paths, (6.0, 10.0), strict=True)))
+    assert back == TEXT
+
+
+def test_a_key_that_is_not_in_the_file_is_asked_for():
+    text = SHAPE_FILE.read_text().replace("    memory_turns: 9\n", "")
+    path = ("actuators", "unwind", "memory_turns")
+    with pytest.raises(ConfigError, match="write it into the site file first"):
+        search.text_with(text, {path: 4.0})
+
+
+FAST = load_recorded_site(TEXT.replace("settle_s: 8", "settle_s: 4"), "site.yaml")
+
+
+class Service:
+    """Answers as a service would whose record is there already; a try returns at ``returns_s``."""
+
+    def __init__(self, clock, folder, begin_s, returns_s=math.inf):
+        self.clock, self.folder, self.begin_s, self.returns_s = clock, folder, begin_s, returns_s
+        self.asked, self.trying = [], ""
+
+    def __call__(self, do, **arguments):
+        if do == "settings":
+            self.asked.append(arguments)
+            self.trying = "tried" if arguments["act"] == "try" else ""
+            return {}
+        time_s = self.begin_s + self.clock.now_ns() * 1e-9
+        if time_s > self.returns_s:
+            self.trying = ""
+        return {
+            "state": "ACTIVE",
+            "trying": self.trying,
+            "recorder": {"folder": str(self.folder)},
+            "signals": {"time_s": time_s, "line_speed_m_s": 1.0, "state": 4},
+        }
+
+
+def searched(folder, **how):
+    clock = VirtualClock()
+    service = Service(clock, folder, 31.0 - clock.now_ns() * 1e-9, **how)
+    text = TEXT.replace("settle_s: 8", "settle_s: 4")
+    checked = CheckedSite(site=FAST)
+    record = record_of(FAST, site_text=text)
+    found = run_search("swrap_follower", record, checked, service, clock, lambda _: None)
+    seen = evidence(
+        *(window(one.folder, one.from_s, one.to_s) for one in found.windows),
+        site=FAST,
+        tries=found.tries,
+    )
+    return service, found, search.measure(seen)
+
+
+@pytest.mark.timeout(300)
+def test_a_candidate_that_is_worse_ends_the_search_and_nothing_is_proposed(abab_run):
+    """The second is looked at while the record has the correction off: ripple is all there."""
+    service, found, finding = searched(abab_run[0])
+    assert [(one.factor, one.measured) for one in found.tries] == [(1.0, True), (0.5, True)]
+    assert [one["act"] for one in service.asked] == ["try", "undo"]
+    tried_site = load_recorded_site(service.asked[0]["text"], "site.yaml")
+    assert tried_site.actuators["swrap_follower"].blocks[0].settle_s == 2.0
+    window_s = found.windows[0].to_s - found.windows[0].from_s
+    assert window_s == pytest.approx(20.0 * math.tau * 0.15367)
+    assert service.asked[0]["seconds"] > 3.0 * 2.0 + window_s
+    on = figure(finding, "settle_s 4: ripple")
+    off = figure(finding, "settle_s 2: ripple")
+    assert off.value > 1.5 * on.value
+    assert figure(finding, "settle_s 4: largest correction").value > 0.0
+    assert figure(finding, "settle_s of the search").value == 4.0
+    assert (finding.verdict, finding.proposals) == (Verdict.PASS, ())
+
+
+@pytest.mark.timeout(300)
+def test_a_try_that_the_service_takes_back_ends_it_and_is_on_the_card(abab_run):
+    service, found, finding = searched(abab_run[0], returns_s=66.0)
+    assert [one["act"] for one in service.asked] == ["try"]
+    assert found.tries[1].ended == "the former settings returned"
+    assert "settle_s" not in " ".join(finding.proposals)
+    assert any("ended by the service" in text for text in finding.remarks)
+    assert finding.verdict is Verdict.PASS
+
+
+def test_a_first_candidate_that_was_not_measured_leaves_it_open():
+    one = Try(actuator="unwind", factor=1.0, measured=False, ended="the correction was taken back")
+    assert search.measure(evidence(tries=(one,))).verdict is Verdict.OPEN
+    with pytest.raises(RefusedError, match="nothing was tried"):
+        search.measure(evidence())
+
+
+def test_a_service_that_is_not_on_is_not_searched_with():
+    def ask(do, **arguments):
+        return {"state": "READY", "signals": {"time_s": 1.0}}
+
+    checked = CheckedSite(site=SITE)
+    with pytest.raises(RefusedError, match="arm it"):
+        run_search("unwind", record_of(SITE), checked, ask, VirtualClock(), lambda _: None)

@@ -1,0 +1,125 @@
+"""How steps stand: the last counts, a signature is below one of them, what changed is named."""
+
+from dataclasses import replace
+
+import pytest
+
+from aff_runtime.app.card.entries import entries_of
+from aff_runtime.app.card.figures import Sample
+from aff_runtime.app.card.standing import Stand, card_of, changed, former_samples, newest_plc
+from aff_runtime.app.card.steps import STEPS, Rest, step_of
+from aff_runtime.base.errors import ConfigError, RefusedError
+from tests.aff_runtime.app.card.made import BAD, INPUTS, add, book, measured, signed
+
+OTHERS = {
+    Rest.SITE: replace(INPUTS, site_hash="9" * 64),
+    Rest.CONFIG: replace(INPUTS, config_hash="9" * 64),
+    Rest.PLC: replace(INPUTS, plc="8"),
+    Rest.ROLL: replace(INPUTS, roll_id="5"),
+    Rest.RESPONSES: replace(INPUTS, responses={"unwind": "9" * 64}),
+}
+
+
+def stands(card, now=INPUTS):
+    return {one.step.number: one for one in card_of(entries_of(card.read()), now).steps}
+
+
+def test_steps_are_numbered_0_to_12_and_say_what_is_good():
+    assert [step.number for step in STEPS] == list(range(13))
+    assert all(step.title and step.measured and step.limit for step in STEPS)
+    with pytest.raises(RefusedError, match="0 to 12"):
+        step_of(13)
+
+
+def test_a_fresh_card_has_nothing_done(tmp_path):
+    assert {one.stand for one in stands(book(tmp_path)).values()} == {Stand.NOT_DONE}
+
+
+def test_the_last_measurement_counts_and_all_are_kept(tmp_path):
+    card = book(tmp_path)
+    add(card, measured(3, [BAD]))
+    add(card, measured(3))
+    assert (stands(card)[3].stand, stands(card)[3].earlier) == (Stand.PASS, 1)
+    add(card, measured(3, [BAD]))
+    assert (stands(card)[3].stand, stands(card)[3].earlier) == (Stand.FAIL, 2)
+
+
+def test_a_signature_is_of_one_measurement_and_not_of_the_next(tmp_path):
+    card = book(tmp_path)
+    add(card, signed(3, add(card, measured(3))))
+    assert stands(card)[3].is_done
+    add(card, measured(3))
+    assert stands(card)[3].signed is None
+    assert not stands(card)[3].is_done
+
+
+@pytest.mark.parametrize("rest", list(Rest))
+@pytest.mark.parametrize("step", STEPS, ids=lambda step: str(step.number))
+def test_a_step_is_due_again_by_what_it_rests_on_and_nothing_else(tmp_path, step, rest):
+    card = book(tmp_path)
+    add(card, measured(step.number))
+    assert stands(card)[step.number].stand is Stand.PASS
+    again = stands(card, OTHERS[rest])[step.number]
+    assert (again.stand is Stand.AGAIN) == (rest in step.rests_on)
+    assert bool(again.why) == (rest in step.rests_on)
+
+
+def test_what_is_not_known_on_one_side_is_no_change():
+    unknown = replace(INPUTS, plc="", roll_id="")
+    for step in STEPS:
+        assert list(changed(step, INPUTS, unknown)) == []
+
+
+def test_samples_count_as_long_as_site_and_plc_are_the_same(tmp_path):
+    card = book(tmp_path)
+    one, two = (Sample(kind="load", of=name) for name in "ab")
+    for sample in (one, two):
+        add(card, measured(1, samples=(sample,)))
+    entries = entries_of(card.read())
+    assert former_samples(step_of(1), entries, INPUTS) == (one, two)
+    assert former_samples(step_of(1), entries, OTHERS[Rest.RESPONSES]) == (one, two)
+    assert former_samples(step_of(1), entries, OTHERS[Rest.SITE]) == ()
+    assert former_samples(step_of(2), entries, INPUTS) == ()
+    assert newest_plc(entries) == "7"
+
+
+def test_a_card_of_something_else_is_refused_with_its_place(tmp_path):
+    card = book(tmp_path)
+    card.add("measured", {"step": 0, "verdict": "pass", "inputs": {}, "figures": [{"name": 3}]})
+    with pytest.raises(ConfigError, match=r"entry 2.figures\[0\].name: read 3, expected a text"):
+        entries_of(card.read())
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        [],
+        {"step": -1},
+        {"step": True},
+        {"step": 1, "verdict": "perhaps"},
+        {"step": 1, "verdict": "pass"},
+        {"step": 1, "verdict": "pass", "inputs": {}, "figures": {}},
+        {"step": 1, "verdict": "pass", "inputs": {}, "figures": [{"value": "1"}]},
+        {"step": 1, "verdict": "pass", "inputs": {}, "figures": [{"value": 10**400}]},
+        {"step": 1, "verdict": "pass", "inputs": {"responses": {"a": 1}}},
+        {"step": 1, "verdict": "pass", "inputs": {}, "samples": [{"names": ["a"]}]},
+        {"step": 1, "verdict": "pass", "inputs": {}, "remarks": ["x" * 5000]},
+        {"step": 1, "verdict": "pass", "inputs": {}, "remarks": ["x"] * 5000},
+    ],
+)
+def test_a_body_of_wrong_types_is_refused(tmp_path, body):
+    card = book(tmp_path)
+    card.add("measured", body)
+    with pytest.raises(ConfigError, match=r"entry"):
+        entries_of(card.read())
+
+
+def test_a_card_begins_once(tmp_path):
+    card = book(tmp_path)
+    card.add("begun", {"line": "Euclid"})
+    with pytest.raises(ConfigError, match="begins with what it is of"):
+        entries_of(card.read())
+    strange = book(tmp_path / "b")
+    strange.add("other", {})
+    with pytest.raises(ConfigError, match="of a kind that this release does not know"):
+        entries_of(strange.read())

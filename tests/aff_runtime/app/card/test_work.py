@@ -1,0 +1,91 @@
+"""What goes on a card can be read back, however much a step has to say."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from aff_runtime.app.card import work
+from aff_runtime.app.card.evidence import CheckedSite
+from aff_runtime.app.card.figures import Verdict
+from aff_runtime.app.card.gather import Sources, inputs_of
+from aff_runtime.app.card.typed_values import typed
+from aff_runtime.app.report.status_answer import StatusAnswer
+from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.config.facts import facts_of
+from tests.aff_runtime.app.card.measure.recorded import SITE, SITE_FILE
+from tests.parameter_records import record_of
+
+RECORD = record_of(SITE, site_text=SITE_FILE.read_text(), responses={"unwind": "{}"})
+WHY = "seen on the drive"
+
+
+def sources(warnings=(), **more):
+    checked = CheckedSite(site=SITE, warnings=tuple(warnings), limits=facts_of(SITE).limits)
+    return Sources(record=RECORD, checked=checked, **more)
+
+
+@pytest.fixture
+def begun(tmp_path):
+    work.begin(tmp_path, Path("site.yaml"), RECORD)
+    return tmp_path
+
+
+def test_a_step_with_far_too_much_to_say_is_cut_and_read_back(begun):
+    many = ["x" * 9_000 + "\n\u202e"] * 5_000
+    record = replace_responses()
+    typed_values = tuple(map(typed, ["unwind=1", "swrap_follower=1", "warnings_understood=5000"]))
+    found = work.measure(
+        work.CardFile.of(begun), 3, replace(sources(many), record=record), typed_values, "root"
+    )
+    assert found.verdict is Verdict.PASS
+    kept = work.CardFile.of(begun).card().steps[3].measured
+    assert kept == found
+    assert len(kept.finding.remarks) < 50
+    assert max(map(len, kept.finding.remarks)) <= work.LONGEST_SENTENCE
+
+
+def replace_responses():
+    """Return the record without responses: step 3 asks for none."""
+    return RECORD.model_copy(update={"responses": {}})
+
+
+def test_what_could_not_be_read_back_is_not_written(begun):
+    card = work.CardFile.of(begun)
+    before = card.book.path.read_bytes()
+    many = replace(inputs_of(sources()), responses={f"a{k}": "5" * 64 for k in range(3_000)})
+    with pytest.raises(RefusedError, match="too much for one entry"):
+        work.leave_out(card, 4, "the gateway has no watchdog", many, "root")
+    assert card.book.path.read_bytes() == before
+
+
+def test_inputs_are_those_of_the_file_and_of_the_service():
+    alone = inputs_of(sources())
+    assert (alone.site_hash, alone.config_hash, alone.roll_id) == ("5e", "abc", "")
+    assert set(alone.responses) == {"unwind"}
+    live = StatusAnswer(line="Euclid", state="READY", site_hash="5e", config_hash="with shapes")
+    assert inputs_of(sources(answer=live)).config_hash == "with shapes"
+    for other, said in (
+        (replace(live, site_hash="other"), "runs on other settings"),
+        (replace(live, trying="settings 12 by root"), "are being tried"),
+    ):
+        with pytest.raises(RefusedError, match=said):
+            inputs_of(sources(answer=other))
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"), [("", WHY), ("A", WHY), ("x" * 90, WHY), ("Ada", "ok"), ("Ada", "x" * 900)]
+)
+def test_a_signature_has_a_name_and_a_reason(begun, name, reason):
+    inputs = inputs_of(sources())
+    work.leave_out(work.CardFile.of(begun), 4, "the gateway has no watchdog", inputs, "root")
+    with pytest.raises(ConfigError, match="characters; write"):
+        work.sign(work.CardFile.of(begun), 4, inputs, name=name, reason=reason, by="root")
+
+
+def test_two_who_add_at_once_are_told(begun):
+    inputs = inputs_of(sources())
+    one, other = work.CardFile.of(begun), work.CardFile.of(begun)
+    work.leave_out(one, 4, "the gateway has no watchdog", inputs, "root")
+    with pytest.raises(RefusedError, match="added to it meanwhile"):
+        work.leave_out(other, 4, "the gateway has no watchdog", inputs, "root")
