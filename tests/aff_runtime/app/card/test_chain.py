@@ -4,7 +4,7 @@ import hashlib
 import json
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from aff_runtime.app.card.chain import LONGEST_LINE, MAX_BYTES, START, canonical, encode, follow
@@ -27,6 +27,7 @@ def written(bodies):
     return content
 
 
+SLOW_MACHINE = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 THREE = written([{"a": 1.5}, {"b": "\u00e9\n"}, {"c": [None, True]}])
 
 
@@ -38,6 +39,7 @@ def test_an_entry_has_the_sha256_of_its_canonical_json():
     assert first["prev"] == "0" * 64
 
 
+@SLOW_MACHINE
 @given(st.lists(st.dictionaries(TEXTS, VALUES, max_size=3), min_size=1, max_size=5))
 def test_what_was_written_is_followed_and_read_back(bodies):
     chain = follow(written(bodies))
@@ -45,7 +47,7 @@ def test_what_was_written_is_followed_and_read_back(bodies):
     assert [canonical(link.body) for link in chain.links] == [canonical(b) for b in bodies]
 
 
-@settings(max_examples=200, deadline=None)
+@settings(SLOW_MACHINE, max_examples=200)
 @given(
     st.lists(st.dictionaries(TEXTS, VALUES, max_size=2), min_size=1, max_size=3),
     st.randoms(use_true_random=False),
