@@ -1,3 +1,3 @@
 """Wiring: the one place where rooms meet."""
 
-__all__ = ["check", "control", "door", "hand", "link", "report", "supervisor", "wiring"]
+__all__ = ["check", "control", "door", "hand", "link", "report", "setup", "supervisor", "wiring"]

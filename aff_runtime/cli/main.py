@@ -25,6 +25,7 @@ from aff_runtime.cli import (
     roll,
     run,
     settings,
+    setup,
     status,
     top,
     watch,
@@ -34,6 +35,7 @@ from aff_runtime.cli.terminal import complain
 from aff_runtime.core.compiled.binary import arithmetic_name
 
 COMMANDS = (
+    setup,
     check,
     run,
     operate,
