@@ -11,6 +11,7 @@ from typing import Any
 from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.setup.draft import Draft, read_draft
 from aff_runtime.app.setup.interview import (
+    BITS,
     YES_NO,
     bit_questions,
     drive_questions,
@@ -78,7 +79,7 @@ def setup(options: argparse.Namespace) -> int:
     except LeftError:
         say(f"\nleft; what was answered is in {kept_in}. The same command goes on from there.")
         return 0
-    for line in script.left_over() if script is not None else ():
+    for line in script.left_over(dialogue.draft) if script is not None else ():
         complain(line)
     checked = argparse.Namespace(
         site=options.site, speed=[], brief=True, state_dir=options.state_dir
@@ -117,8 +118,9 @@ def _look(dialogue: Dialogue, steps: Steps) -> None:
     for question in status_questions(partial(_why_not, dialogue, "status.word")):
         dialogue.ask(question)
     if dialogue.draft.answers["status.order"] == "no":
-        for question in bit_questions():
-            steps.find_bit(question)
+        for number in range(len(BITS)):  # each knows the places of those before it
+            known = partial(_why_no_bits, dialogue)
+            steps.find_bit(bit_questions(dialogue.draft, known)[number])
     _words(dialogue)
     if dialogue.draft.answers["law"] == "shape":
         for question in drive_questions():
@@ -157,6 +159,13 @@ def _why_not(dialogue: Dialogue, name: str, address: int) -> str:
     if not first <= address < first + count:
         return f"word {address} is outside the window {first} to {first + count - 1}."
     return ""
+
+
+def _why_no_bits(dialogue: Dialogue, address: int) -> str:
+    """Return why a word can hold no status bits, or nothing."""
+    owner = dialogue.draft.owners.get(address, "")
+    name = owner if owner.startswith("bits.") or owner == "status.word" else "status.word"
+    return _why_not(dialogue, name, address)
 
 
 def _write(dialogue: Dialogue, site: Path) -> bool:

@@ -50,9 +50,14 @@ class Script:
         """Return the error for an answer that cannot be taken."""
         return SiteFileError([self._tree.finding((question.name,), why)])
 
-    def left_over(self) -> list[str]:
-        """Return findings for what nobody asked for."""
-        left = [name for name in self._texts if name not in self._asked]
+    def has(self, name: str) -> bool:
+        """Return whether the file itself answers a question."""
+        return name in self._texts
+
+    def left_over(self, draft: Draft) -> list[str]:
+        """Return findings for what nobody asked for, and no quantity that was kept answers."""
+        known = {f"{channel}.{part}" for channel in draft.words for part in ("display", "pick")}
+        left = [name for name in self._texts if name not in self._asked | known]
         return [str(self._tree.finding((name,), "was not asked for.")) for name in left]
 
 
@@ -76,9 +81,9 @@ class Dialogue:
         write_draft(self.path, draft)
 
     def ask(self, question: Question) -> str:
-        """Return the answer to a question: the kept one, else a new one, which is kept."""
+        """Return the answer to a question, which is kept: the file's, the kept one, a new one."""
         kept = self.draft.answers.get(question.name)
-        if kept is not None:
+        if kept is not None and not (self.script is not None and self.script.has(question.name)):
             return self._checked(question, kept)
         answer = self.ask_anew(question)
         self.keep(self.draft.with_answer(question.name, answer))

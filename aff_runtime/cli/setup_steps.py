@@ -245,7 +245,10 @@ class Steps:
                     default="done",
                 )
             )
-            found = changed_bits(before, self._watch(BIT_S), true_before=now == "yes")
+            words = self._dialogue.draft.words.values()
+            taken = frozenset(place for word in words for place in word.decoding.addresses)
+            after = self._watch(BIT_S)
+            found = changed_bits(before, after, true_before=now == "yes", taken=taken)
             rows = {n: str(one) for n, one in enumerate(found, 1)}
             pick = self._pick(f"{name}.pick", "Which one?", rows, AGAIN, NONE)
             if pick == AGAIN:
@@ -268,10 +271,7 @@ class Steps:
 
     def _keep_word(self, channel: str, decoding: Decoding, scale: str) -> None:
         found = FoundWord(
-            address=decoding.address,
-            type=decoding.type,  # type: ignore[arg-type]
-            order=decoding.order,  # type: ignore[arg-type]
-            scale=scale,
+            address=decoding.address, type=decoding.type, order=decoding.order, scale=scale
         )
         self._dialogue.keep(self._dialogue.draft.with_word(channel, found))
 

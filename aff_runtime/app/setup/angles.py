@@ -114,7 +114,7 @@ def _decodings(
             "the PLC count on",
         )
         return [(Decoding(address=address, type="u16"), -5.0, why)]
-    rows = []
+    rows: list[tuple[Decoding, float, tuple[str, ...]]] = []
     carries: Mapping[str, int] = {HIGH_FIRST: address - 1, LOW_FIRST: address + 1}
     proved = False
     for name, high in carries.items():

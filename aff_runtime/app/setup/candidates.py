@@ -97,7 +97,7 @@ def candidates(
     """
     latest = observations[-1].seen
     does = behaviours(latest)
-    found = []
+    found: list[Candidate] = []
     for decoding in all_decodings(latest, signed=signed):
         if not taken.isdisjoint(decoding.addresses) or _is_other(decoding.order, order):
             continue

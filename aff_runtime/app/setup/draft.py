@@ -13,6 +13,7 @@ from pydantic.types import StringConstraints
 
 from aff_runtime.app.link.files import replace_text
 from aff_runtime.app.setup.decoding import Decoding
+from aff_runtime.app.setup.questions import FIND, NONE, split_bit
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable
 from aff_runtime.config.plain_file import read_plain
@@ -86,6 +87,9 @@ class Draft(Section):
             given = self.answers.get(name, "")
             if given.isdecimal():
                 owners.setdefault(int(given), name)
+        for name, kept in self.answers.items():
+            if name.startswith("bits.") and kept not in (NONE, FIND):
+                owners.setdefault(split_bit(kept)[0], name)
         return owners
 
     def _applied(self) -> list[str]:

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from aff_runtime.app.setup.draft import Draft
 from aff_runtime.app.setup.quantities import UNWIND
 from aff_runtime.app.setup.questions import (
+    FIND,
     NONE,
     AnswerError,
     Question,
+    bit,
     number,
     number_of,
     one_of,
-    read_bit,
     read_name,
     read_text,
+    split_bit,
     whole,
     word,
     word_or_none,
@@ -139,17 +142,29 @@ def status_questions(known: Known) -> tuple[Question, ...]:
     )
 
 
-def bit_questions() -> tuple[Question, ...]:
-    """Return what is asked of each status bit of a PLC with an order of its own."""
+def bit_questions(draft: Draft, known: Known) -> tuple[Question, ...]:
+    """Return what is asked of each status bit of a PLC with an order of its own.
+
+    ``known`` says why a word cannot hold one, or nothing.
+    """
     return tuple(
         Question(
             name=f"bits.{name}",
             text=f"{name}: {meaning}. word.bit such as 20.7, `20.7 inverted`, find, none",
-            read=read_bit,
-            default="find" if needed else NONE,
+            read=bit(partial(_why_no_bit, draft, known, f"bits.{name}")),
+            default=FIND if needed else NONE,
         )
         for name, meaning, needed in BITS
     )
+
+
+def _why_no_bit(draft: Draft, known: Known, name: str, address: int, place: int) -> str:
+    for other, kept in draft.answers.items():
+        if not other.startswith("bits.") or other == name or kept in (NONE, FIND):
+            continue
+        if split_bit(kept)[:2] == (address, place):
+            return f"bit {place} of word {address} is {other.removeprefix('bits.')} already."
+    return known(address)
 
 
 def machine_questions(draft: Draft) -> tuple[Question, ...]:

@@ -6,7 +6,6 @@ import statistics
 
 from aff_runtime.app.setup.decoding import values
 from aff_runtime.app.setup.draft import Draft, FoundWord
-from aff_runtime.app.setup.questions import NONE
 from aff_runtime.app.setup.reading import Block, Watched, WordReader
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock
@@ -63,8 +62,5 @@ def scale_of(text: str, unit: str) -> float:
 
 def polled(draft: Draft) -> Block:
     """Return the one block that AFF will read each tick."""
-    places = [*draft.owners]
-    for name, kept in draft.answers.items():
-        if name.startswith("bits.") and name.count(".") == 1 and kept not in (NONE, "find"):
-            places.append(int(kept.partition(".")[0]))
+    places = draft.owners
     return Block(start=min(places), count=max(places) - min(places) + 1)

@@ -33,7 +33,7 @@ class Quantity:
 
 def quantities(second: str) -> tuple[Quantity, ...]:
     """Return what is looked for; ``second``: name of a second driven roller, empty without one."""
-    found = (
+    found: tuple[Quantity, ...] = (
         Quantity(
             channel="unwind_tension_N",
             unit="N",

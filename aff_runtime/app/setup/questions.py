@@ -13,7 +13,7 @@ from aff_runtime.base.units import UnitError, plain, read_number
 LONGEST = 200
 _NAME = re.compile(r"[a-z][A-Za-z0-9_]{0,39}")
 _BIT = re.compile(r"\s*(?P<word>\d{1,5})\.(?P<bit>\d{1,2})(?P<inverted>\s+inverted)?\s*")
-NONE = "none"
+NONE, FIND = "none", "find"
 
 
 class AnswerError(ValueError):
@@ -132,22 +132,32 @@ def word(known: Callable[[int], str]) -> Callable[[str], str]:
     return read
 
 
-def read_bit(text: str) -> str:
-    """Take ``20.7`` or ``20.7 inverted``, ``find``, or ``none``."""
-    if text.strip() in (NONE, "find"):
-        return text.strip()
-    match = _BIT.fullmatch(text)
-    if match is None or int(match["word"]) > 65535 or int(match["bit"]) > 15:
-        raise AnswerError(
-            f'"{printable(text, 40)}": write word and bit such as 20.7 (bit 0 to 15), '
-            "`20.7 inverted` where 0 means yes, `find`, or `none`."
-        )
-    place = f"{int(match['word'])}.{int(match['bit'])}"
-    return f"{place} inverted" if match["inverted"] else place
+def bit(known: Callable[[int, int], str]) -> Callable[[str], str]:
+    """Return the reader of ``20.7`` or ``20.7 inverted``, ``find``, or ``none``.
+
+    ``known`` says why a bit of a word cannot be it, or nothing.
+    """
+
+    def read(text: str) -> str:
+        if text.strip() in (NONE, FIND):
+            return text.strip()
+        match = _BIT.fullmatch(text)
+        if match is None or int(match["word"]) > 65535 or int(match["bit"]) > 15:
+            raise AnswerError(
+                f'"{printable(text, 40)}": write word and bit such as 20.7 (bit 0 to 15), '
+                "`20.7 inverted` where 0 means yes, `find`, or `none`."
+            )
+        why = known(int(match["word"]), int(match["bit"]))
+        if why:
+            raise AnswerError(why)
+        place = f"{int(match['word'])}.{int(match['bit'])}"
+        return f"{place} inverted" if match["inverted"] else place
+
+    return read
 
 
 def split_bit(kept: str) -> tuple[int, int, bool]:
-    """Return word, bit and whether it is inverted of an answer that ``read_bit`` took."""
+    """Return word, bit and whether it is inverted of an answer that ``bit`` took."""
     place, _, inverted = kept.partition(" ")
     at, _, bit = place.partition(".")
     return int(at), int(bit), bool(inverted)

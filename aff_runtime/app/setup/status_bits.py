@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from aff_runtime.app.setup.behaviour import Kind, behaviour
 from aff_runtime.app.setup.reading import Watched
 
 
@@ -28,28 +29,32 @@ class BitChange:
         return f"word {self.address} bit {self.bit}{', inverted' if self.inverted else ''}"
 
 
-def changed_bits(before: Watched, after: Watched, *, true_before: bool) -> list[BitChange]:
+def changed_bits(
+    before: Watched, after: Watched, *, true_before: bool, taken: frozenset[int] = frozenset()
+) -> list[BitChange]:
     """Return the bits that changed with a state and held still otherwise.
 
-    Words that count or ramp have no such bits: what changed once among many readings is left out.
+    Words that count, ramp or are noisy have no such bits.
 
     Parameters
     ----------
     before, after : words while the state held the one value, and the other.
     true_before : whether what the bit shall mean was true at first.
+    taken : words of quantities that were found.
     """
     found = []
     for address, was in sorted(before.words.items()):
         now = after.words.get(address)
-        if now is None:
+        if now is None or address in taken:
+            continue
+        kinds = {behaviour(one.times_s, one.words[address]).kind for one in (before, after)}
+        if not kinds <= {Kind.STILL, Kind.BITS}:
             continue
         steady = 0xFFFF
         for series in (was, now):
             for word in series:
                 steady &= ~(word ^ series[0])
         changed = (was[0] ^ now[0]) & steady
-        if steady != 0xFFFF and changed.bit_count() > 2:
-            continue  # a value, not a set of bits
         for bit in range(16):
             if changed >> bit & 1:
                 was_set = bool(was[0] >> bit & 1)
