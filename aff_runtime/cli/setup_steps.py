@@ -2,59 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TypeVar
+from collections.abc import Sequence
 
 from aff_runtime.app.setup.angles import LONGEST_S, AngleCandidate, angle_candidates
 from aff_runtime.app.setup.behaviour import Kind, behaviours, heartbeats
 from aff_runtime.app.setup.candidates import SHOWN_BEST, Candidate, Observation, candidates
-from aff_runtime.app.setup.decoding import Decoding, side_by_side
+from aff_runtime.app.setup.decoding import side_by_side
 from aff_runtime.app.setup.display import shown_value
-from aff_runtime.app.setup.draft import FoundWord
 from aff_runtime.app.setup.floats import float_hints
 from aff_runtime.app.setup.interview import YES_NO, quantity_value
 from aff_runtime.app.setup.plc import mean_si
 from aff_runtime.app.setup.quantities import UNWIND, Quantity
 from aff_runtime.app.setup.questions import NONE, Question, one_of, whole
-from aff_runtime.app.setup.reading import Block, Watched, WordReader
+from aff_runtime.app.setup.reading import Block, Watched
 from aff_runtime.app.setup.status_bits import changed_bits
-from aff_runtime.base.errors import ConfigError, WireError
+from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.units import plain
-from aff_runtime.cli.setup_dialogue import Dialogue, row_reader
+from aff_runtime.cli.setup_look import SKIP, Look
 from aff_runtime.cli.terminal import complain, say
 
 LOOK_S = 3.0
 VALUE_S = 2.0
 BIT_S = 1.5
 SLOWEST_M_S = 0.02
-SKIP, AGAIN = "skip", "again"
-T = TypeVar("T")
+AGAIN = "again"
 
 
 def _score(one: Candidate) -> float:
     return one.score
 
 
-class Steps:
-    """What looks at the PLC, with the answers in between.
-
-    Parameters
-    ----------
-    dialogue : asks and keeps. ``reader`` : of the PLC; it only reads.
-    """
-
-    def __init__(self, dialogue: Dialogue, reader: WordReader) -> None:
-        self._dialogue = dialogue
-        self._reader = reader
-        self.blocks: tuple[Block, ...] = ()
+class Steps(Look):
+    """What is found by looking, in the order in which it is asked."""
 
     def survey(self) -> None:
         """Find which words of the window the PLC gives, and show what they do."""
-        answers = self._dialogue.draft.answers
+        answers = self.dialogue.draft.answers
         first, count = int(answers["first"]), int(answers["count"])
         if first + count > 65536:
             raise ConfigError(f"words {first} to {first + count - 1}: the last one is 65535")
-        self.blocks = self._patiently(lambda: self._reader.survey(first, count))
+        self.blocks = self.patiently(lambda: self.reader.survey(first, count))
         given = sum(block.count for block in self.blocks)
         if not given:
             raise ConfigError(
@@ -66,7 +53,7 @@ class Steps:
 
     def table(self) -> Watched:
         """Watch all words and show what each does."""
-        seen = self._watch(LOOK_S)
+        seen = self.watch(LOOK_S)
         for address, does in behaviours(seen).items():
             if does.kind is not Kind.STILL or does.last:
                 say(f"  word {address:5} = {does.last:5}  {does}")
@@ -76,8 +63,8 @@ class Steps:
     def heartbeat(self) -> None:
         """Find the word that the PLC moves each scan."""
         kept = Question(name="heartbeat", text="Heartbeat", read=whole(0, 65535))
-        if "heartbeat" in self._dialogue.draft.answers:
-            self._dialogue.ask(kept)
+        if "heartbeat" in self.dialogue.draft.answers:
+            self.dialogue.ask(kept)
             return
         found = heartbeats(self.table())
         if not found:
@@ -86,24 +73,24 @@ class Steps:
                 "scan, then run setup again."
             )
         rows = {n: f"word {one.address}: {', '.join(one.why)}" for n, one in enumerate(found, 1)}
-        pick = self._pick("heartbeat", "Which is the PLC's heartbeat?", rows)
+        pick = self.pick("heartbeat", "Which is the PLC's heartbeat?", rows)
         best = found[int(pick) - 1]
-        draft = self._dialogue.draft.with_answer("heartbeat", str(best.address))
-        self._dialogue.keep(draft.with_answer("scan_ms", plain(float(f"{best.period_ms:.4g}"))))
+        draft = self.dialogue.draft.with_answer("heartbeat", str(best.address))
+        self.dialogue.keep(draft.with_answer("scan_ms", plain(float(f"{best.period_ms:.4g}"))))
 
     def quantity(self, wanted: Quantity) -> None:
         """Find one quantity by what the display shows."""
-        draft = self._dialogue.draft
-        if self._is_known(wanted):
+        draft = self.dialogue.draft
+        if self.is_known(wanted):
             return
         moments: list[Observation] = []
         while True:
             turn = str(len(moments) + 1) if moments else ""
             text = self._display(wanted, turn)
             if text == SKIP:
-                self._dialogue.keep(draft.with_answer(f"{wanted.channel}.display", SKIP))
+                self.dialogue.keep(draft.with_answer(f"{wanted.channel}.display", SKIP))
                 return
-            seen = self._watch(VALUE_S)
+            seen = self.watch(VALUE_S)
             moments.append(Observation(shown=shown_value(text, wanted.unit), seen=seen))
             for hint in float_hints(moments[-1].shown, seen, wanted.unit):
                 say(f"  {hint}")
@@ -112,12 +99,12 @@ class Steps:
                 wanted.unit,
                 signed=wanted.signed,
                 moves=wanted.moves,
-                taken=frozenset(self._dialogue.draft.owners),
+                taken=frozenset(self.dialogue.draft.owners),
                 order=draft.order,
             )[:SHOWN_BEST]
             pick = self._of_candidates(wanted, rows, seen, turn)
             if pick is not None:
-                self._keep_word(wanted.channel, pick.decoding, pick.scale_text)
+                self.keep_word(wanted.channel, pick.decoding, pick.scale_text)
                 return
 
     def _display(self, wanted: Quantity, turn: str) -> str:
@@ -126,7 +113,7 @@ class Steps:
         def read(text: str) -> str:
             return SKIP if others and text == SKIP else shown_value(text, wanted.unit).text
 
-        return self._dialogue.ask_anew(
+        return self.dialogue.ask_anew(
             Question(
                 name=f"{wanted.channel}.display{turn}",
                 text=f"What does the drive show now as {wanted.asked}, all digits and the unit"
@@ -149,11 +136,11 @@ class Steps:
             say(f"  word {address:5}: {said}")
         if not rows:
             complain("  no word fits. Type all digits that the display has, and the right unit.")
-            if self._dialogue.script is not None:
+            if self.dialogue.script is not None:
                 raise ConfigError(f"{wanted.channel}: no word of the window fits what was typed")
             return None
         text = f"Which one? `{AGAIN}`: type the value at another moment, which decides more surely"
-        pick = self._pick(
+        pick = self.pick(
             f"{wanted.channel}.pick{turn}",
             text,
             shown,
@@ -167,7 +154,7 @@ class Steps:
 
     def angle(self, wanted: Quantity) -> None:
         """Find the encoder of a roll by its rate against line speed over radius."""
-        if self._is_known(wanted):
+        if self.is_known(wanted):
             return
         question = Question(
             name=f"{wanted.channel}.display",
@@ -176,29 +163,29 @@ class Steps:
             default="yes",
         )
         while True:
-            if self._dialogue.ask_anew(question) == SKIP:
-                self._dialogue.keep(self._dialogue.draft.with_answer(question.name, SKIP))
+            if self.dialogue.ask_anew(question) == SKIP:
+                self.dialogue.keep(self.dialogue.draft.with_answer(question.name, SKIP))
                 return
             say(f"  watching, {LONGEST_S:g} s at most, until the count starts over")
-            seen = self._watch(LONGEST_S, lambda seen: self._shows_all(wanted, seen))
+            seen = self.watch(LONGEST_S, lambda seen: self._shows_all(wanted, seen))
             rows = self._angles(wanted, seen)[:SHOWN_BEST]
             shown = {
                 n: f"{one.decoding}: {one.scale_text}; {', '.join(one.why)}"
                 for n, one in enumerate(rows, 1)
             }
             if rows:
-                pick = self._pick(f"{wanted.channel}.pick", "Which one?", shown, AGAIN)
+                pick = self.pick(f"{wanted.channel}.pick", "Which one?", shown, AGAIN)
                 if pick != AGAIN and rows[int(pick) - 1].usable:
                     one = rows[int(pick) - 1]
-                    self._keep_word(wanted.channel, one.decoding, one.scale_text)
+                    self.keep_word(wanted.channel, one.decoding, one.scale_text)
                     return
             else:
                 complain("  no word turns as this roll does at this line speed. Does it run?")
-            if self._dialogue.script is not None:
+            if self.dialogue.script is not None:
                 raise ConfigError(f"{wanted.channel}: no word of the window can be it")
 
     def _angles(self, wanted: Quantity, seen: Watched) -> list[AngleCandidate]:
-        draft = self._dialogue.draft
+        draft = self.dialogue.draft
         speed_m_s = abs(mean_si(draft.words["line_speed_m_s"], "m/s", seen))
         if wanted.roll == UNWIND:
             radius_m = mean_si(draft.words["unwind_radius_m"], "m", seen)
@@ -228,15 +215,15 @@ class Steps:
 
     def find_bit(self, question: Question) -> None:
         """Find a status bit by changing its state."""
-        name, ask_anew = question.name, self._dialogue.ask_anew
+        name, ask_anew = question.name, self.dialogue.ask_anew
         while True:
-            kept = self._dialogue.ask(question)
+            kept = self.dialogue.ask(question)
             if kept != "find":
                 return
             now = ask_anew(
                 Question(name=f"{name}.now", text="Is it so now? yes, no", read=one_of(*YES_NO))
             )
-            before = self._watch(BIT_S)
+            before = self.watch(BIT_S)
             ask_anew(
                 Question(
                     name=f"{name}.changed",
@@ -245,68 +232,19 @@ class Steps:
                     default="done",
                 )
             )
-            words = self._dialogue.draft.words.values()
+            words = self.dialogue.draft.words.values()
             taken = frozenset(place for word in words for place in word.decoding.addresses)
-            after = self._watch(BIT_S)
+            after = self.watch(BIT_S)
             found = changed_bits(before, after, true_before=now == "yes", taken=taken)
             rows = {n: str(one) for n, one in enumerate(found, 1)}
-            pick = self._pick(f"{name}.pick", "Which one?", rows, AGAIN, NONE)
+            pick = self.pick(f"{name}.pick", "Which one?", rows, AGAIN, NONE)
             if pick == AGAIN:
                 continue
             one = found[int(pick) - 1] if pick != NONE else None
             place = one.place if one else NONE
-            self._dialogue.keep(self._dialogue.draft.with_answer(name, place))
+            self.dialogue.keep(self.dialogue.draft.with_answer(name, place))
             return
 
     def fits_one_read(self, block: Block) -> bool:
         """Return whether the PLC gives all that is polled in one answer."""
-        return self._patiently(lambda: self._reader.read(block.start, block.count)) is not None
-
-    def _is_known(self, wanted: Quantity) -> bool:
-        draft = self._dialogue.draft
-        known = draft.words.get(wanted.channel)
-        if known is not None:
-            say(f"  {wanted.channel}: {known.decoding}, scale {known.scale} (kept)")
-        return known is not None or draft.answers.get(f"{wanted.channel}.display") == SKIP
-
-    def _keep_word(self, channel: str, decoding: Decoding, scale: str) -> None:
-        found = FoundWord(
-            address=decoding.address, type=decoding.type, order=decoding.order, scale=scale
-        )
-        self._dialogue.keep(self._dialogue.draft.with_word(channel, found))
-
-    def _pick(
-        self,
-        name: str,
-        text: str,
-        rows: dict[int, str],
-        *words: str,
-        at: Mapping[int, int] | None = None,
-        surely: bool = True,
-    ) -> str:
-        """Return the picked row's number, or one of ``words``; row 1 unasked only ``surely``."""
-        for n, row in rows.items():
-            say(f"  {n}: {row}")
-        first = "1" if rows else words[0] if words else None
-        default = first if surely else None
-        reader = row_reader(rows, at or {}, *words)
-        return self._dialogue.ask_anew(
-            Question(name=name, text=text, read=reader, default=default)
-        )
-
-    def _watch(self, seconds: float, enough: Callable[[Watched], bool] | None = None) -> Watched:
-        return self._patiently(lambda: self._reader.watch(self.blocks, seconds, enough))
-
-    def _patiently(self, act: Callable[[], T]) -> T:
-        """Do what needs the PLC; when it is gone say so, and wait for the technician."""
-        while True:
-            try:
-                return act()
-            except WireError as error:
-                if self._dialogue.script is not None:
-                    raise WireError(f"{error} What was found is kept.") from error
-                complain(f"  {error}")
-                text = "The PLC is gone; what was found is kept. Enter: try again; q: leave"
-                self._dialogue.ask_anew(
-                    Question(name="retry", text=text, read=lambda text: text, default="yes")
-                )
+        return self.patiently(lambda: self.reader.read(block.start, block.count)) is not None

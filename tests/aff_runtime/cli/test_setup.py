@@ -221,7 +221,7 @@ def test_one_word_is_not_two_things_and_the_window_is_the_window(
     assert played(tmp_path, script(tmp_path, plc.port, **own | {"bits__LINE_RUN": "4.1"})) == 2
     assert "word 4 is tension_ref_N already." in capsys.readouterr().err
     assert played(tmp_path, script(tmp_path, plc.port, status__order="yes", write="10")) == 2
-    assert "would be written, and 11 is unwind_angle_rad." in capsys.readouterr().err
+    assert "would be written, and 10 is swrap_follower_tension_N." in capsys.readouterr().err
     (tmp_path / "site.yaml").write_text("mine\n")
     assert played(tmp_path, script(tmp_path, plc.port)) == 0
     assert (tmp_path / "site.yaml").read_text() == "mine\n"
