@@ -77,7 +77,7 @@ def setup(options: argparse.Namespace) -> int:
         if not _write(dialogue, options.site):
             return 0
     except LeftError:
-        say(f"\nleft; what was answered is in {kept_in}. The same command goes on from there.")
+        say(f"left; what was answered is in {kept_in}. The same command goes on from there.")
         return 0
     for line in script.left_over(dialogue.draft) if script is not None else ():
         complain(line)

@@ -78,7 +78,10 @@ class Dialogue:
     def keep(self, draft: Draft) -> None:
         """Keep what is known now."""
         self.draft = draft
-        write_draft(self.path, draft)
+        try:
+            write_draft(self.path, draft)
+        except OSError as error:
+            raise ConfigError(f"{self.path}: cannot be written: {error.strerror}") from error
 
     def ask(self, question: Question) -> str:
         """Return the answer to a question, which is kept: the file's, the kept one, a new one."""

@@ -7,10 +7,12 @@ from typing import TypeVar
 
 from aff_runtime.app.setup.decoding import Decoding
 from aff_runtime.app.setup.draft import FoundWord
+from aff_runtime.app.setup.plc import scale_of
 from aff_runtime.app.setup.quantities import Quantity
 from aff_runtime.app.setup.questions import Question
 from aff_runtime.app.setup.reading import Block, Watched, WordReader
-from aff_runtime.base.errors import WireError
+from aff_runtime.base.errors import ConfigError, WireError
+from aff_runtime.base.units import UnitError
 from aff_runtime.cli.setup_dialogue import Dialogue, row_reader
 from aff_runtime.cli.terminal import complain, say
 
@@ -37,12 +39,31 @@ class Look:
         self.blocks: tuple[Block, ...] = ()
 
     def is_known(self, wanted: Quantity) -> bool:
-        """Return whether a quantity was found, or is not there."""
+        """Return whether a quantity was found, or is not there.
+
+        Raises
+        ------
+        ConfigError : what was kept of it cannot be.
+        """
         draft = self.dialogue.draft
         known = draft.words.get(wanted.channel)
-        if known is not None:
-            say(f"  {wanted.channel}: {known.decoding}, scale {known.scale} (kept)")
-        return known is not None or draft.answers.get(f"{wanted.channel}.display") == SKIP
+        if known is None:
+            return wanted.optional and draft.answers.get(f"{wanted.channel}.display") == SKIP
+        given = {place for block in self.blocks for place in block.addresses}
+        why = ""
+        if not given.issuperset(known.decoding.addresses):
+            why = f"{known.decoding} is not among the words that the PLC gives"
+        try:
+            scale_of(known.scale, wanted.unit)
+        except UnitError as error:
+            why = str(error)
+        if why:
+            raise ConfigError(
+                f"{self.dialogue.path}: words.{wanted.channel}: {why}. Ask again with `--again "
+                f"{wanted.channel}`."
+            )
+        say(f"  {wanted.channel}: {known.decoding}, scale {known.scale} (kept)")
+        return True
 
     def keep_word(self, channel: str, decoding: Decoding, scale: str) -> None:
         """Keep where a quantity was found."""

@@ -40,7 +40,7 @@ class Behaviour:
     rate_per_s : of a counter or ramp, counts per second with its sign; else 0.
     wraps : how often it went through its end.
     restarts_at : counts after which it starts over, where that is not 65536; 0 where it is.
-    evenness : of a counter or ramp, rms distance from a straight line, counts.
+    evenness : of a counter or ramp, usual distance from a straight line, counts.
     changed : the bits that changed, as a mask.
     """
 
@@ -142,10 +142,13 @@ def _short_way(step: int) -> int:
 
 
 def _line(times_s: Sequence[float], path: Sequence[int]) -> tuple[float, float]:
-    """Return slope and rms distance of the straight line through a path."""
+    """Return slope and usual distance of the straight line through a path.
+
+    The median: a reading that this machine noted late says nothing of the PLC.
+    """
     slope, zero = statistics.linear_regression(times_s, path)
-    errors = [(y - slope * t - zero) ** 2 for t, y in zip(times_s, path, strict=True)]
-    return slope, statistics.fmean(errors) ** 0.5
+    far = [abs(y - slope * t - zero) for t, y in zip(times_s, path, strict=True)]
+    return slope, statistics.median(far)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

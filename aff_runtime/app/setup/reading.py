@@ -28,6 +28,11 @@ class Block:
     start: int
     count: int
 
+    @property
+    def addresses(self) -> range:
+        """Return the wire addresses of its words."""
+        return range(self.start, self.start + self.count)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Watched:

@@ -110,8 +110,14 @@ def _places(draft: Draft, file: str) -> Mapping[str, str]:
         "channels": _channels(draft),
         "corrections": _corrections(draft),
         "need": ", ".join(_needed(draft)),
-        "hold_after_ms": plain(min(75.0, max(15.0, 3.0 * round(float(answers["scan_ms"]))))),
+        "hold_after_ms": plain(_hold_after_ms(answers.get("scan_ms", ""))),
     }
+
+
+def _hold_after_ms(scan_ms: str) -> float:
+    """Return how long a heartbeat may stand: three scans, as far as the scan is known."""
+    scan = float(scan_ms) if re.fullmatch(r"[0-9]{1,4}(\.[0-9]{1,6})?", scan_ms) else 0.0
+    return min(75.0, max(15.0, 3.0 * round(scan)))
 
 
 def _written(draft: Draft) -> dict[str, str]:

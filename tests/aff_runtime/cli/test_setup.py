@@ -182,6 +182,91 @@ def test_own_status_bits_and_a_manual_that_counts_from_40001(plc: Served, tmp_pa
     assert list(site.actuators) == ["unwind"]
 
 
+KEPT = {
+    "answers": {
+        "wire": "modbus_tcp", "host": "127.0.0.1", "device_id": "1", "first": "0", "count": "100",
+        "heartbeat": "0", "scan_ms": "10", "number": "0", "name": "Line 1", "second": "none",
+        "tension_ref_N.display": "skip", "unwind_angle_rad.display": "skip", "probe": "0.0008",
+        "speed_max": "8", "tension_max": "400", "radius_min": "4 in", "radius_max": "12 in",
+        "limit": "0.05", "function": "fc23", "law": "blocks", "status.word": "1",
+        "status.order": "no", "roll_id": "8", "echo": "none", "write": "100",
+        "correction_scale": "0.00001",
+    },
+    "words": {
+        "unwind_tension_N": {"address": 2, "type": "i32", "order": "high_first", "scale": "0.001"},
+        "line_speed_m_s": {"address": 5, "type": "i16", "order": "", "scale": "0.001"},
+        "unwind_radius_m": {"address": 6, "type": "u16", "order": "", "scale": "0.02 mm"},
+    },
+}  # fmt: skip
+
+
+@pytest.mark.wire
+def test_bits_are_found_by_changing_them_though_the_cable_comes_off(
+    plc: Served,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    kept = {**KEPT, "answers": {**KEPT["answers"], "port": str(plc.port)}}
+    (tmp_path / "site.setup.json").write_text(json.dumps(kept))
+    now = {"bit": ""}
+    asked: list[str] = []
+
+    def typed(prompt: str) -> str:
+        asked.append(prompt)
+        assert len(asked) < 40, asked[-6:]
+        name = prompt.partition(":")[0]
+        if name in ("LINE_RUN", "TENSION_VALID", "ESTOP_OK"):
+            now["bit"] = name
+            return "find"
+        if name.isupper():
+            return "none"
+        if "Is it so now" in prompt:
+            if now["bit"] == "ESTOP_OK":
+                plc.fault("refuse")  # while it looks
+            return "no" if now["bit"] == "TENSION_VALID" else "yes"  # as if it meant the contrary
+        if "The PLC is gone" in prompt:
+            assert plc.command("clear")["ok"]
+        if "Change it" in prompt:
+            assert plc.command(f"set {now['bit']} 0")["ok"]
+        return ""
+
+    monkeypatch.setattr("aff_runtime.cli.setup_steps.BIT_S", 0.5)
+    monkeypatch.setattr("builtins.input", typed)
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True)
+    assert main(["setup", str(tmp_path / "site.yaml"), "--state-dir", str(tmp_path)]) == 0
+    assert f"127.0.0.1:{plc.port}: " in capsys.readouterr().err
+    bits = load_site(tmp_path / "site.yaml").gateway.read.status.bits
+    assert bits is not None
+    # base.signals.Status: bit 0 LINE_RUN, bit 5 TENSION_VALID, bit 6 ESTOP_OK
+    found = {name: (place.bit, place.inverted) for name, place in bits.given.items()}
+    assert found == {"LINE_RUN": (0, False), "TENSION_VALID": (5, True), "ESTOP_OK": (6, False)}
+    assert plc.command("status")["counts"]["writes"] == 0
+
+
+@pytest.mark.wire
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ({"address": 40}, "word 40 i16 is not among the words that the PLC gives"),
+        ({"scale": "1 lbf"}, "is a force, expected a speed"),
+    ],
+)
+def test_a_kept_word_that_cannot_be_is_named(
+    plc: Served,
+    word: dict[str, object],
+    said: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    kept = json.loads(json.dumps(KEPT))
+    kept["words"]["line_speed_m_s"] |= word
+    (tmp_path / "site.setup.json").write_text(json.dumps(kept))
+    assert played(tmp_path, script(tmp_path, plc.port)) == 2
+    assert "site.setup.json: words.line_speed_m_s: " in (error := capsys.readouterr().err)
+    assert said in error
+
+
 @pytest.mark.wire
 @pytest.mark.parametrize(
     ("changes", "said"),
