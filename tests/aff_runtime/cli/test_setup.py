@@ -201,50 +201,6 @@ KEPT = {
 
 
 @pytest.mark.wire
-def test_bits_are_found_by_changing_them_though_the_cable_comes_off(
-    plc: Served,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    kept = {**KEPT, "answers": {**KEPT["answers"], "port": str(plc.port)}}
-    (tmp_path / "site.setup.json").write_text(json.dumps(kept))
-    now = {"bit": ""}
-    asked: list[str] = []
-
-    def typed(prompt: str) -> str:
-        asked.append(prompt)
-        assert len(asked) < 40, asked[-6:]
-        name = prompt.partition(":")[0]
-        if name in ("LINE_RUN", "TENSION_VALID", "ESTOP_OK"):
-            now["bit"] = name
-            return "find"
-        if name.isupper():
-            return "none"
-        if "Is it so now" in prompt:
-            if now["bit"] == "ESTOP_OK":
-                plc.fault("refuse")  # while it looks
-            return "no" if now["bit"] == "TENSION_VALID" else "yes"  # as if it meant the contrary
-        if "The PLC is gone" in prompt:
-            assert plc.command("clear")["ok"]
-        if "Change it" in prompt:
-            assert plc.command(f"set {now['bit']} 0")["ok"]
-        return ""
-
-    monkeypatch.setattr("aff_runtime.cli.setup_steps.BIT_S", 0.5)
-    monkeypatch.setattr("builtins.input", typed)
-    monkeypatch.setattr("sys.stdin.isatty", lambda: True)
-    assert main(["setup", str(tmp_path / "site.yaml"), "--state-dir", str(tmp_path)]) == 0
-    assert f"127.0.0.1:{plc.port}: " in capsys.readouterr().err
-    bits = load_site(tmp_path / "site.yaml").gateway.read.status.bits
-    assert bits is not None
-    # base.signals.Status: bit 0 LINE_RUN, bit 5 TENSION_VALID, bit 6 ESTOP_OK
-    found = {name: (place.bit, place.inverted) for name, place in bits.given.items()}
-    assert found == {"LINE_RUN": (0, False), "TENSION_VALID": (5, True), "ESTOP_OK": (6, False)}
-    assert plc.command("status")["counts"]["writes"] == 0
-
-
-@pytest.mark.wire
 @pytest.mark.parametrize(
     ("word", "said"),
     [
