@@ -11,7 +11,6 @@ __all__ = [
     "loader",
     "models",
     "plain_file",
-    "quantity",
     "reference",
     "revision",
     "site_paths",

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from annotated_types import MaxLen
-from pydantic import Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.types import StringConstraints
 
 from aff_runtime.app.link.files import replace_text
@@ -17,9 +17,9 @@ from aff_runtime.app.setup.questions import FIND, NONE, split_bit
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable
 from aff_runtime.config.plain_file import read_plain
-from aff_runtime.config.quantity import Section
 
 MAX_BYTES = 64 * 1024
+STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.]*$", max_length=80)]
 Line = Annotated[str, StringConstraints(pattern=r"^[^\x00-\x1f\x7f]*$", max_length=200)]
 ScaleText = Annotated[
@@ -28,8 +28,10 @@ ScaleText = Annotated[
 ]
 
 
-class FoundWord(Section):
+class FoundWord(BaseModel):
     """Where a quantity was found, how it is stored, and SI in a count as text."""
+
+    model_config = STRICT
 
     address: int = Field(ge=0, le=65535, strict=True)
     type: Literal["u16", "i16", "u32", "i32"]
@@ -42,8 +44,10 @@ class FoundWord(Section):
         return Decoding(address=self.address, type=self.type, order=self.order)
 
 
-class Draft(Section):
+class Draft(BaseModel):
     """Everything known; ``answers`` as they are kept, ``words`` by channel."""
+
+    model_config = STRICT
 
     version: Literal[1] = 1
     answers: Annotated[Mapping[Key, Line], MaxLen(200)] = {}
