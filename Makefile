@@ -21,10 +21,11 @@ $(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch])
 	@touch $@
 
 # both processes on loopback at 5 ms: probe, arm, run, report (SPEED= line speed in FPM,
-# WIRE= modbus, can or canopen; LAW=blocks runs the plain law, on modbus)
+# WIRE= modbus, can or canopen; LAW=blocks runs the plain law, on modbus; SITE= another site file)
 demo: setup
 	$(BIN)/python -m sim_plant.cli.main demo --wire $(WIRE) --speed-fpm $(SPEED) \
-		$(if $(filter blocks,$(LAW)),--site config/euclid_blocks.yaml) --out out/demo-$(WIRE)
+		$(if $(SITE),--site $(SITE),$(if $(filter blocks,$(LAW)),--site config/euclid_blocks.yaml)) \
+		--out out/demo-$(WIRE)
 
 # a hidden cause, drawn by SEED (EFFECT= of the catalogue): recorded by the service, traced, corrected
 # live and proved; at most 8 minutes, page out/demo-loop/page.html (WIRE= modbus or can)

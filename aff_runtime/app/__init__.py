@@ -1,3 +1,14 @@
 """Wiring: the one place where rooms meet."""
 
-__all__ = ["card", "check", "control", "door", "hand", "link", "report", "supervisor", "wiring"]
+__all__ = [
+    "card",
+    "check",
+    "control",
+    "door",
+    "hand",
+    "link",
+    "report",
+    "setup",
+    "supervisor",
+    "wiring",
+]

@@ -87,6 +87,9 @@ _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(\S.*?)?\s*")
 _DECIMAL_COMMA = re.compile(r"\s*([-+]?\d+),(\d+)((?:[eE][-+]?\d+)?\s*\D.*|)")
 
 
+_COUNTS_PER_TURN = re.compile(rf"\s*({_NUMBER})\s*(?:counts?|cts?)\s*/\s*(?:turn|rev)\s*")
+
+
 class UnitError(ValueError):
     """A value cannot be read in the unit its key asks for; the text says what was expected."""
 
@@ -168,6 +171,26 @@ def read_number(value: object, unit: str) -> float:
     if not math.isfinite(number):
         raise UnitError(f"{_shown(value)} is not a finite number. Write {_example(unit)}.")
     return number
+
+
+def read_scale(value: object, unit: str) -> float:
+    """Return how many ``unit``s one count is: as ``read_number``, or ``4096 counts/turn``.
+
+    Raises
+    ------
+    UnitError : as ``read_number``, or counts per turn of what is no angle, or of 0 counts.
+    """
+    match = _COUNTS_PER_TURN.fullmatch(value) if isinstance(value, str) else None
+    if match is None:
+        return read_number(value, unit)
+    wanted, counts = _BY_SYMBOL[unit], float(match[1])
+    if wanted.dimension != "angle":
+        reason = f"counts/turn is for an angle, expected {_a(wanted)}: {_example(unit)}."
+        raise UnitError(f'"{_short(str(value))}": {reason}')
+    if not math.isfinite(counts) or counts == 0.0:
+        reason = "a turn needs a finite number of counts that is not 0. Write 4096 counts/turn."
+        raise UnitError(f'"{_short(str(value))}": {reason}')
+    return _TURN / counts / wanted.si_per_unit
 
 
 def _read_text(text: str, unit: str) -> float:

@@ -26,6 +26,7 @@ from aff_runtime.cli import (
     roll,
     run,
     settings,
+    setup,
     status,
     top,
     watch,
@@ -35,6 +36,7 @@ from aff_runtime.cli.terminal import complain
 from aff_runtime.core.compiled.binary import arithmetic_name
 
 COMMANDS = (
+    setup,
     check,
     run,
     operate,

@@ -26,6 +26,11 @@ def complain(line: object) -> None:
     print(printable(str(line)), file=sys.stderr)
 
 
+def ask(prompt: str) -> str:
+    """Return the line that is typed after ``prompt``; EOFError at ctrl-d."""
+    return input(f"{printable(prompt)} ")
+
+
 def say_json(answer: Mapping[str, Any]) -> None:
     """Print an answer for scripts: all ASCII."""
     print(json.dumps(answer, indent=1).replace("\x7f", "\\u007f"))

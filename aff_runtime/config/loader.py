@@ -12,7 +12,16 @@ from aff_runtime.config import can_wire, site_paths, tls_files
 from aff_runtime.config.findings import Finding, SiteFileError, in_file_order
 from aff_runtime.config.messages import empty_keys, findings_of
 from aff_runtime.config.models import Site
-from aff_runtime.config.rules import actuators, channels, registers, rolls, shape, timing, wire
+from aff_runtime.config.rules import (
+    actuators,
+    channels,
+    registers,
+    rolls,
+    shape,
+    status,
+    timing,
+    wire,
+)
 from aff_runtime.config.rules.issue import Issue
 from aff_runtime.config.scales import convert_scales
 from aff_runtime.config.site_paths import STATE_DIRECTORY
@@ -22,6 +31,7 @@ _RULES: tuple[Callable[[Site], Iterator[Issue]], ...] = (
     wire.issues,
     channels.issues,
     registers.issues,
+    status.issues,
     actuators.issues,
     shape.issues,
     rolls.issues,

@@ -50,6 +50,7 @@ def read_rows(site: Site) -> list[Row]:
         )
         if word is not None
     ]
+    rows += _bit_rows(site)
     for name, channel in read.channels.items():
         path = (*base, "channels", name, "register")
         rows.append(_row(site, path, channel.register_number, channel.type))
@@ -57,6 +58,22 @@ def read_rows(site: Site) -> list[Row]:
         path = (*base, "applied", name, "register")
         rows.append(_row(site, path, applied.register_number, applied.type))
     return sorted(rows, key=lambda row: row.address)
+
+
+def _bit_rows(site: Site) -> list[Row]:
+    """Return the words that hold status bits alone, each once."""
+    status = site.gateway.read.status
+    taken = {site.gateway.wire_address(status.register_number or 0)}
+    rows = []
+    for name, place in (status.bits.given if status.bits is not None else {}).items():
+        if place.register_number is None:
+            continue
+        path = ("gateway", "read", "status", "bits", name, "register")
+        row = _row(site, path, place.register_number, "u16")
+        if row.address not in taken:
+            taken.add(row.address)
+            rows.append(row)
+    return rows
 
 
 def write_rows(site: Site) -> list[Row]:

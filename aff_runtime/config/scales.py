@@ -1,8 +1,8 @@
-"""Scales written with a unit (``0.1 mm``): the unit to convert to is the channel's own."""
+"""Scales as text (``0.1 mm``, ``4096 counts/turn``): the channel's own unit is converted to."""
 
 from __future__ import annotations
 
-from aff_runtime.base.units import UnitError, read_number
+from aff_runtime.base.units import UnitError, read_scale
 from aff_runtime.config.channel_units import ENDINGS, unit_of_channel
 from aff_runtime.config.findings import Finding, KeyPath
 from aff_runtime.config.yaml_marks import MarkedTree, Tree
@@ -39,7 +39,7 @@ def convert_scales(tree: MarkedTree) -> list[Finding]:
                 findings.append(tree.finding(where, text))
                 continue
             try:
-                entry["scale"] = read_number(scale, unit)
+                entry["scale"] = read_scale(scale, unit)
             except UnitError as error:
                 findings.append(tree.finding(where, str(error)))
     return findings

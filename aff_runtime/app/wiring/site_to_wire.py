@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from aff_runtime.base.signals import Status
 from aff_runtime.config.models import Channel, Site
 from aff_runtime.fieldbus.modbus.registers import (
     Correction,
     Register,
     RegisterMap,
+    StatusPlace,
     WordOrder,
     WordType,
 )
@@ -32,6 +34,25 @@ def register_map(site: Site) -> RegisterMap:
         aff_echo=None if aff_echo is None else address(aff_echo.register_number),
         corrections=tuple(_correction(site, name) for name in site.actuators),
         applied=tuple(_applied(site, name) for name in site.actuators) if applied else (),
+        status_places=_status_places(site),
+    )
+
+
+def _status_places(site: Site) -> tuple[StatusPlace, ...]:
+    """Return where each status bit stands; none when the status word is in our own order."""
+    status, address = site.gateway.read.status, _address(site)
+    if status.bits is None:
+        return ()
+    return tuple(
+        StatusPlace(
+            means=Status[name],
+            address=address(
+                status.register_number if place.register_number is None else place.register_number
+            ),
+            bit=place.bit,
+            inverted=place.inverted,
+        )
+        for name, place in status.bits.given.items()
     )
 
 

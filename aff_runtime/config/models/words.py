@@ -5,7 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from aff_runtime.config.quantity import Few, Flag, Name, Register, Section, SiPerCount, Text, key
+from aff_runtime.config.quantity import (
+    Few,
+    Flag,
+    Name,
+    Register,
+    Section,
+    SiPerCount,
+    Text,
+    Whole,
+    key,
+)
 
 WordType = Literal["u16", "i16", "u32", "i32"]
 SIGNAL = (
@@ -29,6 +39,54 @@ class ReadWord(Section):
     type: Literal["u16"] = key("Word type; these words are always u16.", default="u16")
 
 
+class StatusBit(Section):
+    """Where one status bit stands, and which state of it means yes."""
+
+    register_number: Register | None = _register(
+        "Number of the register it stands in, counted as address_base says. Absent: that of "
+        "status. The same register may carry other bits, but no other value."
+    )
+    bit: Annotated[int, Whole("bit")] = key("Its place in the word; 0 counts 1.", ge=0, le=15)
+    inverted: Flag = key(
+        "true when 0 means yes (a WEB_INTACT that the PLC has as web break).", default=False
+    )
+
+
+class StatusBits(Section):
+    """The bits of a PLC that has status words of its own; a bit that is not here reads 0."""
+
+    LINE_RUN: StatusBit | None = key("The line runs: nothing is corrected at rest.", default=None)
+    AFF_ENABLE_REQUEST: StatusBit | None = key(
+        "The PLC lets AFF correct; needed unless permissives.enable_from_plc is false.",
+        default=None,
+    )
+    REMOTE: StatusBit | None = key("The line is in remote operation.", default=None)
+    WEB_INTACT: StatusBit | None = key("No web break is seen.", default=None)
+    SPLICE_ACTIVE: StatusBit | None = key(
+        "A splice runs; rolls with resets_on: splice forget.", default=None
+    )
+    TENSION_VALID: StatusBit | None = key("The tension reading may be used.", default=None)
+    ESTOP_OK: StatusBit | None = key("No emergency stop is active.", default=None)
+    RESET_EDGE: StatusBit | None = key("Its rise is a reset of AFF's fault.", default=None)
+
+    @property
+    def given(self) -> dict[str, StatusBit]:
+        """Return the bits that have a place, by name."""
+        placed = {name: getattr(self, name) for name in type(self).model_fields}
+        return {name: place for name, place in placed.items() if place is not None}
+
+
+class StatusWord(ReadWord):
+    """The status word of the PLC; without ``bits`` in AFF's own order of bits."""
+
+    bits: StatusBits | None = key(
+        "Where each status bit stands, for a PLC with status words of its own; on Modbus. "
+        "Absent: LINE_RUN is bit 0 of the word, then AFF_ENABLE_REQUEST, REMOTE, WEB_INTACT, "
+        "SPLICE_ACTIVE, TENSION_VALID, ESTOP_OK and RESET_EDGE, bit 7.",
+        default=None,
+    )
+
+
 class Channel(Section):
     """A measured value; the name of the key ends with its SI unit."""
 
@@ -43,7 +101,7 @@ class Channel(Section):
     )
     scale: SiPerCount = key(
         "SI units in one count (on CAN: in one physical unit of the signal), from the manual; "
-        "may be text with a unit (`0.1 mm`). "
+        "may be text with a unit (`0.1 mm`), of an angle `4096 counts/turn`. "
         "Change it when the value differs from the drive's display by a fixed factor. "
         "Negative when the device counts against the web direction.",
         ge=-1e6,
@@ -75,7 +133,7 @@ class ReadBlock(Section):
         "Counter that the PLC raises each scan; proof of life. A step back is an old reading: "
         "a bit that toggles proves nothing."
     )
-    status: ReadWord = key("Status bits of the PLC: permissives, enable request, splice.")
+    status: StatusWord = key("Status bits of the PLC: permissives, enable request, splice.")
     roll_id: ReadWord = key("Counter of splices; a new number resets what resets_on: splice.")
     aff_echo: ReadWord | None = key(
         "Copy of the aff_heartbeat that the PLC took in this scan. Without it nothing tells on "

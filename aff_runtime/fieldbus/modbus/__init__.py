@@ -9,4 +9,5 @@ __all__ = [
     "registers",
     "serial_time",
     "tcp_wire",
+    "udp_wire",
 ]

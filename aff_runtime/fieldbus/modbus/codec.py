@@ -45,6 +45,10 @@ class WordCodec:
         self.channel_count: Final = len(register_map.channels)
         self._heartbeat_at = register_map.plc_heartbeat - start
         self._status_at = register_map.status - start
+        self._status_rows = tuple(
+            (place.address - start, 1 << place.bit, place.inverted, int(place.means))
+            for place in register_map.status_places
+        )
         self._roll_id_at = register_map.roll_id - start
         self._aff_echo_at = _offset(register_map.aff_echo, start)
         self._read_rows = tuple(_read_row(channel, start) for channel in register_map.channels)
@@ -96,10 +100,18 @@ class WordCodec:
         self._counts_known = True
         return (
             words[self._heartbeat_at],
-            words[self._status_at],
+            self._status(words) if self._status_rows else words[self._status_at],
             words[self._roll_id_at],
             tuple(values),
         )
+
+    def _status(self, words: list[int]) -> int:
+        """Return the status in our own order, gathered from where the PLC has its bits."""
+        status = 0
+        for at, mask, inverted, means in self._status_rows:
+            if (words[at] & mask == 0) is inverted:
+                status |= means
+        return status
 
     def aff_echo(self, words: list[int]) -> int | None:
         """Return our heartbeat that the PLC took; None where the map has no such word."""

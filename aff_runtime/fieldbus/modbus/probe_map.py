@@ -56,9 +56,17 @@ class MapProbe:
 
 
 def open_read_only(
-    *, device_id: int, read_start: int, read_count: int, clock: Clock, wire: Wire
+    *,
+    device_id: int,
+    read_start: int,
+    read_count: int,
+    clock: Clock,
+    wire: Wire,
+    patience_s: float = 0.05,
 ) -> ModbusTransport:
     """Return a transport on ``wire`` that can only ask FC3.
+
+    ``patience_s`` : how long a reply may be outstanding before the connection is made anew, s.
 
     Raises
     ------
@@ -66,7 +74,13 @@ def open_read_only(
         When a number does not fit the protocol.
     """
     frames = ModbusFrames(device_id=device_id, read_start=read_start, read_count=read_count)
-    return ModbusTransport(frames=frames, wire=wire, clock=clock, function=WireFunction.FC3)
+    return ModbusTransport(
+        frames=frames,
+        wire=wire,
+        clock=clock,
+        function=WireFunction.FC3,
+        silence_before_reconnect_s=patience_s,
+    )
 
 
 def probe_map(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.signals import Status
 
 MAX_READ_WORDS = 125
 MAX_WRITE_WORDS = 121
@@ -128,6 +129,27 @@ class Correction:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class StatusPlace:
+    """Where the PLC has one status bit.
+
+    Attributes
+    ----------
+    means : the bit of ``Status`` that it is.
+    address, bit : wire address of its word, and its place there, 0..15.
+    inverted : True when 0 means yes.
+    """
+
+    means: Status
+    address: int
+    bit: int
+    inverted: bool = False
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.bit <= 15:
+            raise ConfigError(f"status bit {self.means.name}: bit {self.bit} outside 0..15")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RegisterMap:
     """Every word this service reads and every word it writes, nothing else.
 
@@ -137,6 +159,7 @@ class RegisterMap:
     channels : readings in the order of ``Snapshot.values``.
     aff_heartbeat, state, echo : addresses of the three words every PLC must take.
     aff_echo : address at which the PLC shows the ``aff_heartbeat`` it took; None without one.
+    status_places : where each status bit stands; empty when ``status`` has them in our own order.
     applied : per correction the word in which the PLC shows what of it it applies, None without
         one; empty where there is none at all.
     alarm, limit, config_revision : addresses, None where the device has no such word; ``limit``
@@ -162,6 +185,7 @@ class RegisterMap:
     config_revision: int | None = None
     aff_echo: int | None = None
     applied: tuple[Register | None, ...] = ()
+    status_places: tuple[StatusPlace, ...] = ()
 
     def __post_init__(self) -> None:
         self._check_read_block()
@@ -191,6 +215,7 @@ class RegisterMap:
         words = [self.plc_heartbeat, self.status, self.roll_id]
         if self.aff_echo is not None:
             words.append(self.aff_echo)
+        words.extend(place.address for place in self.status_places)
         for register in (*self.channels, *self.applied):
             words.extend(register.addresses if register is not None else ())
         return words

@@ -149,6 +149,10 @@ class ModbusTransport:
             self._drop()
         return outcome, _NO_WORDS
 
+    def ask_for(self, frames: ModbusFrames) -> None:
+        """Exchange other blocks from the next transaction on, on the same connection."""
+        self._frames = frames
+
     def close(self) -> None:
         """Release the connection."""
         self._disconnect(abort=self._outstanding or self._link is _Link.CONNECTING)

@@ -9,7 +9,7 @@ from typing import Any
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_files import yaml_values
-from aff_runtime.base.units import UnitError, read_number
+from aff_runtime.base.units import UnitError, read_scale
 
 DEFAULT_SPEED = "line_speed_m_s"
 UNITS = {"velocity_reference": ("m/s", "m_s"), "torque_reference": ("N m", "N_m")}
@@ -121,8 +121,8 @@ def _unit(channel: str) -> str:
 
 
 def _number(value: object, unit: str, absent: float) -> float:
-    """Return a number of the file in ``unit``; ``absent`` where it is none."""
+    """Return a number or scale of the file in ``unit``; ``absent`` where it is none."""
     try:
-        return read_number(value, unit) if value is not None else absent
+        return read_scale(value, unit) if value is not None else absent
     except UnitError:
         return absent

@@ -6,7 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aff_runtime.base.units import UnitError, accepted_units, plain, read_number, unit_info
+from aff_runtime.base.units import (
+    UnitError,
+    accepted_units,
+    plain,
+    read_number,
+    read_scale,
+    unit_info,
+)
 
 
 @pytest.mark.parametrize(
@@ -108,3 +115,28 @@ def test_plain_number_is_one_that_yaml_reads_as_a_number(number):
     read = yaml.safe_load(plain(number))
     assert isinstance(read, int | float)
     assert read == pytest.approx(number, rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize("text", ["4096 counts/turn", "4096counts / rev", "4096.0 cts/turn"])
+def test_counts_per_turn_are_a_scale_of_an_angle(text):
+    # the float of 2 pi over a power of two is exact
+    assert read_scale(text, "rad") == 2 * math.pi / 4096 == 0.0015339807878856412
+    assert read_scale(f"-{text}", "rad") == -2 * math.pi / 4096
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "said"),
+    [
+        ("4096 counts/turn", "m", "counts/turn is for an angle, expected a length: a number in m"),
+        ("0 counts/turn", "rad", "Write 4096 counts/turn."),
+        ("4096 counts", "rad", 'unit "counts" is not known here'),
+    ],
+)
+def test_counts_per_turn_elsewhere_are_refused(text, unit, said):
+    with pytest.raises(UnitError, match=said):
+        read_scale(text, unit)
+
+
+def test_any_other_scale_is_a_number():
+    assert read_scale("0.5 deg", "rad") == pytest.approx(math.pi / 360)
+    assert read_scale(0.001, "N") == 0.001

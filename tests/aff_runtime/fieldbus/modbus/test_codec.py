@@ -7,11 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from aff_runtime.base.signals import Status
 from aff_runtime.fieldbus.modbus.codec import WordCodec
 from aff_runtime.fieldbus.modbus.registers import (
     Correction,
     Register,
     RegisterMap,
+    StatusPlace,
     WordOrder,
     WordType,
 )
@@ -235,3 +237,24 @@ def test_without_a_limit_in_force_the_limit_word_is_zero() -> None:
 def test_a_nan_on_the_wire_stays_nan() -> None:
     codec = one_channel(Register(name="x", address=2, type=WordType.F32))
     assert math.isnan(codec.decode(read_block([0x7FC0, 0x0000]))[3][0])
+
+
+@given(st.integers(0, 0xFFFF), st.integers(0, 0xFFFF), st.booleans())
+def test_status_bits_are_gathered_from_where_the_plc_has_them(
+    own: int, other: int, inverted: bool
+) -> None:
+    places = (
+        StatusPlace(means=Status.LINE_RUN, address=1, bit=15),
+        StatusPlace(means=Status.WEB_INTACT, address=20, bit=0, inverted=inverted),
+        StatusPlace(means=Status.ESTOP_OK, address=20, bit=7),
+    )
+    codec = WordCodec(euclid_map(status_places=places))
+    words = [0] * codec.read_count
+    words[1], words[20] = own, other
+    expected = {
+        Status.LINE_RUN: own >= 0x8000,
+        Status.WEB_INTACT: (other % 2 == 1) is not inverted,
+        Status.ESTOP_OK: other // 128 % 2 == 1,
+    }
+    status = codec.decode(words)[1]
+    assert status == sum(int(bit) for bit, on in expected.items() if on)

@@ -1,0 +1,183 @@
+"""What a word does: stands still, counts, ramps, is noisy, has bits that change."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import pairwise
+
+from aff_runtime.app.setup.reading import Watched
+
+FASTEST_SCAN_PER_S = 1100.0
+SLOWEST_SCAN_PER_S = 5.0
+_ROUND_PERIODS_MS = (1, 2, 4, 5, 8, 10, 12, 16, 20, 25, 32, 40, 50, 100, 200)
+_MOST_BITS = 3
+_LEAST_STEPS = 5
+_LEAST_WAY = 12  # counts; less may be a swing
+_CROOKED = 0.03  # share of the way by which a ramp may be off a straight line
+_FULL = 1 << 16
+
+
+class Kind(StrEnum):
+    """What a word does."""
+
+    STILL = "still"
+    COUNTER = "counts up"
+    RAMP = "ramps"
+    NOISY = "noisy"
+    BITS = "bits change"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Behaviour:
+    """What one word did while it was watched.
+
+    Attributes
+    ----------
+    last, mean, sd : the last reading as u16, mean and standard deviation as i16.
+    rate_per_s : of a counter or ramp, counts per second with its sign; else 0.
+    wraps : how often it went through its end.
+    restarts_at : counts after which it starts over, where that is not 65536; 0 where it is.
+    evenness : of a counter or ramp, usual distance from a straight line, counts.
+    changed : the bits that changed, as a mask.
+    """
+
+    kind: Kind
+    last: int
+    mean: float
+    sd: float
+    rate_per_s: float = 0.0
+    wraps: int = 0
+    restarts_at: int = 0
+    evenness: float = 0.0
+    changed: int = 0
+
+    def __str__(self) -> str:
+        """Return it as text for eyes."""
+        match self.kind:
+            case Kind.COUNTER | Kind.RAMP:
+                ends = f", starts over at {self.restarts_at}" if self.restarts_at else ""
+                return f"{self.kind} by {self.rate_per_s:.1f} a second{ends}"
+            case Kind.NOISY:
+                return f"noisy: {self.mean:.1f} +- {self.sd:.1f}"
+            case Kind.BITS:
+                bits = [str(bit) for bit in range(16) if self.changed >> bit & 1]
+                return f"bits that change: {', '.join(bits)}"
+        return "still"
+
+
+def behaviour(times_s: Sequence[float], series: Sequence[int]) -> Behaviour:
+    """Return what a word did; ``series`` are its readings as u16."""
+    signed = [word - _FULL if word & 0x8000 else word for word in series]
+    changed = 0
+    for a, b in pairwise(series):
+        changed |= a ^ b
+    base = Behaviour(
+        kind=Kind.STILL,
+        last=series[-1],
+        mean=statistics.fmean(signed),
+        sd=statistics.pstdev(signed),
+        changed=changed,
+    )
+    if not changed:
+        return base
+    moving = _moving(base, times_s, series)
+    if moving is not None:
+        return moving
+    few = changed.bit_count() <= _MOST_BITS and len(set(series)) <= 1 << _MOST_BITS
+    return _as(base, kind=Kind.BITS if (few and changed > 3) or changed in (1, 2) else Kind.NOISY)
+
+
+def behaviours(seen: Watched) -> dict[int, Behaviour]:
+    """Return what every watched word did, by wire address."""
+    return {place: behaviour(seen.times_s, series) for place, series in seen.words.items()}
+
+
+def _as(base: Behaviour, *, kind: Kind) -> Behaviour:
+    return Behaviour(kind=kind, last=base.last, mean=base.mean, sd=base.sd, changed=base.changed)
+
+
+def _moving(base: Behaviour, times_s: Sequence[float], series: Sequence[int]) -> Behaviour | None:
+    """Return a counter or a ramp, None for what goes to and fro."""
+    steps = [_short_way(b - a) for a, b in pairwise(series)]
+    nonzero = [step for step in steps if step]
+    if len(nonzero) < _LEAST_STEPS or times_s[-1] <= times_s[0]:
+        return None
+    usual = statistics.median(nonzero)
+    back = [step for step in nonzero if step * usual < 0]
+    spans = {round(abs(usual - step)) for step in back}
+    if len(back) > max(1, len(nonzero) // 10) or (back and min(spans) < 8 * abs(usual)):
+        return None
+    restarts_at = 0
+    if back:
+        largest = max(series) + 1
+        restarts_at = largest if min(series) < 8 * abs(usual) + 1 else round(min(spans))
+        steps = [step + (restarts_at if usual > 0 else -restarts_at) if step in back else step
+                 for step in steps]  # fmt: skip
+    path = [0]
+    for step in steps:
+        path.append(path[-1] + step)
+    rate, evenness = _line(times_s, path)
+    way = abs(path[-1])
+    if way < _LEAST_WAY or evenness > _CROOKED * way + 1.0:
+        return None
+    is_counter = usual > 0 and SLOWEST_SCAN_PER_S <= rate <= FASTEST_SCAN_PER_S and evenness < 3.0
+    return Behaviour(
+        kind=Kind.COUNTER if is_counter else Kind.RAMP,
+        last=base.last,
+        mean=base.mean,
+        sd=base.sd,
+        changed=base.changed,
+        rate_per_s=rate,
+        wraps=sum(abs(b - a) > _FULL // 2 for a, b in pairwise(series)),
+        restarts_at=restarts_at,
+        evenness=evenness,
+    )
+
+
+def _short_way(step: int) -> int:
+    return (step + _FULL // 2) % _FULL - _FULL // 2
+
+
+def _line(times_s: Sequence[float], path: Sequence[int]) -> tuple[float, float]:
+    """Return slope and usual distance of the straight line through a path.
+
+    The median: a reading that this machine noted late says nothing of the PLC.
+    """
+    slope, zero = statistics.linear_regression(times_s, path)
+    far = [abs(y - slope * t - zero) for t, y in zip(times_s, path, strict=True)]
+    return slope, statistics.median(far)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeartbeatCandidate:
+    """A word that may be the PLC's heartbeat; ``why`` says what speaks for it."""
+
+    address: int
+    period_ms: float
+    why: tuple[str, ...]
+    score: float
+
+
+def heartbeats(seen: Watched) -> list[HeartbeatCandidate]:
+    """Return the words that may be the PLC's heartbeat, best first."""
+    found = []
+    for address, does in behaviours(seen).items():
+        if does.kind is not Kind.COUNTER or does.restarts_at:
+            continue
+        period_ms = 1e3 / does.rate_per_s
+        nearest = min(_ROUND_PERIODS_MS, key=lambda ms: abs(ms - period_ms) / ms)
+        off = abs(period_ms - nearest) / nearest
+        why = [f"counts every {period_ms:.2f} ms"]
+        score = -does.evenness
+        if off < 0.02:
+            why.append(f"a scan of {nearest} ms")
+            score += 3.0 * (1.0 - off / 0.02) + 1.0
+        if does.evenness < 1.0:
+            why.append("evenly")
+        found.append(
+            HeartbeatCandidate(address=address, period_ms=period_ms, why=tuple(why), score=score)
+        )
+    return sorted(found, key=lambda one: -one.score)

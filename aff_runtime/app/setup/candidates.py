@@ -1,0 +1,231 @@
+"""Which words can be what a display shows: every register and decoding, ranked by reasons."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours
+from aff_runtime.app.setup.decoding import Decoding, all_decodings, values
+from aff_runtime.app.setup.display import Shown
+from aff_runtime.app.setup.reading import Watched
+from aff_runtime.app.setup.scale_steps import round_scales
+from aff_runtime.base.units import plain
+
+SHOWN_BEST = 5
+_RANGE = math.log(1e8)  # over which a value may lie that has nothing to do with the display
+_NO_ROUND_SCALE = math.log(0.02)
+_FURTHEST = 3.0  # standard deviations
+_TRIED_SCALES = 40
+_CREEPS = 0.01  # share of its value that a measured value changes in a second, at most
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Observation:
+    """What the display showed while the words were watched."""
+
+    shown: Shown
+    seen: Watched
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Candidate:
+    """One reading of one or two words as the quantity.
+
+    Attributes
+    ----------
+    scale : SI in a count; ``scale_text`` : as the site file may write it.
+    is_round : whether the scale is a round number of some unit.
+    value : what it reads now, SI.
+    why : reasons for and against, for eyes. ``score`` : log of how much better than chance.
+    """
+
+    decoding: Decoding
+    scale: float
+    scale_text: str
+    is_round: bool
+    value: float
+    why: tuple[str, ...]
+    score: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Seen:
+    """One decoding at one moment: mean and scatter in counts, and what the display showed."""
+
+    mean: float
+    sd: float
+    shown: Shown
+
+    def off(self, scale: float) -> float:
+        """Return how far the display is from ``scale``, in standard deviations."""
+        digit = self.shown.half_digit / math.sqrt(3.0)
+        return abs(self.shown.value - scale * self.mean) / math.hypot(digit, self.sd * scale)
+
+    def chance(self, scale: float) -> float:
+        """Return the log of how surely a wrong word would miss the display."""
+        digit = self.shown.half_digit / math.sqrt(3.0)
+        sigma = math.hypot(digit, self.sd * scale) / abs(self.shown.value)
+        return -math.log(min(1.0, 2.5 * sigma / _RANGE))
+
+    def share(self) -> float:
+        """Return the largest share of the value by which the display may be off."""
+        digit = self.shown.half_digit / abs(self.shown.value)
+        return digit + _FURTHEST * self.sd / abs(self.mean)
+
+
+def candidates(
+    observations: Sequence[Observation],
+    si_unit: str,
+    *,
+    signed: bool,
+    moves: bool | None,
+    taken: frozenset[int] = frozenset(),
+    order: str = "",
+) -> list[Candidate]:
+    """Return what the words can be, best first; at least one observation is needed.
+
+    Parameters
+    ----------
+    si_unit : of the quantity.
+    signed : whether its word is called signed where nothing tells.
+    moves : whether it is measured (never quite still) or set; None for what moves slowly.
+    order : word order of the PLC where it is known; the other one is left out.
+    taken : words that are something else already.
+    """
+    latest = observations[-1].seen
+    does = behaviours(latest)
+    found: list[Candidate] = []
+    for decoding in all_decodings(latest, signed=signed):
+        if not taken.isdisjoint(decoding.addresses) or _is_other(decoding.order, order):
+            continue
+        moments = [_moment(decoding, one) for one in observations]
+        if any(one is None for one in moments):
+            continue
+        found += _of(decoding, [one for one in moments if one is not None], si_unit, does, moves)
+    best: dict[Decoding, Candidate] = {}
+    for one in sorted(found, key=lambda one: -one.score):
+        best.setdefault(one.decoding, one)
+    return list(best.values())
+
+
+def _is_other(order: str, known: str) -> bool:
+    return bool(order and known and order != known)
+
+
+def _moment(decoding: Decoding, one: Observation) -> _Seen | None:
+    if any(place not in one.seen.words for place in decoding.addresses):
+        return None
+    counts = values(decoding, one.seen)
+    mean = statistics.fmean(counts)
+    if abs(mean) < 0.5:
+        return None
+    return _Seen(mean=mean, sd=statistics.pstdev(counts), shown=one.shown)
+
+
+def _of(
+    decoding: Decoding,
+    moments: Sequence[_Seen],
+    si_unit: str,
+    does: Mapping[int, Behaviour],
+    moves: bool | None,
+) -> Iterator[Candidate]:
+    """Yield the best round scale of one decoding, and the scale that follows from the values."""
+    first = min(moments, key=_Seen.share)
+    implied = first.shown.value / first.mean
+    sign, share = math.copysign(1.0, implied), min(first.share(), 0.5)
+    low, high = abs(implied) * (1.0 - share), abs(implied) * (1.0 + share)
+    tried = [
+        (scale, scale.log_prior, _fit(moments, sign * scale.si))
+        for _, scale in zip(
+            range(_TRIED_SCALES), round_scales(low, high, si_unit, first.shown.unit), strict=False
+        )
+    ]
+    fitting = [row for row in tried if row[2] is not None]
+    habits, why = _habits(decoding, does, moves)
+    if fitting:
+        scale, prior, fit = max(fitting, key=lambda row: row[1] + (row[2] or 0.0))
+        score = prior + (fit or 0.0) + habits + _resolution(scale.si, first.shown)
+        text = scale.text if sign > 0 else f"-{scale.text}"
+        reasons = (f"{text} is round", *_agreement(moments, sign * scale.si), *why)
+        yield _candidate(decoding, sign * scale.si, text, True, moments, reasons, score)
+    fit = _fit(moments, implied)
+    if fit is not None:
+        gained = fit - first.chance(implied)  # the first value fits whatever the word is
+        score = _NO_ROUND_SCALE + gained + habits + _resolution(abs(implied), first.shown)
+        text = plain(float(f"{implied:.4g}"))
+        reasons = ("the scale is not round", *_agreement(moments, implied), *why)
+        yield _candidate(decoding, implied, text, False, moments, reasons, score)
+
+
+def _candidate(
+    decoding: Decoding,
+    scale: float,
+    text: str,
+    is_round: bool,
+    moments: Sequence[_Seen],
+    why: Sequence[str],
+    score: float,
+) -> Candidate:
+    return Candidate(
+        decoding=decoding,
+        scale=scale,
+        scale_text=text,
+        is_round=is_round,
+        value=scale * moments[-1].mean,
+        why=tuple(why),
+        score=score,
+    )
+
+
+def _fit(moments: Sequence[_Seen], scale: float) -> float | None:
+    """Return how much better than chance a scale explains the values; None when it does not."""
+    total = 0.0
+    for one in moments:
+        off = one.off(scale)
+        if off > _FURTHEST:
+            return None
+        total += one.chance(scale) - 0.5 * off * off
+    return total
+
+
+def _agreement(moments: Sequence[_Seen], scale: float) -> tuple[str, ...]:
+    if len({one.shown.value for one in moments}) < 2:
+        return ()
+    return (f"agrees at {len(moments)} moments",)
+
+
+def _habits(
+    decoding: Decoding, does: Mapping[int, Behaviour], moves: bool | None
+) -> tuple[float, tuple[str, ...]]:
+    """Return what a word's behaviour says for or against it."""
+    kinds = [does[place].kind for place in decoding.addresses]
+    if any(_runs(does[place]) for place in decoding.addresses):
+        return -8.0, ("it counts or ramps",)
+    moving = any(kind is not Kind.STILL for kind in kinds)
+    score, why = 0.0, list[str]()
+    if moves is not None:
+        score = 1.0 if moving is moves else -5.0 if moves else -3.0
+    why.append("moves" if moving else "stands still")
+    if len(kinds) == 2:
+        high = decoding.addresses[0 if decoding.order == "high_first" else 1]
+        if not does[high].last and does[high].kind is Kind.STILL:
+            score -= 0.5  # one word does it
+        if does[high].kind is Kind.NOISY and does[high].sd > 2.0:
+            score -= 4.0  # the high word of a measured value hardly moves
+    return score, tuple(why)
+
+
+def _runs(word: Behaviour) -> bool:
+    """Return whether a word counts or turns; one that creeps, as a radius, may be measured."""
+    if word.kind not in (Kind.COUNTER, Kind.RAMP):
+        return False
+    return word.wraps > 0 or abs(word.rate_per_s) > _CREEPS * max(1.0, abs(word.mean))
+
+
+def _resolution(scale: float, shown: Shown) -> float:
+    """Return what speaks against a count that is far coarser or finer than the display."""
+    ratio = scale / (2.0 * shown.half_digit)
+    return -4.0 if ratio > 2.2 else -3.0 if ratio < 1e-5 else 0.0

@@ -1,0 +1,131 @@
+"""What was answered and found so far, in a small JSON file beside the site file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Literal
+
+from annotated_types import MaxLen
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic.types import StringConstraints
+
+from aff_runtime.app.setup.decoding import Decoding
+from aff_runtime.app.setup.questions import FIND, NONE, split_bit
+from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.files import replace_text
+from aff_runtime.base.printable import printable
+from aff_runtime.config.plain_file import read_plain
+
+MAX_BYTES = 64 * 1024
+STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.]*$", max_length=80)]
+Line = Annotated[str, StringConstraints(pattern=r"^[^\x00-\x1f\x7f]*$", max_length=200)]
+ScaleText = Annotated[
+    str,
+    StringConstraints(pattern=r"^-?[0-9.]+([eE][-+]?[0-9]+)?( [A-Za-z/ 0-9]+)?$", max_length=40),
+]
+
+
+class FoundWord(BaseModel):
+    """Where a quantity was found, how it is stored, and SI in a count as text."""
+
+    model_config = STRICT
+
+    address: int = Field(ge=0, le=65535, strict=True)
+    type: Literal["u16", "i16", "u32", "i32"]
+    order: Literal["", "high_first", "low_first"]
+    scale: ScaleText
+
+    @property
+    def decoding(self) -> Decoding:
+        """Return how it is read."""
+        return Decoding(address=self.address, type=self.type, order=self.order)
+
+
+class Draft(BaseModel):
+    """Everything known; ``answers`` as they are kept, ``words`` by channel."""
+
+    model_config = STRICT
+
+    version: Literal[1] = 1
+    answers: Annotated[Mapping[Key, Line], MaxLen(200)] = {}
+    words: Annotated[Mapping[Key, FoundWord], MaxLen(64)] = {}
+
+    def with_answer(self, name: str, kept: str) -> Draft:
+        """Return it with one more answer."""
+        return self.model_copy(update={"answers": {**self.answers, name: kept}})
+
+    def with_word(self, channel: str, word: FoundWord) -> Draft:
+        """Return it with one more quantity found."""
+        return self.model_copy(update={"words": {**self.words, channel: word}})
+
+    def without(self, name: str) -> Draft:
+        """Return it without a quantity or answer and what hangs on it, to be asked again."""
+        return self.model_copy(
+            update={
+                kind: {
+                    key: value
+                    for key, value in getattr(self, kind).items()
+                    if key != name and not key.startswith(f"{name}.")
+                }
+                for kind in ("answers", "words")
+            }
+        )
+
+    @property
+    def order(self) -> str:
+        """Return the PLC's word order as far as a quantity of two words tells; else empty."""
+        return next((word.order for word in self.words.values() if word.order), "")
+
+    @property
+    def owners(self) -> dict[int, str]:
+        """Return who has which wire address."""
+        owners = {
+            place: channel
+            for channel, word in self.words.items()
+            for place in word.decoding.addresses
+        }
+        for name in ("heartbeat", "roll_id", "status.word", "echo", *self._applied()):
+            given = self.answers.get(name, "")
+            if given.isdecimal():
+                owners.setdefault(int(given), name)
+        for name, kept in self.answers.items():
+            if name.startswith("bits.") and kept not in (NONE, FIND):
+                owners.setdefault(split_bit(kept)[0], name)
+        return owners
+
+    def _applied(self) -> list[str]:
+        return [name for name in self.answers if name.startswith("applied.")]
+
+
+def read_draft(path: Path) -> Draft:
+    """Return what was kept in ``path``; nothing where there is no such file.
+
+    Raises
+    ------
+    ConfigError : it cannot be read, or is not what setup wrote.
+    """
+    what_to_do = "Delete it to begin anew."
+    try:
+        raw = read_plain(path, MAX_BYTES)
+    except FileNotFoundError:
+        return Draft()
+    except (OSError, ValueError) as error:
+        raise ConfigError(f"{path}: cannot be read ({error}). {what_to_do}") from None
+    try:
+        return Draft.model_validate(json.loads(raw))
+    except ValidationError as error:
+        one = error.errors(include_url=False)[0]
+        where = printable(".".join(str(part) for part in one["loc"]), 80)
+        said = f"{where}: {printable(one['msg'], 120)}"
+        raise ConfigError(f"{path}: is not what setup kept: {said}. {what_to_do}") from None
+    except (ValueError, RecursionError) as error:
+        said = printable(str(error), 120)
+        raise ConfigError(f"{path}: is no JSON ({said}). {what_to_do}") from None
+
+
+def write_draft(path: Path, draft: Draft) -> None:
+    """Keep what is known; a reader sees the old file or the whole new one."""
+    replace_text(path, draft.model_dump_json(indent=1) + "\n")

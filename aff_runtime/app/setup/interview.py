@@ -1,0 +1,277 @@
+"""The questions in words, in their order; what is measured between them is asked elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from aff_runtime.app.setup.draft import Draft
+from aff_runtime.app.setup.quantities import UNWIND
+from aff_runtime.app.setup.questions import (
+    FIND,
+    NONE,
+    AnswerError,
+    Question,
+    bit,
+    number,
+    number_of,
+    one_of,
+    read_name,
+    read_text,
+    split_bit,
+    whole,
+    word,
+    word_or_none,
+)
+from aff_runtime.app.setup.reading import MOST_WORDS
+
+WIRES = ("modbus_tcp", "modbus_udp", "modbus_rtu", "can")
+YES_NO = ("yes", "no")
+BITS = (
+    ("LINE_RUN", "the line runs", True),
+    ("AFF_ENABLE_REQUEST", "the PLC lets AFF correct", True),
+    ("WEB_INTACT", "no web break", True),
+    ("TENSION_VALID", "the tension reading may be used", True),
+    ("ESTOP_OK", "no emergency stop", True),
+    ("REMOTE", "the line is in remote operation", False),
+    ("SPLICE_ACTIVE", "a splice runs", False),
+    ("RESET_EDGE", "reset of AFF's fault", False),
+)
+"""Name, meaning, and whether a correction usually waits for it."""
+NEEDED = ("LINE_RUN", "WEB_INTACT", "TENSION_VALID", "ESTOP_OK")
+Known = Callable[[int], str]
+
+
+def wire_questions() -> tuple[Question, ...]:
+    """Return what is asked before the PLC is spoken to."""
+    return (
+        Question(
+            name="wire",
+            text=f"How is the PLC reached? {', '.join(WIRES)}",
+            read=one_of(*WIRES),
+            default="modbus_tcp",
+        ),
+        Question(name="host", text="Address of the PLC, such as 192.168.7.10", read=read_text),
+        Question(name="port", text="Port", read=whole(1, 65535), default="502"),
+        Question(name="device_id", text="Unit identifier", read=whole(0, 255), default="1"),
+        Question(
+            name="first",
+            text="First word to look at, as a wire address (the manual's first register is 0)",
+            read=whole(0, 65535),
+            default="0",
+        ),
+        Question(
+            name="count",
+            text="How many words to look at",
+            read=whole(1, MOST_WORDS),
+            default="100",
+        ),
+    )
+
+
+def line_questions() -> tuple[Question, ...]:
+    """Return what is asked before quantities are looked for."""
+    return (
+        Question(name="name", text="Name of the line", read=read_text),
+        Question(
+            name="second",
+            text="Name of a second driven roller to correct, such as swrap_follower; or none",
+            read=read_name,
+            default=NONE,
+        ),
+    )
+
+
+def word_questions(draft: Draft, known: Known) -> tuple[Question, ...]:
+    """Return what is asked of words that one cannot tell by looking."""
+    rolls = roll_names(draft)
+    applied = tuple(
+        Question(
+            name=f"applied.{roll}",
+            text=f"Word with the correction of {roll} that the PLC really adds; or none",
+            read=word_or_none(known),
+            default=NONE,
+        )
+        for roll in rolls
+    )
+    return (
+        Question(name="roll_id", text="Word that counts splices (a new roll)", read=word(known)),
+        Question(
+            name="echo",
+            text="Word with the PLC's copy of our heartbeat (aff_echo); or none",
+            read=word_or_none(known),
+            default=NONE,
+        ),
+        *(applied if draft.answers.get("echo", NONE) != NONE else ()),
+        Question(
+            name="write",
+            text=f"First of the {8 + 2 * (len(rolls) - 1)} words that AFF writes, in the order of "
+            "docs/technician/gateway-block.md (wire address)",
+            read=word(lambda address: _not_ours(draft, address)),
+            default="100",
+        ),
+        Question(
+            name="correction_scale",
+            text="One count of a correction word, m/s (the PLC's own scale)",
+            read=number("m/s", 1e-9, 1.0),
+            default="0.00001",
+        ),
+    )
+
+
+def _not_ours(draft: Draft, address: int) -> str:
+    words = range(address, address + 8 + 2 * (len(roll_names(draft)) - 1))
+    for place, owner in sorted(draft.owners.items()):
+        if place in words:
+            return f"words {words[0]} to {words[-1]} would be written, and {place} is {owner}."
+    return ""
+
+
+def status_questions(known: Known) -> tuple[Question, ...]:
+    """Return what is asked of the status word before its bits."""
+    return (
+        Question(
+            name="status.word", text="Word with the status bits of the PLC", read=word(known)
+        ),
+        Question(
+            name="status.order",
+            text="Has it AFF's own order of bits (docs/technician/gateway-block.md)? yes, no",
+            read=one_of(*YES_NO),
+            default="yes",
+        ),
+    )
+
+
+def bit_questions(draft: Draft, known: Known) -> tuple[Question, ...]:
+    """Return what is asked of each status bit of a PLC with an order of its own.
+
+    ``known`` says why a word cannot hold one, or nothing.
+    """
+    return tuple(
+        Question(
+            name=f"bits.{name}",
+            text=f"{name}: {meaning}. word.bit such as 20.7, `20.7 inverted`, find, none",
+            read=bit(partial(_why_no_bit, draft, known, f"bits.{name}")),
+            default=FIND if needed else NONE,
+        )
+        for name, meaning, needed in BITS
+    )
+
+
+def _why_no_bit(draft: Draft, known: Known, name: str, address: int, place: int) -> str:
+    for other, kept in draft.answers.items():
+        if not other.startswith("bits.") or other == name or kept in (NONE, FIND):
+            continue
+        if split_bit(kept)[:2] == (address, place):
+            return f"bit {place} of word {address} is {other.removeprefix('bits.')} already."
+    return known(address)
+
+
+def machine_questions(draft: Draft) -> tuple[Question, ...]:
+    """Return what is asked of the machine: limits, radii, and the drive where it is known."""
+    second = draft.answers.get("second", NONE)
+    asked = [
+        Question(
+            name="speed_max",
+            text="Highest speed of normal operation",
+            read=number("m/s", 0.0, 25.0),
+        ),
+        Question(name="tension_max", text="Highest web tension", read=number("N", 0.0, 1e5)),
+        Question(name="radius_min", text="Radius of the empty core", read=number("m", 0.005, 3.0)),
+        Question(name="radius_max", text="Radius of the full roll", read=number("m", 0.005, 3.0)),
+        Question(
+            name="limit",
+            text="Largest correction that the PLC allows at the unwind",
+            read=number("m/s", 0.0, 1.0),
+        ),
+    ]
+    if second != NONE:
+        asked += [
+            Question(
+                name="second_radius", text=f"Radius of {second}", read=number("m", 0.005, 3.0)
+            ),
+            Question(
+                name="limit_second",
+                text=f"Largest correction that the PLC allows at {second}",
+                read=number("m/s", 0.0, 1.0),
+            ),
+        ]
+    asked += [
+        Question(
+            name="probe",
+            text="Amplitude of the probe's excitation",
+            read=number("m/s", 0.0, 0.1),
+            default="0.0008",
+        ),
+        Question(
+            name="function", text="Function codes", read=one_of("fc23", "fc3_fc16"), default="fc23"
+        ),
+        Question(
+            name="law",
+            text="Law: shape needs the drive's numbers, blocks does not",
+            read=one_of("blocks", "shape"),
+            default="blocks",
+        ),
+    ]
+    return tuple(asked)
+
+
+def drive_questions() -> tuple[Question, ...]:
+    """Return what law shape needs of the drive."""
+    return (
+        Question(
+            name="speed_gain",
+            text="Speed loop: proportional gain over inertia, rad/s",
+            read=number("rad/s", 0.0, 1000.0),
+        ),
+        Question(name="zeta", text="Damping of the speed loop", read=number("", 0.0, 10.0)),
+        Question(
+            name="inertia",
+            text="Inertia of core, chuck and coupling, kg m2",
+            read=number("kg m2", 0.0, 1e4),
+        ),
+        Question(
+            name="density", text="Density of the wound web, kg/m3", read=number("kg/m3", 0.0, 2e4)
+        ),
+        Question(name="width", text="Width of the web", read=number("m", 0.0, 20.0)),
+        Question(
+            name="core", text="Outer radius of the core itself", read=number("m", 0.005, 3.0)
+        ),
+    )
+
+
+def roll_names(draft: Draft) -> tuple[str, ...]:
+    """Return the rolls that are corrected."""
+    second = draft.answers.get("second", NONE)
+    return (UNWIND,) if second == NONE else (UNWIND, second)
+
+
+def first_number(heartbeat: int) -> Question:
+    """Return the question by which wire addresses become the manual's numbers."""
+    return Question(
+        name="number",
+        text=f"Which number has word {heartbeat} (the heartbeat) in the PLC's manual or program?",
+        read=lambda text: str(register_style(heartbeat, text) + heartbeat),
+        default=str(heartbeat),
+    )
+
+
+def register_style(heartbeat: int, text: str) -> int:
+    """Return the number that a manual gives to wire address 0: 0, 1, 40001 or 400001."""
+    shown = int(whole(0, 465536)(text))
+    style = shown - heartbeat
+    if style not in (0, 1, 40001, 400001):
+        starts = ", ".join(str(heartbeat + first) for first in (0, 1, 40001, 400001))
+        raise AnswerError(f"word {heartbeat} can be {starts} in a manual, not {shown}.")
+    return style
+
+
+def style_of(draft: Draft) -> int:
+    """Return the number that the PLC's manual gives to wire address 0."""
+    heartbeat = draft.answers["heartbeat"]
+    return register_style(int(heartbeat), draft.answers.get("number", heartbeat))
+
+
+def quantity_value(draft: Draft, name: str, unit: str) -> float:
+    """Return an answer as a number in ``unit``."""
+    return number_of(draft.answers[name], unit)

@@ -1,0 +1,163 @@
+"""What is asked with words: a name, a sentence, a default, and how an answer is read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from aff_runtime.base.printable import printable
+from aff_runtime.base.suggest import meant
+from aff_runtime.base.units import UnitError, plain, read_number
+
+LONGEST = 200
+_NAME = re.compile(r"[a-z][A-Za-z0-9_]{0,39}")
+_BIT = re.compile(r"\s*(?P<word>\d{1,5})\.(?P<bit>\d{1,2})(?P<inverted>\s+inverted)?\s*")
+NONE, FIND = "none", "find"
+
+
+class AnswerError(ValueError):
+    """An answer cannot be taken; the text says what was read and what to write."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Question:
+    """One question.
+
+    Attributes
+    ----------
+    name : key of the answer.
+    text : what is asked, for a technician.
+    read : takes an answer as typed and returns it as it is kept; ``AnswerError`` otherwise.
+    default : taken when nothing is typed; None where something must be.
+    """
+
+    name: str
+    text: str
+    read: Callable[[str], str]
+    default: str | None = None
+
+
+def read_text(text: str) -> str:
+    """Take any one line that prints."""
+    text = text.strip()
+    if not text or len(text) > LONGEST:
+        raise AnswerError(f"{len(text)} characters. Write 1 to {LONGEST}.")
+    if not text.isprintable():
+        raise AnswerError(f"{printable(text, 60)} holds what does not print. Type it again.")
+    return text
+
+
+def read_name(text: str) -> str:
+    """Take a name as the site file has them."""
+    if not _NAME.fullmatch(text.strip()):
+        raise AnswerError(
+            f'"{printable(text, 40)}" is no name. Begin with a small letter, then letters, digits '
+            "and underscores, 40 at most."
+        )
+    return text.strip()
+
+
+def whole(low: int, high: int) -> Callable[[str], str]:
+    """Return the reader of a whole number."""
+
+    def read(text: str) -> str:
+        shown = text.strip()
+        if not re.fullmatch(r"[0-9]{1,9}", shown) or not low <= int(shown) <= high:
+            raise AnswerError(f'"{printable(shown, 40)}": write a whole number, {low} to {high}.')
+        return str(int(shown))
+
+    return read
+
+
+def one_of(*words: str) -> Callable[[str], str]:
+    """Return the reader of one word of several."""
+
+    def read(text: str) -> str:
+        shown = text.strip()
+        if shown not in words:
+            raise AnswerError(f'"{printable(shown, 40)}" is not known. {meant(shown, words)}')
+        return shown
+
+    return read
+
+
+def number(unit: str, low: float, high: float) -> Callable[[str], str]:
+    """Return the reader of a number in ``unit``, bare or with a unit, above ``low``."""
+
+    def read(text: str) -> str:
+        shown = " ".join(text.split())
+        value = number_of(shown, unit)
+        if not low < value <= high:
+            raise AnswerError(
+                f'"{printable(shown, 40)}" is out of range: above {plain(low)}, up to '
+                f"{plain(high)} {unit}."
+            )
+        return shown
+
+    return read
+
+
+def number_of(text: str, unit: str) -> float:
+    """Return a number as typed, in ``unit``; a bare one is in it."""
+    try:
+        return read_number(float(text), unit)
+    except ValueError:
+        pass
+    try:
+        return read_number(text, unit)
+    except UnitError as error:
+        raise AnswerError(printable(str(error), 300)) from None
+
+
+def word_or_none(known: Callable[[int], str]) -> Callable[[str], str]:
+    """Return the reader of a wire address or ``none``; ``known`` says why not, or nothing."""
+
+    def read(text: str) -> str:
+        return NONE if text.strip() == NONE else word(known)(text)
+
+    return read
+
+
+def word(known: Callable[[int], str]) -> Callable[[str], str]:
+    """Return the reader of a wire address; ``known`` says why one cannot be, or nothing."""
+
+    def read(text: str) -> str:
+        address = whole(0, 65535)(text)
+        why = known(int(address))
+        if why:
+            raise AnswerError(why)
+        return address
+
+    return read
+
+
+def bit(known: Callable[[int, int], str]) -> Callable[[str], str]:
+    """Return the reader of ``20.7`` or ``20.7 inverted``, ``find``, or ``none``.
+
+    ``known`` says why a bit of a word cannot be it, or nothing.
+    """
+
+    def read(text: str) -> str:
+        if text.strip() in (NONE, FIND):
+            return text.strip()
+        match = _BIT.fullmatch(text)
+        if match is None or int(match["word"]) > 65535 or int(match["bit"]) > 15:
+            raise AnswerError(
+                f'"{printable(text, 40)}": write word and bit such as 20.7 (bit 0 to 15), '
+                "`20.7 inverted` where 0 means yes, `find`, or `none`."
+            )
+        why = known(int(match["word"]), int(match["bit"]))
+        if why:
+            raise AnswerError(why)
+        place = f"{int(match['word'])}.{int(match['bit'])}"
+        return f"{place} inverted" if match["inverted"] else place
+
+    return read
+
+
+def split_bit(kept: str) -> tuple[int, int, bool]:
+    """Return word, bit and whether it is inverted of an answer that ``bit`` took."""
+    place, _, inverted = kept.partition(" ")
+    at, _, bit = place.partition(".")
+    return int(at), int(bit), bool(inverted)

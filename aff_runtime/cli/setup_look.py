@@ -1,0 +1,108 @@
+"""Looking at the PLC while somebody answers: patience, rows to pick from, what is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TypeVar
+
+from aff_runtime.app.setup.decoding import Decoding
+from aff_runtime.app.setup.draft import FoundWord
+from aff_runtime.app.setup.plc import scale_of
+from aff_runtime.app.setup.quantities import Quantity
+from aff_runtime.app.setup.questions import Question
+from aff_runtime.app.setup.reading import Block, Watched, WordReader
+from aff_runtime.base.errors import ConfigError, WireError
+from aff_runtime.base.units import UnitError
+from aff_runtime.cli.setup_dialogue import Dialogue, row_reader
+from aff_runtime.cli.terminal import complain, say
+
+SKIP = "skip"
+T = TypeVar("T")
+
+
+class Look:
+    """What every step needs.
+
+    Parameters
+    ----------
+    dialogue : asks and keeps.
+    reader : of the PLC; it only reads.
+
+    Attributes
+    ----------
+    blocks : the words that the PLC gives.
+    """
+
+    def __init__(self, dialogue: Dialogue, reader: WordReader) -> None:
+        self.dialogue = dialogue
+        self.reader = reader
+        self.blocks: tuple[Block, ...] = ()
+
+    def is_known(self, wanted: Quantity) -> bool:
+        """Return whether a quantity was found, or is not there.
+
+        Raises
+        ------
+        ConfigError : what was kept of it cannot be.
+        """
+        draft = self.dialogue.draft
+        known = draft.words.get(wanted.channel)
+        if known is None:
+            return wanted.optional and draft.answers.get(f"{wanted.channel}.display") == SKIP
+        given = {place for block in self.blocks for place in block.addresses}
+        why = ""
+        if not given.issuperset(known.decoding.addresses):
+            why = f"{known.decoding} is not among the words that the PLC gives"
+        try:
+            scale_of(known.scale, wanted.unit)
+        except UnitError as error:
+            why = str(error)
+        if why:
+            raise ConfigError(
+                f"{self.dialogue.path}: words.{wanted.channel}: {why}. Ask again with `--again "
+                f"{wanted.channel}`."
+            )
+        say(f"  {wanted.channel}: {known.decoding}, scale {known.scale} (kept)")
+        return True
+
+    def keep_word(self, channel: str, decoding: Decoding, scale: str) -> None:
+        """Keep where a quantity was found."""
+        found = FoundWord(
+            address=decoding.address, type=decoding.type, order=decoding.order, scale=scale
+        )
+        self.dialogue.keep(self.dialogue.draft.with_word(channel, found))
+
+    def pick(
+        self,
+        name: str,
+        text: str,
+        rows: dict[int, str],
+        *words: str,
+        at: Mapping[int, int] | None = None,
+        surely: bool = True,
+    ) -> str:
+        """Return the picked row's number, or one of ``words``; row 1 unasked only ``surely``."""
+        for n, row in rows.items():
+            say(f"  {n}: {row}")
+        first = "1" if rows else words[0] if words else None
+        default = first if surely else None
+        reader = row_reader(rows, at or {}, *words)
+        return self.dialogue.ask_anew(Question(name=name, text=text, read=reader, default=default))
+
+    def watch(self, seconds: float, enough: Callable[[Watched], bool] | None = None) -> Watched:
+        """Watch all words."""
+        return self.patiently(lambda: self.reader.watch(self.blocks, seconds, enough))
+
+    def patiently(self, act: Callable[[], T]) -> T:
+        """Do what needs the PLC; when it is gone say so, and wait for the technician."""
+        while True:
+            try:
+                return act()
+            except WireError as error:
+                if self.dialogue.script is not None:
+                    raise WireError(f"{error} What was found is kept.") from error
+                complain(f"  {error}")
+                text = "The PLC is gone; what was found is kept. Enter: try again; q: leave"
+                self.dialogue.ask_anew(
+                    Question(name="retry", text=text, read=lambda text: text, default="yes")
+                )

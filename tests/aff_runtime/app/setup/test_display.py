@@ -1,0 +1,41 @@
+"""What a technician types off a display."""
+
+from __future__ import annotations
+
+import pytest
+
+from aff_runtime.app.setup.display import shown_value
+from aff_runtime.base.units import UnitError
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value", "half"),
+    [
+        ("20.3 lbf", "N", 20.3 * 4.4482216152605, 0.05 * 4.4482216152605),
+        ("300 FPM", "m/s", 1.524, 0.5 * 0.00508),
+        ("8.00 in", "m", 0.2032, 0.005 * 0.0254),
+        (" -1.5N ", "N", -1.5, 0.05),
+    ],
+)
+def test_value_and_half_a_digit_are_in_si(text: str, unit: str, value: float, half: float) -> None:
+    shown = shown_value(text, unit)
+    assert shown.value == pytest.approx(value)
+    assert shown.half_digit == pytest.approx(half)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "said"),
+    [
+        ("20.3", "N", "has no unit. Write it as the display has it: N, mN"),
+        ("20.3 mm", "N", '"20.3 mm" is a length, expected a force'),
+        ("20,3 lbf", "N", "has a decimal comma. Write 20.3 lbf."),
+        ("about 20", "N", "is not a number"),
+        ("", "N", "is not a number"),
+        ("0.0 lbf", "N", "0 tells no scale"),
+        ("20.3 bananas", "N", 'unit "bananas" is not known here'),
+    ],
+)
+def test_nonsense_is_told_with_what_to_type(text: str, unit: str, said: str) -> None:
+    with pytest.raises(UnitError) as error:
+        shown_value(text, unit)
+    assert said in str(error.value)
