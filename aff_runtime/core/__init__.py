@@ -1,3 +1,17 @@
 """The law, pure: phases, harmonic blocks, measured response, probe."""
 
-__all__ = ["compiled", "controller", "identified", "impulse", "laws", "monitor", "order_status", "params", "phase", "probe", "response", "ripple_watch", "shape"]
+__all__ = [
+    "compiled",
+    "controller",
+    "identified",
+    "impulse",
+    "laws",
+    "monitor",
+    "order_status",
+    "params",
+    "phase",
+    "probe",
+    "response",
+    "ripple_watch",
+    "shape",
+]

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, fields
 
 from aff_runtime.base.errors import ConfigError
 
+Plain = str | float | Mapping[str, float]
 WIDEST = 1.7
 """High end over low end of an interval that the law can still work with: 30 % each way."""
 
@@ -58,12 +59,12 @@ class IdentifiedDrive:
     band_Hz: float
     tones: int
 
-    def to_plain(self) -> dict[str, object]:
+    def to_plain(self) -> dict[str, Plain]:
         """Return plain values for JSON."""
         return asdict(self)
 
     @classmethod
-    def from_plain(cls, said: Mapping[str, object]) -> IdentifiedDrive:
+    def from_plain(cls, said: Mapping[str, Plain]) -> IdentifiedDrive:
         """Read ``to_plain``'s values back.
 
         Raises
@@ -71,7 +72,7 @@ class IdentifiedDrive:
         ConfigError
             When they are none, or no drive can have them.
         """
-        kept: dict[str, object] = {}
+        kept: dict[str, str | float | Estimate] = {}
         for entry in fields(cls):
             value = said[entry.name]
             if isinstance(value, Mapping):
@@ -85,7 +86,7 @@ class IdentifiedDrive:
         return cls(**kept)  # type: ignore[arg-type]
 
 
-def _number(name: str, value: object) -> float:
+def _number(name: str, value: Plain | Estimate) -> float:
     if not isinstance(value, int | float) or not math.isfinite(value):
         raise ConfigError(f"{name} of the identified drive is {value!r}, expected a number")
     return float(value)

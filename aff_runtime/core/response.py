@@ -172,14 +172,13 @@ class Response:
             k: None if isinstance(v, float) and math.isnan(v) else v
             for k, v in asdict(self.provenance).items()
         }
-        said: dict[str, object] = {
+        said = {
             "format": FORMAT,
             "delay_s": self.delay_s,
             "provenance": provenance,
             "points": [asdict(point) for point in self.points],
+            **({} if self.drive is None else {"drive": self.drive.to_plain()}),
         }
-        if self.drive is not None:
-            said["drive"] = self.drive.to_plain()
         return json.dumps(said, indent=1, allow_nan=False)
 
     @classmethod

@@ -2,4 +2,21 @@
 
 from sim_plant.line.open import open_line
 
-__all__ = ["accumulator_section", "build", "climate_section", "corrections", "dancer_section", "declaration", "fastest_mode", "frequency", "load", "locations", "open", "open_line", "record_file", "simulation", "with_effects", "yaml_file"]
+__all__ = [
+    "accumulator_section",
+    "build",
+    "climate_section",
+    "corrections",
+    "dancer_section",
+    "declaration",
+    "fastest_mode",
+    "frequency",
+    "load",
+    "locations",
+    "open",
+    "open_line",
+    "record_file",
+    "simulation",
+    "with_effects",
+    "yaml_file",
+]

@@ -24,4 +24,32 @@ from aff_runtime.config.models.words import (
     WriteWord,
 )
 
-__all__ = ["Actuator", "Applied", "Block", "CanDbc", "Canopen402", "Channel", "Correction", "Drive", "ErrorSignal", "Freshness", "Gateway", "Line", "ModbusRtu", "ModbusTcp", "Permissives", "PlausibleRange", "Probe", "ReadBlock", "ReadWord", "Recording", "Roll", "Site", "Start", "Tls", "WriteBlock", "WriteWord", "gateway"]
+__all__ = [
+    "Actuator",
+    "Applied",
+    "Block",
+    "CanDbc",
+    "Canopen402",
+    "Channel",
+    "Correction",
+    "Drive",
+    "ErrorSignal",
+    "Freshness",
+    "Gateway",
+    "Line",
+    "ModbusRtu",
+    "ModbusTcp",
+    "Permissives",
+    "PlausibleRange",
+    "Probe",
+    "ReadBlock",
+    "ReadWord",
+    "Recording",
+    "Roll",
+    "Site",
+    "Start",
+    "Tls",
+    "WriteBlock",
+    "WriteWord",
+    "gateway",
+]

@@ -1,3 +1,12 @@
 """Modbus: TCP, TLS and RTU."""
 
-__all__ = ["codec", "connections", "frames", "gateway", "probe_map", "registers", "serial_time", "tcp_wire"]
+__all__ = [
+    "codec",
+    "connections",
+    "frames",
+    "gateway",
+    "probe_map",
+    "registers",
+    "serial_time",
+    "tcp_wire",
+]
