@@ -12,10 +12,11 @@ from aff_runtime.app.link.answers import KeptResponse, ProbeDone
 from aff_runtime.app.supervisor.validation import load_record
 from aff_runtime.cli.service import add_state_dir, connect
 from aff_runtime.cli.terminal import say
+from aff_runtime.config.identified_drive import numbers_of
 from aff_runtime.config.models import Actuator
 from aff_runtime.core.response import Response
 
-MARGIN_S = 40.0
+MARGIN_S = 150.0  # the fit of a long record on a small machine
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
@@ -64,12 +65,17 @@ def table(kept: KeptResponse, unit: str) -> Iterator[str]:
     result = kept.result
     yield f"{result.actuator}: sign {result.sign:+d}, delay {result.delay_s * 1e3:.0f} ms"
     yield f"      Hz {unit:>10}   phase deg  error %  coherence"
-    for point in Response.from_json(result.text).points:
+    measured = Response.from_json(result.text)
+    for point in measured.points:
         yield (
             f"{point.frequency_Hz:8.3f} {point.gain:10.4g} "
             f"{math.degrees(point.phase_rad):11.1f} {point.relative_error * 100:8.1f} "
             f"{point.coherence:10.3f}"
         )
+    if measured.drive is not None:
+        yield f"  drive: {numbers_of(measured.drive)}"
+    elif result.no_drive:
+        yield f"  drive not identified: {result.no_drive}"
     for remark in result.remarks:
         yield f"  remark: {remark}"
     yield f"  kept in {kept.file}"

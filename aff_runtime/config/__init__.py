@@ -9,6 +9,7 @@ __all__ = [
     "diff",
     "facts",
     "findings",
+    "identified_drive",
     "loader",
     "models",
     "plain_file",

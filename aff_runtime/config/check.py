@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from aff_runtime.base.errors import AffError
 from aff_runtime.config.facts import Facts, facts_of
 from aff_runtime.config.findings import Finding, SiteFileError, dotted
+from aff_runtime.config.identified_drive import with_identified
 from aff_runtime.config.loader import read_site
 from aff_runtime.config.models import Site
+from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.site_paths import STATE_DIRECTORY
 from aff_runtime.config.wire_table import budget_lines
+from aff_runtime.core.response import Response
+
+MAX_RESPONSE_BYTES = 2_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
     """What is wrong, what deserves a look, what follows; site and facts only without errors.
 
-    ``bus`` : what one cycle costs on the wire, as lines.
+    ``bus`` : what one cycle costs on the wire, as lines; ``drives`` : whose numbers are in use.
     """
 
     file: str
@@ -28,6 +35,7 @@ class Report:
     site: Site | None = None
     facts: Facts | None = None
     bus: tuple[str, ...] = ()
+    drives: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -44,7 +52,9 @@ class Report:
 
         ``brief`` : findings and verdict only.
         """
-        lines = [] if brief or self.facts is None else [*_fact_lines(self.facts, self.bus), ""]
+        lines = [] if brief or self.facts is None else [*_fact_lines(self.facts, self.bus)]
+        if lines:
+            lines += [*(f"drive  {text}" for text in self.drives), ""]
         lines += [f"warning  {finding}" for finding in self.warnings]
         lines += [f"error    {finding}" for finding in self.errors]
         lines.append(f"{self.file}: {self._verdict()}")
@@ -65,7 +75,7 @@ def check_site(
 
     Parameters
     ----------
-    path : the site file; response and record files are not looked at.
+    path : the site file; of the response files only the drives in them count.
     speeds_m_s : line speeds at which frequencies are shown, above 0; none: the highest speed.
     state : folder beside the site file's own that what it names may lie in.
 
@@ -86,7 +96,18 @@ def check_site(
         site=reading.site,
         facts=facts_of(reading.site, tuple(speeds_m_s)),
         bus=tuple(budget_lines(reading.site, Path(path).absolute().parent)),
+        drives=tuple(_drives(reading.site, Path(path).absolute().parent)),
     )
+
+
+def _drives(site: Site, folder: Path) -> Iterator[str]:
+    """Yield whose numbers each drive has; a response that cannot be read has none."""
+    responses = {}
+    for name, actuator in site.actuators.items():
+        with contextlib.suppress(OSError, ValueError, AffError):
+            text = read_plain(folder / actuator.response, MAX_RESPONSE_BYTES).decode("utf-8")
+            responses[name] = Response.from_json(text)
+    yield from (str(drive) for drive in with_identified(site, responses)[1])
 
 
 def _counted(count: int, noun: str) -> str:

@@ -3,6 +3,7 @@
 __all__ = [
     "compiled",
     "controller",
+    "identified",
     "impulse",
     "laws",
     "monitor",

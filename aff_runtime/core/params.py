@@ -146,6 +146,7 @@ class ActuatorParams:
     mean_tau_s : time constant of the mean that is taken out of the error.
     law : key of ``core.laws.LAWS``.
     drive, shape : of the shape law; without a drive the plain blocks stand in.
+    turns : roll that the drive turns, where ``drive`` does not say it; "": the first block's.
     """
 
     name: str
@@ -160,6 +161,14 @@ class ActuatorParams:
     drive: DriveParams | None = None
     shape: ShapeParams = field(default_factory=ShapeParams)
     blocks: tuple[BlockParams, ...] = ()
+    turns: str = ""
+
+    @property
+    def turned_roll(self) -> str:
+        """Name of the roll that the drive turns; empty when nothing tells it."""
+        if self.drive is not None:
+            return self.drive.roll
+        return self.turns or next((block.roll for block in self.blocks), "")
 
     @property
     def scales_with_speed(self) -> bool:

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.core.identified import IdentifiedDrive
 
 FORMAT = "aff-response-1"
 MAX_PHASE_ERROR_RAD = math.radians(60.0)
@@ -68,14 +69,23 @@ class Response:
         "_noise_rad",
         "_phase",
         "delay_s",
+        "drive",
         "points",
         "provenance",
     )
 
     def __init__(
-        self, *, points: Iterable[ResponsePoint], delay_s: float, provenance: Provenance
+        self,
+        *,
+        points: Iterable[ResponsePoint],
+        delay_s: float,
+        provenance: Provenance,
+        drive: IdentifiedDrive | None = None,
     ) -> None:
-        """Order the points; ConfigError when there is none or one is not a positive number."""
+        """Order the points; ConfigError when there is none or one is not a positive number.
+
+        ``drive`` is what the same probe found of the drive itself, None where it found nothing.
+        """
         self.points = tuple(sorted(points, key=lambda point: point.frequency_Hz))
         if not self.points:
             raise ConfigError("a response needs at least one point; run the probe")
@@ -85,6 +95,7 @@ class Response:
             if not (all(map(math.isfinite, numbers)) and _is_possible(p)):
                 raise ConfigError(f"{name} is unusable; probe again")
         self.delay_s = delay_s
+        self.drive = drive
         self.provenance = provenance
         self._f = [p.frequency_Hz for p in self.points]
         self._log_gain = [math.log(p.gain) for p in self.points]
@@ -161,16 +172,14 @@ class Response:
             k: None if isinstance(v, float) and math.isnan(v) else v
             for k, v in asdict(self.provenance).items()
         }
-        return json.dumps(
-            {
-                "format": FORMAT,
-                "delay_s": self.delay_s,
-                "provenance": provenance,
-                "points": [asdict(point) for point in self.points],
-            },
-            indent=1,
-            allow_nan=False,
-        )
+        said = {
+            "format": FORMAT,
+            "delay_s": self.delay_s,
+            "provenance": provenance,
+            "points": [asdict(point) for point in self.points],
+            **({} if self.drive is None else {"drive": self.drive.to_plain()}),
+        }
+        return json.dumps(said, indent=1, allow_nan=False)
 
     @classmethod
     def from_json(cls, text: str) -> Response:
@@ -182,8 +191,12 @@ class Response:
             kept = {k: v for k, v in data["provenance"].items() if v is not None}
             kept |= {k: float(v) for k, v in kept.items() if k == "cycle_s"}
             points = [ResponsePoint(**{k: float(v) for k, v in p.items()}) for p in data["points"]]
+            drive = data.get("drive")
             return cls(
-                points=points, delay_s=float(data["delay_s"]), provenance=Provenance(**kept)
+                points=points,
+                delay_s=float(data["delay_s"]),
+                provenance=Provenance(**kept),
+                drive=None if drive is None else IdentifiedDrive.from_plain(drive),
             )
         except _UNREADABLE as error:
             raise ConfigError(f"not a response file: {error}; run the probe again") from error

@@ -131,7 +131,7 @@ def run(
     value of tick k acts from tick k + 1 on (one sample of transport), plus what ``hidden`` adds.
     """
     secret = hidden or Hidden()
-    line = _settled(with_hidden(declaration, secret), cycle_s, float(speed_m_s[0]))
+    line = settled_line(with_hidden(declaration, secret), cycle_s, float(speed_m_s[0]))
     if not laws:
         return _alone(line, speed_m_s, seed, cycle_s, secret)
     site = SiteParams(cycle_s=cycle_s, channels=CHANNELS, rolls=ROLLS, actuators=())
@@ -146,7 +146,7 @@ def run(
     cells, d = line.arrays.cells.size, line.arrays.drives.size
     log = np.zeros((count, line.log.width))
     corrections = np.zeros((max(1, len(laws)), count))
-    columns = _Columns(line.declaration, line.log, secret)
+    columns = LineColumns(line.declaration, line.log, secret)
     state, arrays, lay, work = line.state, line.arrays, line.layout, line.work
     aff = np.zeros(d)
     rng = np.random.default_rng(seed)
@@ -208,7 +208,7 @@ def run(
 _SETTLED: dict[tuple[str, float, float], LineSimulation] = {}
 
 
-def _settled(declaration: Declaration, cycle_s: float, speed_m_s: float) -> LineSimulation:
+def settled_line(declaration: Declaration, cycle_s: float, speed_m_s: float) -> LineSimulation:
     """Return a line at rest in its operating point; the laws of a row start from copies of it."""
     key = (declaration.model_dump_json(), cycle_s, speed_m_s)
     if key not in _SETTLED:
@@ -248,11 +248,11 @@ def _alone(
             noise,
             log[first + 1 : first + 1 + frames],
         )
-    columns = _Columns(line.declaration, line.log, hidden)
+    columns = LineColumns(line.declaration, line.log, hidden)
     return columns.record(log, theta0, np.zeros((1, count)), speed_m_s, cycle_s)
 
 
-class _Columns:
+class LineColumns:
     """Where a log row keeps what the gateway and the judge read."""
 
     def __init__(self, declaration: Declaration, log: LogLayout, hidden: Hidden) -> None:

@@ -29,6 +29,7 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
 from aff_runtime.base.release import commit
 from aff_runtime.config.can_wire import wire_files
+from aff_runtime.config.identified_drive import with_identified
 from aff_runtime.config.loader import Reading, read_site
 from aff_runtime.config.plain_file import TooLargeError, read_plain
 from aff_runtime.config.revision import file_digest, learned_digests, revision_hash, revision_with
@@ -68,10 +69,13 @@ def parameter_record(path: Path, reading: Reading) -> ParameterRecord:
         When a response file cannot be used or the rooms refuse the numbers.
     """
     site = reading.site
+    site_hash = revision_hash(site)
     folder = path.absolute().parent
     files = {name: folder / actuator.response for name, actuator in site.actuators.items()}
     texts = {name: _response_text(reading, name, file) for name, file in files.items()}
     responses = {name: text for name, text in texts.items() if text is not None}
+    measured = {name: Response.from_json(text) for name, text in responses.items()}
+    site, drives = with_identified(site, measured)
     described = wire_files(site, folder)
     if site.gateway.modbus is not None:
         register_map(site)
@@ -79,7 +83,7 @@ def parameter_record(path: Path, reading: Reading) -> ParameterRecord:
             _look_up(reading, folder)
     loops = loop_rows(site, responses)
     controller_of(site, responses, loops)
-    site_hash, learned = revision_hash(site), learned_digests(responses, {})
+    learned = learned_digests(responses, {})
     wire_digests = {name: file_digest(text) for name, text in described.items()}
     record = ParameterRecord(
         site=site,
@@ -90,6 +94,7 @@ def parameter_record(path: Path, reading: Reading) -> ParameterRecord:
         permissives=tuple(bit.name or "" for bit in guard_params(site).permissives.all_bits),
         responses=responses,
         loops=loops,
+        drives=tuple(str(drive) for drive in drives),
         response_files=files,
         shape_files={
             name: shape_path(file)

@@ -142,4 +142,5 @@ def _told(result: ProbeResult) -> messages.ProbeResult:
         remarks=tuple(result.remarks),
         delay_s=result.response.delay_s,
         text=result.response.to_json(),
+        no_drive=result.no_drive,
     )

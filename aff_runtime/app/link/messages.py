@@ -106,13 +106,14 @@ class LogLine:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProbeResult:
-    """One measured response; ``text`` is its file."""
+    """One measured response; ``text`` is its file, ``no_drive`` why it holds no drive."""
 
     actuator: str
     sign: int
     remarks: tuple[str, ...]
     delay_s: float
     text: str
+    no_drive: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

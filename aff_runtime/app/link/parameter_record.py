@@ -26,6 +26,8 @@ class ParameterRecord(BaseModel):
     learned : digests of learned files by actuator and kind (``response``, ``shape``).
     permissives : status bits that are needed, in the order in which a missing one is named.
     responses, shapes : texts of learned files by actuator.
+    site : as checked, with what a probe identified of its drives filled in.
+    drives : which drive's numbers are in use, a sentence per actuator.
     loops : taps of the impulse response by actuator, from the check.
     response_files, shape_files : where they are kept, by actuator.
     wire_files : texts of the files that describe the wire, by their name in the site file.
@@ -45,6 +47,7 @@ class ParameterRecord(BaseModel):
     permissives: tuple[str, ...] = ()
     responses: Mapping[str, str] = {}
     loops: Mapping[str, tuple[float, ...]] = {}
+    drives: tuple[str, ...] = ()
     response_files: Mapping[str, Path] = {}
     shape_files: Mapping[str, Path] = {}
     wire_files: Mapping[str, str] = {}

@@ -84,6 +84,7 @@ def learned_sentences(record: ParameterRecord, ledger: ResponseLedger) -> Iterat
         if "shape" in learned:
             sentence += f", shape {learned['shape'][:SHORT]}"
         yield f"{name}: {sentence}"
+    yield from record.drives
     for name, digest in record.wire_digests.items():
         yield f"{name}: describes the wire, {digest[:SHORT]}"
 

@@ -59,7 +59,7 @@ def probe_params(site: Site, actuators: Sequence[str]) -> ProbeParams:
             "probe them one after the other with --actuator"
         )
     is_velocity = kinds == {"velocity_reference"}
-    shape = any(site.actuators[name].uses_shape for name in actuators)
+    shape = any(site.actuators[name].law == "shape" for name in actuators)
     return replace(
         _shape_probe(site) if shape else ProbeParams(actuators=(), amplitude=0.0),
         actuators=tuple(actuators),
@@ -134,7 +134,7 @@ def _drive(drive: Drive) -> DriveParams:
     """Return the declared drive, with what turns behind its gear seen at the roll."""
     return DriveParams(
         roll=drive.roll,
-        K_ref_rad_s=drive.speed_gain_rad_s,
+        K_ref_rad_s=drive.speed_gain_rad_s or 0.0,
         zeta=drive.damping,
         inertia_kg_m2=drive.total_inertia_kg_m2,
         web_density_kg_m3=drive.web_density_kg_m3,
@@ -158,6 +158,7 @@ def _plain(name: str, actuator: Actuator) -> ActuatorParams:
     """Return what every law needs."""
     return ActuatorParams(
         name=name,
+        turns=actuator.drive.roll if actuator.drive is not None else "",
         law=actuator.law_that_runs,
         signal=actuator.error.signal,
         reference=actuator.error.reference,

@@ -143,7 +143,8 @@ class Actuator(Section):
         le=0.1,
     )
     drive: Drive | None = key(
-        "Law shape: the drive as its owner declares it. Absent: the plain blocks stand in.",
+        "Law shape: the drive as its owner declares it. What is left open a probe identifies; "
+        "until then the plain blocks stand in.",
         default=None,
     )
     limit_m_s: MetresPerSecond | None = key(
@@ -209,13 +210,13 @@ class Actuator(Section):
 
     @property
     def uses_shape(self) -> bool:
-        """Return whether the shape law runs; without a drive the plain blocks stand in."""
-        return self.law == "shape" and self.drive is not None
+        """Return whether the shape law runs; without a whole drive the plain blocks stand in."""
+        return self.law == "shape" and self.drive is not None and self.drive.is_whole
 
     @property
     def law_that_runs(self) -> str:
         """Return the law's word; of the shape law without a drive, that of what stands in."""
-        return "blocks" if self.law == "shape" and self.drive is None else self.law
+        return "blocks" if self.law == "shape" and not self.uses_shape else self.law
 
     @property
     def limit(self) -> float:

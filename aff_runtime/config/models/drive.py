@@ -22,20 +22,23 @@ from aff_runtime.config.quantity import (
 class Drive(Section):
     """The drive that law shape turns round: torque = inertia * gain * (e + integral of e / Ti).
 
-    The law needs these to 10 or 20 %: what is wrong with them it learns as a correction per
+    What is left open (gain, damping, inertia, transport) a probe identifies; what is declared
+    wins. The law needs these to 10 or 20 %: what is wrong with them it learns as a correction per
     order. Numbers are those seen at the roll; a motor behind a gear is added with gear_ratio.
     """
 
     roll: Name = key("Roll that this drive turns; one of the actuator's blocks is on it.")
-    speed_gain_rad_s: RadiansPerSecond = key(
+    speed_gain_rad_s: RadiansPerSecond | None = key(
         "Proportional gain of the speed loop over the inertia: its bandwidth. Half or twice the "
-        "true one costs nothing to speak of; a thousandth makes ripple instead of taking it away.",
+        "true one costs nothing to speak of; a thousandth makes ripple instead of taking it away. "
+        "Absent: as a probe identifies it.",
+        default=None,
         ge=0.5,
         le=1000,
     )
     zeta: Ratio | None = key(
         "Damping of the speed loop; its integral time is 4 zeta^2 / speed_gain_rad_s. Give this "
-        "or integral_time_s.",
+        "or integral_time_s; absent with the gain: as a probe identifies it.",
         default=None,
         gt=0.1,
         le=20,
@@ -43,8 +46,10 @@ class Drive(Section):
     integral_time_s: Seconds | None = key(
         "Integral (reset) time of the speed loop.", default=None, gt=0.001, le=100
     )
-    inertia_kg_m2: KilogramMetres2 = key(
-        "Inertia at the roll: core, chuck, coupling; wound web is counted from web_density_kg_m3.",
+    inertia_kg_m2: KilogramMetres2 | None = key(
+        "Inertia at the roll: core, chuck, coupling; wound web is counted from web_density_kg_m3. "
+        "Absent: as a probe identifies it, less what is declared of the web.",
+        default=None,
         gt=0,
         le=1e5,
     )
@@ -84,12 +89,18 @@ class Drive(Section):
         le=6.2832,
     )
     transport_ms: Milliseconds | None = key(
-        "Time from a snapshot to its correction at the drive. Absent: three cycles. Matters for "
-        "a change of speed alone.",
+        "Time from a snapshot to its correction at the drive. Absent: three cycles, or as "
+        "a probe identifies it with the rest. Matters for a change of speed alone.",
         default=None,
         ge=0,
         le=500,
     )
+
+    @property
+    def is_whole(self) -> bool:
+        """Return whether nothing that the law needs is left open."""
+        damped = self.zeta is not None or self.integral_time_s is not None
+        return self.speed_gain_rad_s is not None and self.inertia_kg_m2 is not None and damped
 
     @property
     def damping(self) -> float:
@@ -97,9 +108,9 @@ class Drive(Section):
         if self.zeta is not None:
             return self.zeta
         time_s = self.integral_time_s or 1.0
-        return 0.5 * float((self.speed_gain_rad_s * time_s) ** 0.5)
+        return 0.5 * float(((self.speed_gain_rad_s or 0.0) * time_s) ** 0.5)
 
     @property
     def total_inertia_kg_m2(self) -> float:
         """Return everything that turns with the roll but its web, seen at the roll."""
-        return self.inertia_kg_m2 + self.motor_inertia_kg_m2 * self.gear_ratio**2
+        return (self.inertia_kg_m2 or 0.0) + self.motor_inertia_kg_m2 * self.gear_ratio**2

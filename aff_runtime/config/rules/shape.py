@@ -31,10 +31,11 @@ def _law(path: KeyPath, actuator: Actuator) -> Iterator[Issue]:
     if actuator.law == "shape" and actuator.output != "velocity_reference":
         text = "law shape corrects a velocity_reference; this is a torque_reference. Write blocks."
         yield Issue(path=where, text=text)
-    elif actuator.law == "shape" and actuator.drive is None:
+    elif actuator.law == "shape" and not actuator.uses_shape:
         text = (
-            "no drive is declared, so the plain blocks stand in. Add drive (roll, "
-            "speed_gain_rad_s, zeta, inertia_kg_m2), or write law: blocks."
+            "no whole drive is declared: until a probe has identified the rest, the plain blocks "
+            "stand in. Add drive (roll, speed_gain_rad_s, zeta, inertia_kg_m2), probe, or write "
+            "law: blocks."
         )
         yield Issue(path=where, text=text, warning=True)
     elif actuator.law == "blocks" and actuator.drive is not None:
@@ -51,8 +52,9 @@ def _noise(path: KeyPath, actuator: Actuator) -> Iterator[Issue]:
 
 
 def _drive(path: KeyPath, drive: Drive, actuator: Actuator, site: Site) -> Iterator[Issue]:
-    if (drive.zeta is None) == (drive.integral_time_s is None):
-        both = drive.zeta is not None
+    both = drive.zeta is not None and drive.integral_time_s is not None
+    neither = drive.zeta is None and drive.integral_time_s is None
+    if both or (neither and drive.speed_gain_rad_s is not None):
         text = (
             "zeta and integral_time_s both say how the speed loop is damped. Remove one."
             if both
@@ -101,7 +103,7 @@ def _weight(path: KeyPath, drive: Drive, actuator: Actuator, site: Site) -> Iter
     tension_N, limits = drive.tension_N, site.plausibility.get(actuator.error.signal)
     if tension_N is None and limits is not None and limits.max_N is not None:
         tension_N = limits.max_N
-    if tension_N is None or not drive.tension_pulls:
+    if tension_N is None or not drive.tension_pulls or drive.inertia_kg_m2 is None:
         return
     # wound web only adds to this
     torque_N_m = tension_N * site.rolls[drive.roll].smallest_radius_m

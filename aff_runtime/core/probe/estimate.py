@@ -17,6 +17,7 @@ Floats = npt.NDArray[np.float64]
 MAX_DELAY_S = 1.0
 DELAY_STEPS = 501
 SIDES = 6
+FIRST_TONE = 3
 ON_BINS, BESIDE_BINS, HIDES = 1.5, 4.5, 0.5
 SIGN_BAND = 3.0
 CLEAR_SIGN = 0.2
@@ -37,6 +38,8 @@ class Fit:
 
     points: tuple[ResponsePoint, ...]
     strange: tuple[RippleLine, ...]
+    design: Floats
+    """Columns of the regression; those of the tones begin at ``FIRST_TONE``."""
 
 
 def fit_tones(
@@ -82,7 +85,8 @@ def fit_tones(
     points: list[ResponsePoint] = []
     strange: dict[RippleLine, None] = {}
     for k, tone in enumerate(own):
-        seen = complex(solution[3 + 2 * k], solution[4 + 2 * k])
+        at = FIRST_TONE + 2 * k
+        seen = complex(solution[at], solution[at + 1])
         if hiding := [line for line in lines if _hides(line, tone, abs(seen), span_s)]:
             strange |= dict.fromkeys(hiding)
             continue
@@ -98,7 +102,7 @@ def fit_tones(
                     coherence=abs(seen) ** 2 / (abs(seen) ** 2 + error**2),
                 )
             )
-    return Fit(points=tuple(points), strange=tuple(strange))
+    return Fit(points=tuple(points), strange=tuple(strange), design=design)
 
 
 def _hides(line: RippleLine, tone: Tone, seen: float, span_s: float) -> bool:

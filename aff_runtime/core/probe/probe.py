@@ -16,6 +16,7 @@ from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
 from aff_runtime.core.controller import RollPhases
 from aff_runtime.core.params import ActuatorParams, ProbeParams, RollParams, SiteParams
 from aff_runtime.core.phase import Quality
+from aff_runtime.core.probe.drive_record import DriveRecord
 from aff_runtime.core.probe.estimate import Tone, fit_delay, fit_tones, measured_sign
 from aff_runtime.core.probe.excitation import Waveform, log_grid, spread
 from aff_runtime.core.probe.strange_ripple import RippleLine
@@ -45,13 +46,15 @@ class ProbeResult:
     """What the probe found for one actuator.
 
     ``sign`` of P at low frequency (0: undecided); ``remarks`` are reasons to distrust the
-    response, empty when there is none.
+    response, empty when there is none; ``no_drive`` says why the response holds no numbers of the
+    drive.
     """
 
     actuator: str
     response: Response
     sign: int
     remarks: tuple[str, ...]
+    no_drive: str = ""
 
 
 class Probe:
@@ -75,6 +78,10 @@ class Probe:
         self._record = [_column(self._samples) for _ in self._probed]
         self._ratio = [_column(self._samples) for _ in self._probed]
         self._theta = [_column(self._samples) for _ in site.rolls]
+        self._drives = [
+            DriveRecord(site, actuator, self._phases.by_name, self._samples)
+            for actuator in self._probed
+        ]
         self._sample = -1
         self._heard_s = 0.0
         self._filling = 0
@@ -136,6 +143,7 @@ class Probe:
             self._ratio[j][k] = permission.applied_ratio[i]
             if snapshot.fresh:
                 self._record[j][k] = snapshot.values[self._signals[j]]
+                self._drives[j].take(k, snapshot.values)
             steps[i] = ActuatorStep(
                 value=wave.sample(k, self._p.amplitude),
                 peak_bound=self._p.amplitude,
@@ -226,11 +234,15 @@ class Probe:
         points = fit.points
         delay_s = fit_delay(points)
         ratio = np.asarray(self._ratio[j])[keep]
+        drive, no_drive = self._drives[j].identified(
+            time_s=time_s, keep=keep, signal=signal, fit=fit, sent=tones[j]
+        )
         return ProbeResult(
             actuator=name,
-            response=Response(points=points, delay_s=delay_s, provenance=provenance),
+            response=Response(points=points, delay_s=delay_s, provenance=provenance, drive=drive),
             sign=measured_sign(points, delay_s),
             remarks=tuple(_remarks(float(np.ptp(ratio)) > RATIO_SPREAD, fit.strange)),
+            no_drive=no_drive,
         )
 
     def _sent(self, j: int, keep: npt.NDArray[np.bool_]) -> list[Tone]:

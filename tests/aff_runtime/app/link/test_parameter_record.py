@@ -22,6 +22,7 @@ LAYOUT = [
     "permissives",
     "responses",
     "loops",
+    "drives",
     "response_files",
     "shape_files",
     "wire_files",

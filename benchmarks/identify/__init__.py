@@ -1,0 +1,1 @@
+"""The drive's own numbers from a probe, on drawn lines."""
