@@ -310,7 +310,6 @@ def test_a_technician_mistypes_leaves_and_comes_back(
         ("[" * 60000, "is no JSON"),
         ('{"answers": {"port": "a\\u0000b"}}', "answers.port"),
         ('{"words": {"x_N": {"address": 70000}}}', "words.x_N.address"),
-        ('{"answers": {"port": "no port"}}', 'answers.port: "no port": write a whole number'),
         ('{"more": 1}', "more"),
         ('{"words": {"x_N": {"address": 1, "type": "i16", "order": "", "scale": "1 } #"}}}',
          "words.x_N.scale"),
@@ -323,4 +322,17 @@ def test_a_broken_or_hostile_draft_is_a_clear_error(
     assert played(tmp_path, script(tmp_path, 1)) == 2
     error = capsys.readouterr().err
     assert said in error
+    assert "site.setup.json" in error
+
+
+def test_a_kept_answer_that_is_none_is_a_clear_error_where_the_file_does_not_answer(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "site.setup.json").write_text('{"answers": {"port": "no port"}}')
+    answers = script(tmp_path, 1)
+    rest = [line for line in answers.read_text().splitlines() if not line.startswith("port:")]
+    answers.write_text("\n".join(rest))
+    assert played(tmp_path, answers) == 2
+    error = capsys.readouterr().err
+    assert 'answers.port: "no port": write a whole number' in error
     assert "site.setup.json" in error
