@@ -10,7 +10,7 @@ from aff_runtime.app.setup.candidates import SHOWN_BEST, Candidate, Observation,
 from aff_runtime.app.setup.decoding import side_by_side
 from aff_runtime.app.setup.display import shown_value
 from aff_runtime.app.setup.floats import float_hints
-from aff_runtime.app.setup.interview import YES_NO, quantity_value
+from aff_runtime.app.setup.interview import YES_NO, owned_bits, quantity_value
 from aff_runtime.app.setup.plc import mean_si
 from aff_runtime.app.setup.quantities import UNWIND, Quantity
 from aff_runtime.app.setup.questions import NONE, Question, one_of, whole
@@ -235,7 +235,13 @@ class Steps(Look):
             words = self.dialogue.draft.words.values()
             taken = frozenset(place for word in words for place in word.decoding.addresses)
             after = self.watch(BIT_S)
-            found = changed_bits(before, after, true_before=now == "yes", taken=taken)
+            found = changed_bits(
+                before,
+                after,
+                true_before=now == "yes",
+                taken=taken,
+                owned=frozenset(owned_bits(self.dialogue.draft, name)),
+            )
             rows = {n: str(one) for n, one in enumerate(found, 1)}
             pick = self.pick(f"{name}.pick", "Which one?", rows, AGAIN, NONE)
             if pick == AGAIN:

@@ -158,13 +158,18 @@ def bit_questions(draft: Draft, known: Known) -> tuple[Question, ...]:
     )
 
 
+def owned_bits(draft: Draft, name: str) -> dict[tuple[int, int], str]:
+    """Return which state has which (word, bit), without the one that ``name`` answers."""
+    return {
+        split_bit(kept)[:2]: other.removeprefix("bits.")
+        for other, kept in draft.answers.items()
+        if other.startswith("bits.") and other != name and kept not in (NONE, FIND)
+    }
+
+
 def _why_no_bit(draft: Draft, known: Known, name: str, address: int, place: int) -> str:
-    for other, kept in draft.answers.items():
-        if not other.startswith("bits.") or other == name or kept in (NONE, FIND):
-            continue
-        if split_bit(kept)[:2] == (address, place):
-            return f"bit {place} of word {address} is {other.removeprefix('bits.')} already."
-    return known(address)
+    owner = owned_bits(draft, name).get((address, place), "")
+    return f"bit {place} of word {address} is {owner} already." if owner else known(address)
 
 
 def machine_questions(draft: Draft) -> tuple[Question, ...]:

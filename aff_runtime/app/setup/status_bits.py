@@ -30,7 +30,12 @@ class BitChange:
 
 
 def changed_bits(
-    before: Watched, after: Watched, *, true_before: bool, taken: frozenset[int] = frozenset()
+    before: Watched,
+    after: Watched,
+    *,
+    true_before: bool,
+    taken: frozenset[int] = frozenset(),
+    owned: frozenset[tuple[int, int]] = frozenset(),
 ) -> list[BitChange]:
     """Return the bits that changed with a state and held still otherwise.
 
@@ -41,6 +46,7 @@ def changed_bits(
     before, after : words while the state held the one value, and the other.
     true_before : whether what the bit shall mean was true at first.
     taken : words of quantities that were found.
+    owned : (word, bit) of states that were found: they may change along with this one.
     """
     found = []
     for address, was in sorted(before.words.items()):
@@ -56,7 +62,7 @@ def changed_bits(
                 steady &= ~(word ^ series[0])
         changed = (was[0] ^ now[0]) & steady
         for bit in range(16):
-            if changed >> bit & 1:
+            if changed >> bit & 1 and (address, bit) not in owned:
                 was_set = bool(was[0] >> bit & 1)
                 found.append(
                     BitChange(address=address, bit=bit, inverted=was_set is not true_before)

@@ -27,3 +27,11 @@ def test_the_bit_that_changed_is_found_with_its_polarity(
 def test_nothing_changed_is_nothing_found() -> None:
     seen = watched(euclid(), 1.0)
     assert changed_bits(seen, seen, true_before=True) == []
+
+
+@given(word=st.integers(0, 0xFFFF), bit=st.integers(1, 15))
+def test_a_state_that_was_found_may_change_along_with_the_next_one(word: int, bit: int) -> None:
+    before = watched([Item(20, "u16", 1.0, still(float(word)))], 1.0)
+    after = watched([Item(20, "u16", 1.0, still(float(word ^ (1 << bit | 1))))], 1.0, 5.0)
+    found = changed_bits(before, after, true_before=True, owned=frozenset({(20, 0)}))
+    assert [(one.address, one.bit) for one in found] == [(20, bit)]
