@@ -17,6 +17,7 @@ from aff_runtime.config.quantity import (
     Section,
     key,
 )
+from aff_runtime.core.bandwidth import Band, band_of
 
 
 class Drive(Section):
@@ -98,6 +99,11 @@ class Drive(Section):
             return self.zeta
         time_s = self.integral_time_s or 1.0
         return 0.5 * float((self.speed_gain_rad_s * time_s) ** 0.5)
+
+    def band(self, cycle_s: float) -> Band:
+        """Return the frequencies that this drive and the cycle let an order have."""
+        K_rad_s = self.speed_gain_rad_s
+        return band_of(K_rad_s, K_rad_s / (4.0 * self.damping**2), cycle_s)
 
     @property
     def total_inertia_kg_m2(self) -> float:
