@@ -10,7 +10,7 @@ PASSED = 1.0 / 8.0
 (rounding, a lost tick, noise in the weights) comes slowly, passes whole, and weighs eight times."""
 IMAGE = 0.1
 """The image that the hold leaves, over the order itself: 20 dB."""
-FADE_FROM = 0.9
+FADE_FROM = 0.895
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

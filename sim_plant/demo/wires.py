@@ -10,7 +10,13 @@ from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
 
-SITES = {"modbus": "euclid.yaml", "can": "euclid_can.yaml", "canopen": "euclid_canopen.yaml"}
+SITES = {
+    ("euclid", "modbus"): "euclid.yaml",
+    ("euclid", "can"): "euclid_can.yaml",
+    ("euclid", "canopen"): "euclid_canopen.yaml",
+    ("film", "modbus"): "film.yaml",
+    ("film", "can"): "film_can.yaml",
+}
 _PROTOCOL = {"can": "dbc", "canopen": "canopen"}
 _DESCRIPTIONS = ("*.dbc", "*.eds")
 
