@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     from sim_plant.demo.report import write_report  # noqa: PLC0415
     from sim_plant.demo.session import Plan, run_session  # noqa: PLC0415
-    from sim_plant.demo.wires import SITES  # noqa: PLC0415
+    from sim_plant.demo.wires import FILM_SITES, SITES  # noqa: PLC0415
 
     machine = MACHINES[arguments.machine]
     speed_m_s = machine.speed_m_s
@@ -78,9 +78,10 @@ def run(arguments: argparse.Namespace) -> int:
             f"--speed-fpm {arguments.speed_fpm:g}: give {low_fpm:.0f} to {high_fpm:.0f} feet "
             "per minute"
         )
-    if (arguments.machine, arguments.wire) not in SITES:
+    sites = FILM_SITES if machine.fast else SITES
+    if arguments.wire not in sites:
         raise PlantError(f"--wire {arguments.wire}: no site file of the {arguments.machine} line")
-    site = arguments.site or ROOT / "config" / SITES[arguments.machine, arguments.wire]
+    site = arguments.site or ROOT / "config" / sites[arguments.wire]
     plan = Plan(
         line=arguments.line or machine.line,
         site=site,

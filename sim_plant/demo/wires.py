@@ -10,13 +10,8 @@ from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
 
-SITES = {
-    ("euclid", "modbus"): "euclid.yaml",
-    ("euclid", "can"): "euclid_can.yaml",
-    ("euclid", "canopen"): "euclid_canopen.yaml",
-    ("film", "modbus"): "film.yaml",
-    ("film", "can"): "film_can.yaml",
-}
+SITES = {"modbus": "euclid.yaml", "can": "euclid_can.yaml", "canopen": "euclid_canopen.yaml"}
+FILM_SITES = {"modbus": "film.yaml", "can": "film_can.yaml"}
 _PROTOCOL = {"can": "dbc", "canopen": "canopen"}
 _DESCRIPTIONS = ("*.dbc", "*.eds")
 
