@@ -15,7 +15,7 @@ from aff_runtime.cli.terminal import say
 from aff_runtime.config.models import Actuator
 from aff_runtime.core.response import Response
 
-MARGIN_S = 40.0
+MARGIN_S = 90.0
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:

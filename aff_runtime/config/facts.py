@@ -76,7 +76,8 @@ class ShapeFact:
         rest = f", {resting} above {self.band.end_Hz:.0f} Hz rest" if resting else ""
         return (
             f"{self.actuator}: law shape at {self.speed_m_s:.3f} m/s, R {self.radius_m:.4f} m: "
-            f"{self.orders_out} of {self.orders} orders of {self.roll} below {self.band.full_Hz:.0f} Hz"
+            f"{self.orders_out} of {self.orders} orders of {self.roll} below "
+            f"{self.band.full_Hz:.0f} Hz"
             f"{fading}{rest}; memory {self.memory_turns:g} turns = "
             f"{self.memory_turns * self.turn_s:.1f} s"
         )

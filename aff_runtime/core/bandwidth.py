@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 
 PASSED = 1.0 / 8.0
-"""A drive that lets less of a correction through has no authority: what is wrong with the command
-(rounding, a lost tick, noise in the weights) comes slowly, passes whole, and weighs eight times."""
+"""A drive that lets less of a correction through has no authority: what is wrong with the
+command (rounding, a lost tick, noise in the weights) comes slowly, passes whole, weighs eight
+times."""
 IMAGE = 0.1
 """The image that the hold leaves, over the order itself: 20 dB."""
 FADE_FROM = 0.895

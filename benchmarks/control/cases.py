@@ -10,15 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.control.lines import (
-    ALL_FIVE,
-    FILM_SHARE,
-    FPM_M_S,
-    INCH_M,
-    Hidden,
-    nominal,
-    spoilt,
-)
+from benchmarks.control.lines import ALL_FIVE, FILM_SHARE, FPM_M_S, INCH_M, Hidden, nominal, spoilt
 from sim_plant.line.declaration import Declaration
 
 ON_S = 10.0

@@ -56,13 +56,7 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the demo; 0 when every target is met, 5 when one is missed."""
-    from sim_plant.demo.evaluation import (  # noqa: PLC0415 - heavy imports
-        TARGET_RIPPLE,
-        evaluate,
-        ripple_ratio,
-        table_text,
-        window,
-    )
+    from sim_plant.demo.evaluation import TARGET_RIPPLE, evaluate, ripple_ratio, table_text, window  # noqa: PLC0415 - heavy imports
     from sim_plant.demo.report import write_report  # noqa: PLC0415
     from sim_plant.demo.session import Plan, run_session  # noqa: PLC0415
     from sim_plant.demo.wires import FILM_SITES, SITES  # noqa: PLC0415

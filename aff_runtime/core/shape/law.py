@@ -310,6 +310,7 @@ class ShapeLaw:
         if self._response is None:
             return ()
         self.confidence.judge(self.basis.frequency_Hz)
+        end_rad_s = math.tau * self.basis.band.end_Hz
         wanted = [
             (name, n * w / math.tau)
             for name, n, w, roll, held in zip(
@@ -320,7 +321,7 @@ class ShapeLaw:
                 self.confidence.held,
                 strict=True,
             )
-            if roll == self._drive.roll and not held and abs(n * w) < math.tau * self.basis.band.end_Hz
+            if roll == self._drive.roll and not held and abs(n * w) < end_rad_s
         ]
         if not wanted:
             return (f"no order of {self._drive.roll} has a sure response; run the probe",)

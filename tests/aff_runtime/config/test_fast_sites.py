@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.config.check import check_site
 from aff_runtime.app.wiring.assemble import overruns_in_a_row
 from aff_runtime.app.wiring.site_to_law import probe_params, site_params
+from aff_runtime.config.check import check_site
 from aff_runtime.config.loader import load_site, read_site
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"

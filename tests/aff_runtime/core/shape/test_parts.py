@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.core.impulse import from_response, from_taps
 from aff_runtime.core.bandwidth import Band
+from aff_runtime.core.impulse import from_response, from_taps
 from aff_runtime.core.shape.allocation import OutputAllocation
 from aff_runtime.core.shape.basis import ShapeBasis
 from aff_runtime.core.shape.bounds import PeakBound
