@@ -3,7 +3,8 @@ PYTHON ?= python3.11
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
-SPEED  ?= 200
+LINE   ?= euclid
+SPEED  ?= $(if $(filter film,$(LINE)),1968.5,200)
 LAW    ?= shape
 WIRE   ?= modbus
 SECONDS ?= 130
@@ -21,11 +22,12 @@ $(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch])
 	@touch $@
 
 # both processes on loopback at 5 ms: probe, arm, run, report (SPEED= line speed in FPM,
-# WIRE= modbus, can or canopen; LAW=blocks runs the plain law, on modbus; SITE= another site file)
+# WIRE= modbus, can or canopen; LAW=blocks runs the plain law, on modbus; SITE= another site file;
+# LINE=film is a line of 600 m/min at 1 ms on modbus and 2 ms on can)
 demo: setup
-	$(BIN)/python -m sim_plant.cli.main demo --wire $(WIRE) --speed-fpm $(SPEED) \
+	$(BIN)/python -m sim_plant.cli.main demo --machine $(LINE) --wire $(WIRE) --speed-fpm $(SPEED) \
 		$(if $(SITE),--site $(SITE),$(if $(filter blocks,$(LAW)),--site config/euclid_blocks.yaml)) \
-		--out out/demo-$(WIRE)
+		--out out/demo-$(if $(filter film,$(LINE)),film-)$(WIRE)
 
 # a hidden cause, drawn by SEED (EFFECT= of the catalogue): recorded by the service, traced, corrected
 # live and proved; at most 8 minutes, page out/demo-loop/page.html (WIRE= modbus or can)

@@ -11,7 +11,7 @@ from aff_runtime.config.leaves import leaves
 from aff_runtime.config.models import Site
 from aff_runtime.config.registers import Row, block_of, read_rows, write_rows
 from aff_runtime.config.revision import revision_hash
-from aff_runtime.core.shape.basis import FADE_FROM_HZ, FADE_TO_HZ
+from aff_runtime.core.bandwidth import Band
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,6 +64,7 @@ class ShapeFact:
     radius_m: float
     turn_s: float
     memory_turns: float
+    band: Band
     orders_out: int
     orders_fading: int
     orders: int
@@ -72,10 +73,11 @@ class ShapeFact:
         """Return one line for eyes."""
         fading = f", {self.orders_fading} fade" if self.orders_fading else ""
         resting = self.orders - self.orders_out - self.orders_fading
-        rest = f", {resting} above {FADE_TO_HZ:g} Hz rest" if resting else ""
+        rest = f", {resting} above {self.band.end_Hz:.0f} Hz rest" if resting else ""
         return (
             f"{self.actuator}: law shape at {self.speed_m_s:.3f} m/s, R {self.radius_m:.4f} m: "
-            f"{self.orders_out} of {self.orders} orders of {self.roll} below {FADE_FROM_HZ:g} Hz"
+            f"{self.orders_out} of {self.orders} orders of {self.roll} below "
+            f"{self.band.full_Hz:.0f} Hz"
             f"{fading}{rest}; memory {self.memory_turns:g} turns = "
             f"{self.memory_turns * self.turn_s:.1f} s"
         )
@@ -156,10 +158,11 @@ def _shapes(site: Site, speeds_m_s: tuple[float, ...]) -> Iterator[ShapeFact]:
             continue
         roll = site.rolls[actuator.drive.roll]
         orders = [n for b in actuator.blocks if b.roll == actuator.drive.roll for n in b.orders]
+        band = actuator.drive.band(site.cycle_s)
         for speed in speeds_m_s:
             for radius in sorted({roll.smallest_radius_m, roll.largest_radius_m}):
                 turn_Hz = frequency_Hz(1, speed, radius)
-                out = sum(n * turn_Hz <= FADE_FROM_HZ for n in orders)
+                out = sum(n * turn_Hz <= band.full_Hz for n in orders)
                 yield ShapeFact(
                     actuator=name,
                     roll=actuator.drive.roll,
@@ -167,8 +170,9 @@ def _shapes(site: Site, speeds_m_s: tuple[float, ...]) -> Iterator[ShapeFact]:
                     radius_m=radius,
                     turn_s=1.0 / turn_Hz,
                     memory_turns=actuator.memory_turns,
+                    band=band,
                     orders_out=out,
-                    orders_fading=sum(n * turn_Hz < FADE_TO_HZ for n in orders) - out,
+                    orders_fading=sum(n * turn_Hz < band.end_Hz for n in orders) - out,
                     orders=len(orders),
                 )
 

@@ -1,6 +1,8 @@
 """The law, pure: phases, harmonic blocks, measured response, probe."""
 
 __all__ = [
+    "bandwidth",
+    "blocks",
     "compiled",
     "controller",
     "identified",

@@ -206,18 +206,20 @@ class ProbeParams:
     ``amplitude`` bounds the whole excitation of each actuator in its unit. Tones stand
     ``offset_Hz`` beside every configured order, on a log grid of ``grid_points`` over the band
     that the orders sweep (to the smallest radius at ``max_speed_m_s``, up to ``f_max_Hz``) and at
-    ``extra_frequencies_Hz``. ``duration_s`` counts fades of ``fade_s`` and a wait of ``settle_s``
-    for transients; ``listen_s`` comes before.
+    ``extra_frequencies_Hz``; above ``louder_from_Hz`` they grow with frequency. ``duration_s``
+    counts fades of ``fade_s`` and a wait of ``settle_s`` for transients; ``listen_s`` comes
+    before.
     """
 
     actuators: tuple[str, ...]
     amplitude: float
+    f_max_Hz: float
+    louder_from_Hz: float
     duration_s: float = 25.0
     offset_Hz: float = 0.15
     extra_frequencies_Hz: tuple[float, ...] = field(default=())
     grid_points: int = 12
     max_speed_m_s: float = 0.0
-    f_max_Hz: float = 10.0
     fade_s: float = 1.0
     settle_s: float = 3.0
     listen_s: float = 2.0

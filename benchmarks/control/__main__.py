@@ -20,7 +20,7 @@ from benchmarks.workers import LostJobError, WorkerPool
 LIMIT_S = 3600.0
 """For rows run together; those of a whole roll take a few minutes of a core."""
 TUNED_SEED, UNSEEN_SEED = 1, 101
-SECTIONS = ("constant", "ramp", "roll", "follower", "mismatch", "transient")
+SECTIONS = ("constant", "ramp", "roll", "follower", "mismatch", "transient", "film")
 FOLLOWERS = ("follower, tension", BOTH, "follower, velocity", "velocity and unwind")
 
 
@@ -41,6 +41,9 @@ def jobs_of(section: str, *, quick: bool, seed: int) -> list[Job]:
         chosen, laws = cases.follower_cases()[: 1 if quick else None], FOLLOWERS
     elif section == "transient":
         chosen, laws = cases.transient_cases()[: 3 if quick else None], (OWN,)
+    elif section == "film":
+        chosen, laws = [*cases.film_cases(), *cases.film_ramp_cases()], (OWN, PERFECT)
+        chosen = chosen[:1] if quick else chosen
     else:
         chosen, laws = cases.mismatch_cases(), every
         chosen = [c for c in chosen if c.note == "all5"][:1] if quick else chosen

@@ -5,11 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.control.lines import ALL_FIVE, FPM_M_S, INCH_M, Hidden, nominal, spoilt
+from benchmarks.control.lines import ALL_FIVE, FILM_SHARE, FPM_M_S, INCH_M, Hidden, nominal, spoilt
 from sim_plant.line.declaration import Declaration
 
 ON_S = 10.0
@@ -34,6 +35,9 @@ class Case:
     @property
     def name(self) -> str:
         """What the table calls it."""
+        if self.material == "film":
+            text = f"Film {60.0 * self.speed_m_s:.0f} m/min R{self.radius_in * INCH_M:g} m"
+            return f"{text} {self.shape or 'round'} {self.note}".strip()
         web = "Tyvek" if self.material == "tyvek" else "PE"
         text = f"{web} {self.fpm:g} FPM R{self.radius_in:g} {self.shape or 'round'}"
         return f"{text} {self.note}".strip()
@@ -55,6 +59,7 @@ class Case:
             shape=self.shape,
             lead_m=self.lead_m,
             follower_m=self.follower_m,
+            share=FILM_SHARE if self.material == "film" else 1.0,
         )
 
     def profile(self) -> npt.NDArray[np.float64]:
@@ -98,6 +103,47 @@ def mismatch_cases() -> list[Case]:
     return cases
 
 
+FILM_ECCENTRIC_M = 2e-5
+M_MIN_FPM = 1.0 / 0.3048
+
+
+def film_case(m_min: float, radius_m: float, shape: str, **more: Any) -> Case:
+    """Return the film line at a speed in m/min."""
+    given = {"cycle_s": 0.001, "lead_m": 0.0, "follower_m": FILM_ECCENTRIC_M, **more}
+    return Case(
+        material="film", fpm=m_min * M_MIN_FPM, radius_in=radius_m / INCH_M, shape=shape, **given
+    )
+
+
+def film_cases() -> list[Case]:
+    """Return the film line at constant speed: 1 ms, a softer web, a cycle of 2 ms."""
+    softer = Hidden(EA_ratio=0.7, radius_tag_ratio=1.02)
+    return [
+        film_case(600.0, 0.3, "flat"),
+        film_case(1000.0, 0.3, "flat"),
+        film_case(600.0, 0.2, "bulge"),
+        film_case(1000.0, 0.2, "asym"),
+        film_case(600.0, 0.3, "flat", hidden=softer, note="EAx0.7 Rtag+2%"),
+        film_case(600.0, 0.3, "flat", cycle_s=0.002, note="2ms"),
+    ]
+
+
+def film_ramp_cases() -> list[Case]:
+    """Return the film line's ramps 600 to 1000 m/min, two of them in one run."""
+    return [
+        film_case(600.0, 0.3, "flat", note="ramp"),
+        film_case(600.0, 0.2, "bulge", note="ramp"),
+        film_case(600.0, 0.3, "flat", cycle_s=0.002, note="ramp 2ms"),
+    ]
+
+
+def film_ramp(case: Case) -> npt.NDArray[np.float64]:
+    """Return line speed, m/s: 600 m/min, up in 20 s, down, up again; as ``ramp_profile``."""
+    time_s = np.arange(0.0, 130.0, case.cycle_s)
+    m_min = np.array([600.0, 600.0, 1000.0, 1000.0, 600.0, 600.0, 1000.0, 1000.0])
+    return np.asarray(np.interp(time_s, RAMP_AT_S, m_min / 60.0))
+
+
 def ramp_cases() -> list[Case]:
     """Return the ramps 100 to 300 FPM, two of them in one run."""
     cases = [
@@ -113,6 +159,7 @@ def ramp_cases() -> list[Case]:
     return cases
 
 
+RAMP_AT_S = np.array([0.0, 30.0, 50.0, 65.0, 85.0, 100.0, 120.0, 130.0])
 RAMPS_S = ((30.0, 50.0), (100.0, 120.0))
 
 
@@ -120,8 +167,7 @@ def ramp_profile() -> npt.NDArray[np.float64]:
     """Return line speed, m/s: 100 FPM, up in 20 s, down, up again."""
     time_s = np.arange(0.0, 130.0, 0.005)
     fpm = np.array([100.0, 100.0, 300.0, 300.0, 100.0, 100.0, 300.0, 300.0])
-    at_s = np.array([0.0, 30.0, 50.0, 65.0, 85.0, 100.0, 120.0, 130.0])
-    return np.asarray(np.interp(time_s, at_s, fpm * FPM_M_S))
+    return np.asarray(np.interp(time_s, RAMP_AT_S, fpm * FPM_M_S))
 
 
 def roll_cases() -> list[Case]:

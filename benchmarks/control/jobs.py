@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from aff_runtime.core.shape.law import ShapeLaw
 from aff_runtime.core.shape.profile import ShapeProfile
-from benchmarks.control import cases, scores
+from benchmarks.control import cases, film, scores
 from benchmarks.control.laws import OWN, follower_law, oracle, rival, shape_law
 from benchmarks.control.lockstep import LawBuilder, Recording, run
 
@@ -47,6 +47,7 @@ def do(job: Job) -> Row:
         "roll": _roll,
         "follower": _follower,
         "transient": _transient,
+        "film": _film,
     }[job.section](job)
     row: Row = {"section": job.section, "case": job.case.name, "law": job.law, "seed": job.seed}
     for key, value in judged.items():
@@ -57,6 +58,8 @@ def do(job: Job) -> Row:
 
 def _profile(job: Job) -> Array:
     case = job.case
+    if job.section == "film":
+        return film.profile(case)
     if job.section == "ramp":
         return cases.ramp_profile()
     if job.section == "roll":
@@ -204,6 +207,10 @@ def _follower(job: Job) -> dict[str, Any]:
         "unwind": ratio("tension_N"),
         "follower_speed": ratio("follower_m_s"),
     }
+
+
+def _film(job: Job) -> dict[str, Any]:
+    return film.judge(job.case, _with(job, _profile(job)), _without(job))
 
 
 def _transient(job: Job) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from aff_runtime.core.shape.law import ShapeLaw
 from aff_runtime.core.shape.profile import ShapeProfile
 from benchmarks.control.lines import nominal
 from benchmarks.control.lockstep import LIMIT_M_S, LawBuilder
-from benchmarks.control.nominal_loop import nominal_loop
+from benchmarks.control.nominal_loop import FILM_RADII_M, nominal_loop
 from benchmarks.control.printed import PrintedLaw
 from benchmarks.control.rivals_blocks import AngleBlocks
 from benchmarks.control.rivals_filtered import FxLms
@@ -28,6 +28,7 @@ from benchmarks.control.rivals_repetitive import Repetitive
 from sim_plant.line.declaration import Declaration
 
 ORDERS = 24
+FILM_MEMORY_S = 2.0
 SHAPE = ShapeParams()
 OWN = "shape-KF"
 TUNED = json.loads((Path(__file__).parent / "tuned.json").read_text())
@@ -91,6 +92,15 @@ def unwind_params(
     )
 
 
+def loop_of(material: str, cycle_s: float) -> LoopModel:
+    """Return P of the unwind; the film line forgets within a second."""
+    if material == "film":
+        return nominal_loop(
+            material, cycle_s=cycle_s, memory_s=FILM_MEMORY_S, radii_m=FILM_RADII_M
+        )
+    return nominal_loop(material, cycle_s=cycle_s)
+
+
 def shape_law(
     material: str,
     cycle_s: float = 0.005,
@@ -101,7 +111,7 @@ def shape_law(
 ) -> LawBuilder:
     """Return a builder of the shape law, from a saved profile when one is given."""
     params = unwind_params(material, cycle_s, orders, swrap)
-    loop = nominal_loop(material, cycle_s=cycle_s)
+    loop = loop_of(material, cycle_s)
 
     def build(phases: Mapping[str, RollPhase], cycle: float) -> ActuatorLaw:
         assert params.drive is not None

@@ -11,12 +11,14 @@ from sim_plant.line.load import load_declaration
 
 ROOT = Path(__file__).resolve().parents[2]
 EUCLID = ROOT / "config" / "lines" / "euclid.yaml"
+FILM = ROOT / "config" / "lines" / "film.yaml"
 INCH_M = 0.0254
 FPM_M_S = 0.3048 / 60.0
 
 # Found by scanning P(jw) of this line; see docs/notes/polyethylene-and-shape-weights.md
 POLYETHYLENE = {"EA_N": 3960.0, "density_kg_m3": 920.0}
 SHAPES = {"flat": 0.012, "bulge": 0.005, "asym": 0.006}
+FILM_SHARE = 0.25  # of these sizes: a roll of film is rounder
 SHAPE_ANGLE_RAD = 0.7
 LEAD_ANGLE_RAD = 2.6
 FOLLOWER_ANGLE_RAD = 1.9
@@ -70,14 +72,20 @@ def _signed(rotation: str) -> float:
 
 def nominal(material: str, radius_m: float) -> Declaration:
     """Return the line as its owner declares it: no effects, nothing hidden."""
-    line = load_declaration(EUCLID)
+    line = load_declaration(FILM if material == "film" else EUCLID)
     if material == "pe":
         line = line.model_copy(update={"web": line.web.model_copy(update=POLYETHYLENE)})
     return with_radius(line, radius_m)
 
 
 def spoilt(
-    line: Declaration, *, shape: str | None, lead_m: float, follower_m: float, gravity: float = 1.0
+    line: Declaration,
+    *,
+    shape: str | None,
+    lead_m: float,
+    follower_m: float,
+    gravity: float = 1.0,
+    share: float = 1.0,
 ) -> Declaration:
     """Return the line with an out-of-round unwind roll and eccentric S-wrap rollers."""
     effects: list[EffectEntry] = []
@@ -88,7 +96,7 @@ def spoilt(
                 location="unwind",
                 parameters={
                     "shape": shape,
-                    "size_m": SHAPES[shape],
+                    "size_m": share * SHAPES[shape],
                     "angle_rad": SHAPE_ANGLE_RAD,
                     "gravity": gravity,
                 },

@@ -18,7 +18,7 @@ from aff_runtime.core.params import RollParams, SiteParams
 from aff_runtime.core.phase import RollPhase
 from benchmarks.control.lines import Hidden, with_hidden
 from sim_plant.line.build import cell_sensors
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declaration import Declaration, Roller
 from sim_plant.line.kernel import log_frame, run_frames, step_frame
 from sim_plant.line.log_layout import LogLayout
 from sim_plant.line.open import make_line
@@ -36,24 +36,7 @@ CHANNELS = (
     "swrap_follower_speed_m_s",
 )
 COUNT_RAD = math.tau / 4096
-SWRAP_RADIUS_M = 0.15367
-ROLLS = (
-    RollParams(
-        name="unwind",
-        angle="unwind_angle_rad",
-        line_speed="line_speed_m_s",
-        radius="unwind_radius_m",
-        radius_min_m=0.04,
-        radius_max_m=0.45,
-        resets_on_splice=True,
-    ),
-    RollParams(
-        name="swrap_follower",
-        angle="swrap_follower_angle_rad",
-        line_speed="line_speed_m_s",
-        radius_m=SWRAP_RADIUS_M,
-    ),
-)
+FASTEST_RAD_S = 400.0
 SIGNAL_OF = {"unwind": 0, "swrap_follower": 4, "swrap_follower speed": 7}
 SOFT_START_S = 0.3
 LIMIT_M_S = 0.3
@@ -112,6 +95,33 @@ class _Actuator:
         return self.pipe.popleft()
 
 
+def rolls_of(declaration: Declaration) -> tuple[RollParams, ...]:
+    """Return what the law knows of the angles of the unwind and of the S-wrap follower."""
+    return (
+        RollParams(
+            name="unwind",
+            angle="unwind_angle_rad",
+            line_speed="line_speed_m_s",
+            radius="unwind_radius_m",
+            radius_min_m=0.04,
+            radius_max_m=0.45,
+            resets_on_splice=True,
+            max_omega_rad_s=FASTEST_RAD_S,
+        ),
+        RollParams(
+            name="swrap_follower",
+            angle="swrap_follower_angle_rad",
+            line_speed="line_speed_m_s",
+            radius_m=_follower(declaration).radius_m,
+            max_omega_rad_s=FASTEST_RAD_S,
+        ),
+    )
+
+
+def _follower(declaration: Declaration) -> Roller:
+    return declaration.rollers[declaration.body("swrap_follower")]
+
+
 def run(
     declaration: Declaration,
     laws: Mapping[str, LawBuilder],
@@ -134,7 +144,8 @@ def run(
     line = settled_line(with_hidden(declaration, secret), cycle_s, float(speed_m_s[0]))
     if not laws:
         return _alone(line, speed_m_s, seed, cycle_s, secret)
-    site = SiteParams(cycle_s=cycle_s, channels=CHANNELS, rolls=ROLLS, actuators=())
+    rolls = rolls_of(declaration)
+    site = SiteParams(cycle_s=cycle_s, channels=CHANNELS, rolls=rolls, actuators=())
     phases = RollPhases(site)
     delay = 1 + round(secret.delay_s / cycle_s)
     actuators = {
@@ -264,6 +275,7 @@ class LineColumns:
         self.pullroll = channels.index("pullroll_tension_N")
         self.lead, self.follower = driven.index("swrap_lead"), driven.index("swrap_follower")
         self.follower_body = names.index("swrap_follower")
+        self.swrap_m = _follower(declaration).radius_m
         self.hidden = hidden
 
     def values(self, row: Array, theta0: Array, tension_ref_N: float) -> tuple[float, ...]:
@@ -280,12 +292,12 @@ class LineColumns:
         return (
             tension,
             tension_ref_N,
-            float(row[speed + self.lead]) * SWRAP_RADIUS_M,
+            float(row[speed + self.lead]) * self.swrap_m,
             2e-5 * math.floor(radius / 2e-5 + 0.5),
             float(row[at.measured_N + self.pullroll]),
             unwind,
             follower,
-            float(row[speed + self.follower]) * SWRAP_RADIUS_M,
+            float(row[speed + self.follower]) * self.swrap_m,
         )
 
     def record(
@@ -298,7 +310,7 @@ class LineColumns:
             time_s=np.asarray(np.arange(len(log)) * cycle_s, dtype=np.float64),
             tension_N=log[:, at.mean_N + self.tension].copy(),
             pullroll_N=log[:, at.mean_N + self.pullroll].copy(),
-            follower_m_s=log[:, at.true_rad_s + self.follower] * SWRAP_RADIUS_M,
+            follower_m_s=log[:, at.true_rad_s + self.follower] * self.swrap_m,
             unwind_rad=log[:, a] - theta0[0],
             follower_rad=log[:, a + f] - theta0[f],
             radius_m=log[:, at.radius_m].copy(),

@@ -14,7 +14,9 @@ from sim_plant.line.open import make_line
 
 PUSH_M_S = 2e-3
 RADII_M = tuple(r * INCH_M for r in (2.3, 3.0, 3.8, 4.75, 6.375, 8.05))
-SPEED_M_S = 1.016
+SPEED_M_S = {"film": 10.0}
+OTHER_SPEED_M_S = 1.016
+FILM_RADII_M = (0.09, 0.12, 0.15, 0.2, 0.25, 0.3)
 
 
 def impulse_response(
@@ -25,10 +27,11 @@ def impulse_response(
     The line moves, so its resting answer is taken out by a second run without the push.
     """
     count = round(memory_s / cycle_s)
+    speed_m_s = SPEED_M_S.get(material, OTHER_SPEED_M_S)
     signals = []
     for push in (0.0, PUSH_M_S):
         line = make_line(
-            nominal(material, radius_m), seed=None, sample_time_s=cycle_s, speed_m_s=SPEED_M_S
+            nominal(material, radius_m), seed=None, sample_time_s=cycle_s, speed_m_s=speed_m_s
         )
         # a small push would see the single steps of the sensors
         line.arrays.drives["lsb_rad_s"] = line.arrays.cells["lsb_N"] = 0.0
@@ -37,7 +40,7 @@ def impulse_response(
         aff = np.zeros(steps)
         aff[1] = push  # asked for in tick 0
         found = line.simulate(
-            np.full(steps, SPEED_M_S),
+            np.full(steps, speed_m_s),
             np.full(steps, line.declaration.operating_point.tension_N),
             {drive: aff},
         )

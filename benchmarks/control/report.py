@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,14 @@ def _number(value: float, digits: int = 3) -> str:
 
 def _newton(values: Sequence[float]) -> str:
     return " ".join(f"{v:.3f}" for v in values[:4])
+
+
+def _dB_all(values: Sequence[float]) -> str:
+    return _dB(values, len(values))
+
+
+def _each(values: Sequence[Any], show: Callable[[Any], str]) -> str:
+    return "; ".join(show(value) for value in values)
 
 
 def _settled(row: Row) -> str:
@@ -73,6 +81,12 @@ COLUMNS: dict[str, list[tuple[str, Any]]] = {
         ("below 0.1 after [turns]", lambda r: _number(r["back_turns"], 1)),
         ("ripple / PI at the end", lambda r: _number(r["after"])),
     ],
+    "film": [
+        ("dB per order below 60 Hz", lambda r: _each(r["orders_dB"], _dB_all)),
+        ("worst", lambda r: _each(r["worst_dB"], lambda v: f"{v:.0f}")),
+        ("ripple / PI", lambda r: _each(r["ripple"], _number)),
+        ("largest correction [m/s]", lambda r: _number(r["largest_m_s"])),
+    ],
     "memory": [
         ("ticks", lambda r: f"{r['ticks']:,}"),
         ("share of a week", lambda r: f"{100 * r['ticks'] / r['week_ticks']:.1f} %"),
@@ -98,6 +112,7 @@ TITLES = {
     "follower": "Eccentric follower, 0.5 mm: two zones, one or two actuators",
     "mismatch": "Hidden mismatch",
     "transient": "Stop and start, emergency stop, roll change",
+    "film": "Film line, 1 ms (2 ms where said), 600 to 1000 m/min; ramps: first; second",
     "wire": "Over the wire: Modbus TCP, two processes, real time",
     "timing": "Cost of one tick",
     "memory": "Memory",

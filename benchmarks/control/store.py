@@ -11,7 +11,7 @@ from pathlib import Path
 from benchmarks.control.jobs import Job, Row
 from benchmarks.control.laws import ORDERS, RIVALS, TUNED
 from benchmarks.control.laws import SHAPE as SHAPE_SETTING
-from benchmarks.control.lines import EUCLID, ROOT
+from benchmarks.control.lines import EUCLID, FILM, ROOT
 from benchmarks.rows import read_row, write_row
 
 BENCH = ROOT / "benchmarks" / "control"
@@ -19,14 +19,16 @@ CORE = ROOT / "aff_runtime" / "core"
 PLANT = ROOT / "sim_plant"
 ROOMS = ("line", "elements", "effects", "geometry")
 COMMON = (
-    *(BENCH / f"{n}.py" for n in ("lines", "lockstep", "scores", "cases", "nominal_loop")),
+    *(BENCH / f"{n}.py" for n in ("lines", "lockstep", "scores", "cases", "film", "nominal_loop")),
     *(CORE / f"{n}.py" for n in ("phase", "impulse")),
     *(p for room in ROOMS for p in (PLANT / room).glob("*.py")),
     EUCLID,
+    FILM,
 )
 SHAPE = (
     *sorted((CORE / "shape").glob("*.py")),
     *sorted((CORE / "compiled").glob("*.[ch]")),
+    CORE / "bandwidth.py",
     CORE / "gate.py",
     CORE / "params.py",
     BENCH / "laws.py",

@@ -14,7 +14,8 @@ from aff_runtime.core.controller import RollPhases
 from aff_runtime.core.law import Inputs
 from aff_runtime.core.params import SiteParams
 from benchmarks.control.laws import plain_blocks, shape_law
-from benchmarks.control.lockstep import CHANNELS, ROLLS, LawBuilder
+from benchmarks.control.lines import nominal
+from benchmarks.control.lockstep import CHANNELS, LawBuilder, rolls_of
 
 PERIOD_S = 0.005
 LAWS: dict[str, Callable[[], LawBuilder]] = {
@@ -28,7 +29,8 @@ class Steady:
     """A line that turns steadily, as a law and its rolls' angles see it; no plant."""
 
     def __init__(self, build: LawBuilder, seed: int = 0) -> None:
-        site = SiteParams(cycle_s=PERIOD_S, channels=CHANNELS, rolls=ROLLS, actuators=())
+        rolls = rolls_of(nominal("tyvek", 0.2032))
+        site = SiteParams(cycle_s=PERIOD_S, channels=CHANNELS, rolls=rolls, actuators=())
         self._phases = RollPhases(site)
         self.law = build(self._phases.by_name, PERIOD_S)
         self._given = Inputs(

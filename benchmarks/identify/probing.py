@@ -19,7 +19,7 @@ from aff_runtime.core.params import (
 from aff_runtime.core.probe.probe import Probe, Stage
 from aff_runtime.core.response import Provenance, Response
 from benchmarks.control.lines import Hidden
-from benchmarks.control.lockstep import CHANNELS, ROLLS, LineColumns, settled_line
+from benchmarks.control.lockstep import CHANNELS, LineColumns, rolls_of, settled_line
 from benchmarks.identify.drawn import DrawnLine
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.frequency import response
@@ -28,7 +28,7 @@ from sim_plant.line.kernel import log_frame, step_frame
 CYCLE_S = 0.005
 LARGEST_M_S, LARGEST_N = 0.03, 10.0
 ORDERS = 16
-TO_HZ, GRID, NUISANCE = 19.4, 20, 24
+TO_HZ, LOUDER_FROM_HZ, GRID, NUISANCE = 19.4, 3.0, 20, 24
 ABOUT = Provenance(actuator="unwind", signal="unwind_tension_N", cycle_s=CYCLE_S)
 
 
@@ -75,6 +75,7 @@ def probe(line: DrawnLine, noise: int) -> Probe:
         amplitude=size_m_s,
         duration_s=line.duration_s,
         f_max_Hz=TO_HZ,
+        louder_from_Hz=LOUDER_FROM_HZ,
         grid_points=GRID,
         nuisance_orders=NUISANCE,
         max_speed_m_s=1.6,
@@ -82,7 +83,7 @@ def probe(line: DrawnLine, noise: int) -> Probe:
     site = SiteParams(
         cycle_s=CYCLE_S,
         channels=CHANNELS,
-        rolls=ROLLS,
+        rolls=rolls_of(line.declaration),
         actuators=(actuator(),),
         line_speed="line_speed_m_s",
     )

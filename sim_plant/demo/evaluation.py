@@ -11,6 +11,9 @@ from sim_plant.base.order_tracking import order_amplitudes, reduction_dB
 
 TARGET_UNWIND_DB = 30.0
 TARGET_FOLLOWER_DB = 20.0
+TARGET_FAST_DB = 20.0
+FAST_TO_HZ = 60.0
+TARGET_RIPPLE = 0.10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,29 +51,35 @@ def window(record: dict[str, Array], start_s: float, end_s: float) -> dict[str, 
     return {name: values[keep] for name, values in record.items()}
 
 
-def evaluate(before: dict[str, Array], after: dict[str, Array], noise_N: float) -> list[Row]:
+def evaluate(
+    before: dict[str, Array], after: dict[str, Array], noise_N: float, *, fast: bool = False
+) -> list[Row]:
     """Return the table: unwind 1x-4x in the unwind tension, follower 1x in the pull-roll tension.
 
+    On a fast line every order of the unwind below 60 Hz, to 20 dB.
     ``noise_N`` is the load cell's noise per sample; the floor of one order is three standard
     deviations of its least-squares amplitude, 3 noise sqrt(2 / samples).
     """
+    orders_of: tuple[int, ...] = (1, 2, 3, 4)
+    if fast:
+        orders_of = tuple(range(1, int(FAST_TO_HZ / turn_Hz(after, "unwind")) + 1))
+    target_dB = TARGET_FAST_DB if fast else TARGET_UNWIND_DB
     cases = [
-        ("unwind_tension_N", "unwind", (1, 2, 3, 4), "swrap_follower", TARGET_UNWIND_DB),
+        ("unwind_tension_N", "unwind", orders_of, "swrap_follower", target_dB),
         ("pullroll_tension_N", "swrap_follower", (1,), "unwind", TARGET_FOLLOWER_DB),
     ]
     rows = []
     for tension, roll, orders, other, target in cases:
         amplitudes = [_orders(part, tension, roll, orders, other) for part in (before, after)]
-        angle, time = after[f"true_{roll}_angle_rad"], after["time_s"]
-        turn_Hz = (angle[-1] - angle[0]) / (time[-1] - time[0]) / (2.0 * np.pi)
-        floor = 3.0 * noise_N * float(np.sqrt(2.0 / time.size))
+        turning_Hz = turn_Hz(after, roll)
+        floor = 3.0 * noise_N * float(np.sqrt(2.0 / after["time_s"].size))
         for number, order in enumerate(orders):
             rows.append(
                 Row(
                     tension=tension,
                     roll=roll,
                     order=order,
-                    frequency_Hz=order * float(turn_Hz),
+                    frequency_Hz=order * turning_Hz,
                     before_N=float(amplitudes[0][number]),
                     after_N=float(amplitudes[1][number]),
                     floor_N=floor,
@@ -80,28 +89,38 @@ def evaluate(before: dict[str, Array], after: dict[str, Array], noise_N: float) 
     return rows
 
 
+def turn_Hz(part: dict[str, Array], roll: str) -> float:
+    """Return how often a roll turns in a window, on the average."""
+    angle, time = part[f"true_{roll}_angle_rad"], part["time_s"]
+    return float((angle[-1] - angle[0]) / (time[-1] - time[0]) / (2.0 * np.pi))
+
+
+def ripple_ratio(before: dict[str, Array], after: dict[str, Array]) -> float:
+    """Return the ripple of the true unwind tension after over before."""
+    name = "true_unwind_tension_N"
+    return float(np.std(after[name]) / np.std(before[name]))
+
+
 def more_orders(
-    before: dict[str, Array], after: dict[str, Array], highest: int, noise_N: float
+    before: dict[str, Array], after: dict[str, Array], highest: int, noise_N: float, *, judged: int
 ) -> list[Row]:
-    """Return the unwind's orders above those that are judged, for eyes; ``target_dB`` is 0."""
+    """Return the unwind's orders above those that are ``judged``, for eyes; ``target_dB`` 0."""
     tension, roll, other = "unwind_tension_N", "unwind", "swrap_follower"
-    first = max(row.order for row in evaluate(before, after, noise_N) if row.roll == roll) + 1
-    orders = tuple(range(first, highest + 1))
+    orders = tuple(range(judged + 1, highest + 1))
     if not orders:
         return []
     amplitudes = [_orders(part, tension, roll, orders, other) for part in (before, after)]
-    angle, time = after[f"true_{roll}_angle_rad"], after["time_s"]
-    turn_Hz = (angle[-1] - angle[0]) / (time[-1] - time[0]) / (2.0 * np.pi)
+    turning_Hz = turn_Hz(after, roll)
     return [
         Row(
             tension=tension,
             roll=roll,
             order=order,
-            frequency_Hz=order * float(turn_Hz),
+            frequency_Hz=order * turning_Hz,
             before_N=float(b),
             after_N=float(a),
             target_dB=0.0,
-            floor_N=3.0 * noise_N * float(np.sqrt(2.0 / time.size)),
+            floor_N=3.0 * noise_N * float(np.sqrt(2.0 / after["time_s"].size)),
         )
         for order, b, a in zip(orders, *amplitudes, strict=True)
     ]

@@ -44,7 +44,8 @@ def write_report(session: Session, rows: list[Row], noise_N: float) -> Path:
     columns = runtime_columns(session.run_folder)
     learned = learned_orders(columns)
     highest = max((one.order for one in learned if one.roll == "unwind"), default=0)
-    more = more_orders(before, after, highest, noise_N)
+    judged = max(row.order for row in rows if row.roll == "unwind")
+    more = more_orders(before, after, highest, noise_N, judged=judged)
     template = Environment(
         loader=PackageLoader("sim_plant.demo", "."), autoescape=True
     ).get_template("report.html.j2")

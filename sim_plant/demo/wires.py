@@ -11,6 +11,7 @@ from pathlib import Path
 from aff_runtime.base.errors import PlantError
 
 SITES = {"modbus": "euclid.yaml", "can": "euclid_can.yaml", "canopen": "euclid_canopen.yaml"}
+FILM_SITES = {"modbus": "film.yaml", "can": "film_can.yaml"}
 _PROTOCOL = {"can": "dbc", "canopen": "canopen"}
 _DESCRIPTIONS = ("*.dbc", "*.eds")
 

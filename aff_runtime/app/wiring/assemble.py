@@ -8,6 +8,7 @@ site file ─validate→ record ─┬→ register map → codec ┐
 
 from __future__ import annotations
 
+import math
 import secrets
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,6 +26,9 @@ from aff_runtime.core.response import Response
 from aff_runtime.loop.cycle import Cycle, CycleSettings
 from aff_runtime.loop.seams import Outside
 from aff_runtime.safety.guard import Guard
+
+ADVICE_S = 0.1  # between two questions to the law's side
+LEAST_OVERRUNS = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,6 +68,8 @@ def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
         channel_count=len(site.gateway.read.channels),
         output_count=len(site.actuators),
         law_columns=0,
+        overruns_in_a_row=overruns_in_a_row(site),
+        advice_every_ticks=max(1, round(ADVICE_S / site.cycle_s)),
         command_life_s=site.freshness.fault_after_ms * 1e-3,
         config_revision=assembly.record.revision_word,
         first_heartbeat=secrets.randbelow(1 << 16),  # two that start at once must be told apart
@@ -76,6 +82,11 @@ def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
         law=assembly.law,
         outside=outside,
     )
+
+
+def overruns_in_a_row(site: Site) -> int:
+    """Return how many late ticks are an overrun: a time, since a pause is one, and three."""
+    return max(LEAST_OVERRUNS, math.ceil(site.freshness.hold_after_ms / site.line.cycle_ms))
 
 
 def controller_of(

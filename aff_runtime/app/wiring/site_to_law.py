@@ -9,6 +9,8 @@ from dataclasses import replace
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.channel_units import unit_of_channel
 from aff_runtime.config.models import Actuator, Drive, Roll, Site
+from aff_runtime.config.models.drive import slow_band
+from aff_runtime.core.blocks.bank import SAMPLES_PER_TURN
 from aff_runtime.core.params import (
     ActuatorParams,
     BlockParams,
@@ -19,12 +21,14 @@ from aff_runtime.core.params import (
     ShapeParams,
     SiteParams,
 )
-from aff_runtime.core.shape.basis import FADE_TO_HZ
 
 NOISE_N, NOISE_M_S = 0.6, 2e-4
 CYCLES_ON_THE_WAY = 3  # the angle's age, one tick to be sent, one PLC scan to the drive
-SHAPE_PROBE_TO_HZ = FADE_TO_HZ + 0.4  # a tone above the highest order that goes out
+TONE_ABOVE = 1.02  # of the band's end: a tone above the highest order that goes out
+LOUDER_FROM = 0.158  # of the band's end: from here on the drive takes tones away
+BLOCKS_LOUDER_FROM = 0.3  # of the plain law's: its drive is not declared
 SHAPE_GRID = 20
+FASTER = 2.0  # than the highest line speed that is believed: no roll turns so
 ORDERS_BEYOND = 8  # ripple above the highest order that the site corrects
 _COUNTS = {"u16": 2**16, "i16": 2**16, "u32": 2**32, "i32": 2**32}
 
@@ -59,9 +63,12 @@ def probe_params(site: Site, actuators: Sequence[str]) -> ProbeParams:
             "probe them one after the other with --actuator"
         )
     is_velocity = kinds == {"velocity_reference"}
-    shape = any(site.actuators[name].law == "shape" for name in actuators)
+    shaped = [site.actuators[name] for name in actuators if site.actuators[name].law == "shape"]
+    drives = [actuator.drive for actuator in shaped]
+    bands = [d.band(site.cycle_s) if d else slow_band(site.cycle_s) for d in drives]
+    end_Hz = max((band.end_Hz for band in bands), default=0.0)
     return replace(
-        _shape_probe(site) if shape else ProbeParams(actuators=(), amplitude=0.0),
+        _shape_probe(site, end_Hz) if bands else _blocks_probe(site),
         actuators=tuple(actuators),
         amplitude=site.probe.amplitude_m_s if is_velocity else site.probe.amplitude_N_m,
         duration_s=site.probe.duration_s,
@@ -71,13 +78,22 @@ def probe_params(site: Site, actuators: Sequence[str]) -> ProbeParams:
     )
 
 
-def _shape_probe(site: Site) -> ProbeParams:
+def _blocks_probe(site: Site) -> ProbeParams:
+    """Return what the plain law needs: tones up to the highest order that it corrects."""
+    end_Hz = 1.0 / (SAMPLES_PER_TURN * site.cycle_s)
+    return ProbeParams(
+        actuators=(), amplitude=0.0, f_max_Hz=end_Hz, louder_from_Hz=BLOCKS_LOUDER_FROM * end_Hz
+    )
+
+
+def _shape_probe(site: Site, end_Hz: float) -> ProbeParams:
     """Return what differs for the shape law: tones up to its fade, more ripple to tell apart."""
     highest = max(max(b.orders) for a in site.actuators.values() for b in a.blocks)
     return ProbeParams(
         actuators=(),
         amplitude=0.0,
-        f_max_Hz=SHAPE_PROBE_TO_HZ,
+        f_max_Hz=TONE_ABOVE * end_Hz,
+        louder_from_Hz=LOUDER_FROM * end_Hz,
         grid_points=SHAPE_GRID,
         nuisance_orders=highest + ORDERS_BEYOND,
     )
@@ -97,6 +113,7 @@ def _roll(site: Site, name: str, roll: Roll) -> RollParams:
         radius_min_m=roll.smallest_radius_m,
         radius_max_m=roll.largest_radius_m,
         resets_on_splice=roll.resets_on == "splice",
+        max_omega_rad_s=FASTER * site.plausibility[site.line.speed].high / roll.smallest_radius_m,
     )
 
 

@@ -57,5 +57,6 @@ __all__ = [
     "Tls",
     "WriteBlock",
     "WriteWord",
+    "drive",
     "gateway",
 ]

@@ -17,6 +17,16 @@ from aff_runtime.config.quantity import (
     Section,
     key,
 )
+from aff_runtime.core.bandwidth import Band, band_of
+
+SLOW_GAIN_RAD_S = 15.0
+"""Of a speed loop that nobody has said anything of: the first probe asks for no more than what
+such a one carries, the next one for what the first has found."""
+
+
+def slow_band(cycle_s: float) -> Band:
+    """Return the frequencies to probe where nothing is known of the drive."""
+    return band_of(SLOW_GAIN_RAD_S, SLOW_GAIN_RAD_S / 4.0, cycle_s)
 
 
 class Drive(Section):
@@ -109,6 +119,16 @@ class Drive(Section):
             return self.zeta
         time_s = self.integral_time_s or 1.0
         return 0.5 * float(((self.speed_gain_rad_s or 0.0) * time_s) ** 0.5)
+
+    def band(self, cycle_s: float) -> Band:
+        """Return the frequencies that this drive and the cycle let an order have.
+
+        A drive whose numbers are open counts as a slow one, until a probe has found them.
+        """
+        if self.speed_gain_rad_s is None:
+            return slow_band(cycle_s)
+        K_rad_s = self.speed_gain_rad_s
+        return band_of(K_rad_s, K_rad_s / (4.0 * self.damping**2), cycle_s)
 
     @property
     def total_inertia_kg_m2(self) -> float:

@@ -76,7 +76,8 @@ def fit_tones(
     for angle in angles_rad:
         for n in range(1, nuisance_orders + 1):
             columns += drifting(n * angle, drift)
-    lines = strange_lines(time_s, signal, np.column_stack(columns))
+    highest_Hz = max(tone.omega_rad_s for tone in (*own, *foreign)) / math.tau
+    lines = strange_lines(time_s, signal, np.column_stack(columns), highest_Hz)
     for line in lines:
         columns += drifting(math.tau * line.frequency_Hz * time_s, drift)
     design = np.column_stack(columns)

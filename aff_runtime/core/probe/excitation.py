@@ -7,7 +7,7 @@ from array import array
 from collections.abc import Iterable, Sequence
 
 MAX_SHIFTS = 400
-LOUDER_FROM_HZ, LOUDEST = 3.0, 3.0
+LOUDEST = 3.0
 
 
 def spread(
@@ -39,12 +39,12 @@ def log_grid(low_Hz: float, high_Hz: float, count: int) -> list[float]:
     return [low_Hz * ratio**k for k in range(count)]
 
 
-def loudness(frequency_Hz: float) -> float:
-    """Return a tone's amplitude beside the others: 1 to 3 Hz, rising to 3 at 9 Hz.
+def loudness(frequency_Hz: float, louder_from_Hz: float) -> float:
+    """Return a tone's amplitude beside the others: 1, growing with frequency from there to 3.
 
     The faster a correction, the less a line answers; equal tones leave the fast ones in noise.
     """
-    return min(max(frequency_Hz / LOUDER_FROM_HZ, 1.0), LOUDEST)
+    return min(max(frequency_Hz / louder_from_Hz, 1.0), LOUDEST)
 
 
 class Waveform:
@@ -62,12 +62,12 @@ class Waveform:
         self._fade_s = 1.0
         self._tones: tuple[tuple[float, float, float], ...] = ()
 
-    def plan(self, tones_Hz: Sequence[float], fade_s: float) -> None:
+    def plan(self, tones_Hz: Sequence[float], fade_s: float, louder_from_Hz: float) -> None:
         """Choose the tones; what was filled before is void."""
         count = max(1, len(tones_Hz))
         ordered = sorted(tones_Hz)
         self._tones = tuple(
-            (math.tau * f, -math.pi * k * (k + 1) / count, loudness(f))
+            (math.tau * f, -math.pi * k * (k + 1) / count, loudness(f, louder_from_Hz))
             for k, f in enumerate(ordered)
         )
         self._fade_s = fade_s

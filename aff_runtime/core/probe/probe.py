@@ -24,7 +24,7 @@ from aff_runtime.core.response import Provenance, Response
 
 BINS_APART = 1.5
 LOW_SHARE = 0.6
-FILL_PER_TICK = 40
+FILL_PER_S = 8000  # a share of the tick that does not grow when it gets shorter
 MIN_RATIO = 0.5
 RATIO_SPREAD = 0.02
 MIN_GOOD_SHARE = 0.8
@@ -85,6 +85,7 @@ class Probe:
         self._sample = -1
         self._heard_s = 0.0
         self._filling = 0
+        self._fill_per_tick = max(1, round(FILL_PER_S * site.cycle_s))
         self.stage = Stage.LISTENING
         self.reason = ""
 
@@ -117,13 +118,13 @@ class Probe:
             self._heard_s += dt_s
         if self._heard_s >= self._p.listen_s:
             for wave, tones in zip(self._waves, self._plan_tones_Hz(), strict=True):
-                wave.plan(tones, self._p.fade_s)
+                wave.plan(tones, self._p.fade_s, self._p.louder_from_Hz)
             self.stage = Stage.PREPARING
 
     def _prepare(self) -> None:
         if self._filling >= len(self._waves):
             self.stage = Stage.EXCITING
-        elif self._waves[self._filling].fill(FILL_PER_TICK):
+        elif self._waves[self._filling].fill(self._fill_per_tick):
             self._filling += 1
 
     def _excite(

@@ -15,7 +15,9 @@ AROUND_BINS = 30
 CLEAR_OF_NOISE = 20.0
 """Over the median of the power around: noise does that once in a million places."""
 ROUNDS, MOST = 3, 8
-TO_HZ = 25.0
+SAMPLES_PER_PERIOD = 8.0
+BEYOND_TONES = 1.3
+"""Lines are looked for up to the higher of the two; what is above spoils no tone."""
 FAINTEST, SPANNED = 1e-6, 1e-10
 """Rounding, over what the signal moves, and of a column that says nothing new."""
 
@@ -34,7 +36,9 @@ class RippleLine:
     amplitude: float
 
 
-def strange_lines(time_s: Floats, signal: Floats, design: Floats) -> tuple[RippleLine, ...]:
+def strange_lines(
+    time_s: Floats, signal: Floats, design: Floats, highest_Hz: float
+) -> tuple[RippleLine, ...]:
     """Return the lines that no column of ``design`` explains.
 
     A line that is found becomes a column, and what is then left is looked at again: a roll that
@@ -44,6 +48,7 @@ def strange_lines(time_s: Floats, signal: Floats, design: Floats) -> tuple[Rippl
     ----------
     time_s, signal : one entry per good sample of an even cycle; samples may be missing.
     design : (samples, columns).
+    highest_Hz : of the tones.
     """
     span_s = float(time_s[-1] - time_s[0])
     drift = (time_s - 0.5 * (time_s[0] + time_s[-1])) / span_s
@@ -52,7 +57,7 @@ def strange_lines(time_s: Floats, signal: Floats, design: Floats) -> tuple[Rippl
     faint = FAINTEST * float(np.std(signal))
     found: list[RippleLine] = []
     for _ in range(ROUNDS):
-        new = [one for one in _lines(time_s, residual) if one.amplitude > faint]
+        new = [one for one in _lines(time_s, residual, highest_Hz) if one.amplitude > faint]
         if not new:
             break
         found += new
@@ -71,7 +76,7 @@ def _basis(columns: Floats) -> Floats:
     return np.asarray(columns @ (directions[:, kept] / np.sqrt(power[kept])))
 
 
-def _lines(time_s: Floats, residual: Floats) -> list[RippleLine]:
+def _lines(time_s: Floats, residual: Floats, highest_Hz: float) -> list[RippleLine]:
     """Return the lines that stand out of the noise around them, the strongest first.
 
     A Hann window keeps a line to itself; its place is that of the parabola through the peak of
@@ -84,7 +89,8 @@ def _lines(time_s: Floats, residual: Floats) -> list[RippleLine]:
     padded = PADDED * even.size
     window = np.hanning(even.size)
     power = np.abs(np.fft.rfft(window * even, padded)) ** 2
-    power = power[: round(TO_HZ * padded * cycle_s)]
+    to_Hz = max(BEYOND_TONES * highest_Hz, 1.0 / (SAMPLES_PER_PERIOD * cycle_s))
+    power = power[: round(to_Hz * padded * cycle_s)]
     clear = power > CLEAR_OF_NOISE * _around(power)
     lobe = round(LOBE_BINS * PADDED)
     found: dict[int, float] = {}

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.core.bandwidth import Band
 from aff_runtime.core.compiled.binary import chosen, holding
 from aff_runtime.core.params import DriveParams
 from aff_runtime.core.phase import RollPhase
@@ -14,7 +15,6 @@ from aff_runtime.core.shape.columns import ColumnMap, ColumnState
 
 Complexes = npt.NDArray[np.complex128]
 Floats = npt.NDArray[np.float64]
-FADE_FROM_HZ, FADE_TO_HZ = 17.0, 19.0
 SPEED_TAU_S = 0.3
 ABSURD = 1e4  # no line runs at that speed (m/s), no roll turns at it (rad/s)
 IMBALANCE_N_M_PER_M = 100.0
@@ -62,7 +62,7 @@ class ShapeBasis:
     Columns: every order of the drive's own roll with both terms, T plus the weight of what sticks
     out (``DriveParams.weight_of_shape_N``) for order 1; one for an imbalance beyond that,
     -(R/(J K)) s/(s + c) q_1, 0.1 N m per millimetre; orders of other rolls with the first term.
-    Orders fade out between 17 and 19 Hz, where the loop gives no authority.
+    Orders fade out where ``band`` ends: drive or hold give no authority there.
     """
 
     __slots__ = (
@@ -91,6 +91,7 @@ class ShapeBasis:
         "_turns",
         "_work",
         "b",
+        "band",
         "carrier",
         "fade",
         "frequency_Hz",
@@ -108,6 +109,7 @@ class ShapeBasis:
         phases: dict[str, RollPhase],
         drive: DriveParams,
         lead_s: float,
+        band: Band,
     ) -> None:
         """Lay out the columns; an imbalance column follows when the drive's roll has order 1."""
         has_imbalance = drive.imbalance and (drive.roll, 1) in columns
@@ -143,7 +145,8 @@ class ShapeBasis:
         self._core = np.zeros(count, dtype=np.complex128)
         self._arm = np.zeros(count, dtype=np.complex128)
         self._known = (math.nan, math.nan)
-        self._span = 1.0 / (FADE_TO_HZ - FADE_FROM_HZ)
+        self.band = band
+        self._span = 1.0 / (band.end_Hz - band.full_Hz)
         self.b = self.state.array("basis.b", dtype=np.complex128)
         self.fade = self.state.array("basis.fade")
         self.frequency_Hz = np.zeros(count)
@@ -153,7 +156,7 @@ class ShapeBasis:
         self._held = holding(
             *(self.order, self._owns, self._index, self._rolls, self._arm, self._turns),
             *(self._low, self._before, self.b, self.fade, self.frequency_Hz),
-            np.array([self._K, self._c, lead_s, FADE_TO_HZ, self._span, ABSURD]),
+            np.array([self._K, self._c, lead_s, band.end_Hz, self._span, ABSURD]),
         )
 
     def step(self, line_speed_m_s: float, tension_N: float, dt_s: float) -> None:
@@ -176,7 +179,7 @@ class ShapeBasis:
         np.take(self._rolls, self._index, axis=1, out=turns, mode="clip")
         order, now, work, low = self.order, self._now, self._work, self._low
         np.multiply(order, turns[5], out=self.frequency_Hz)
-        np.subtract(FADE_TO_HZ, self.frequency_Hz, out=self.fade)
+        np.subtract(self.band.end_Hz, self.frequency_Hz, out=self.fade)
         self.fade *= self._span
         np.maximum(self.fade, 0.0, out=self.fade)
         np.minimum(self.fade, 1.0, out=self.fade)

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.base.signals import ActuatorStep
+from aff_runtime.core.bandwidth import band_of
 from aff_runtime.core.compiled.binary import chosen, holding
 from aff_runtime.core.gate import RAMP_S, SpeedGate
 from aff_runtime.core.impulse import LoopModel
@@ -21,7 +22,7 @@ from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.response import Response, arming_objections
 from aff_runtime.core.shape.allocation import OutputAllocation
 from aff_runtime.core.shape.availability import RollAvailability
-from aff_runtime.core.shape.basis import FADE_TO_HZ, ShapeBasis
+from aff_runtime.core.shape.basis import ShapeBasis
 from aff_runtime.core.shape.bounds import PeakBound
 from aff_runtime.core.shape.columns import common
 from aff_runtime.core.shape.confidence import ResponseConfidence
@@ -75,7 +76,8 @@ class ShapeLaw:
         self._own = phases[drive.roll]
         lead_s = 0.5 * cycle_s + params.transport_s
         used = {name: phases[name] for name in dict.fromkeys(r for r, _ in self._keys)}
-        self.basis = ShapeBasis(list(self._keys), used, drive, lead_s)
+        band = band_of(drive.K_ref_rad_s, drive.corner_rad_s, cycle_s)
+        self.basis = ShapeBasis(list(self._keys), used, drive, lead_s, band)
         self.state = state = self.basis.state
         count = state.count
         self._roll_of = [r for r, _ in self._keys] + [drive.roll] * (count - len(self._keys))
@@ -308,6 +310,7 @@ class ShapeLaw:
         if self._response is None:
             return ()
         self.confidence.judge(self.basis.frequency_Hz)
+        end_rad_s = math.tau * self.basis.band.end_Hz
         wanted = [
             (name, n * w / math.tau)
             for name, n, w, roll, held in zip(
@@ -318,7 +321,7 @@ class ShapeLaw:
                 self.confidence.held,
                 strict=True,
             )
-            if roll == self._drive.roll and not held and abs(n * w) < math.tau * FADE_TO_HZ
+            if roll == self._drive.roll and not held and abs(n * w) < end_rad_s
         ]
         if not wanted:
             return (f"no order of {self._drive.roll} has a sure response; run the probe",)

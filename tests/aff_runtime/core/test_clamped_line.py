@@ -89,9 +89,14 @@ def test_a_clamped_block_reduces_the_ripple_it_can_and_never_adds_to_it() -> Non
     rig = Rig()
     rig.run(Controller(rig.site, {}), 2.0, sends=False)
     alone = rig.run(Controller(rig.site, {}), 15.0, sends=False)[:, 0].std()
-    probe = Probe(
-        rig.site, ProbeParams(actuators=(FOLLOWER,), amplitude=0.004, max_speed_m_s=1.53)
+    params = ProbeParams(
+        actuators=(FOLLOWER,),
+        amplitude=0.004,
+        max_speed_m_s=1.53,
+        f_max_Hz=10.0,
+        louder_from_Hz=3.0,
     )
+    probe = Probe(rig.site, params)
     rig.run(probe, 29.0)
     (result,) = probe.result({FOLLOWER: Provenance(actuator=FOLLOWER, signal="tension")})
     law = Controller(rig.site, {FOLLOWER: result.response})

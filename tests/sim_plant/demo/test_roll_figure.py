@@ -63,8 +63,8 @@ def test_orders_above_those_with_a_target_are_judged_on_the_true_tension() -> No
             "true_swrap_follower_angle_rad": follower,
         }
 
-    rows = more_orders(part(1.0), part(0.01), 6, 0.25)
+    rows = more_orders(part(1.0), part(0.01), 6, 0.25, judged=4)
     assert [row.order for row in rows] == [5, 6]
     assert rows[1].before_N == pytest.approx(1.0, rel=0.01)
     assert rows[1].reduction_dB == pytest.approx(40.0, abs=0.2)
-    assert more_orders(part(1.0), part(0.01), 4, 0.25) == []
+    assert more_orders(part(1.0), part(0.01), 4, 0.25, judged=4) == []

@@ -33,6 +33,7 @@ PARAMS = ProbeParams(
     amplitude=0.01,
     duration_s=25.0,
     f_max_Hz=6.0,
+    louder_from_Hz=3.0,
     grid_points=10,
     max_speed_m_s=2.0,
 )
@@ -170,7 +171,7 @@ def test_log_grid_has_equal_ratios():
 
 def test_waveform_uses_its_peak_better_than_equal_phases_would():
     wave = Waveform(4000, CYCLE_S)
-    wave.plan([0.5 + 0.25 * k for k in range(16)], 1.0)
+    wave.plan([0.5 + 0.25 * k for k in range(16)], 1.0, 3.0)
     while not wave.fill(100):
         pass
     assert wave.amplitude(1.0) > 2 / 16
@@ -178,7 +179,7 @@ def test_waveform_uses_its_peak_better_than_equal_phases_would():
 
 def test_fast_tones_are_louder_and_the_sum_keeps_the_peak():
     wave = Waveform(4000, CYCLE_S)
-    wave.plan([2.0, 6.0, 12.0], 1.0)
+    wave.plan([2.0, 6.0, 12.0], 1.0, 3.0)
     while not wave.fill(100):
         pass
     sent = np.array([wave.sample(k, 0.01) for k in range(4000)])

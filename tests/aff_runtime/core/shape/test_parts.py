@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.core.bandwidth import Band
 from aff_runtime.core.impulse import from_response, from_taps
 from aff_runtime.core.shape.allocation import OutputAllocation
 from aff_runtime.core.shape.basis import ShapeBasis
@@ -22,12 +23,14 @@ from aff_runtime.core.shape.monitor import ShapeMonitor
 from tests.aff_runtime.core.plants import CYCLE_S, LagDelay, measured
 from tests.aff_runtime.core.shape_site import DRIVE, Phase
 
+BAND = Band(full_Hz=17.0, end_Hz=19.0)
+
 
 def test_the_basis_is_the_drive_inverse_in_steady_state():
     """b_n against the transfer function of the docstring, evaluated at j n omega."""
     omega, radius = 5.0, 0.2
     phase = Phase(omega, radius)
-    basis = ShapeBasis([("unwind", 1), ("unwind", 3)], {"unwind": phase}, DRIVE, 0.0)
+    basis = ShapeBasis([("unwind", 1), ("unwind", 3)], {"unwind": phase}, DRIVE, 0.0, BAND)
     for _ in range(2000):
         basis.step(omega * radius, 90.0, CYCLE_S)
         at = phase.theta_rad
@@ -58,7 +61,7 @@ def test_what_sticks_out_is_heavy_where_the_web_is_known_to_leave():
     b = {}
     for name, used in (("known", drive), ("unknown", replace(drive, web_leaves_rad=math.nan))):
         phase = Phase(5.0, 0.2)
-        basis = ShapeBasis([("unwind", 1), ("unwind", 2)], {"unwind": phase}, used, 0.0)
+        basis = ShapeBasis([("unwind", 1), ("unwind", 2)], {"unwind": phase}, used, 0.0, BAND)
         for _ in range(2000):
             basis.step(1.0, 90.0, CYCLE_S)
             at = phase.theta_rad
