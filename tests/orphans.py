@@ -51,8 +51,15 @@ def left_by(parent: subprocess.Popen[str], workers: list[int], how: signal.Signa
 
 
 def children(pid: int) -> list[int]:
-    """Return the processes that a process has begun and not ended."""
-    try:
-        return [int(c) for c in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
-    except OSError:
-        return []
+    """Return the processes that a process has begun, in any of its threads, and not ended."""
+    found = []
+    for thread in Path(f"/proc/{pid}/task").glob("*/children"):
+        with contextlib.suppress(OSError):
+            found += [int(child) for child in thread.read_text().split()]
+    return found
+
+
+def descendants(pid: int) -> list[int]:
+    """Return the processes that a process has begun, and those that these have."""
+    own = children(pid)
+    return [*own, *(below for child in own for below in descendants(child))]
