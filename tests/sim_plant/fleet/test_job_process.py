@@ -1,13 +1,13 @@
 """A job has a process of its own, which ends with its caller and with its time."""
 
-import subprocess
-import sys
+import signal
 import time
 from pathlib import Path
 
 import pytest
 
 from sim_plant.fleet.job_process import DONE, ENDED, RAISED, in_own_process, orders
+from tests.orphans import begun, left_by
 from tests.sim_plant.fleet import jobs
 
 pytestmark = pytest.mark.processes
@@ -62,9 +62,8 @@ def test_a_job_ends_when_its_caller_is_killed(tmp_path):
         "from tests.sim_plant.fleet import jobs\n"
         f"in_own_process(orders(jobs.long_and_not_alone, {str(note)!r}), 600.0)\n"
     )
-    caller = subprocess.Popen([sys.executable, "-c", code])
+    caller = begun(["-c", code])
     while not (note.exists() and note.read_text(encoding="utf-8")):
+        assert caller.poll() is None
         time.sleep(0.02)
-    caller.kill()
-    caller.wait()
-    assert ends(int(note.read_text(encoding="utf-8")))
+    assert not left_by(caller, [int(note.read_text(encoding="utf-8"))], signal.SIGKILL)
