@@ -11,7 +11,7 @@ from sim_plant.demo.wires import Wired
 
 REFERENCE = "line_speed_ref_m_s"
 SPEED_MAX = "  # Highest speed of normal operation"
-ENCODERS = "      # Encoders of 4096 counts"
+ENCODERS = "      # Encoders: counts of one turn"
 FRAME = """BO_ 389 PLC_REFERENCE: 3 PLC
  SG_ LineSpeedRef : 0|16@1- (0.001,0) [-32.768|32.767] "m/s" AFF
  SG_ Counter : 16|8@1+ (1,0) [0|255] "" AFF
