@@ -46,7 +46,11 @@ def tuning(law: str) -> str:
 
 def drive_of(material: str) -> DriveParams:
     """Return the unwind drive as its owner declares it."""
-    line = nominal(material, 0.2032)
+    return drive_in(nominal(material, 0.2032))
+
+
+def drive_in(line: Declaration) -> DriveParams:
+    """Return the unwind drive that a line file has."""
     drive = line.control.drives[0]
     return DriveParams(
         roll="unwind",

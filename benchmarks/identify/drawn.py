@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aff_runtime.core.params import DriveParams
-from benchmarks.control.laws import web_leaves_rad
+from benchmarks.control.laws import drive_in
 from benchmarks.control.lines import FPM_M_S, INCH_M, nominal, spoilt, with_hidden
 from benchmarks.control.lines import Hidden as OnTheLine
 from benchmarks.control.lockstep import run
@@ -43,19 +43,7 @@ class DrawnLine:
 
     def drive(self) -> DriveParams:
         """Return the true drive."""
-        line = self.declaration
-        drive = line.control.drives[0]
-        return DriveParams(
-            roll="unwind",
-            K_ref_rad_s=drive.K_ref_rad_s,
-            zeta=drive.zeta,
-            inertia_kg_m2=line.inertia_kg_m2.unwind_core_and_drive,
-            web_density_kg_m3=line.web.density_kg_m3,
-            web_width_m=line.web.width_m,
-            core_radius_m=line.initial_radii_m.core,
-            tension_N=line.operating_point.tension_N,
-            web_leaves_rad=web_leaves_rad(line) % math.tau,
-        )
+        return drive_in(self.declaration)
 
     @property
     def duration_s(self) -> float:
