@@ -9,9 +9,9 @@ from __future__ import annotations
 import argparse
 
 from sim_plant.base.worker_pool import LostJobError, WorkerPool
-from sim_plant.fleet.cluster import Cluster, ClusterError
+from sim_plant.fleet.cluster import Cluster
 
-__all__ = ["Cluster", "ClusterError", "LostJobError", "WorkerPool", "add_workers"]
+__all__ = ["Cluster", "LostJobError", "WorkerPool", "add_workers"]
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:

@@ -15,9 +15,10 @@ import yaml
 
 from benchmarks.cases.report import page
 from benchmarks.cases.score import Label, label_of, outcome
-from benchmarks.cases.work import LIMIT_S, TRIES, Pair, refine
+from benchmarks.cases.work import LIMIT_S, Pair, refine
 from benchmarks.rows import read_row, write_row
 from benchmarks.workers import Cluster, LostJobError, add_workers
+from sim_plant.fleet.refine_command import TRIES
 
 ROOT = Path(__file__).resolve().parents[2]
 PLACES = tuple(base / "shared" / "data" / "cases" for base in (ROOT, ROOT.parent))

@@ -79,12 +79,6 @@ class Cluster(Generic[Job, Result]):
         if own is not None:
             own.close()
 
-    def worker_pids(self) -> list[int]:
-        """Return the process of every worker, as the workers tell."""
-        import os  # noqa: PLC0415 (run on the worker)
-
-        return list(self._client.run(os.getpid).values())
-
     def run(self, jobs: Iterable[Job]) -> Iterator[tuple[int, Result | LostJobError]]:
         """Yield (number of the job, result) as they come, a lost job with its error.
 

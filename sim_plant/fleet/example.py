@@ -15,8 +15,7 @@ from sim_plant.base.shipped import shipped
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import read_source
-from sim_plant.line.open import make_line
-from sim_plant.refine.example import references
+from sim_plant.refine.example import simulated, write_table
 from sim_plant.refine.model.hypotheses import Hypothesis, library
 
 STEP_S, DURATION_S = 0.01, 40.0
@@ -59,10 +58,11 @@ def write_fleet(
             for look in range(looks):
                 day = (FIRST_DAY + timedelta(weeks=look)).isoformat()
                 size = GROWTH**look
-                for part in "ab":
+                for at, part in enumerate("ab"):
                     path = runs / name / f"{day}_{part}.csv.gz"
                     if not path.exists():
-                        write_record(path, text, grown(effect, size), draw)
+                        own = np.random.default_rng([seed, number, look, at])
+                        write_record(path, text, grown(effect, size), own)
         except OSError as error:
             raise PlantError(f"{name}: cannot be written ({error})") from error
         say(f"{name}: {hidden[name] or 'healthy'}")
@@ -118,24 +118,11 @@ def write_record(
     path: Path, text: str, effect: EffectEntry | None, draw: np.random.Generator
 ) -> None:
     """Run the line with the effect under two speeds and a tension step, and write its record."""
-    own = declared(text)
-    guilty = own.model_copy(update={"effects": (effect,)}) if effect else own
-    slow, fast = sorted(draw.uniform(*SPEEDS_M_S, size=2))
-    samples = round(DURATION_S / STEP_S)
-    speed, tension = references(samples, STEP_S, float(slow), float(fast))
+    slow, fast = sorted(float(speed) for speed in draw.uniform(*SPEEDS_M_S, size=2))
     seed = int(draw.integers(2**31))
-    run = make_line(guilty, seed=seed, speed_m_s=float(slow), tension_N=float(tension[0]))
-    run.settle()
-    out = run.simulate(speed, tension)
-    columns = {
-        "time_s": np.arange(samples) * STEP_S,
-        "line_speed_ref_m_s": speed,
-        "tension_ref_N": tension,
-    }
-    columns |= {s.channel: out[s.channel] for s in own.sensors}
+    columns = simulated(declared(text), effect, (slow, fast), DURATION_S, seed)
     side = path.with_name(path.name.removesuffix(".csv.gz") + ".yaml")
     side.write_text(text, encoding="utf-8")
-    rows = np.column_stack(list(columns.values()))
     fresh = path.with_name(f".{path.name}")  # a stopped run leaves no half record under its name
-    np.savetxt(fresh, rows, "%.7g", ",", header=",".join(columns), comments="")
+    write_table(columns, fresh)
     fresh.replace(path)

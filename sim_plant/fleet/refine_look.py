@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import time
 from dataclasses import dataclass
 from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
-from aff_runtime.base.python_child import module_command
 from sim_plant.fleet.looks import Look
+from sim_plant.fleet.refine_command import refined
 from sim_plant.refine.report.verdict import Verdict
-
-LAST_WORDS = 400
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,21 +71,12 @@ class LookResult:
 def refine_look(order: Order) -> LookResult:
     """Refine one look."""
     look = order.look
-    command = [
-        *(*module_command("sim_plant.cli.main"), "refine", str(look.file), str(look.fitted)),
-        *("--holdout", str(look.held), "--out", str(order.out), "--workers", "1"),
-    ]
     begun = time.monotonic()  # noqa: TID251
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    verdict, error = None, ""
-    if done.returncode == 0:
-        verdict = Verdict.from_json((order.out / "verdict.json").read_text(encoding="utf-8"))
-    else:
-        error = done.stderr.strip()[-LAST_WORDS:] or f"ended with code {done.returncode}"
+    text, error = refined(look.file, look.fitted, look.held, order.out)
     return LookResult(
         line=look.line,
         recorded=look.recorded,
-        verdict=verdict,
+        verdict=Verdict.from_json(text) if text else None,
         error=error,
         time_s=time.monotonic() - begun,  # noqa: TID251
     )

@@ -32,6 +32,35 @@ def references(samples: int, step_s: float, slow: float, fast: float) -> tuple[A
     return speed, tension
 
 
+def simulated(
+    line: Declaration,
+    hidden: EffectEntry | None,
+    speeds_m_s: tuple[float, float],
+    duration_s: float,
+    seed: int,
+) -> dict[str, Array]:
+    """Return the columns of a record of ``line`` with an effect that it does not declare."""
+    guilty = line.model_copy(update={"effects": (hidden,)}) if hidden else line
+    slow, fast = speeds_m_s
+    samples = round(duration_s / line.sample_time_s)
+    speed, tension = references(samples, line.sample_time_s, slow, fast)
+    run = make_line(guilty, seed=seed, speed_m_s=slow, tension_N=float(tension[0]))
+    run.settle()
+    out = run.simulate(speed, tension)
+    columns: dict[str, Array] = {
+        "time_s": np.arange(samples, dtype=np.float64) * line.sample_time_s,
+        "line_speed_ref_m_s": speed,
+        "tension_ref_N": tension,
+    }
+    return columns | {s.channel: out[s.channel] for s in line.sensors}
+
+
+def write_table(columns: dict[str, Array], path: Path) -> None:
+    """Write columns as CSV, gzipped where the name ends so."""
+    rows = np.column_stack(list(columns.values()))
+    np.savetxt(path, rows, "%.7g", ",", header=",".join(columns), comments="")
+
+
 def write_example(source: Source, folder: Path, duration_s: float = 60.0) -> tuple[Path, Path]:
     """Write ``example_a`` and ``example_b`` (CSV and sidecar) of a line; return the two records.
 
@@ -52,27 +81,8 @@ def write_example(source: Source, folder: Path, duration_s: float = 60.0) -> tup
     paths = []
     for name, (slow, fast, seed) in PLANS.items():
         own = Declaration.model_validate(data)
-        guilty = own.model_copy(update={"effects": (HIDDEN,)})
-        samples = round(duration_s / 0.01)
-        speed, tension = references(samples, 0.01, slow, fast)
-        run = make_line(guilty, seed=seed, speed_m_s=slow, tension_N=float(tension[0]))
-        run.settle()
-        out = run.simulate(speed, tension)
-        columns = {
-            "time_s": np.arange(samples) * 0.01,
-            "line_speed_ref_m_s": speed,
-            "tension_ref_N": tension,
-        }
-        columns |= {s.channel: out[s.channel] for s in line.sensors}
         path = folder / f"example_{name}.csv"
-        np.savetxt(
-            path,
-            np.column_stack(list(columns.values())),
-            "%.7g",
-            ",",
-            header=",".join(columns),
-            comments="",
-        )
+        write_table(simulated(own, HIDDEN, (slow, fast), duration_s, seed), path)
         side = path.with_suffix(".yaml")
         side.write_text(yaml.safe_dump(data, sort_keys=False), encoding="utf-8")
         paths.append(path)
