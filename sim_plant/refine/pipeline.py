@@ -14,7 +14,13 @@ from sim_plant.line.load import LineFile
 from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.fit.start_angles import at_start_angles
 from sim_plant.refine.judge.holdout import Evaluation, evaluate
-from sim_plant.refine.judge.refutation import as_declared, made_worse, refuted
+from sim_plant.refine.judge.refutation import (
+    as_declared,
+    leaves_much,
+    made_worse,
+    refuted,
+    takes_little,
+)
 from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.record_match import limits, twin_of
 from sim_plant.refine.model.run_limits import run_limits
@@ -34,7 +40,7 @@ from sim_plant.refine.report.site_edit import FILE as SITE
 from sim_plant.refine.report.site_edit import Proposal, SiteFile, proposed
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.forward_selection import forward_selection
-from sim_plant.refine.search.selection import Selection, withdrawn
+from sim_plant.refine.search.selection import Selection, withdrawn, without_accepted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -79,6 +85,10 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         cannot.append(not_confirmed(selection, judged.record, against))
         progress(cannot[-1])
         selection, evaluation = withdrawn(selection), as_declared(evaluation)
+    while held and (weak := imitating(judged, selection, evaluation, plan.workers, progress)):
+        cannot.append(weak.said)
+        progress(weak.said)
+        selection, evaluation = weak.selection, weak.evaluation
     outcome = Outcome(
         plan=plan,
         line=line,
@@ -180,6 +190,38 @@ def judge(
     shifts = tuple(sorted(selection.corrections.items()))
     with SimulationPool([judged.twin], workers, progress) as pool:
         return evaluate(pool, judged.measured, selection.fit.effects, shifts, find_angles=held_out)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Imitating:
+    """What is claimed without an effect that can be an imitation, and what is said of it."""
+
+    selection: Selection
+    evaluation: Evaluation
+    said: str
+
+
+def imitating(
+    judged: Recorded,
+    selection: Selection,
+    evaluation: Evaluation,
+    workers: int,
+    progress: Progress,
+) -> Imitating | None:
+    """Return the claim without the weakest effect that takes less away than all of them leave.
+
+    Asked only where known effects leave surely more than noise on the record held out.
+    """
+    if selection.unknown or len(selection.accepted) < 2 or not leaves_much(evaluation):
+        return None
+    at = min(range(len(selection.accepted)), key=lambda k: selection.accepted[k].score)
+    fewer = without_accepted(selection, at)
+    without = judge(judged, fewer, workers, progress, held_out=True)
+    if not takes_little(evaluation, without):
+        return None
+    key = selection.accepted[at].hypothesis.key
+    said = f"not claimed: {key}: takes less away on {judged.record.path.name} than is left there"
+    return Imitating(selection=fewer, evaluation=without, said=said)
 
 
 def denied(selection: Selection, evaluation: Evaluation) -> str:

@@ -19,6 +19,8 @@ from tests.matrix.cells import Cell, cells, judge
 from tests.matrix.mutations import MUTANTS, Mutant, applied
 
 ROOT = Path(__file__).parents[2]
+LOADED = "ignore::pytest.PytestAssertRewriteWarning"
+"""The installed plugin's package is there already: the mutants were made in it."""
 
 
 def notices(mutant: Mutant) -> str:
@@ -58,7 +60,8 @@ class _First:
 def _first_failure(paths: str) -> str:
     first = _First()
     with contextlib.redirect_stdout(io.StringIO()):
-        arguments = ["-q", "-x", "-p", "no:cacheprovider", *(str(ROOT / p) for p in paths.split())]
+        plain = ["-q", "-x", "-p", "no:cacheprovider", "-W", LOADED]
+        arguments = [*plain, *(str(ROOT / p) for p in paths.split())]
         pytest.main(arguments, plugins=[first])
     return first.name
 

@@ -23,6 +23,12 @@ class JudgeCriteria:
         "effects that leave more are no explanation of it",
         "right effects leave 0.01 to 0.1 (refine-pairs); half is no matter of a model's accuracy",
     )
+    taken_share: float = criterion(
+        1.0,
+        "of the power that is left beyond noise",
+        "beside others, an effect that takes less away from a record held out is not claimed",
+        "what a strong effect's model leaves can be imitated; an imitation takes part of it",
+    )
     worse_power: float = criterion(
         0.25,
         "of the power of noise, in one channel of force or speed",

@@ -62,6 +62,19 @@ class Fit:
             values=(*self.values[:at], tuple(values), *self.values[at + 1 :]),
         )
 
+    def without_effect_at(self, at: int) -> Fit:
+        """Return the fit without effect ``at``, all other numbers as they are."""
+        sizes = [len(row) for row in self.values]
+        first = sum(sizes[:at])
+        gone = slice(first, first + sizes[at])
+        known = np.delete(np.delete(self.covariance, gone, axis=0), gone, axis=1)
+        return replace(
+            self,
+            hypotheses=(*self.hypotheses[:at], *self.hypotheses[at + 1 :]),
+            values=(*self.values[:at], *self.values[at + 1 :]),
+            covariance=known if self.covariance.size else self.covariance,
+        )
+
 
 def case_of(
     hypotheses: Sequence[Hypothesis],

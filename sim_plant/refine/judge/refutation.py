@@ -21,16 +21,37 @@ def refuted(evaluation: Evaluation) -> bool:
     Equation: sum max(0, (after / floor)^2 - 1) > share sum max(0, (before / floor)^2 - 1) over all
     channels but angles, whose start differs from record to record  [own].
     """
+    there = _beyond_noise(evaluation, evaluation.before)
+    return there >= JUDGE.least_power and left(evaluation) > JUDGE.refuted_share * there
+
+
+def left(evaluation: Evaluation) -> float:
+    """Return the power beyond that of noise that the effects leave, in powers of noise.
+
+    Equation: mean of max(0, (after / floor)^2 - 1) over all channels but angles  [own].
+    """
+    return _beyond_noise(evaluation, evaluation.after)
+
+
+def leaves_much(evaluation: Evaluation) -> bool:
+    """Return whether what is left on a record held out is surely more than noise."""
+    return left(evaluation) >= JUDGE.least_power
+
+
+def takes_little(evaluation: Evaluation, without: Evaluation) -> bool:
+    """Return whether an effect takes less away than all of them leave.
+
+    ``without`` is the record judged without it. Such an effect can be an imitation of what the
+    others' models leave: nothing on this record tells the two apart.
+    """
+    taken = left(without) - left(evaluation)
+    return taken < JUDGE.taken_share * left(evaluation)
+
+
+def _beyond_noise(evaluation: Evaluation, rms: Array) -> float:
     judged = np.array([not name.endswith("_angle_rad") for name in evaluation.channels])
-
-    def beyond_noise(rms: Array) -> float:
-        power = (rms[judged] / evaluation.floor[judged]) ** 2 - 1.0
-        return float(np.mean(np.maximum(power, 0.0)))
-
-    there = beyond_noise(evaluation.before)
-    if there < JUDGE.least_power:
-        return False
-    return beyond_noise(evaluation.after) > JUDGE.refuted_share * there
+    power = (rms[judged] / evaluation.floor[judged]) ** 2 - 1.0
+    return float(np.mean(np.maximum(power, 0.0)))
 
 
 def made_worse(evaluation: Evaluation) -> tuple[str, ...]:

@@ -213,6 +213,12 @@ def withdrawn(selection: Selection) -> Selection:
     return replace(bare, unknown=(left,))
 
 
+def without_accepted(selection: Selection, at: int) -> Selection:
+    """Return the selection without effect ``at``, nothing else fitted again."""
+    kept = (*selection.accepted[:at], *selection.accepted[at + 1 :])
+    return replace(selection, fit=selection.fit.without_effect_at(at), accepted=kept)
+
+
 def also_explained_by(extension: Extension, places: Sequence[Place]) -> Extension:
     """Return the extension with further places named that explain as much."""
     named = tuple(dict.fromkeys([*extension.accepted.ambiguous, *places]))

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from sim_plant.refine.judge.holdout import Evaluation
-from sim_plant.refine.judge.refutation import as_declared, made_worse, refuted
+from sim_plant.refine.judge.refutation import (
+    as_declared,
+    leaves_much,
+    made_worse,
+    refuted,
+    takes_little,
+)
 
 CHANNELS = ("unwind_tension_N", "pull_roll_speed_m_s", "unwind_angle_rad")
 
@@ -66,3 +72,23 @@ def test_a_line_as_declared_has_its_own_error_after():
     assert plain.after.tolist() == [4.0, 3.0, 1.0]
     assert not plain.amended.any()
     assert plain.angles_rad == {}
+
+
+@pytest.mark.parametrize(
+    ("with_it", "without_it", "little"),
+    [
+        ((3.0, 3.0, 1.0), (3.2, 3.3, 1.0), True),  # takes 1.6 of 8 that stay
+        ((3.0, 3.0, 1.0), (4.4, 4.4, 1.0), False),  # takes 10.4
+        ((3.0, 3.0, 1.0), (2.9, 3.0, 1.0), True),  # and one that makes it worse
+        ((3.0, 3.0, 1.0), (3.0, 3.0, 90.0), True),  # an angle begins anew in each record
+    ],
+)
+def test_an_effect_that_takes_less_than_stays_may_be_an_imitation(with_it, without_it, little):
+    before = (40.0, 40.0, 1.0)
+    found = takes_little(evaluation(before, with_it), evaluation(before, without_it))
+    assert found is little
+
+
+def test_a_record_explained_down_to_its_noise_asks_no_effect_for_more():
+    assert not leaves_much(evaluation((9.0, 9.0, 1.0), (1.2, 1.3, 1.0)))
+    assert leaves_much(evaluation((9.0, 9.0, 1.0), (1.5, 1.5, 1.0)))

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
@@ -18,6 +19,7 @@ from sim_plant.refine.search.selection import (
     score,
     standing,
     withdrawn,
+    without_accepted,
 )
 from sim_plant.refine.search.unexplained import Unknown
 from tests.sim_plant.refine.small import fit_of, one_peak, quiet
@@ -220,3 +222,21 @@ def test_effects_that_are_withdrawn_beside_something_unknown_leave_that():
     found = selection(cost=COST - 900.0, nominal=COST, accepted=(known,), unknown=(line,))
     left = withdrawn(found)
     assert (left.unknown, left.accepted, left.fit) == ((line,), (), left.nominal)
+
+
+def test_one_of_several_is_left_out_with_its_numbers_and_what_is_known_of_them():
+    def known(h):
+        return AcceptedEffect(hypothesis=h, score=900.0, runner_up=None, margin=9.0, rejected=())
+
+    found = selection(accepted=(known(DRAG), known(MODULUS), known(FAR_DRAG)))
+    fit = replace(
+        found.fit,
+        hypotheses=(DRAG, MODULUS, FAR_DRAG),
+        values=((0.1,), (0.2,), (0.3,)),
+        covariance=np.arange(9.0).reshape(3, 3),
+    )
+    left = without_accepted(replace(found, fit=fit), 1)
+    assert [a.hypothesis for a in left.accepted] == [DRAG, FAR_DRAG]
+    assert left.fit.hypotheses == (DRAG, FAR_DRAG)
+    assert left.fit.values == ((0.1,), (0.3,))
+    assert left.fit.covariance.tolist() == [[0.0, 2.0], [6.0, 8.0]]
