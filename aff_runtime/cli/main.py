@@ -8,68 +8,67 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from aff_runtime.app.link.runtime_directory import default_directory
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.release import release_text
-from aff_runtime.cli import (
-    audit,
-    card,
-    check,
-    compare,
-    export,
-    metrics,
-    operate,
-    probe,
-    probe_map,
-    roll,
-    run,
-    settings,
-    setup,
-    status,
-    top,
-    watch,
-    wire_map,
-)
-from aff_runtime.cli.terminal import complain
-from aff_runtime.core.compiled.binary import arithmetic_name
+from aff_runtime.cli.terminal import complain, say
 
-COMMANDS = (
-    setup,
-    check,
-    run,
-    operate,
-    settings,
-    status,
-    top,
-    roll,
-    compare,
-    watch,
-    export,
-    metrics,
-    probe,
-    probe_map,
-    wire_map,
-    audit,
-    card,
-)
+COMMANDS = {
+    "setup": "setup",
+    "check": "check",
+    "run": "run",
+    "arm": "operate",
+    "bypass": "operate",
+    "forget": "operate",
+    "stop": "operate",
+    "shadow": "operate",
+    "settings": "settings",
+    "status": "status",
+    "top": "top",
+    "roll": "roll",
+    "compare": "compare",
+    "watch": "watch",
+    "export": "export",
+    "metrics": "metrics",
+    "probe": "probe",
+    "probe-map": "probe_map",
+    "map": "wire_map",
+    "audit": "audit",
+    "card": "card",
+}
+"""Each command and its module here, in the order of the help. A new command is one more row."""
 
 
-def _version() -> str:
-    """Return what ``--version`` says: number, commit, and what works the law out."""
-    return f"%(prog)s {release_text()}, law by {arithmetic_name()}"
+class _Version(argparse.Action):
+    """``--version``: number, commit, and what works the law out."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any, **__: Any) -> None:
+        binary = import_module("aff_runtime.core.compiled.binary")  # numpy is for this alone
+        say(f"{parser.prog} {release_text()}, law by {binary.arithmetic_name()}")
+        parser.exit()
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """Return the parser of all commands."""
+def build_parser(word: str = "") -> argparse.ArgumentParser:
+    """Return the parser.
+
+    Parameters
+    ----------
+    word : the command to parse; its module alone is imported. Any other word: all commands, for
+        the help and for an error that names them.
+    """
     parser = argparse.ArgumentParser(
         prog="aff-runtime",
         description="Adaptive feed-forward beside the drives of a web line.",
         epilog="exit codes: 0 ok, 2 configuration, 3 communication, 4 refused, 5 alarm",
-        formatter_class=argparse.RawDescriptionHelpFormatter,  # the version is one line
+        formatter_class=argparse.RawDescriptionHelpFormatter,  # the epilog is one line
     )
-    parser.add_argument("--version", action="version", version=_version())
+    parser.add_argument(
+        "--version", action=_Version, nargs=0, help="show program's version number and exit"
+    )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     service = argparse.ArgumentParser(add_help=False)
     service.add_argument(
@@ -79,14 +78,15 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="DIR",
         help=f"directory of the service's socket (default {default_directory()})",
     )
-    for command in COMMANDS:
-        command.add(commands, service)
+    for module in dict.fromkeys([COMMANDS[word]] if word in COMMANDS else COMMANDS.values()):
+        import_module(f"aff_runtime.cli.{module}").add(commands, service)
     return parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; return its exit code."""
-    options = build_parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    options = build_parser(*words[:1]).parse_args(words)
     try:
         return int(options.command(options))
     except AffError as error:

@@ -5,38 +5,45 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
+from importlib import import_module
 
 from aff_runtime.base.errors import AffError
-from sim_plant.cli import (
-    demo,
-    demo_loop,
-    fleet,
-    identify,
-    live,
-    refine,
-    reproduce,
-    serve,
-    simulate,
-    tell,
-)
 from sim_plant.cli.output import say
 
-# a new subcommand is one more module in this row
-COMMANDS = (demo, demo_loop, fleet, identify, live, refine, reproduce, serve, simulate, tell)
+COMMANDS = {
+    "demo": "demo",
+    "demo-loop": "demo_loop",
+    "fleet": "fleet",
+    "identify": "identify",
+    "live": "live",
+    "refine": "refine",
+    "reproduce": "reproduce",
+    "serve": "serve",
+    "simulate": "simulate",
+    "tell": "tell",
+}
+"""Each command and its module here, in the order of the help. A new command is one more row."""
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """Return the parser with every subcommand."""
+def build_parser(word: str = "") -> argparse.ArgumentParser:
+    """Return the parser.
+
+    Parameters
+    ----------
+    word : the command to parse; its module alone is imported. Any other word: all commands, for
+        the help and for an error that names them.
+    """
     parser = argparse.ArgumentParser(prog="sim-plant", description="A web line on a wire.")
     subparsers = parser.add_subparsers(required=True, metavar="COMMAND")
-    for command in COMMANDS:
-        command.register(subparsers)
+    for module in [COMMANDS[word]] if word in COMMANDS else COMMANDS.values():
+        import_module(f"sim_plant.cli.{module}").register(subparsers)
     return parser
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one subcommand and return its exit code."""
-    arguments = build_parser().parse_args(argv)
+    words = sys.argv[1:] if argv is None else list(argv)
+    arguments = build_parser(*words[:1]).parse_args(words)
     run: Callable[[argparse.Namespace], int] = arguments.run
     try:
         return run(arguments)
