@@ -11,7 +11,7 @@ SECONDS ?= 130
 CASES  ?= 600
 EFFECT ?= eccentric_roller
 SEED   ?= 1
-.PHONY: audit lock release release-tools campaign chromium demo demo-loop demo-refine hmi house picture refine-cases refine-pairs refine-records test test-hmi check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
+.PHONY: audit lock release release-tools site campaign chromium demo demo-loop demo-refine hmi house picture refine-cases refine-pairs refine-records test test-hmi check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch])
@@ -160,6 +160,12 @@ lock: release-tools
 # known vulnerabilities of the locked packages; exit 3 where the data cannot be reached
 audit: release-tools
 	$(BIN)/python -m releasing.audit
+
+# the documents as a site, with the reference of the code; asks no other host, fails on a broken
+# link; half a minute, open out/site/index.html
+site: setup
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
+	$(BIN)/python -m releasing.pages
 
 release-tools: setup
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[release]"
