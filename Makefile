@@ -11,7 +11,7 @@ SECONDS ?= 130
 CASES  ?= 600
 EFFECT ?= eccentric_roller
 SEED   ?= 1
-.PHONY: audit lock release release-tools site campaign chromium demo demo-loop demo-refine hmi house picture refine-cases refine-pairs refine-records test test-hmi check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
+.PHONY: audit lock release release-tools site campaign chromium demo demo-loop demo-refine hmi house picture refine-cases refine-pairs refine-records test test-hmi test-long check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch])
@@ -72,7 +72,13 @@ test: setup check
 	@mkdir -p out && { $(BIN)/python -m pytest --collect-only -q >out/collected.txt & \
 		$(BIN)/python -m sim_plant.cli.main simulate config/lines/euclid.yaml --duration 0.1 \
 		--out out/compiled.csv.gz >/dev/null && wait; }
-	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder \
+		-m "not campaign and not browser"
+
+# what `make test` leaves out: minutes of simulated line, whole sweeps; half an hour
+test-long: export PYTHONDONTWRITEBYTECODE =
+test-long: setup
+	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder -m campaign
 
 # the screen in a real Chromium: pages, breaks of the chain, hostile names; pictures in out/test-hmi
 test-hmi: setup chromium

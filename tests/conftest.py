@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 
 import pytest
 
@@ -33,8 +34,22 @@ TRIES_AGAIN = 2
 defect shows three times; the summary lists each try as RERUN."""
 
 
+def _keep_a_few(items: list[pytest.Item]) -> None:
+    """Of a test with ``sweep(every=n)`` leave each n-th case in the quick suite."""
+    seen: Counter[str] = Counter()
+    for item in items:
+        sweep = item.get_closest_marker("sweep")
+        if sweep is not None:
+            name = item.nodeid.partition("[")[0]
+            if seen[name] % int(sweep.kwargs["every"]):
+                item.add_marker(pytest.mark.campaign)
+            seen[name] += 1
+
+
+@pytest.hookimpl(tryfirst=True)  # before `-m` chooses
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Put the longest files first, in every worker the same; try again what lives in real time."""
+    _keep_a_few(items)
     root = config.rootpath / "tests"
     place = {root / name: at for at, name in enumerate(LONGEST_FIRST)}
     items.sort(key=lambda item: place.get(item.path, len(place)))

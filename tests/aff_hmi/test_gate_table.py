@@ -71,6 +71,7 @@ def test_the_table_has_every_route_and_no_other(keeping: Pressed) -> None:
 
 
 @pytest.mark.parametrize(("role", "place", "remote"), WHERE, ids=str)
+@pytest.mark.sweep(every=3)
 def test_everybody_looks_at_everything(
     keeping: Pressed, role: Role | None, place: str, remote: str
 ) -> None:

@@ -87,6 +87,7 @@ SPOILT: dict[str, tuple[dict[str, str | None], int]] = {
 
 @pytest.mark.parametrize(("headers", "status"), SPOILT.values(), ids=SPOILT)
 @pytest.mark.parametrize("path", TABLE)
+@pytest.mark.sweep(every=7)
 def test_a_page_of_somebody_else_presses_nothing(
     at: Pressed, path: str, headers: dict[str, str | None], status: int
 ) -> None:

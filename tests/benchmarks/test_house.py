@@ -62,6 +62,7 @@ def test_imports_are_those_that_grimp_finds(package):
         assert module.imports == graph.find_modules_directly_imported_by(name), name
 
 
+@pytest.mark.campaign
 def test_any_revision_can_be_printed(capsys):
     assert main(["--root", str(ROOT), "--rev", "HEAD"]) == 0
     shown = capsys.readouterr().out

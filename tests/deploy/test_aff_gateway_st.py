@@ -287,6 +287,7 @@ MUTANTS = (
 
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda pair: pair[1][:30] or pair[0][:30])
+@pytest.mark.sweep(every=4)
 def test_every_rule_of_the_block_is_missed_when_it_is_gone(
     mutant: tuple[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

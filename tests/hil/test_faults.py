@@ -23,7 +23,18 @@ HELD_UP_SAMPLES = 4  # 20 ms: a pause of the machine on top of the fault is a se
 QUIET_S = 0.4
 
 
-@pytest.mark.parametrize("name", TROUBLES)
+def one_of_each_alarm() -> list:
+    """Return all troubles; of each alarm the first is quick, the others are of the campaign."""
+    seen: set[str] = set()
+    rows = []
+    for name, trouble in TROUBLES.items():
+        marks = (pytest.mark.campaign,) if trouble.alarm in seen else ()
+        seen.add(trouble.alarm)
+        rows.append(pytest.param(name, marks=marks, id=name))
+    return rows
+
+
+@pytest.mark.parametrize("name", one_of_each_alarm())
 def test_fault_takes_the_correction_to_zero_and_only_an_edge_brings_it_back(
     line: LiveLine, name: str
 ):

@@ -40,6 +40,7 @@ def test_a_killed_control_process_is_restarted_idle(line: LiveLine):
     line.ensure_active()
 
 
+@pytest.mark.campaign
 def test_a_killed_supervisor_takes_the_correction_with_it(line: LiveLine):
     control = int(line.status()["control_pid"])
     _kill_and_judge(line, lambda: kill(line.service.process.pid))

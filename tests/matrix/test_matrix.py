@@ -1,6 +1,7 @@
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import pytest
@@ -14,8 +15,27 @@ from tests.sim_plant.servers.fake_line import default_map
 pytestmark = pytest.mark.processes
 
 
-# the other states: make matrix
-@pytest.mark.parametrize("cell", list(cells(("OFF", "ACTIVE"))), ids=str)
+def covering() -> Iterator[Cell]:
+    """Yield each fault on each wire once, in ACTIVE and OFF by turns from wire to wire.
+
+    A fault of one wire alone comes in both. The other cells: ``make matrix``.
+    """
+    at_rest, at_work = (list(cells((state,))) for state in ("OFF", "ACTIVE"))
+    wires = Counter(cell.fault for cell in at_work)
+    for number, pair in enumerate(zip(at_work, at_rest, strict=True)):
+        yield from pair if wires[pair[0].fault] == 1 else (pair[number % 2],)
+
+
+def test_the_covering_cells_have_every_fault_on_every_wire_and_in_both_states() -> None:
+    chosen, every = list(covering()), list(cells())
+    assert {(c.fault, c.wire, c.reaction) for c in chosen} == {
+        (c.fault, c.wire, c.reaction) for c in every
+    }
+    both = {(c.fault, state) for c in every for state in ("OFF", "ACTIVE")}
+    assert {(c.fault, c.state) for c in chosen} == both
+
+
+@pytest.mark.parametrize("cell", list(covering()), ids=str)
 def test_every_cell_reacts_as_the_table_says(cell: Cell) -> None:
     assert judge(cell) == ""
 
@@ -153,6 +173,7 @@ def test_a_drive_notices_by_itself_that_the_runtime_is_gone() -> None:
         (0.005, (40, 80, 120, 160)),
     ],
 )
+@pytest.mark.sweep(every=3)
 def test_commands_that_pass_a_bus_that_loses_the_rest_do_not_make_zero_late(
     wire: str, sample_s: float, through_ms: tuple[int, ...]
 ) -> None:
@@ -201,6 +222,7 @@ def test_a_refusal_that_only_the_plc_sees_reaches_the_runtime() -> None:
 @pytest.mark.parametrize("spec", ["mute:0.05", "!stall:0.05", "lose=10:1"])
 @pytest.mark.parametrize("sample_s", [0.005, 0.010])
 @pytest.mark.parametrize("wire", ["modbus", "can", "canopen"])
+@pytest.mark.sweep(every=4)
 def test_a_pause_of_50_ms_and_a_tenth_of_the_frames_trip_nobody(
     wire: str, sample_s: float, spec: str
 ) -> None:

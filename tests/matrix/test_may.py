@@ -202,6 +202,7 @@ def test_there_is_a_way_into_every_state() -> None:
 
 
 @pytest.mark.parametrize(("state", "fault", "spec"), CELLS, ids=lambda one: str(one)[:40])
+@pytest.mark.sweep(every=3)
 def test_what_may_says_is_what_the_service_answers(
     bench: ServiceBench, state: State, fault: str, spec: str
 ) -> None:

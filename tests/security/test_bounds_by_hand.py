@@ -194,6 +194,7 @@ def test_without_a_temporary_folder_the_check_says_so(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.parametrize("line", ["num_threads: 0", "cache_locator_classes: this.x"])
+@pytest.mark.sweep(every=2)
 def test_a_numba_configuration_of_the_working_folder_is_not_read(
     line: str, tmp_path: Path
 ) -> None:

@@ -108,6 +108,7 @@ def test_a_shared_sticky_folder_will_do_for_what_is_made_in_it(home):
 
 
 @pytest.mark.parametrize("module", ["sim_plant.base.jit", "benchmarks.campaign.jit"])
+@pytest.mark.sweep(every=2)
 def test_without_a_folder_code_compiles_and_none_is_written_anywhere(tmp_path, module):
     """No fall back to a folder of all: the two modules that compile, each in its process."""
     taken = tmp_path / "cache"

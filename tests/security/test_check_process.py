@@ -71,6 +71,7 @@ def instead(monkeypatch: pytest.MonkeyPatch, script: str) -> None:
 
 
 @pytest.mark.parametrize("name", HUNGRY)
+@pytest.mark.sweep(every=2)
 def test_a_check_that_dies_says_in_words_of_what(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -99,6 +100,7 @@ validate.main(sys.argv[1:])
 
 
 @pytest.mark.parametrize("name", ["euclid.yaml", "euclid_can.yaml", "euclid_canopen.yaml"])
+@pytest.mark.sweep(every=3)
 def test_every_shipped_site_is_checked_well_within_the_bounds(name: str) -> None:
     assert load_record(ROOT / "config" / name).record is not None
 

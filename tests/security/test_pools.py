@@ -48,6 +48,7 @@ def test_twenty_jobs_and_a_killed_worker_give_twenty_answers_in_order(tmp_path):
     ]
 
 
+@pytest.mark.campaign
 def test_a_job_may_lose_two_workers(tmp_path):
     with SimulationPool([Twin(tmp_path, "killed", hits=2)], 2) as bench:
         assert answers(bench) == list(range(20))
@@ -125,6 +126,7 @@ def writes_megabytes(pid):
 
 
 @pytest.mark.skipif(not Path("/proc/self/syscall").exists(), reason="this kernel hides its calls")
+@pytest.mark.campaign
 def test_a_worker_killed_while_it_hands_over_its_answer_does_not_stop_the_others(tmp_path):
     (tmp_path / "marks").mkdir()
     script = tmp_path / "keeper.py"
@@ -185,6 +187,7 @@ def simulating(parent):
     ]
 
 
+@pytest.mark.campaign
 def test_a_refine_whose_workers_are_killed_has_the_verdict_of_one_left_alone(record, tmp_path):
     parent = begun(["-m", "sim_plant.cli.main", *refine(record, tmp_path / "killed", 2)])
     said = []
@@ -230,6 +233,7 @@ def test_a_campaign_whose_worker_is_killed_has_a_row_of_every_case(tmp_path, hit
     )
 
 
+@pytest.mark.campaign
 def test_a_case_that_loses_three_workers_has_no_row_and_all_others_have(tmp_path, hits, capsys):
     hits(99)
     assert campaign.run(100, range(4), 2, tmp_path, 1e9) == [1]

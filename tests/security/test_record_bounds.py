@@ -84,6 +84,7 @@ def peak_bytes(act):
 
 
 @pytest.mark.parametrize("read", [read_record, lambda path: read_columns(path, ["time_s"])])
+@pytest.mark.sweep(every=2)
 def test_a_packed_file_is_not_unpacked_beyond_what_is_taken(tmp_path, monkeypatch, read):
     monkeypatch.setattr(text_table, "TEXT_BYTES", 1 << 20)
     monkeypatch.setattr("sim_plant.line.record_file.LONGEST_BYTES", 1 << 20)

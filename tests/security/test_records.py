@@ -77,6 +77,7 @@ def test_a_formula_is_refused_and_never_run(tmp_path, mark, place):
 
 
 @pytest.mark.parametrize("place", ["time", "bus"])
+@pytest.mark.sweep(every=2)
 def test_a_reading_refuses_a_formula_in_the_words_of_its_child(tmp_path, mark, place):
     version, change = PLACES[place]
     path = saved(tmp_path / "r.mf4", version, change(touching(mark)))

@@ -224,6 +224,7 @@ def place(tmp_path: Path) -> Path:
 @pytest.mark.wire
 @hostile
 @pytest.mark.parametrize("command", [["status"], ["status", "--json"]])
+@pytest.mark.sweep(every=3)
 def test_what_the_service_answers_reaches_the_terminal_as_plain_lines(
     place: Path, text: str, command: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -201,6 +201,7 @@ def test_stop_ends_everything_and_leaves_a_readable_run(own: ServiceRun) -> None
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.sweep(every=2)
 def test_a_signal_that_ends_the_service_is_named_and_so_is_the_zero(
     own: ServiceRun, number: signal.Signals
 ) -> None:

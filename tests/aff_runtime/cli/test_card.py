@@ -1,19 +1,36 @@
 """The card on the console: exit codes, and what a person types; no service runs here."""
 
+import json
 import shutil
 
 import numpy as np
 import pytest
 
+from aff_runtime.app.check.validate import verdict
+from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.supervisor.validation import load_record
+from aff_runtime.cli import card_sources
 from aff_runtime.cli.main import main
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE, recorded, steady
 
 WHY = "checked on the drive"
 
 
+def judged_here(site, state):
+    """Return what the check's process answers, by the same function in this process."""
+    found = Verdict.from_json(json.loads(json.dumps(verdict(site, state).to_json())))
+    found.checked()
+    return found
+
+
 @pytest.fixture
-def line(tmp_path):
-    """A site file, a card of it, a record; and the command with its options."""
+def line(tmp_path, monkeypatch):
+    """A site file, a card of it, a record; and the command with its options.
+
+    The site file is checked here, not in a process for each command; the process is asked in
+    `test_a_step_is_measured_signed_printed_and_verified`.
+    """
+    monkeypatch.setattr(card_sources, "load_record", judged_here)
     site, card = tmp_path / "site.yaml", tmp_path / "card"
     shutil.copyfile(SITE_FILE, site)
     assert main(["card", "new", str(site), str(card)]) == 0
@@ -29,7 +46,8 @@ def line(tmp_path):
     return act
 
 
-def test_a_step_is_measured_signed_printed_and_verified(line, capsys):
+def test_a_step_is_measured_signed_printed_and_verified(line, capsys, monkeypatch):
+    monkeypatch.setattr(card_sources, "load_record", load_record)
     assert line("step", "4", "--typed", "reaction=ramp", "--typed", "time=120 ms") == 0
     assert "step 4: pass" in capsys.readouterr().out
     assert line("sign", "4", "--as", "Ada Miller", "--reason", WHY) == 0

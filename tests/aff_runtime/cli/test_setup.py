@@ -234,6 +234,7 @@ def test_a_kept_word_that_cannot_be_is_named(
         ({"number": "7"}, "word 0 can be 0, 1, 40001, 400001 in a manual, not 7."),
     ],
 )
+@pytest.mark.sweep(every=3)
 def test_an_answer_that_cannot_be_is_refused_at_its_line(
     plc: Served,
     changes: dict[str, str | None],

@@ -22,6 +22,7 @@ def _keys(node, path=()):
 
 
 @pytest.mark.parametrize("path", list(_keys(yaml.safe_load(EUCLID.read_text()))), ids=".".join)
+@pytest.mark.sweep(every=5)
 def test_every_misspelt_key_of_the_shipped_file_is_refused(path, tmp_path):
     values = yaml.safe_load(EUCLID.read_text(encoding="utf-8"))
     node = values

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from aff_runtime.app.wiring.site_to_law import site_params
 from aff_runtime.app.wiring.site_to_wire import register_map
@@ -85,6 +86,7 @@ def _only_follower(site: SiteParams) -> SiteParams:
     return replace(site, actuators=tuple(actuators))
 
 
+@pytest.mark.campaign
 def test_a_clamped_block_reduces_the_ripple_it_can_and_never_adds_to_it() -> None:
     rig = Rig()
     rig.run(Controller(rig.site, {}), 2.0, sends=False)

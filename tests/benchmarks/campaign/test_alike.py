@@ -46,6 +46,7 @@ def sized(record, fault, chi_square=1000.0):
     return replace(fault, size=fault.size * float(np.sqrt(chi_square / (true @ true))))
 
 
+@pytest.mark.campaign
 def test_an_unbalance_at_a_drive_is_a_ripple_of_order_1(record):
     fault = sized(record, Fault(effect="unbalanced_roller", location="swrap", size=5e-3))
     assert ("torque_ripple", "swrap") in alike(record, fault)
@@ -57,6 +58,7 @@ def unbalanced(record, place, chi_square):
 
 
 @pytest.mark.parametrize(("chi_square", "hidden"), [(300.0, True), (30_000.0, False)])
+@pytest.mark.sweep(every=2)
 def test_two_weak_rollers_of_one_radius_answer_like_one_between_them(
     record, monkeypatch, chi_square, hidden
 ):
@@ -75,6 +77,7 @@ def test_rollers_of_different_radius_are_not_merged(record):
     assert merged(record, faults) == [[], []]
 
 
+@pytest.mark.campaign
 def test_an_idler_alone_in_its_zone_is_told_by_its_line(record):
     fault = sized(record, Fault(effect="eccentric_roller", location="R5", size=5e-6, angle=0.4))
     assert alike(record, fault) == []

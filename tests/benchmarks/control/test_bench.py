@@ -226,6 +226,7 @@ def test_back_after_a_transient_is_counted_in_turns():
 
 
 @pytest.mark.parametrize("law", ["shape", "blocks"])
+@pytest.mark.sweep(every=2)
 def test_no_container_of_a_law_grows_whatever_happens(law):
     """What hangs on the law, and its bytes, after N and after 10 N ticks of events."""
     blocks = plain_blocks("tyvek", CYCLE_S, 4, 6.0)

@@ -112,6 +112,7 @@ def test_what_keeps_every_number_is_the_plain_file_to_the_bit(columns, tmp_path,
     assert all((found.columns[name] == plain.columns[name]).all() for name in plain.columns)
 
 
+@pytest.mark.campaign
 def test_a_container_whose_stamps_are_rounded_gives_the_verdict_of_the_plain_file(
     columns, from_csv, line_file, tmp_path
 ):
@@ -184,6 +185,7 @@ SPOILT = {
 
 @pytest.mark.parametrize("ending", ["csv", "parquet", "mf4"])
 @pytest.mark.parametrize("what", list(SPOILT))
+@pytest.mark.sweep(every=5)
 def test_a_spoilt_record_is_refused_with_its_place_and_nothing_is_written(
     columns, line_file, tmp_path, capsys, what, ending
 ):

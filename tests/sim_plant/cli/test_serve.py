@@ -92,6 +92,7 @@ def test_a_misspelt_option_exits_with_code_2_and_says_what_to_write(capsys, word
 
 @pytest.mark.wire
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.sweep(every=2)
 def test_the_command_says_ready_and_stops_cleanly_on_a_signal(number):
     with subprocess.Popen(
         [sys.executable, "-c", PROGRAM, *ARGUMENTS, "--modbus", "127.0.0.1:0"],

@@ -43,10 +43,13 @@ def test_a_nip_on_a_roll_that_grows_and_one_without_a_radius_are_refused(
         run(effect("nip_pulse", place, cos_N=10.0, nip_radius_m=radius_m))
 
 
-def test_refine_finds_it_at_its_roller_with_the_radius_of_the_nip() -> None:
+@pytest.mark.parametrize(
+    "among", [("nip_pulse", "torque_ripple"), pytest.param((), marks=pytest.mark.campaign)]
+)
+def test_refine_finds_it_at_its_roller_with_the_radius_of_the_nip(among: tuple[str, ...]) -> None:
     """Ground 0.06 mm too large, so no radius that is tried is its own."""
     hidden = {"nip_radius_m": 0.04003, "amplitude_N": 20.0, "angle_rad": 0.7}
-    found = traced(effect("nip_pulse", "pull_roll", **hidden))
+    found = traced(effect("nip_pulse", "pull_roll", **hidden), among)
     assert found.places == (Place("nip_pulse", "pull_roll"),)
     assert (found.ambiguous, found.unknown) == (((),), ())
     (numbers,) = found.numbers
@@ -55,6 +58,7 @@ def test_refine_finds_it_at_its_roller_with_the_radius_of_the_nip() -> None:
     assert numbers["nip_radius_m"] == pytest.approx(0.04003, rel=2e-4)
 
 
+@pytest.mark.campaign
 def test_a_whole_ratio_is_a_ripple_of_that_order_until_the_nip_is_opened() -> None:
     nip = effect("nip_pulse", "pull_roll", nip_radius_m=RADIUS_M / 2.0, cos_N=20.0)
     ripple = Place("torque_ripple", "pull_roll")

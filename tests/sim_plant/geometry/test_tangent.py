@@ -49,6 +49,7 @@ def _outline(shape: Shape, name: str) -> NDArray[np.complex128]:
 
 
 @pytest.mark.parametrize("name", PAIRS)
+@pytest.mark.sweep(every=3)
 def test_span_identity_holds_for_a_taut_string_round_polygons(name: str) -> None:
     pair = PAIRS[name]
     span = pair.over_one_turn()

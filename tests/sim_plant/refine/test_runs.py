@@ -34,22 +34,28 @@ OTHERS = sorted(set(BY_NAME) - RIVALS)
 """Left out of the library here, for time: `make demo-loop` and the pairs have all of it."""
 
 
+def recorded(folder, name):
+    """Return a run of the line with the hidden idler: 26 s off, then armed; a ramp, a step."""
+    first_m_s, then_m_s = PLANS[name]
+    run = RecordedRun(files(folder, [HIDDEN]), folder / "runs", line_speed_m_s=first_m_s)
+    run.bench.run(26.0)
+    run.bench.arm(10.5)
+    run.set_speed(then_m_s, 3.0)
+    run.bench.run(5.0)
+    run.bench.plant.set_reference("tension_ref_N", 95.0)
+    run.bench.run(4.5)
+    return run.end()
+
+
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory):
-    """Two runs of the line with the hidden idler: 26 s off, then armed; a ramp, a tension step."""
-    folder = tmp_path_factory.mktemp("runs")
-    made = files(folder, [HIDDEN])
-    found = {}
-    for name, (first_m_s, then_m_s) in PLANS.items():
-        run = RecordedRun(made, folder / f"runs_{name}", line_speed_m_s=first_m_s)
-        run.bench.run(26.0)
-        run.bench.arm(10.5)
-        run.set_speed(then_m_s, 3.0)
-        run.bench.run(5.0)
-        run.bench.plant.set_reference("tension_ref_N", 95.0)
-        run.bench.run(4.5)
-        found[name] = run.end()
-    return found
+def run_a(tmp_path_factory):
+    return recorded(tmp_path_factory.mktemp("run_a"), "a")
+
+
+@pytest.fixture(scope="module")
+def runs(run_a, tmp_path_factory):
+    """Two runs, at other speeds."""
+    return {"a": run_a, "b": recorded(tmp_path_factory.mktemp("run_b"), "b")}
 
 
 @pytest.fixture
@@ -81,8 +87,8 @@ def phasors(twin, measured, parts):
     return found
 
 
-def test_the_idler_is_the_same_where_aff_cancels_it_as_where_it_is_off(runs):
-    record = run_on_line(LINE, read_record(runs["a"]))
+def test_the_idler_is_the_same_where_aff_cancels_it_as_where_it_is_off(run_a):
+    record = run_on_line(LINE, read_record(run_a))
     twin, tension = twin_of(LINE, record), record.columns["unwind_tension_N"]
     assert np.std(tension[ON]) < 0.5 * np.std(tension[OFF])  # or AFF did nothing
     off, on = phasors(twin, tension, (OFF, ON))
@@ -104,6 +110,7 @@ def refined(runs, line_file, out, capsys):
     return json.loads((out / "verdict.json").read_text()), capsys.readouterr().out
 
 
+@pytest.mark.campaign
 def test_a_hidden_eccentric_idler_is_traced_with_aff_on_in_half_of_the_run(
     runs, line_file, tmp_path, capsys
 ):
@@ -122,9 +129,11 @@ def test_a_hidden_eccentric_idler_is_traced_with_aff_on_in_half_of_the_run(
     assert "not recorded: r3_tension_N, rewind_tension_N" in said
 
 
-def test_with_one_segment_lost_and_the_last_one_torn_the_idler_is_still_what_it_is(runs, tmp_path):
+def test_with_one_segment_lost_and_the_last_one_torn_the_idler_is_still_what_it_is(
+    run_a, tmp_path
+):
     run = tmp_path / "run"
-    shutil.copytree(runs["a"], run)
+    shutil.copytree(run_a, run)
     (run / "signals-0001.csv.gz").unlink()  # 20 s
     last = sorted(run.glob("signals-*"))[-1]
     last.write_bytes(last.read_bytes()[: last.stat().st_size // 2])

@@ -30,6 +30,7 @@ def results() -> dict[str, Result]:
 
 
 @pytest.mark.parametrize("identity", QUICK)
+@pytest.mark.sweep(every=3)
 def test_has_figure_numbers_and_kept_promises(identity: str, results: dict[str, Result]) -> None:
     found = results[identity]
     assert found.rows

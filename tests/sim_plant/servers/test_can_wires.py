@@ -119,6 +119,7 @@ def test_readings_come_and_commands_arrive(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize("fault", ["busoff:0.3", "drop:0.3", "restart:0.3"])
+@pytest.mark.sweep(every=4)
 def test_a_lost_bus_is_not_connected_and_comes_back_by_itself(bench: Bench, fault: str) -> None:
     bench.until(is_fresh)
     bench.fault(fault)

@@ -58,6 +58,7 @@ def test_a_datagram_is_answered_by_one_with_its_transaction_id() -> None:
     ],
     ids=["cut", "longer", "two", "protocol", "no function", "empty"],
 )
+@pytest.mark.sweep(every=3)
 def test_what_is_no_whole_request_gets_no_answer(datagram: bytes) -> None:
     with served(udp=True) as plant:
         assert asked(plant.port, datagram, 0.2) == []

@@ -92,6 +92,7 @@ def _learned(folder: Path) -> tuple[Path, Path]:
 
 
 @pytest.mark.parametrize("raw", [b"\xff\xfe\x00", b"[" * 100_000, b"{}"])
+@pytest.mark.sweep(every=3)
 def test_a_spoilt_response_file_is_a_finding_and_not_a_crash(tmp_path: Path, raw: bytes) -> None:
     path, learned = _learned(tmp_path)
     learned.write_bytes(raw)

@@ -256,6 +256,7 @@ def test_ripple_of_a_roll_that_nobody_declared_does_not_spoil_the_tones_around_i
 
 
 @pytest.mark.parametrize("wander_rad", [0.0, 0.1])
+@pytest.mark.sweep(every=2)
 def test_standard_errors_are_as_honest_beside_ripple_that_nobody_declared(wander_rad):
     beside, without = (
         [m for s in range(6) for m in misses(*strange(N, wander_rad=wander_rad, seed=s)).values()]

@@ -30,6 +30,7 @@ def leads_ns(first_ns: int, scan_ns: int, jitter_ns: int = 0, ticks: int = 2000)
 
 
 @pytest.mark.parametrize("first_ns", range(0, 5_000_000, 625_000))
+@pytest.mark.sweep(every=3)
 def test_from_any_phase_the_ticks_settle_at_the_margin_behind_the_arrival(first_ns: int) -> None:
     assert leads_ns(first_ns, PERIOD_NS)[-1] == pytest.approx(MARGIN_NS, abs=20)
 

@@ -24,6 +24,7 @@ def test_another_seed_is_another_case_and_the_same_seed_the_same():
 
 
 @pytest.mark.parametrize("name", sorted(BY_NAME))
+@pytest.mark.sweep(every=4)
 def test_every_effect_of_the_catalogue_can_be_hidden(name, tmp_path):
     hidden = drawn(name, 3)
     files = write_files(tmp_path, hidden)

@@ -34,6 +34,7 @@ def roller(angle_rad):
 
 
 @pytest.mark.parametrize("start_rad", [0.3, 2.5, -1.2])
+@pytest.mark.sweep(every=3)
 def test_a_declared_roller_begins_where_the_record_shows_it(start_rad):
     measured = twin(roller(start_rad)).simulate(Case(quick=False, seed=3))
     found, angles = at_start_angles(twin(roller(1.0)), measured)

@@ -52,6 +52,7 @@ def warm_of(case):
 
 
 @pytest.mark.parametrize(("hold_s", "rise_s"), [(7.6, 0.6), (13.4, 0.6), (20.7, 2.0), (13.4, 1.0)])
+@pytest.mark.sweep(every=4)
 def test_what_ends_again_is_found_with_its_end_and_its_rise(hold_s, rise_s):
     """A fit finds an end from a fraction of its rise, not from seconds away."""
     true = Added(

@@ -78,6 +78,7 @@ def test_a_wave_is_a_line_where_every_channel_has_noise_of_its_own():
 
 
 @pytest.mark.parametrize(("size", "doubtful"), [(0.14, True), (0.5, False)])
+@pytest.mark.sweep(every=2)
 def test_the_same_wave_is_none_where_one_noise_moves_all_channels(size, doubtful):
     strength, may_be, kinds = claimed(0.2, size)
     assert strength > 260.0

@@ -140,6 +140,7 @@ def test_the_winding_record_names_its_clock_and_no_roller(tmp_path):
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="measured records are not here (shared/data)")
+@pytest.mark.campaign
 def test_the_belt_has_the_same_travel_lines_fast_and_slow(tmp_path):
     folder = SHARED / "treadmill_belt"
     plan = Plan(

@@ -54,6 +54,7 @@ def judged(views, found):
         ("FastSpeed1", "SlowSpeed2", 5.14, -9.7),
     ],
 )
+@pytest.mark.sweep(every=4)
 def test_the_shift_between_records_is_found_and_beats_plain_least_squares(
     judged, fitted, held, plain, shift_ms
 ):

@@ -67,6 +67,7 @@ def true_size(truth, first_s, last_s):
     return float(abs(order_amplitudes(tension, angle, (1,))[0]))
 
 
+@pytest.mark.campaign
 def test_amplitudes_and_their_fall_are_those_of_the_plants_true_tension(made):
     found = row(of(f"{made[0]}{OFF}", f"{made[0]}{ON}"))
     before, after = true_size(made[1], 5.0, 33.0), true_size(made[1], 50.0, 75.0)

@@ -34,8 +34,13 @@ def recorded(folder, size_m):
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory):
-    return [recorded(tmp_path_factory.mktemp("run"), size_m) for size_m in (1e-4, 2e-4)]
+def run(tmp_path_factory):
+    return recorded(tmp_path_factory.mktemp("run"), 1e-4)
+
+
+@pytest.fixture(scope="module")
+def runs(run, tmp_path_factory):
+    return [run, recorded(tmp_path_factory.mktemp("run"), 2e-4)]
 
 
 def of(run):
@@ -49,6 +54,7 @@ def r6(store, column):
     return float(store.orders[column][chosen][0])
 
 
+@pytest.mark.campaign
 def test_the_stroke_is_proportional_to_the_eccentricity_though_its_ripple_is_cancelled(runs):
     once, twice = map(of, runs)
     assert r6(twice, "stroke_m") == pytest.approx(2.0 * r6(once, "stroke_m"), rel=0.03)
@@ -60,11 +66,11 @@ def test_the_stroke_is_proportional_to_the_eccentricity_though_its_ripple_is_can
     assert np.isnan(once.orders["stroke_m"][once.orders["roll"] == "unwind"]).all()
 
 
-def test_duckdb_and_pandas_read_the_records_of_the_demos_line_with_their_units(runs, tmp_path):
+def test_duckdb_and_pandas_read_the_records_of_the_demos_line_with_their_units(run, tmp_path):
     path = tmp_path / "run.parquet"
-    rows, lost = export_run(RunWindow(folder=runs[0]), path)
+    rows, lost = export_run(RunWindow(folder=run), path)
     assert (rows, lost) == (27 * 200, ())
-    columns = read_table(RunWindow(folder=runs[0])).columns
+    columns = read_table(RunWindow(folder=run)).columns
     frame = pd.read_parquet(path)
     for name, values in columns.items():
         np.testing.assert_array_equal(frame[name], values)

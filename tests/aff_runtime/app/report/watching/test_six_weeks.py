@@ -123,6 +123,7 @@ def test_a_healthy_roller_is_no_note_in_six_weeks(weeks):
     assert not any("healthy" in one for said in weeks[2] for one in said)
 
 
+@pytest.mark.campaign
 def test_with_aff_off_the_ripple_of_the_reading_tells_the_same(tmp_path):
     weeks = Weeks(r6_m=lambda km, _: FIRST_SIZE + GROWS * km, scatter_m=SCATTER, correcting=False)
     store = Store()

@@ -144,6 +144,7 @@ def delayed(seed, samples, gain=2.0):
 
 
 @pytest.mark.parametrize("late", [3.7, -5.25, 0.4])
+@pytest.mark.sweep(every=3)
 def test_a_shift_between_records_is_found_to_a_hundredth_of_a_sample(late):
     found, judged = traced([delayed(1, 0.0), delayed(2, late)], delayed(3, -1.3))
     shift = found["channel_shift"]
