@@ -61,9 +61,17 @@ EACH integers integers_of(floats x) {
 
 EACH floats gather_floats(const floats *at, integers index) {
     const double *first = (const double *)at;
+#if defined(__AVX512DQ__) && LANES == 8
+    const integers lane = {0, 1, 2, 3, 4, 5, 6, 7};
+    return (floats)_mm512_i64gather_pd((__m512i)(index * LANES + lane), first, 8);
+#elif defined(__AVX2__) && LANES == 4
+    const integers lane = {0, 1, 2, 3};
+    return (floats)_mm256_i64gather_pd(first, (__m256i)(index * LANES + lane), 8);
+#else
     floats found = {0};
     for (int lane = 0; lane < LANES; lane++) found[lane] = first[index[lane] * LANES + lane];
     return found;
+#endif
 }
 EACH void scatter_floats(integers mask, floats *at, integers index, floats value) {
     double *first = (double *)at;

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array, LineArrays, LineState
 from sim_plant.base.c_arrays import c_array, c_struct
-from sim_plant.lanes.packing import SHARED_STATE, PackedLines, Words, together
+from sim_plant.lanes.packing import SHARED_STATE, PackedLines, Words, space, together
 from sim_plant.line.kernel import Work
 from sim_plant.line.references import References
 from sim_plant.line.simulation import LineSimulation
@@ -41,8 +41,8 @@ class SideBySide:
         noise = self._noise(frames)  # before the rest: whether there is some stands in timing
         p, state, work = self._packed.arrays(), self._packed.state(), self._packed.work()
         width = len(self._packed.lines)
-        out = _zeros(frames // every if every else 0, len(columns), width)
-        row = _zeros(self.lines[0].log.width, width)
+        out = space((frames // every if every else 0, len(columns), width))
+        row = space((self.lines[0].log.width, width))
         wanted = np.array(columns, dtype=np.int64)
         layout = self.lines[0].layout
         self._library.line_frames(
@@ -62,7 +62,3 @@ class SideBySide:
     def _noise(self, frames: int) -> Words:
         mine = [line.noise(frames) for line in self.lines]
         return together(mine + [mine[-1]] * (len(self._packed.lines) - len(mine)))
-
-
-def _zeros(*shape: int) -> Words:
-    return together([np.zeros(shape[:-1])] * shape[-1])

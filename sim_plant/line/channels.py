@@ -168,6 +168,8 @@ class MeasuredColumns:
 
         ``log`` has a row after each sample; the record has the row before it.
         """
-        rows = np.vstack([self.first[None, :], log[:-1]])
-        found = [column_values(c, rows, self.theta0, self.exact)[0] for c in self.channels]
+        columns = np.empty(log.T.shape)  # each of them in one piece
+        columns[:, 0] = self.first
+        columns[:, 1:] = log[:-1].T
+        found = [column_values(c, columns.T, self.theta0, self.exact)[0] for c in self.channels]
         return np.stack(found)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -31,17 +31,22 @@ def attempt(twin: Twin, case: Case) -> Array:
         return nothing_of(twin)
 
 
-def in_groups(jobs: Sequence[Job], width: int) -> list[tuple[int, tuple[Case, ...]]]:
-    """Return jobs as groups that may run side by side, cases with the same bodies together.
+def in_groups(
+    jobs: Sequence[Job], width: int, rollers: Sequence[str] = ()
+) -> list[tuple[int, tuple[Case, ...]]]:
+    """Return jobs as groups that may run side by side, cases of the same bodies together.
 
-    The groups depend on the jobs and on the width alone, so results do not depend on how many
-    processes share them. A width of 1 keeps the order.
+    ``rollers`` are the names of the line's bodies in web order: neighbours have a span in common,
+    and a span's tangent moves in all lanes of a group or in none. The groups depend on the jobs
+    and on the width alone, so results do not depend on how many processes share them. A width of
+    1 keeps the order.
     """
     if width == 1:
         return [(twin, (case,)) for twin, case in jobs]
     groups: list[tuple[int, tuple[Case, ...]]] = []
     last: tuple[object, ...] = ()
-    for twin, case in sorted(jobs, key=lambda job: (_kind(job), _likeness(job[1]))):
+    place = {name: number for number, name in enumerate(rollers)}
+    for twin, case in sorted(jobs, key=lambda job: (_kind(job), _likeness(job[1], place))):
         kind = _kind((twin, case))
         if kind == last and len(groups[-1][1]) < width:
             groups[-1] = (twin, (*groups[-1][1], case))
@@ -55,10 +60,10 @@ def _kind(job: Job) -> tuple[int, bool, bool]:
     return job[0], job[1].quick, job[1].seed is None
 
 
-def _likeness(case: Case) -> tuple[tuple[int, ...], tuple[tuple[str, str], ...]]:
-    """Return what decides which spans' tangents move: they move in all lanes or in none."""
+def _likeness(case: Case, place: Mapping[str, int]) -> tuple[object, ...]:
     bodies = sorted({body for body, *_ in case.ripples})
-    return tuple(bodies), tuple((added.effect, added.location) for added in case.effects)
+    effects = [(e.effect, place.get(e.location, -1), e.location) for e in case.effects]
+    return bodies, effects
 
 
 def simulated(twin: Twin, number: int, cases: Sequence[Case]) -> list[Array]:

@@ -60,8 +60,12 @@ class SimulationPool:
         self.simulations = 0
         lanes = chosen()
         # who simulates in another way than a twin is asked one by one
-        alike = all(getattr(type(twin), "simulate", None) is Twin.simulate for twin in twins)
+        alike = bool(twins) and all(
+            getattr(type(twin), "simulate", None) is Twin.simulate for twin in twins
+        )
         self._width = lanes.width if lanes is not None and alike else 1
+        named = self.twins[0].declaration.rollers if self._width > 1 else ()
+        self._rollers = [roller.name for roller in named]
         self.responses: dict[Hashable, list[list[Array]]] = {}
         self._known: dict[tuple[int, Case], Array] = {}
         self._pool: WorkerPool[Group, list[Array]] | None = None
@@ -94,7 +98,7 @@ class SimulationPool:
         jobs = [(t, case) for case in cases for t in range(len(self.twins))]
         fresh = [job for job in dict.fromkeys(jobs) if job not in self._known]
         self.simulations += len(fresh)
-        groups = in_groups(fresh, self._width)
+        groups = in_groups(fresh, self._width, self._rollers)
         if self._pool is not None:
             done = self._pool.map(groups)
         else:
