@@ -47,7 +47,7 @@ def line_twin() -> Twin:
         declaration=line,
         channels=tuple(sensor.channel for sensor in line.sensors),
         speed_m_s=1.0 + 0.05 * np.sin(at),
-        tension_N=89.0 + 5.0 * (at > 0.5 * RECORD_S),
+        tension_N=np.where(at > 0.5 * RECORD_S, 94.0, 89.0),
         aff_m_s={},
     )
 

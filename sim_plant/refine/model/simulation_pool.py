@@ -11,9 +11,9 @@ from sim_plant.refine.model.cases_in_lanes import in_groups, simulated
 from sim_plant.refine.model.twin import Case, Twin
 
 LIMIT_S = 900.0
-"""For one simulation. The longest record that makes sense (an hour) takes 20 s of a core at the
-declared drive tick, the first start as long again to compile: twenty times that, for a machine
-that has other work."""
+"""For one group of simulations. The longest record that makes sense (an hour) takes 20 s of a core
+at the declared drive tick, eight of them one by one 160 s, the first start 20 s to compile: five
+times that, for a machine that has other work."""
 
 Group = tuple[int, tuple[Case, ...]]
 """Cases that run side by side, and the number of their twin."""

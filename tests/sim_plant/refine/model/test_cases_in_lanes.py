@@ -15,6 +15,7 @@ from sim_plant.line.load import load_declaration
 from sim_plant.line.locations import candidate_locations
 from sim_plant.refine.model import cases_in_lanes
 from sim_plant.refine.model.cases_in_lanes import attempt, in_groups, simulated
+from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case, Twin
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
@@ -42,7 +43,7 @@ def twin() -> Twin:
         declaration=LINE,
         channels=tuple(sensor.channel for sensor in LINE.sensors),
         speed_m_s=1.0 + 0.05 * np.sin(4.0 * at) + 0.1 * (at > 1.0),
-        tension_N=89.0 + 10.0 * (at > 1.5),
+        tension_N=np.where(at > 1.5, 99.0, 89.0),
         aff_m_s={"unwind": 0.005 * np.sin(9.0 * at)},
         word_steps={"unwind_tension_N": 0.05},
     )
@@ -128,3 +129,14 @@ def test_groups_hold_one_record_one_tick_and_noise_or_none() -> None:
     for _number, group in groups:
         assert len(group) <= 2
         assert len({(case.quick, case.seed is None) for case in group}) == 1
+
+
+@pytest.mark.campaign
+def test_two_processes_give_the_numbers_of_one() -> None:
+    cases = drawn(np.random.default_rng(4), list(CATALOGUE), quick=True)
+    found = []
+    for workers in (1, 2):
+        with SimulationPool([twin()], workers) as pool:
+            found.append([run[0] for run in pool.run(cases)])
+    for one, two in zip(*found, strict=True):
+        assert np.array_equal(one, two)
