@@ -35,8 +35,8 @@ class BuildWithConfig(build_py):
 
 
 INTEL = {
-    "avx512": ["-mavx512f", "-mavx512dq", "-mavx512vl", "-mfma", "-mprefer-vector-width=512"],
-    "avx2": ["-mavx2", "-mfma"],
+    "avx512": ["-mavx512f", "-mavx512dq", "-mavx512vl", "-mprefer-vector-width=512"],
+    "avx2": ["-mavx2"],
 }
 
 
@@ -58,7 +58,11 @@ def plant(optional: bool) -> list[Extension]:
             f"sim_plant.lanes.lanes_{name}",
             [f"{folder}/lanes_{name}.c"],
             depends=[f"{folder}/kernel_lanes.h"],
-            extra_compile_args=["-std=gnu11", "-O2", "-Wno-psabi", "-g0", *flags],
+            # no contraction: all of them give the same bits
+            extra_compile_args=[
+                *("-std=gnu11", "-O2", "-ffp-contract=off", "-Wno-psabi", "-g0"),
+                *flags,
+            ],
             libraries=["m"],
             optional=optional,
             py_limited_api=True,

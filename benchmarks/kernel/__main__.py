@@ -116,7 +116,6 @@ def main() -> None:
     parser.add_argument("--turns", type=int, default=5, help="turns of each way (default 5)")
     options = parser.parse_args()
     twin, alike, apart = line_twin(), cases([0]), cases(range(2, 10))
-    lanes = library.chosen()
     sections = [
         machine(),
         measured("One shape, other sizes", NOTE, kernels(twin, alike), options.turns),
@@ -128,8 +127,7 @@ def main() -> None:
         ),
         measured(
             "As a search asks for them",
-            f"With {'no binary' if lanes is None else lanes.name}: lines built, settled for 10 s, "
-            "run, channels read.",
+            "Lines built, settled for 10 s, run, channels read.",
             whole(twin, alike),
             options.turns,
         ),

@@ -134,12 +134,12 @@ EACH floats lanes_floor(floats x) {
 #define HALF_PI_1 0x1.921fb54400000p+0
 #define HALF_PI_2 0x1.0b4611a600000p-34
 #define HALF_PI_3 0x1.3198a2e037073p-69
-static inline floats far_angles(floats x, bool cosine) {
-    for (int lane = 0; lane < LANES; lane++) x[lane] = cosine ? cos(x[lane]) : sin(x[lane]);
-    return x;
+static inline floats far_angles(integers far, floats x, floats near, bool cosine) {
+    for (int lane = 0; lane < LANES; lane++)
+        if (far[lane]) near[lane] = cosine ? cos(x[lane]) : sin(x[lane]);
+    return near;
 }
 EACH floats wave(floats x, int64_t quarter, bool cosine) {
-    if (any((integers)((absolutes(x) >= REDUCED) & (absolutes(x) < INFINITY)))) return far_angles(x, cosine);
     const double shift = 6755399441055744.0;
     floats turned = x * 0.63661977236758134308 + shift;
     integers quarters = (integers)turned + quarter; /* the last bits of the shifted number */
@@ -169,7 +169,9 @@ EACH floats wave(floats x, int64_t quarter, bool cosine) {
     floats one = 1.0 - half;
     c = one + ((1.0 - one) - half + (z * z * c - r * rest));
     floats found = choose_floats(-(quarters & 1), c, s);
-    return (floats)((integers)found ^ ((quarters & 2) << 62));
+    found = (floats)((integers)found ^ ((quarters & 2) << 62));
+    integers far = (integers)((absolutes(x) >= REDUCED) & (absolutes(x) < INFINITY));
+    return any(far) ? far_angles(far, x, found, cosine) : found;
 }
 EACH floats lanes_sin(floats x) { return wave(x, 0, false); }
 EACH floats lanes_cos(floats x) { return wave(x, 1, true); }
@@ -177,12 +179,12 @@ EACH floats lanes_cos(floats x) { return wave(x, 1, true); }
 #define LN2_1 0x1.62e42fee00000p-1
 #define LN2_2 0x1.a39ef35793c76p-33
 /* e^x = 2^k e^r, |r| < 0.35, the series of e^r; beyond +-700 the C library */
-static inline floats far_powers(floats x) {
-    for (int lane = 0; lane < LANES; lane++) x[lane] = exp(x[lane]);
-    return x;
+static inline floats far_powers(integers far, floats x, floats near) {
+    for (int lane = 0; lane < LANES; lane++)
+        if (far[lane]) near[lane] = exp(x[lane]);
+    return near;
 }
 EACH floats lanes_exp(floats x) {
-    if (any((integers)(absolutes(x) >= 700.0))) return far_powers(x);
     const double shift = 6755399441055744.0;
     floats shifted = x * 1.44269504088896340736 + shift;
     floats k = shifted - shift;
@@ -199,7 +201,9 @@ EACH floats lanes_exp(floats x) {
     s = 1.0 / 6.0 + r * s;
     s = 0.5 + r * s;
     s = 1.0 + (r + r * r * s);
-    return (floats)((integers)s + ((integers)shifted << 52));
+    floats found = (floats)((integers)s + ((integers)shifted << 52));
+    integers far = (integers)(absolutes(x) >= 700.0);
+    return any(far) ? far_powers(far, x, found) : found;
 }
 /* to 2e-16 of its range: it levels a friction */
 EACH floats lanes_tanh(floats x) {

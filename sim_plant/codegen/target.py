@@ -137,7 +137,6 @@ LANES = Target(
             "LOOP.cell",
             "LineState.counters",
             "LineState.time_s",
-            "Work.moving",
         }
     ),
 )

@@ -138,12 +138,12 @@ EACH floats lanes_floor(floats x) {
 #define HALF_PI_1 0x1.921fb54400000p+0
 #define HALF_PI_2 0x1.0b4611a600000p-34
 #define HALF_PI_3 0x1.3198a2e037073p-69
-static inline floats far_angles(floats x, bool cosine) {
-    for (int lane = 0; lane < LANES; lane++) x[lane] = cosine ? cos(x[lane]) : sin(x[lane]);
-    return x;
+static inline floats far_angles(integers far, floats x, floats near, bool cosine) {
+    for (int lane = 0; lane < LANES; lane++)
+        if (far[lane]) near[lane] = cosine ? cos(x[lane]) : sin(x[lane]);
+    return near;
 }
 EACH floats wave(floats x, int64_t quarter, bool cosine) {
-    if (any((integers)((absolutes(x) >= REDUCED) & (absolutes(x) < INFINITY)))) return far_angles(x, cosine);
     const double shift = 6755399441055744.0;
     floats turned = x * 0.63661977236758134308 + shift;
     integers quarters = (integers)turned + quarter; /* the last bits of the shifted number */
@@ -173,7 +173,9 @@ EACH floats wave(floats x, int64_t quarter, bool cosine) {
     floats one = 1.0 - half;
     c = one + ((1.0 - one) - half + (z * z * c - r * rest));
     floats found = choose_floats(-(quarters & 1), c, s);
-    return (floats)((integers)found ^ ((quarters & 2) << 62));
+    found = (floats)((integers)found ^ ((quarters & 2) << 62));
+    integers far = (integers)((absolutes(x) >= REDUCED) & (absolutes(x) < INFINITY));
+    return any(far) ? far_angles(far, x, found, cosine) : found;
 }
 EACH floats lanes_sin(floats x) { return wave(x, 0, false); }
 EACH floats lanes_cos(floats x) { return wave(x, 1, true); }
@@ -181,12 +183,12 @@ EACH floats lanes_cos(floats x) { return wave(x, 1, true); }
 #define LN2_1 0x1.62e42fee00000p-1
 #define LN2_2 0x1.a39ef35793c76p-33
 /* e^x = 2^k e^r, |r| < 0.35, the series of e^r; beyond +-700 the C library */
-static inline floats far_powers(floats x) {
-    for (int lane = 0; lane < LANES; lane++) x[lane] = exp(x[lane]);
-    return x;
+static inline floats far_powers(integers far, floats x, floats near) {
+    for (int lane = 0; lane < LANES; lane++)
+        if (far[lane]) near[lane] = exp(x[lane]);
+    return near;
 }
 EACH floats lanes_exp(floats x) {
-    if (any((integers)(absolutes(x) >= 700.0))) return far_powers(x);
     const double shift = 6755399441055744.0;
     floats shifted = x * 1.44269504088896340736 + shift;
     floats k = shifted - shift;
@@ -203,7 +205,9 @@ EACH floats lanes_exp(floats x) {
     s = 1.0 / 6.0 + r * s;
     s = 0.5 + r * s;
     s = 1.0 + (r + r * r * s);
-    return (floats)((integers)s + ((integers)shifted << 52));
+    floats found = (floats)((integers)s + ((integers)shifted << 52));
+    integers far = (integers)(absolutes(x) >= 700.0);
+    return any(far) ? far_powers(far, x, found) : found;
 }
 /* to 2e-16 of its range: it levels a friction */
 EACH floats lanes_tanh(floats x) {
@@ -397,7 +401,7 @@ typedef struct {
 } LineState;
 
 typedef struct {
-    float_1 moving;
+    float_lanes_1 moving;
     float_lanes_2 contacts;
     float_lanes_1 tensions;
     float_lanes_2 rates;
@@ -867,7 +871,7 @@ static inline floats k_growth(int64_t kind, floats thickness_m, floats omega_rad
     return each_float(0.0);
 }
 
-static inline void k_span_contacts(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, float_lanes_1 phi, float_lanes_2 out) {
+static inline void k_span_contacts(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, float_lanes_1 phi, float_lanes_2 out, const integers lanes_) {
     BODY * a = {0};
     BODY * b = {0};
     floats dx = {0};
@@ -903,19 +907,19 @@ static inline void k_span_contacts(const LineArrays * p, const Layout * lay, flo
     const floats t6_ = y.at[((lay->theta + i) + INT64_C(1))];
     theta_a = t5_;
     theta_b = t6_;
-    angle = phi.at[i];
+    angle = choose_floats(lanes_, phi.at[i], angle);
     const double t7_ = 0.0;
-    p_a = each_float(t7_);
-    p_b = each_float(t7_);
-    dh_a = each_float(t7_);
-    dh_b = each_float(t7_);
-    rho_a = each_float(t7_);
-    length = each_float(t7_);
+    p_a = choose_floats(lanes_, each_float(t7_), p_a);
+    p_b = choose_floats(lanes_, each_float(t7_), p_b);
+    dh_a = choose_floats(lanes_, each_float(t7_), dh_a);
+    dh_b = choose_floats(lanes_, each_float(t7_), dh_b);
+    rho_a = choose_floats(lanes_, each_float(t7_), rho_a);
+    length = choose_floats(lanes_, each_float(t7_), length);
     const int64_t t8_ = INT64_C(8);
     integers broken61_ = each_bool(false);
     for (int64_t n9_ = 0; n9_ < t8_; n9_++) {
         integers skipped61_ = each_bool(false);
-        const integers on10_ = ~broken61_ & ~skipped61_;
+        const integers on10_ = lanes_ & ~broken61_ & ~skipped61_;
         if (!any(on10_)) break;
         const group_FFF t11_ = k_body_at(radius_a, a->sigma, a->shape_row, p->shape_h_m, p->shape_dh_m, p->shape_rho_m, theta_a, angle);
         p_a = choose_floats(on10_, t11_.part0, p_a);
@@ -937,20 +941,20 @@ static inline void k_span_contacts(const LineArrays * p, const Layout * lay, flo
             angle = choose_floats(on16_, (angle - (residual / length)), angle);
         }
     }
-    phi.at[i] = angle;
+    phi.at[i] = choose_floats(lanes_, angle, phi.at[i]);
     const floats t17_ = y.at[(lay->omega + i)];
     const floats t18_ = y.at[((lay->omega + i) + INT64_C(1))];
     omega_a = t17_;
     omega_b = t18_;
     thickness = (&p->web.at[INT64_C(0)])->thickness_m;
-    turning = (b->sigma * ((dh_b * omega_b) - k_growth(b->kind[0], thickness, omega_b)));
-    turning = (turning - (a->sigma * ((dh_a * omega_a) - k_growth(a->kind[0], thickness, omega_a))));
+    turning = choose_floats(lanes_, (b->sigma * ((dh_b * omega_b) - k_growth(b->kind[0], thickness, omega_b))), turning);
+    turning = choose_floats(lanes_, (turning - (a->sigma * ((dh_a * omega_a) - k_growth(a->kind[0], thickness, omega_a)))), turning);
     phidot = (turning / length);
-    out.at[i * out.cols + INT64_C(0)] = length;
-    out.at[i * out.cols + INT64_C(1)] = p_a;
-    out.at[i * out.cols + INT64_C(2)] = p_b;
-    out.at[i * out.cols + INT64_C(3)] = (rho_a * (omega_a - (a->sigma * phidot)));
-    out.at[i * out.cols + INT64_C(4)] = phidot;
+    out.at[i * out.cols + INT64_C(0)] = choose_floats(lanes_, length, out.at[i * out.cols + INT64_C(0)]);
+    out.at[i * out.cols + INT64_C(1)] = choose_floats(lanes_, p_a, out.at[i * out.cols + INT64_C(1)]);
+    out.at[i * out.cols + INT64_C(2)] = choose_floats(lanes_, p_b, out.at[i * out.cols + INT64_C(2)]);
+    out.at[i * out.cols + INT64_C(3)] = choose_floats(lanes_, (rho_a * (omega_a - (a->sigma * phidot))), out.at[i * out.cols + INT64_C(3)]);
+    out.at[i * out.cols + INT64_C(4)] = choose_floats(lanes_, phidot, out.at[i * out.cols + INT64_C(4)]);
 }
 
 static inline floats k_wrapped(const LineArrays * p, int64_t i, float_lanes_1 phi, float_lanes_2 contacts) {
@@ -1034,7 +1038,7 @@ static inline floats k_maxwell_rate2(floats branch, floats branch_upstream, floa
     return ((rate_1_s - (branch / time_s)) + (renewal_1_s * (fresh - branch)));
 }
 
-static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, float_lanes_1 y, float_1 moving, float_lanes_1 phi, float_lanes_2 contacts, float_lanes_1 tensions, float_lanes_1 dy) {
+static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, float_lanes_1 y, float_lanes_1 moving, float_lanes_1 phi, float_lanes_2 contacts, float_lanes_1 tensions, float_lanes_1 dy) {
     WEB * web = {0};
     int64_t spans = 0;
     integers seam = {0};
@@ -1080,20 +1084,22 @@ static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, f
     share_a = k_web_share(first->slip_s_m, first->slip_speed_m_s, (contacts.at[INT64_C(0) * contacts.cols + INT64_C(1)] * y.at[lay->omega]));
     const int64_t t3_ = spans;
     for (int64_t i = 0; i < t3_; i++) {
-        if ((moving.at[i] != 0.0)) {
-            k_span_contacts(p, lay, y, i, phi, contacts);
-        }
-        lift_b = each_float(0.0);
-        const integers t4_ = seam;
+        const integers t4_ = ((integers)(moving.at[i] != each_float(0.0)));
         const integers on5_ = t4_;
         if (any(on5_)) {
-            const floats t6_ = k_seam_lift(p, i, phi, contacts, (behind - (contacts.at[i * contacts.cols + INT64_C(0)] / (1.0 + y.at[(lay->strain + i)]))));
-            lift_b = choose_floats(on5_, t6_, lift_b);
-            contacts.at[i * contacts.cols + INT64_C(5)] = choose_floats(on5_, t6_, contacts.at[i * contacts.cols + INT64_C(5)]);
+            k_span_contacts(p, lay, y, i, phi, contacts, on5_);
+        }
+        lift_b = each_float(0.0);
+        const integers t6_ = seam;
+        const integers on7_ = t6_;
+        if (any(on7_)) {
+            const floats t8_ = k_seam_lift(p, i, phi, contacts, (behind - (contacts.at[i * contacts.cols + INT64_C(0)] / (1.0 + y.at[(lay->strain + i)]))));
+            lift_b = choose_floats(on7_, t8_, lift_b);
+            contacts.at[i * contacts.cols + INT64_C(5)] = choose_floats(on7_, t8_, contacts.at[i * contacts.cols + INT64_C(5)]);
         }
         speed_in = ((contacts.at[i * contacts.cols + INT64_C(1)] + lift_a) * y.at[(lay->omega + i)]);
         speed_out = ((contacts.at[i * contacts.cols + INT64_C(2)] + lift_b) * y.at[((lay->omega + i) + INT64_C(1))]);
-        flow = ((moving.at[i] != 0.0) ? contacts.at[i * contacts.cols + INT64_C(3)] : speed_in);
+        flow = choose_floats(((integers)(moving.at[i] != each_float(0.0))), contacts.at[i * contacts.cols + INT64_C(3)], speed_in);
         after = (&p->bodies.at[(i + INT64_C(1))]);
         share_b = k_web_share(after->slip_s_m, after->slip_speed_m_s, speed_out);
         rate_in = (speed_in * share_a);
@@ -1103,39 +1109,39 @@ static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, f
         }
         strain = y.at[(lay->strain + i)];
         span = (&p->spans.at[i]);
-        const floats t7_ = span->EA_N;
-        const floats t8_ = strain;
-        const floats t9_ = (speed_out * share_b);
-        EA_N = t7_;
-        leaving = t8_;
-        rate_out = t9_;
-        const integers t10_ = spliced;
-        const integers on11_ = t10_;
-        if (any(on11_)) {
-            held = choose_floats(on11_, (contacts.at[i * contacts.cols + INT64_C(0)] / (1.0 + strain)), held);
-            const group_FF t12_ = k_with_two_webs(p, i, strain, (behind / held));
-            EA_N = choose_floats(on11_, t12_.part0, EA_N);
-            leaving = choose_floats(on11_, t12_.part1, leaving);
-            rate_out = choose_floats(on11_, (rate_out * ((1.0 + strain) / (1.0 + leaving))), rate_out);
-            behind = choose_floats(on11_, (behind - (held + (k_wrapped(p, i, phi, contacts) / (1.0 + leaving)))), behind);
+        const floats t9_ = span->EA_N;
+        const floats t10_ = strain;
+        const floats t11_ = (speed_out * share_b);
+        EA_N = t9_;
+        leaving = t10_;
+        rate_out = t11_;
+        const integers t12_ = spliced;
+        const integers on13_ = t12_;
+        if (any(on13_)) {
+            held = choose_floats(on13_, (contacts.at[i * contacts.cols + INT64_C(0)] / (1.0 + strain)), held);
+            const group_FF t14_ = k_with_two_webs(p, i, strain, (behind / held));
+            EA_N = choose_floats(on13_, t14_.part0, EA_N);
+            leaving = choose_floats(on13_, t14_.part1, leaving);
+            rate_out = choose_floats(on13_, (rate_out * ((1.0 + strain) / (1.0 + leaving))), rate_out);
+            behind = choose_floats(on13_, (behind - (held + (k_wrapped(p, i, phi, contacts) / (1.0 + leaving)))), behind);
         }
         rate = k_strain_rate(contacts.at[i * contacts.cols + INT64_C(0)], strain, upstream, rate_in, rate_out, (flow * share_a));
         dy.at[(lay->strain + i)] = rate;
         pull = k_tension(EA_N, (strain - span->free_strain), web->viscosity_s, rate);
-        const integers t13_ = ((integers)(web->maxwell_ratio != each_float(0.0)));
-        const integers on14_ = t13_;
-        if (any(on14_)) {
-            branch = choose_floats(on14_, y.at[(lay->maxwell + i)], branch);
-            dy.at[(lay->maxwell + i)] = choose_floats(on14_, k_maxwell_rate2(branch, branch_up, (strain - upstream), rate, web->maxwell_time_s, ((flow * share_a) / contacts.at[i * contacts.cols + INT64_C(0)])), dy.at[(lay->maxwell + i)]);
-            pull = choose_floats(on14_, largest_floats(each_float(0.0), (pull + ((EA_N * web->maxwell_ratio) * branch))), pull);
-            branch_up = choose_floats(on14_, branch, branch_up);
+        const integers t15_ = ((integers)(web->maxwell_ratio != each_float(0.0)));
+        const integers on16_ = t15_;
+        if (any(on16_)) {
+            branch = choose_floats(on16_, y.at[(lay->maxwell + i)], branch);
+            dy.at[(lay->maxwell + i)] = choose_floats(on16_, k_maxwell_rate2(branch, branch_up, (strain - upstream), rate, web->maxwell_time_s, ((flow * share_a) / contacts.at[i * contacts.cols + INT64_C(0)])), dy.at[(lay->maxwell + i)]);
+            pull = choose_floats(on16_, largest_floats(each_float(0.0), (pull + ((EA_N * web->maxwell_ratio) * branch))), pull);
+            branch_up = choose_floats(on16_, branch, branch_up);
         }
         tensions.at[i] = pull;
         upstream = leaving;
-        const floats t15_ = share_b;
-        const floats t16_ = lift_b;
-        share_a = t15_;
-        lift_a = t16_;
+        const floats t17_ = share_b;
+        const floats t18_ = lift_b;
+        share_a = t17_;
+        lift_a = t18_;
     }
     last = (lay->n - INT64_C(1));
     wander = ((contacts.at[(spans - INT64_C(1)) * contacts.cols + INT64_C(2)] * (&p->bodies.at[last])->sigma) * contacts.at[(spans - INT64_C(1)) * contacts.cols + INT64_C(4)]);
@@ -1387,7 +1393,7 @@ static inline void k_sensor_rates(const LineArrays * p, const Layout * lay, floa
     }
 }
 
-static inline void k_derivative(const LineArrays * p, const Layout * lay, float_lanes_1 y, float_lanes_1 torques, float_1 moving, float_lanes_1 phi, float_lanes_2 contacts, float_lanes_1 tensions, float_lanes_1 dy) {
+static inline void k_derivative(const LineArrays * p, const Layout * lay, float_lanes_1 y, float_lanes_1 torques, float_lanes_1 moving, float_lanes_1 phi, float_lanes_2 contacts, float_lanes_1 tensions, float_lanes_1 dy) {
     floats behind = {0};
     WEB * web = {0};
     floats unwinding = {0};

@@ -48,8 +48,23 @@ def loaded(name: str) -> Lanes | None:
 
 
 @cache
-def chosen() -> Lanes | None:
-    """Return the fastest binary of this installation and processor; None: line by line."""
+def available() -> tuple[Lanes, ...]:
+    """Return the binaries of this installation and processor, the widest first; none: numba."""
     asked = os.environ.get(VARIABLE, "")
     names = BUILDS if not asked else tuple(name for name in BUILDS if name == asked)
-    return next((lanes for lanes in map(loaded, names) if lanes is not None), None)
+    found = tuple(lanes for lanes in map(loaded, names) if lanes is not None)
+    return found[:-1] if len(found) > 1 and found[-1].name == "plain" else found
+
+
+def widest() -> int:
+    """Return how many lines run side by side at most; 1 without a binary."""
+    return available()[0].width if available() else 1
+
+
+def fitting(lines: int) -> Lanes | None:
+    """Return the narrowest binary that takes so many lines at once, or else the widest.
+
+    All of them give the same bits. None without a binary.
+    """
+    holding = [lanes for lanes in available() if lanes.width >= lines]
+    return holding[-1] if holding else next(iter(available()), None)

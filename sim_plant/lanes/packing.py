@@ -15,7 +15,7 @@ from sim_plant.line.kernel import Work
 from sim_plant.line.simulation import LineSimulation
 
 SHARED_STATE = ("counters", "time_s")
-"""Of the state: one for all lanes. Of the scratch memory it is ``moving``."""
+"""Of the state: one for all lanes."""
 TABLES = ("shape_h_m", "shape_dh_m", "shape_rho_m")
 _ALIGNMENT = 64
 Words = np.ndarray[Any, np.dtype[Any]]
@@ -113,14 +113,9 @@ class PackedLines:
         )
 
     def work(self) -> Work:
-        """Return the scratch memory; a span moves in all lanes where it does in one."""
+        """Return the scratch memory as it is now."""
         works = [line.work for line in self.lines]
-        packed = {
-            name: together([getattr(w, name) for w in works])
-            for name in Work._fields
-            if name != "moving"
-        }
-        return Work(moving=np.max([w.moving for w in works], axis=0), **packed)
+        return Work(**{name: together([getattr(w, name) for w in works]) for name in Work._fields})
 
     def put_back(self, p: LineArrays, state: LineState, work: Work) -> None:
         """Write parameters that changed, states and tensions into the lines."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.lanes.library import Lanes, chosen
+from sim_plant.lanes.library import Lanes, fitting
 from sim_plant.lanes.packing import make_of
 from sim_plant.lanes.side_by_side import SideBySide
 from sim_plant.line.simulation import LineSimulation
@@ -37,9 +37,7 @@ def in_groups(
     """Return jobs as groups that may run side by side, cases of the same bodies together.
 
     ``rollers`` are the names of the line's bodies in web order: neighbours have a span in common,
-    and a span's tangent moves in all lanes of a group or in none. The groups depend on the jobs
-    and on the width alone, so results do not depend on how many processes share them. A width of
-    1 keeps the order.
+    and a tangent that one lane needs costs the time of all. A width of 1 keeps the order.
     """
     if width == 1:
         return [(twin, (case,)) for twin, case in jobs]
@@ -66,11 +64,15 @@ def _likeness(case: Case, place: Mapping[str, int]) -> tuple[object, ...]:
     return bodies, effects
 
 
+def takes_lanes(twin: Twin) -> bool:
+    """Return whether a twin simulates as twins do; another way is asked one by one."""
+    return getattr(type(twin), "simulate", None) is Twin.simulate
+
+
 def simulated(twin: Twin, number: int, cases: Sequence[Case]) -> list[Array]:
     """Return the channels of each case of the twin with this number, as ``attempt`` does."""
     seen = [seen_by(case, number) for case in cases]
-    lanes = chosen()
-    if lanes is None or len(seen) == 1:
+    if not takes_lanes(twin) or fitting(1) is None:
         return [attempt(twin, case) for case in seen]
     found: dict[int, Array] = {}
     alike: dict[bytes, list[tuple[int, LineSimulation]]] = {}
@@ -82,14 +84,11 @@ def simulated(twin: Twin, number: int, cases: Sequence[Case]) -> list[Array]:
             continue
         alike.setdefault(make_of(line), []).append((at, line))
     for members in alike.values():
+        lanes = fitting(len(members))
+        assert lanes is not None  # there is one for a single line
         for first in range(0, len(members), lanes.width):
-            part = members[first : first + lanes.width]
-            places = [at for at, _ in part]
-            if len(part) == 1:
-                found[places[0]] = attempt(twin, seen[places[0]])
-                continue
-            together = [seen[at] for at in places]
-            records = _side_by_side(twin, lanes, together, [line for _, line in part])
+            places, lines = zip(*members[first : first + lanes.width], strict=True)
+            records = _side_by_side(twin, lanes, [seen[at] for at in places], lines)
             found.update(zip(places, records, strict=True))
     return [found[at] for at in range(len(seen))]
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Hashable, Sequence
 
 from sim_plant.base.arrays import Array
 from sim_plant.base.worker_pool import WorkerPool
-from sim_plant.lanes.library import chosen
-from sim_plant.refine.model.cases_in_lanes import in_groups, simulated
+from sim_plant.lanes.library import widest
+from sim_plant.refine.model.cases_in_lanes import in_groups, simulated, takes_lanes
 from sim_plant.refine.model.twin import Case, Twin
 
 LIMIT_S = 900.0
@@ -58,12 +58,7 @@ class SimulationPool:
     ) -> None:
         self.twins = list(twins)
         self.simulations = 0
-        lanes = chosen()
-        # who simulates in another way than a twin is asked one by one
-        alike = bool(twins) and all(
-            getattr(type(twin), "simulate", None) is Twin.simulate for twin in twins
-        )
-        self._width = lanes.width if lanes is not None and alike else 1
+        self._width = widest() if twins and all(map(takes_lanes, twins)) else 1
         named = self.twins[0].declaration.rollers if self._width > 1 else ()
         self._rollers = [roller.name for roller in named]
         self.responses: dict[Hashable, list[list[Array]]] = {}

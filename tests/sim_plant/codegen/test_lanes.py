@@ -28,7 +28,13 @@ APPLY(sin) APPLY(cos) APPLY(exp) APPLY(tanh) APPLY(floor)
 def mathematics(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     folder = tmp_path_factory.mktemp("lanes")
     return compiled_library(
-        folder, lanes_source() + WAVES, "-std=gnu11", "-O2", "-Wno-psabi", f"-DLANES={LANES}"
+        folder,
+        lanes_source() + WAVES,
+        "-std=gnu11",
+        "-O2",
+        "-ffp-contract=off",
+        "-Wno-psabi",
+        f"-DLANES={LANES}",
     )
 
 
@@ -65,9 +71,16 @@ def test_a_binary_of_other_source_is_not_used(monkeypatch: pytest.MonkeyPatch) -
 
 def test_none_are_used_where_the_environment_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(library.VARIABLE, "none")
-    library.chosen.cache_clear()
-    assert library.chosen() is None
-    library.chosen.cache_clear()
+    library.available.cache_clear()
+    assert library.fitting(1) is None
+    assert library.widest() == 1
+    library.available.cache_clear()
+
+
+def test_a_group_takes_the_narrowest_binary_that_holds_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    some = tuple(library.Lanes(name=str(n), width=n, functions=None) for n in (8, 4))  # type: ignore[arg-type]
+    monkeypatch.setattr(library, "available", lambda: some)
+    assert [library.fitting(n).width for n in (1, 4, 5, 8, 20)] == [4, 4, 8, 8, 8]  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize("name", ["sin", "cos"])
