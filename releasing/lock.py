@@ -18,7 +18,7 @@ from releasing.commands import ROOT, tool
 LOCKS = ROOT / "deploy" / "locks"
 EXTRAS: dict[str, tuple[str, ...]] = {
     "gateway": (),
-    **{name: (name,) for name in ("can", "hmi", "records", "cluster", "docs")},
+    **{name: (name,) for name in ("can", "hmi", "records", "plant", "cluster", "docs")},
 }
 """Extras of ``pyproject.toml`` that each lock covers, besides what every installation needs."""
 
