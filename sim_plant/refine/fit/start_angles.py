@@ -92,7 +92,9 @@ def costs_of(
         white = model.whiten(residual)
         white -= white.mean(axis=1, keepdims=True)
         found.append(float(np.sum(white**2)))
-    return np.array(found)
+    costs = np.array(found)
+    costs[np.isnan(costs)] = np.inf  # a line that does not run with this
+    return costs
 
 
 def _turns(case: Case, location: str, tries: Array) -> list[Case]:
@@ -121,6 +123,8 @@ def start_angles(
 
 def _lowest(grid: Array, values: Array) -> float:
     """Return the minimum of a parabola through the points, kept inside the grid."""
+    if not np.isfinite(values).all():
+        return float(grid[int(np.argmin(values))])
     centre = grid[len(grid) // 2]
     fit = np.polyfit(grid - centre, values, 2)
     if fit[0] <= 0.0:
