@@ -7,12 +7,12 @@ from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
 
-from aff_hmi.accounts import Accounts
 from aff_hmi.press_desk import PressDesk
 from aff_hmi.reason import explained
 from aff_hmi.sessions import Session, Sessions
 from aff_hmi.watch import Seen
 from aff_hmi.words import Say
+from aff_runtime.app.hand.accounts import Accounts
 from aff_runtime.app.hand.may import (
     WORDS,
     Action,
