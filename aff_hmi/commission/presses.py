@@ -16,7 +16,7 @@ from aff_runtime.app.commission.messages import WORDS, Told, Why
 from aff_runtime.app.hand.may import Code, Reason
 
 SEARCH = 9  # the step that tries settings while the correction goes out
-PLAIN = ("begin", "verify", "check", "stop", "close")
+PLAIN = ("begin", "verify", "stop", "close")
 Press = Callable[[Commission, Session, Asked], Awaitable[Told]]
 
 

@@ -9,7 +9,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route
 
 from aff_hmi.commission.link import Commission
-from aff_hmi.commission.told import card_in, refusal_in, state_in
+from aff_hmi.commission.told import card_in, line_in, refusal_in, state_in
 from aff_hmi.sessions import Session
 from aff_hmi.words import Say
 from aff_runtime.app.hand.may import WORDS, Code, Role
@@ -41,6 +41,7 @@ class CommissionData:
             Route("/data/card", self.card),
             Route("/data/card.html", self.page),
             Route("/data/commissioning", self.state),
+            Route("/data/line", self.line),
         ]
 
     async def card(self, request: Request) -> Response:
@@ -52,6 +53,16 @@ class CommissionData:
         if not found["ok"]:
             return JSONResponse({"ok": False, "text": refusal_in(found, say)})
         return JSONResponse({"ok": True, "card": card_in(found["card"], say)})
+
+    async def line(self, request: Request) -> Response:
+        """Return the site file as it was checked, the probe's bounds, and what was found."""
+        say = self._say_of(request)
+        if self._session_of(request) is None:
+            return _stranger(say)
+        found = await self._commission.look("line")
+        if not found["ok"]:
+            return JSONResponse({"ok": False, "text": refusal_in(found, say)})
+        return JSONResponse({"ok": True, "line": line_in(found["line"], say)})
 
     async def page(self, request: Request) -> Response:
         """Return the card as one page that prints, as a file: it has a style of its own."""

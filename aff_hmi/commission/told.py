@@ -20,7 +20,6 @@ JOBS = {
     "sign": N_("sign a step"),
     "verify": N_("verify the card"),
     "words": N_("find the PLC's words"),
-    "check": N_("check the site file"),
 }
 
 
@@ -46,6 +45,29 @@ def _step(one: Told, say: Say) -> Told:
     mark, word = STANDS[one["stand"]]
     said = {key: say(one[key]) for key in ("title", "measured", "limit")}
     return one | said | {"mark": mark, "stand_word": say(word)}
+
+
+# what a probe finds of a drive: its words, its unit
+FOUND = {
+    "speed_gain_rad_s": (N_("speed gain"), "rad/s"),
+    "integral_time_s": (N_("integral time"), "s"),
+    "inertia_kg_m2": (N_("inertia with the web"), "kg m²"),
+    "friction_N_m_s": (N_("friction"), "N m s"),
+    "delay_s": (N_("delay to the drive"), "s"),
+    "stiffness_N_m": (N_("stiffness of the web"), "N/m"),
+}
+
+
+def line_in(line: Told, say: Say) -> Told:
+    """Return what is known of a line in the reader's language."""
+    responses = []
+    for one in line["responses"]:
+        drive = [
+            row | {"name": say(FOUND[row["name"]][0]), "unit": FOUND[row["name"]][1]}
+            for row in one["drive"]
+        ]
+        responses.append(one | {"drive": drive})
+    return line | {"responses": responses}
 
 
 def state_in(told: Told, say: Say, *, sees_all: bool) -> Told:

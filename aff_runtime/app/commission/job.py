@@ -12,7 +12,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from aff_runtime.app.commission import card_jobs
+from aff_runtime.app.commission import card_jobs, line_view, setup_jobs
 from aff_runtime.app.commission.messages import Asked, Told
 from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.commission.talk import Talk
@@ -26,6 +26,8 @@ JOBS: dict[str, Job] = {
     "step": card_jobs.step,
     "sign": card_jobs.sign,
     "verify": card_jobs.verified,
+    "line": line_view.line,
+    "words": setup_jobs.words,
 }
 NICE = 10
 

@@ -19,7 +19,7 @@ from aff_runtime.config.yaml_marks import MAX_BYTES
 
 LOOK_S = 1.0
 LEAST_NS = 2_000_000_000
-NO_CARD = "no card is begun"
+NO_CARD, NO_SITE = "no card is begun", "no site file is there"
 Stamp = tuple[object, ...]
 
 
@@ -76,8 +76,10 @@ class Looking:
         }
 
     async def look(self, asked: Asked) -> Told:
-        """Return the card for a screen, or the page that prints."""
-        if not (self._where.card / CARD).exists():
+        """Return the card or the line for a screen, or the page that prints."""
+        if asked["do"] == "line" and not self._where.site.exists():
+            return Refusal(why=Why.REFUSED, name=NO_SITE).told
+        if asked["do"] != "line" and not (self._where.card / CARD).exists():
             return Refusal(why=Why.REFUSED, name=NO_CARD).told
         key = f"{asked['do']} {asked.get('paper', '')}"
         async with self._one:

@@ -105,6 +105,7 @@ TABLE: Mapping[str, Keys] = {
     "state": {},
     "card": {},
     "page": {"paper": _paper},
+    "line": {},
     "open": {"account": _account, "password": _password, "place": _place, "over": _flag},
     "close": _PERSON,
     "begin": _PERSON,
@@ -118,11 +119,10 @@ TABLE: Mapping[str, Keys] = {
     },
     "verify": _PERSON,
     "words": {**_PERSON, "again": _text},
-    "check": _PERSON,
     "answer": {**_PERSON, "number": _whole, "text": _text},
     "stop": _PERSON,
 }
-LOOKS = ("state", "card", "page")
+LOOKS = ("state", "card", "page", "line")
 """What changes nothing and needs no key."""
 
 
