@@ -30,6 +30,7 @@ PAGES = {
     "scope": ("overview.js", "scope.js"),
     "timing": ("overview.js", "timing.js"),
     "card": ("overview.js", "card.js"),
+    "commission": ("overview.js", "commission.js"),
 }
 HAND, NO_HAND = "hand.js", ("login",)
 SCRIPT, CSS = "text/javascript; charset=utf-8", "text/css; charset=utf-8"

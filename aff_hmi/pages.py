@@ -20,7 +20,7 @@ from aff_runtime import __version__
 from aff_runtime.app.report.metrics.exposition import CONTENT_TYPE
 from aff_runtime.base.ports import Clock
 
-COMMISSIONED = {"/card": "card.html"}
+COMMISSIONED = {"/commission": "commission.html", "/card": "card.html"}
 
 
 class Pages:

@@ -6,8 +6,9 @@ import contextlib
 import math
 from dataclasses import fields
 
+from aff_runtime.app.commission.card_view import proof_times
 from aff_runtime.app.commission.messages import Asked, Told
-from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.sources import Where, standing_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
@@ -31,6 +32,7 @@ def line(where: Where, asked: Asked, talk: Talk) -> Told:
         "orders": [],
         "limits": [],
         "probe": None,
+        "proof": None,
         "responses": [],
     }
     site, facts = report.site, report.facts
@@ -41,6 +43,9 @@ def line(where: Where, asked: Asked, talk: Talk) -> Told:
     found = _responses(site, where)
     view["responses"] = [_response(name, one, site) for name, one in found.items()]
     view["probe"] = _bounds(site, found)
+    with contextlib.suppress(AffError):
+        standing = standing_of(where.socket)
+        view["proof"] = proof_times(site, standing) if standing is not None else None
     return {"line": view}
 
 
@@ -70,6 +75,7 @@ def _bounds(site: Site, found: dict[str, Response]) -> Told:
                 "limit": actuator.limit,
                 "unit": actuator.unit,
                 "signal": actuator.error.signal,
+                "signal_unit": _signal_unit(actuator),
                 "ripple": ripple if math.isfinite(ripple) else None,
             }
         )
@@ -110,10 +116,13 @@ def _drive(found: IdentifiedDrive) -> list[Told]:
     return rows
 
 
-def _gain_unit(actuator: Actuator) -> str:
+def _signal_unit(actuator: Actuator) -> str:
     signal = actuator.error.signal
-    above = "N" if signal.endswith("_N") else "m/s" if signal.endswith("_m_s") else "1"
-    return f"{above}/({actuator.unit})"
+    return "N" if signal.endswith("_N") else "m/s" if signal.endswith("_m_s") else "1"
+
+
+def _gain_unit(actuator: Actuator) -> str:
+    return f"{_signal_unit(actuator)}/({actuator.unit})"
 
 
 def _known(value: float) -> float | None:

@@ -70,6 +70,7 @@ class Looking:
             "heard": now.live is not None and now.live.comm == "OK",
             "blocked": now.live.blocked_by if now.live is not None else "",
             "probing": now.probing,
+            "probed": now.probed,
             "trying": now.trying,
             "differs": list(now.config_differs),
             "learned": list(now.learned),
