@@ -17,8 +17,9 @@ from aff_runtime.app.card.entries import Signed
 from aff_runtime.app.card.verify import verify
 from aff_runtime.app.card.work import CardFile
 from aff_runtime.app.hand import audit
+from tests.aff_hmi.browser.axe import grave_findings
 from tests.aff_hmi.browser.commissioned import ANSWERS, FreshLine, Technician
-from tests.aff_hmi.browser.sights import CLIPPED, OVERLAPS
+from tests.aff_hmi.browser.test_looks import looked_at
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(1500)]
 WIDTHS = {360: 740, 768: 1024, 1280: 800, 1920: 1080}
@@ -40,11 +41,12 @@ def pictured(who: Technician, pictures: Path, path: str, name: str, shows: str) 
         who.page.set_viewport_size({"width": width, "height": WIDTHS[width]})
         who.go(path, language)
         who.page.wait_for_selector(shows)
-        assert who.page.evaluate(CLIPPED) == [], (name, width, language)
-        assert who.page.evaluate(OVERLAPS) == [], (name, width, language)
+        looked_at(who.screen, width)
         who.screen.picture(pictures / f"{name}-{width}-{language}.png")
     who.page.set_viewport_size({"width": 1280, "height": 800})
     who.go(path)
+    who.page.wait_for_selector(shows)
+    assert grave_findings(who.page) == []
 
 
 def test_a_line_is_commissioned_at_the_screen_alone(
