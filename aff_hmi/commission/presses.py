@@ -17,6 +17,7 @@ from aff_runtime.app.hand.may import Code, Reason
 
 SEARCH = 9  # the step that tries settings while the correction goes out
 PLAIN = ("begin", "verify", "stop", "close")
+NO_HAND: Told = {"ok": False, "why": Why.REFUSED, "name": "take the hand first"}
 Press = Callable[[Commission, Session, Asked], Awaitable[Told]]
 
 
@@ -38,6 +39,7 @@ class CommissionPresses:
             "/commission/open": partial(self._answer, _open),
             "/commission/do": partial(self._answer, _do),
             "/commission/answer": partial(self._answer, _reply),
+            "/card/settings": partial(self._answer, self._settings),
             "/card/step": partial(self._answer, self._step),
             "/card/sign": partial(self._answer, _sign),
         }
@@ -57,10 +59,25 @@ class CommissionPresses:
         return JSONResponse({"ok": True, "text": text})
 
     async def _step(self, commission: Commission, session: Session, asked: Asked) -> Told:
-        held, said = self._sessions.holder(), asked.said
-        if said["step"] == SEARCH and (held is None or held.session is not session):
-            return {"ok": False, "why": Why.REFUSED, "name": "take the hand first"}
-        return await commission.press(session, "step", **said)
+        if asked.said["step"] == SEARCH and not self._has_hand(session):
+            return NO_HAND
+        return await commission.press(session, "step", **asked.said)
+
+    async def _settings(self, commission: Commission, session: Session, asked: Asked) -> Told:
+        """Try what a step proposes, keep it, or take it back: it changes what goes out."""
+        said = dict(asked.said)
+        do = said.pop("do")
+        if not self._has_hand(session):
+            return NO_HAND
+        if do == "try":
+            return await commission.press(session, do, **said)
+        if do in ("keep", "undo"):
+            return await commission.press(session, do, reason=said["reason"])
+        return {"ok": False, "why": Why.NO_SENSE, "name": ""}
+
+    def _has_hand(self, session: Session) -> bool:
+        held = self._sessions.holder()
+        return held is not None and held.session is session
 
 
 async def _open(commission: Commission, session: Session, asked: Asked) -> Told:

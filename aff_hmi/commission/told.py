@@ -19,6 +19,9 @@ JOBS = {
     "step": N_("measure a step"),
     "sign": N_("sign a step"),
     "verify": N_("verify the card"),
+    "try": N_("try what is proposed"),
+    "keep": N_("keep what is tried"),
+    "undo": N_("take back what is tried"),
     "words": N_("find the PLC's words"),
 }
 

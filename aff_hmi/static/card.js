@@ -133,6 +133,23 @@ function signing(step) {
   return form;
 }
 
+function trying(step) {
+  const form = part("form", "trying");
+  const why = field(words.why, "reason", { maxLength: 200, minLength: 8, required: true });
+  const seconds = field(words.for, "seconds", { type: "number", min: 5, max: 3600, value: 120, required: true });
+  const go = part("button", "", words.try);
+  go.type = "submit";
+  const row = part("p", "fields");
+  row.append(why.box, seconds.box, go);
+  form.append(row);
+  form.onsubmit = (event) => {
+    event.preventDefault();
+    const said = { do: "try", step: step.number, measured: step.entry.sha256, reason: why.input.value };
+    post("/card/settings", { ...said, seconds: Number(seconds.input.value) });
+  };
+  return form;
+}
+
 function stepped(step, proof, old) {
   const box = part("details", "step");
   box.dataset.step = step.number;
@@ -148,6 +165,7 @@ function stepped(step, proof, old) {
   box.append(head, part("p", "note", about), ...entry(step));
   if (isOpen) {
     if (step.can_sign && step.entry) box.append(signing(step));
+    if (step.entry?.proposals.length) box.append(trying(step));
     box.append(measuring(step, proof));
   }
   return box;
@@ -202,9 +220,17 @@ lookAfter((state) => {
   isBusy = state?.ok === true && state.job !== null;
   isOpen = state?.ok === true && state.is_open;
   if ((wasBusy && !isBusy) || wasOpen !== isOpen) look();
+  const tried = state?.ok === true ? (state.service.trying ?? "") : "";
+  byId("trying").hidden = !(isOpen && tried);
+  put(byId("tried"), tried);
 });
 look();
 setInterval(look, EVERY_MS);
+byId("trying").onsubmit = (event) => {
+  event.preventDefault();
+  const said = { do: event.submitter.value, step: 0, measured: "", seconds: 0 };
+  post("/card/settings", { ...said, reason: byId("tried-why").value });
+};
 byId("begin").onclick = () => act("begin");
 byId("verify").onclick = () => act("verify");
 byId("print").onclick = () => window.print();

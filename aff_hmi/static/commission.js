@@ -133,6 +133,7 @@ function response(one) {
     ]);
     made.append(table([words.number, words.value, words.span], rows));
   }
+  if (!one.drive.length) made.append(part("p", "note", words.noDrive));
   const points = one.points.map(([f, gain, phase, error, coherence]) => [
     `${number(f, 2)} Hz`,
     `${short(gain)} ${one.unit}`,

@@ -54,6 +54,10 @@ PRESSED: dict[str, tuple[dict[str, Any], tuple[int, int, int, int]]] = {
     ),
     "/commission/do": ({"do": "begin", "again": ""}, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
     "/commission/answer": ({"number": 1, "text": "yes"}, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
+    "/card/settings": (
+        {"do": "keep", "step": 9, "measured": "", "seconds": 0, "reason": "better"},
+        (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
+    ),
     "/card/step": (
         {"step": 4, "typed": "", "plc": "", "leave_out": ""},
         (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),

@@ -35,6 +35,7 @@ GOOD: dict[str, dict[str, Any]] = {
     "/commission/open": {"password": PASSWORD, "over": False},
     "/commission/do": {"do": "begin", "again": ""},
     "/commission/answer": {"number": 1, "text": "yes"},
+    "/card/settings": {"do": "keep", "step": 9, "measured": "", "seconds": 0, "reason": "good"},
     "/card/step": {"step": 4, "typed": "", "plc": "", "leave_out": ""},
     "/card/sign": {"step": 4, "measured": "0" * 64, "reason": "seen", "password": PASSWORD},
 }

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from aff_runtime.app.commission import card_jobs, line_view, setup_jobs
+from aff_runtime.app.commission import card_jobs, line_view, settings_jobs, setup_jobs
 from aff_runtime.app.commission.messages import Asked, Told
 from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.commission.talk import Talk
@@ -28,6 +28,9 @@ JOBS: dict[str, Job] = {
     "verify": card_jobs.verified,
     "line": line_view.line,
     "words": setup_jobs.words,
+    "try": settings_jobs.try_proposed,
+    "keep": settings_jobs.keep,
+    "undo": settings_jobs.undo,
 }
 NICE = 10
 

@@ -47,6 +47,8 @@ class Worker:
         where = {name: os.fspath(getattr(self._where, name)) for name in Where.__slots__}
         self._write({**self.asked, "where": where})
         found: Told = Refusal(why=Why.REFUSED, name=DIED).told
+        if self._is_stopped:
+            process.kill()
         assert process.stdout is not None
         try:
             while line := await process.stdout.readline():
@@ -54,7 +56,7 @@ class Worker:
         except ValueError:
             self.stop()
         finally:
-            if process.returncode is None:
+            if process.returncode is None and not self._is_stopped:
                 process.kill()
             await process.wait()
         self.question = None

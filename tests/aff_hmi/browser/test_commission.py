@@ -64,8 +64,8 @@ def test_a_line_is_commissioned_at_the_screen_alone(
     page.wait_for_selector("#bounds li")  # what a probe sends at most stands there before it
     who.hold("#probe")
     page.wait_for_selector('html[data-probed="yes"]')
-    page.wait_for_selector("#found table")
-    pictured(who, pictures, "commission", "commission-found", "#found table")
+    page.wait_for_selector("#found .response")
+    pictured(who, pictures, "commission", "commission-found", "#found .response")
     activated(who)
 
     who.go("card")

@@ -135,6 +135,27 @@ def test_a_search_needs_the_hand(at: Pressed, heard: Heard) -> None:
     assert carl.post("/card/step", STEP | {"step": 9}).status == 200
 
 
+@pytest.mark.parametrize(
+    ("do", "passed"),
+    [
+        ("try", {"step": 9, "measured": "0" * 64, "seconds": 120, "reason": "it is better"}),
+        ("keep", {"reason": "it is better"}),
+        ("undo", {"reason": "it is better"}),
+    ],
+)
+def test_what_is_proposed_is_tried_kept_or_taken_back_with_the_hand(
+    at: Pressed, heard: Heard, do: str, passed: dict[str, Any]
+) -> None:
+    carl = at.browser("carl")
+    said = {"do": do, "step": 9, "measured": "0" * 64, "seconds": 120, "reason": "it is better"}
+    assert carl.post("/card/settings", said).said["text"] == "take the hand first"
+    assert heard.said == []
+    carl.take()
+    assert carl.post("/card/settings", said).status == 200
+    assert heard.said == [{"do": do, "key": "", "place": "panel", **passed}]
+    assert carl.post("/card/settings", said | {"do": "history"}).code == "no sense"
+
+
 def test_a_refusal_is_said_in_the_readers_language(at: Pressed, heard: Heard) -> None:
     carl = at.browser("carl")
     heard.answers["begin"] = {"ok": False, "why": "running", "name": "step 4"}
