@@ -38,6 +38,7 @@ NICE = 10
 def main() -> int:
     """Do what the first line says; the last line said is what became of it."""
     os.nice(NICE)
+    _leave_to_control()
     said = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # whatever a library prints is no line of ours
     talk = Talk(sys.stdin, said)
@@ -50,6 +51,13 @@ def main() -> int:
     except EOFError:
         return 1
     return 0
+
+
+def _leave_to_control() -> None:
+    """Keep off the last processor, which the control process has to itself where there are two."""
+    allowed = sorted(os.sched_getaffinity(0))
+    if len(allowed) > 1:
+        os.sched_setaffinity(0, allowed[:-1])
 
 
 if __name__ == "__main__":
