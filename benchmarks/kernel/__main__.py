@@ -121,7 +121,7 @@ def main() -> None:
         measured("One shape, other sizes", NOTE, kernels(twin, alike), options.turns),
         measured(
             "A shape on another roller in each lane",
-            "The spans beside each of them move in all lanes.",
+            "A tangent that one lane needs costs the time of all.",
             kernels(twin, apart),
             options.turns,
         ),
