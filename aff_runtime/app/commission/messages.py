@@ -64,7 +64,9 @@ class AskedError(ValueError):
 
 
 def _text(value: Any) -> bool:
-    return isinstance(value, str) and len(value) <= LONGEST_TEXT
+    """Whether it is text that shows as itself; several lines are."""
+    is_short = isinstance(value, str) and len(value) <= LONGEST_TEXT
+    return is_short and value.replace("\n", "").isprintable()
 
 
 def _whole(value: Any) -> bool:
