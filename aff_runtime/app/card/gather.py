@@ -108,7 +108,7 @@ def gather(
     """
     if Need.SERVICE in step.needs and Need.RECORD not in step.needs and sources.answer is None:
         raise RefusedError(f"no service answers; step {step.number} looks at {Need.SERVICE}")
-    wanted = list(_wanted(step, sources))
+    wanted = list(wanted_windows(step, sources))
     windows = tuple(load_window(one) for one in wanted)
     for one in windows:
         _check_settings(one, sources)
@@ -144,7 +144,7 @@ def _whole(number: float) -> str:
     return f"{number:.0f}" if math.isfinite(number) else ""
 
 
-def _wanted(step: Step, sources: Sources) -> Iterator[RunWindow]:
+def wanted_windows(step: Step, sources: Sources) -> Iterator[RunWindow]:
     """Yield the windows that were named, else the newest of the service."""
     if Need.RECORD not in step.needs:
         if sources.windows:

@@ -110,6 +110,7 @@ class People:
             self._queue -= 1
         if found is None:
             return Refusal(why=Why.PASSWORD)
+        self._buckets.pop(name, None)  # who signs thirteen steps does not guess
         return None if found.role >= Role.COMMISSION else Refusal(why=Why.ROLE)
 
     def _away(self, place: Place) -> Refusal | None:
