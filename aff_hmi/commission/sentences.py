@@ -21,6 +21,7 @@ PATTERNS = (
     N_("kept; saved as the site file"),
     N_("undone; the former settings run"),
     N_("this step proposes nothing"),
+    N_("nothing was measured: {rest}"),
     N_("take the hand first"),
     N_("step {step}: pass"),
     N_("step {step}: fail"),

@@ -117,6 +117,9 @@ def after_search(
         answer = read_answer(client.ask("status"))
     finally:
         client.close()
+    if not tried.windows:
+        why = tried.tries[-1].ended if tried.tries else ""
+        raise RefusedError(f"nothing was measured: {why or 'no candidate came to its end'}")
     return replace(found, answer=answer, windows=tried.windows, tries=tried.tries)
 
 
