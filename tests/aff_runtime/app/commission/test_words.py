@@ -12,6 +12,14 @@ from tests.aff_runtime.cli.test_setup import ANSWERS, ROOT, words_of
 from tests.aff_runtime.cli.virtual_line import VirtualLine
 from tests.sim_plant.servers.served import served
 
+PICKS = {  # by word, as its manual names it: a busy machine sees fewer readings
+    "unwind_tension_N.pick": "w2",
+    "tension_ref_N.pick": "w4",
+    "unwind_radius_m.pick": "w6",
+    "swrap_follower_speed_m_s.pick": "w7",
+    "swrap_follower_tension_N.pick": "w9",
+}
+
 
 class Talk:
     """In place of a commissioner: answers by name until one is asked at which somebody leaves."""
@@ -54,7 +62,7 @@ def where(tmp_path):
 
 @pytest.mark.wire
 def test_a_screen_finds_the_words_of_the_shipped_site_file_leaves_and_goes_on(plc, where):
-    answers = ANSWERS | {"port": str(plc.port)}
+    answers = ANSWERS | PICKS | {"port": str(plc.port)}
     first = Talk(answers, leaves_at="line_speed_m_s.pick")
     assert words(where, {"again": ""}, first) == {"text": "left; what was answered is kept"}
     assert not where.site.exists()
@@ -65,8 +73,11 @@ def test_a_screen_finds_the_words_of_the_shipped_site_file_leaves_and_goes_on(pl
     assert choices == ("again",)
     assert any("word 5" in text for _, text in rows)
     assert second.rows["status.order"][0] == ("yes", "no")
-    found, shipped = load_site(where.site), load_site(ROOT / "config/euclid.yaml")
-    assert words_of(found) == words_of(shipped)
+    found, shipped = (
+        words_of(load_site(path)) for path in (where.site, ROOT / "config/euclid.yaml")
+    )
+    assert set(found.pop("channels")) == set(shipped.pop("channels"))  # types: test_setup.py
+    assert found == shipped
     counts = plc.command("status")["counts"]
     assert (counts["writes"], counts["foreign_writes"]) == (0, 0)
     third = Talk(answers | {"name": "Other", "replace": "yes"})
