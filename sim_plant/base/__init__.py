@@ -1,3 +1,16 @@
 """Words that every floor of the plant shares."""
 
-__all__ = ["arrays", "effects", "jit", "order_tracking", "plain_file", "ports", "profiles", "runge_kutta", "shipped", "signatures", "svg", "worker_pool"]
+__all__ = [
+    "arrays",
+    "effects",
+    "jit",
+    "order_tracking",
+    "plain_file",
+    "ports",
+    "profiles",
+    "runge_kutta",
+    "shipped",
+    "signatures",
+    "svg",
+    "worker_pool",
+]
