@@ -4,16 +4,19 @@
    sim_plant/line (simulation.py, roll_change.py, channels.py), operation by operation.
    Nothing here allocates; a line is one block of memory that may be copied. */
 
-#include "names.h"
-#include "kernel.h"
-#include "forms.h"
-#include "line_data.h"
-
+/* products and sums round twice everywhere: before the arithmetic is read */
 #if defined(_MSC_VER)
 #pragma fp_contract(off)
 #elif defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC optimize("fp-contract=off")
 #endif
+
+#include "names.h"
+#include "kernel.h"
+#include "forms.h"
+#include "line_data.h"
 
 #define NOISE (CELLS + DRIVES * (1 + TICKS_PER_FRAME))
 #define MOST_SUBSTEPS 32
