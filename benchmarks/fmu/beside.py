@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from benchmarks.fmu.imported import Imported
 from sim_plant.base.arrays import Array
 from sim_plant.base.effects import Effect, Value
+from sim_plant.export.fmu import export_line, write_fmu
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.locations import candidate_locations
 from sim_plant.line.simulation import LineSimulation
@@ -45,10 +47,10 @@ def strengths(row: Effect, share: float = 0.02) -> dict[str, Value]:
     return found | ({row.onset.moment: 0.5} if row.onset is not None else {})
 
 
-def with_effect(line: Declaration, row: Effect) -> Declaration:
-    """Return a line with an effect at a place that it may have."""
+def with_effect(line: Declaration, row: Effect, share: float = 0.02) -> Declaration:
+    """Return a line with an effect at a place that it may have; see ``strengths``."""
     place = candidate_locations(line, row)[-1]
-    entry = EffectEntry(effect=row.name, location=place, parameters=strengths(row))
+    entry = EffectEntry(effect=row.name, location=place, parameters=strengths(row, share))
     return line.model_copy(update={"effects": (entry,)})
 
 
@@ -96,13 +98,11 @@ def differences(mine: Mapping[str, Array], its: Mapping[str, Array]) -> dict[str
 def _channels(line: Declaration) -> list[str]:
     recorded = [sensor.channel for sensor in line.sensors]
     names = [roller.name for roller in line.rollers]
-    spans = [f"spans.{a}_{b}.tension_N" for a, b in zip(names, names[1:], strict=False)]
+    spans = [f"spans.{a}_{b}.tension_N" for a, b in pairwise(names)]
     return [*recorded, *(f"true_{name}" for name in recorded), *spans]
 
 
 def exported(path: Path, line: LineSimulation, version: str) -> Path:
     """Write the FMU of a settled line and return its path."""
-    from sim_plant.export.fmu import export_line, write_fmu
-
     write_fmu(export_line(line, path.stem, "3.0" if version == "3.0" else "2.0"), path)
     return path

@@ -15,7 +15,6 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 
 
-
 class Imported:
     """One instance of an FMU, in step mode after ``start``.
 

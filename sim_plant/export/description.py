@@ -14,7 +14,7 @@ from sim_plant.export.variable import Variable
 Version = Literal["2.0", "3.0"]
 TOOL = "sim-plant export"
 LICENCE = "Apache-2.0"
-OPTIONS = ("-std=c99", "-O2", "-ffp-contract=off")
+OPTIONS = ("-std=c99", "-O3", "-ffp-contract=off")
 """Of the compiler: contracted products would round once where the kernel rounds twice."""
 
 _KINDS = {

@@ -9,6 +9,7 @@
 #pragma fp_contract(off)
 #elif defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
+#pragma clang diagnostic ignored "-Wparentheses-equality"
 #elif defined(__GNUC__)
 #pragma GCC optimize("fp-contract=off")
 #endif

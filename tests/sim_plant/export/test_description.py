@@ -99,7 +99,9 @@ def test_units_have_the_exponents_of_what_they_are_named_after() -> None:
 
 def renamed(line: Declaration, name: str, other: str) -> Declaration:
     text = json.dumps(line.model_dump(mode="json", by_alias=True))
-    return Declaration.model_validate(json.loads(text.replace(json.dumps(name), json.dumps(other))))
+    return Declaration.model_validate(
+        json.loads(text.replace(json.dumps(name), json.dumps(other)))
+    )
 
 
 def test_names_of_any_kind_reach_description_and_source_whole() -> None:
@@ -124,8 +126,11 @@ def test_the_command_writes_the_file_and_says_what_is_in_it(
     assert "source and no binary:" in said
     with zipfile.ZipFile(out) as archive:
         assert not [name for name in archive.namelist() if name.startswith("binaries")]
-        text = archive.read("modelDescription.xml").decode()
-    assert '<Real unit="m/s" displayUnit="m/min" min="-1000000000.0" max="1000000000.0" start="0.8"' in text
+        text = archive.read("modelDescription.xml")
+    assert (
+        '<Real unit="m/s" displayUnit="m/min" min="-1000000000.0" max="1000000000.0" start="0.8"'
+        in text
+    )
     monkeypatch.setattr(fmu, "compiler", lambda: None)
     assert main(given) == 0
     assert "no binary: there is no C compiler here" in capsys.readouterr().out
