@@ -57,8 +57,8 @@ def page(found: Sequence[Sizes], rates: Sequence[Speeds], rows: Sequence[Differe
         "## Speed",
         "",
         f"Microseconds of a core per sample: medians of {ROUNDS} rounds of {SAMPLES} samples "
-        "that took turns in one process, without noise. *Each sample*: FMPy sets an input, steps and reads "
-        "an output in Python every time.",
+        "that took turns in one process, without noise. *Each sample*: FMPy sets an input, "
+        "steps and reads an output in Python every time.",
         "",
         "| line | `simulate()` | FMU, one step | ratio | FMU, each sample |",
         "|---|---|---|---|---|",
@@ -73,7 +73,8 @@ def page(found: Sequence[Sizes], rates: Sequence[Speeds], rows: Sequence[Differe
         f"{RUN} samples with a step of speed, a step of tension and a sine on the unwind; each "
         "effect at its last place, a fiftieth of what is typical (all numbers of an effect at "
         "once). *Moved*: the most that it moves any tension of this run. *Difference*: the "
-        "largest between FMU and kernel, of every recorded channel, its true twin and every span's tension; 0 is to the last bit.",
+        "largest between FMU and kernel, of every recorded channel, its true twin and every "
+        "span's tension; 0 is to the last bit.",
         "",
         "| effect | place | moved, N | difference |",
         "|---|---|---|---|",

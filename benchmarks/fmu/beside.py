@@ -29,10 +29,10 @@ class References:
 
 def moving_references(line: Declaration, samples: int) -> References:
     """Return a run with a step of speed, a step of tension and a sine on the unwind."""
-    at, point = np.arange(samples), line.operating_point
+    at, point = np.arange(samples, dtype=np.float64), line.operating_point
     return References(
-        speed_m_s=point.line_speed_m_s * (1.0 + 0.1 * (at >= samples // 3)),
-        tension_N=point.tension_N * (1.0 + 0.1 * (at >= samples // 2)),
+        speed_m_s=np.where(at >= samples // 3, 1.1, 1.0) * point.line_speed_m_s,
+        tension_N=np.where(at >= samples // 2, 1.1, 1.0) * point.tension_N,
         unwind_m_s=0.004 * np.sin(0.04 * at),
     )
 

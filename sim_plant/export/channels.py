@@ -10,6 +10,8 @@ from sim_plant.line.channels import Channel
 from sim_plant.line.declaration import DriveSpeed, LoadCell, RollAngle
 from sim_plant.line.simulation import LineSimulation
 
+WEB_LEFT = "web_left_m"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutputChannel:
@@ -42,7 +44,7 @@ def output_channels(line: LineSimulation) -> Iterator[OutputChannel]:
         what = f"{_WHAT[units[channel.name]]} at {rollers[channel.name]}"
         yield _measured(channel, units[channel.name], f"{what}, as the line's sensor reads it")
         yield OutputChannel(
-            name=f"true_{channel.name}",
+            name=quoted(f"true_{channel.name}"),
             description=f"{what}, without noise, resolution and encoder's error",
             unit=units[channel.name],
             column=channel.true_column,
@@ -66,7 +68,7 @@ def _unit_of(sensor: object) -> str:
 
 def _measured(channel: Channel, unit: str, text: str) -> OutputChannel:
     return OutputChannel(
-        name=channel.name,
+        name=quoted(channel.name),
         description=text,
         unit=unit,
         column=channel.column,
@@ -95,7 +97,7 @@ def _unseen(line: LineSimulation) -> Iterator[OutputChannel]:
         text = f"Tension of the web between {names[i]} and {names[i + 1]}"
         yield _true(where, text, "N", at.tension_N + i)
     left = f"Length of web on {names[0]} down to its core"
-    yield _true("web_left_m", left, "m", at.width + line.arrays.drives.size)
+    yield _true(WEB_LEFT, left, "m", at.width + line.arrays.drives.size)
 
 
 def _true(name: str, text: str, unit: str, column: int, body: int = -1) -> OutputChannel:

@@ -150,7 +150,7 @@ def _values(variable: Variable) -> dict[str, str]:
     if variable.unit:
         found["unit"] = variable.unit
         shown = UNITS[variable.unit].shown
-        if shown is not None:
+        if shown is not None and variable.shown:
             found["displayUnit"] = shown[0]
     if variable.kind != "truth" and variable.causality in ("parameter", "input"):
         for word, bound in (("min", variable.low), ("max", variable.high)):

@@ -11,8 +11,7 @@ from html import escape
 from pathlib import Path
 
 from aff_runtime import __version__
-from sim_plant.codegen.target import Entry, Target
-from sim_plant.codegen.write import translated
+from sim_plant.codegen.some_entries import entries_source
 from sim_plant.export.binary import binary_folder, compile_binary, compiler
 from sim_plant.export.description import LICENCE, Model, Version, build_description, description
 from sim_plant.export.interface import Interface, interface_of
@@ -23,7 +22,6 @@ from sim_plant.line.open import make_line
 from sim_plant.line.simulation import LineSimulation
 
 C_FILES = Path(__file__).parent / "c"
-PRELUDE = Path(__file__).parents[1] / "codegen" / "prelude_scalar.h"
 SHARED = ("forms.h", "line.h", "stepping.h", "saved.h")
 ENTRIES = ("step_frame", "measure", "log_frame")
 STAMP = (1980, 1, 1, 0, 0, 0)
@@ -112,12 +110,9 @@ def _sources(
     line: LineSimulation, interface: Interface, identifier: str, fastest_rad_s: float
 ) -> dict[str, bytes]:
     names = "\n".join(f"#define line_{entry} {identifier}_line_{entry}" for entry in ENTRIES)
-    kernel = translated(
-        Target(entries=tuple(Entry(name=entry) for entry in ENTRIES)), PRELUDE.read_text()
-    )
     made = {
         "names.h": f"/* Names that others could see. */\n{names}\n",
-        "kernel.h": kernel,
+        "kernel.h": entries_source(*ENTRIES),
         "line_data.h": line_data(line, interface, "", fastest_rad_s),
         "line_variables.h": line_variables(interface),
     }

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from sim_plant.export.channels import OutputChannel, output_channels
+from sim_plant.export.channels import WEB_LEFT, OutputChannel, output_channels
 from sim_plant.export.parameters import parameters_of
-from sim_plant.export.variable import Variable
+from sim_plant.export.variable import Variable, quoted
 from sim_plant.line.simulation import LineSimulation
 
 
@@ -39,6 +39,7 @@ def interface_of(line: LineSimulation, speed_m_s: float, tension_N: float) -> In
             causality="output",
             variability="continuous",
             unit=channel.unit,
+            shown=channel.name != WEB_LEFT,
             place=f"outputs[{number}]",
         )
         for number, channel in enumerate(channels)
@@ -69,55 +70,44 @@ def _sample_time(line: LineSimulation) -> Variable:
 
 
 def _inputs(line: LineSimulation, speed_m_s: float, tension_N: float) -> Iterator[Variable]:
-    def held(name: str, text: str, unit: str, place: str, start: float = 0.0) -> Variable:
-        return Variable(
-            name=name,
-            description=text,
-            causality="input",
-            variability="continuous",
-            unit=unit,
-            start=start,
-            low=-1e9,
-            high=1e9,
-            place=place,
-        )
-
-    yield held(
-        "line_speed_ref_m_s", "Line speed reference", "m/s", "line_speed_ref_m_s", speed_m_s
-    )
+    yield _held("line_speed_ref_m_s", "Line speed reference", "m/s", speed_m_s, 100.0)
+    largest_N = max(0.1 * line.declaration.web.EA_N, tension_N)
     for number, loop in enumerate(line.declaration.control.tension_pi):
-        yield held(
-            f"tension_ref_{loop.loop}_N",
-            f"Tension reference of the loop {loop.loop}: load cell {loop.load_cell}, "
-            f"acts on {loop.acts_on}",
-            "N",
-            f"tension_ref_N[{number}]",
-            tension_N,
+        text = f"Tension reference of the loop {loop.loop}: load cell {loop.load_cell}, "
+        yield replace(
+            _held(f"tension_ref_{loop.loop}_N", text, "N", tension_N, largest_N),
+            description=text + f"acts on {loop.acts_on}",
+            low=min(0.0, tension_N),
+            place=f"tension_ref_N[{number}]",
         )
     drives = line.declaration.control.drives
-    for shift, ending, unit, text in (
-        (0, "m_s", "m/s", "velocity reference"),
-        (len(drives), "N_m", "N.m", "torque, within the drive's limit"),
-    ):
-        for number, drive in enumerate(drives):
-            yield held(
-                f"aff_{drive.roller}_{ending}",
-                f"Correction added to the {text} of the drive of {drive.roller}",
-                unit,
-                f"corrections[{shift + number}]",
-            )
+    for number, drive in enumerate(drives):
+        text = f"Correction added to the velocity reference of the drive of {drive.roller}"
+        made = _held(f"aff_{drive.roller}_m_s", text, "m/s", 0.0, 100.0)
+        yield replace(made, place=f"corrections[{number}]")
+    for number, drive in enumerate(drives):
+        text = f"Correction added to the torque of the drive of {drive.roller}, within its limit"
+        made = _held(f"aff_{drive.roller}_N_m", text, "N.m", 0.0, 1e6)
+        yield replace(made, place=f"corrections[{len(drives) + number}]")
     for name, text in (
         ("splice", "From false to true: the unwind goes on with web as splice.* say"),
         ("roll_change", "From false to true: full rolls at both ends, at the web's speed"),
     ):
-        yield Variable(
-            name=name,
-            description=text,
-            kind="truth",
-            causality="input",
-            variability="discrete",
-            start=0,
-            low=0,
-            high=1,
-            place=name,
+        yield replace(
+            _held(name, text, "", 0.0, 1.0), kind="truth", variability="discrete", low=0.0
         )
+
+
+def _held(name: str, text: str, unit: str, start: float, largest: float) -> Variable:
+    """Return an input that its name is the place of."""
+    return Variable(
+        name=quoted(name),
+        description=text,
+        causality="input",
+        variability="continuous",
+        unit=unit,
+        start=start,
+        low=min(-largest, start),
+        high=max(largest, start),
+        place=name,
+    )

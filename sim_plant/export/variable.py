@@ -20,6 +20,7 @@ class Variable:
     unit : a name of ``units.UNITS``; empty for what is not real.
     start : value that it has unless it is set; None where the line computes it.
     low, high : what may be set, inclusive.
+    shown : in the display unit of its unit, where that has one.
     place : C member of ``line_memory`` that holds it.
     """
 
@@ -33,6 +34,7 @@ class Variable:
     start: float | None = None
     low: float = -math.inf
     high: float = math.inf
+    shown: bool = True
 
     @property
     def when(self) -> str:
