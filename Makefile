@@ -11,10 +11,10 @@ SECONDS ?= 130
 CASES  ?= 600
 EFFECT ?= eccentric_roller
 SEED   ?= 1
-.PHONY: audit lock release release-tools site campaign chromium demo demo-loop demo-refine hmi house picture refine-cases refine-pairs refine-records test test-hmi test-long check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
+.PHONY: audit lock release release-tools site campaign chromium demo demo-loop demo-refine hmi house picture plc refine-cases refine-pairs refine-records test test-hmi test-long check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
-$(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch])
+$(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch] sim_plant/lanes/*.[ch])
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) not found: install Python 3.11, or say PYTHON=..."; exit 2; }
 	@[ -x $(BIN)/python ] || $(PYTHON) -m venv $(VENV)
 	@echo "setting up $(VENV) (once; about a minute)"
@@ -162,6 +162,10 @@ release: release-tools
 # deploy/locks anew after a change of pyproject.toml; UPGRADE=1 takes the newest of every range
 lock: release-tools
 	$(BIN)/python -m releasing.lock $(if $(UPGRADE),--upgrade)
+
+# the PLC's block in the dialects of Siemens (SCL) and Rockwell (L5X), from deploy/plc/AFF_GATEWAY.st
+plc: setup
+	$(BIN)/python -m releasing.dialects
 
 # known vulnerabilities of the locked packages; exit 3 where the data cannot be reached
 audit: release-tools

@@ -1,14 +1,20 @@
 #!/bin/sh
 # Installs AFF Runtime as a service. Run again to update: settings and records stay.
 #
-#   sudo deploy/install.sh [--dry-run] [--can] [--records] [--hmi | --remove-hmi] [--prefix DIR]
-#                          [--python PYTHON] [--wheels DIR | --unlocked] [--product WHEEL]
+#   sudo deploy/install.sh [--dry-run] [--can] [--records] [--hmi | --remove-hmi] [--line NAME]
+#                          [--prefix DIR] [--python PYTHON] [--wheels DIR | --unlocked]
+#                          [--product WHEEL] [--fresh]
+#   deploy/install.sh --compare [--prefix DIR]
 #
 # --dry-run     say what would be done, do nothing
 # --can         CAN, CANopen or a serial line: their packages, and the service's right to use them
 # --records     Parquet: aff-runtime watch and export
 # --hmi         the screen too: a user, an environment and a unit of its own; updated ever after
 # --remove-hmi  take the screen away again and nothing else; what lies in /etc/aff-hmi stays
+# --line        one more line on this gateway: a service aff-runtime@NAME with a site file, folders
+#               and a processor of its own; may stand more than once
+# --fresh       new environments in place of those that are there, every package by its hash
+# --compare     say which installed files are not as they were installed; exit 1 where some are not
 # --prefix      put everything below DIR; no user, no systemd (for tests and packages)
 # --python      interpreter of the environment (3.11 to 3.13; default python3)
 # --wheels      packages from this folder only, without a network: filled by
@@ -30,6 +36,9 @@ hmi=no
 wheels=
 locked=yes
 product=
+lines=
+fresh=no
+compare=no
 build=
 prefix=
 python=python3
@@ -40,12 +49,20 @@ while [ $# -gt 0 ]; do
         --records) records=yes ;;
         --hmi) hmi=yes ;;
         --remove-hmi) hmi=remove ;;
+        --line)
+            case $2 in
+                '' | -* | *[!A-Za-z0-9_-]*)
+                    echo "install.sh: --line '$2': letters, digits, _ and - only" >&2; exit 2 ;;
+            esac
+            lines="$lines $2"; shift ;;
+        --fresh) fresh=yes ;;
+        --compare) compare=yes ;;
         --prefix) prefix=$2; shift ;;
         --python) python=$2; shift ;;
         --wheels) wheels=$2; shift ;;
         --unlocked) locked=no ;;
         --product) product=$2; shift ;;
-        -h | --help) sed -n '2,20s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        -h | --help) sed -n '2,27s/^# \{0,1\}//p' "$0"; exit 0 ;;
         *) echo "install.sh: unknown option $1" >&2; exit 2 ;;
     esac
     shift
@@ -71,13 +88,57 @@ put() {
     [ "$dry_run" = yes ] || printf '[Service]\n%s\n' "$2" > "$1"
 }
 
+# Every file of an environment with its hash, every link with its end; what Python writes by itself
+# is left out.
+listed() {
+    (cd "$1" && find . -name __pycache__ -prune -o -type f -print0 | LC_ALL=C sort -z |
+        xargs -0 -r sha256sum && find . -type l -printf 'link %p %l\n' | LC_ALL=C sort)
+}
+
+# What of an environment is not as it was installed, a line each; nothing where there is no list.
+changed() {
+    [ -f "$1/installed.sha256" ] || return 0
+    listed "$1/venv" | LC_ALL=C diff "$1/installed.sha256" - |
+        sed -n 's/^\([<>]\) \(.*\)$/\1 \2/p' || true
+}
+
+# The list of what was installed, beside the environment.
+note() {
+    echo "+ $1/installed.sha256"
+    [ "$dry_run" = yes ] || listed "$1/venv" > "$1/installed.sha256"
+    [ "$fresh" = no ] || run rm -rf "$1/venv.before"
+}
+
+# An environment to put packages into. A new one does not take away the one that works before it
+# is whole.
+environment() {
+    if [ "$fresh" = yes ] && [ -d "$1/venv" ]; then
+        run rm -rf "$1/venv.before"
+        run mv "$1/venv" "$1/venv.before"
+    fi
+    [ -x "$1/venv/bin/python" ] || run "$python" -m venv "$1/venv"
+}
+
+# The end, whatever it is: what was built goes; an environment that was not replaced comes back.
+finish() {
+    [ "$build" = /tmp/aff-build ] || rm -rf "$build"
+    [ "$dry_run" = no ] || return 0
+    for place in "$opt" "$hmi_opt"; do
+        if [ -d "$place/venv.before" ]; then
+            rm -rf "$place/venv"
+            mv "$place/venv.before" "$place/venv"
+            echo "install.sh: stopped; the former environment is back in $place/venv" >&2
+        fi
+    done
+}
+trap finish EXIT
+
 # The product itself as a wheel, from a copy: the source stays as it is, and what an earlier build
 # left in it stays out.
 make_wheel() {
     build=/tmp/aff-build
     if [ "$dry_run" = no ]; then
         build=$(mktemp -d)
-        trap 'rm -rf "$build"' EXIT
     fi
     run mkdir "$build/source"
     run cp -r "$source_dir/pyproject.toml" "$source_dir/README.md" "$source_dir/LICENSE" \
@@ -143,6 +204,23 @@ if [ -n "$product" ] && ! is_of_this_release; then
     echo "install.sh: $product is no wheel of the commit of this archive" >&2
     exit 2
 fi
+if [ "$compare" = yes ]; then
+    found=0
+    for place in "$opt" "$hmi_opt"; do
+        [ -d "$place/venv" ] || continue
+        if [ ! -f "$place/installed.sha256" ]; then
+            echo "$place/venv: no list of what was installed; an update writes one"
+            found=1
+        elif [ -n "$(changed "$place" | head -n 1)" ]; then
+            echo "$place/venv: < as installed, > as it is"
+            changed "$place"
+            found=1
+        else
+            echo "$place/venv: as installed, $(wc -l < "$place/installed.sha256") files"
+        fi
+    done
+    exit $found
+fi
 if [ -z "$prefix" ] && [ "$dry_run" = no ] && [ "$(id -u)" -ne 0 ]; then
     echo "install.sh: needs root; or use --prefix DIR, or --dry-run" >&2
     exit 2
@@ -173,6 +251,15 @@ if ! "$python" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3
     exit 2
 fi
 
+for place in "$opt" "$hmi_opt"; do
+    if [ "$fresh" = no ] && [ -n "$(changed "$place" | head -n 1)" ]; then
+        echo "install.sh: files below $place/venv are not as they were installed:" >&2
+        changed "$place" | head -n 10 >&2
+        echo "install.sh: --compare lists them all, --fresh puts a new environment there" >&2
+        exit 1
+    fi
+done
+
 if [ -z "$prefix" ]; then
     if ! getent passwd aff-runtime > /dev/null; then
         run useradd --system --user-group --home-dir /var/lib/aff-runtime \
@@ -190,12 +277,13 @@ if [ "$hmi" = yes ] && [ -z "$prefix" ]; then
 fi
 
 run mkdir -p "$opt/share" "$etc" "$state/learned" "$state/runs" "$units" "$rules"
-[ -x "$opt/venv/bin/python" ] || run "$python" -m venv "$opt/venv"
+environment "$opt"
 # No extras unless asked: the gateway needs neither numba nor scipy nor matplotlib.
 set --
 [ "$can" = no ] || set -- "$@" can
 [ "$records" = no ] || set -- "$@" records
 bring "$opt/venv/bin/python" "$@"
+note "$opt"
 run cp "$source_dir/deploy/RUNBOOK.md" "$opt/share/RUNBOOK.md"
 
 # The technician's file is never overwritten.
@@ -219,6 +307,34 @@ name_interpreter "$units/aff-runtime.service.d"
 if [ "$can" = yes ]; then
     run cp "$source_dir/deploy/aff-runtime.can.conf" "$units/aff-runtime.service.d/can.conf"
 fi
+# Several lines: a template, and per line what is the technician's. A template that is there follows.
+for old in "$etc"/lines/*; do
+    [ ! -d "$old" ] || lines="$lines ${old##*/}"
+done
+if [ -n "$lines" ]; then
+    run cp "$source_dir/deploy/aff-runtime@.service" "$units/aff-runtime@.service"
+    run mkdir -p "$units/aff-runtime@.service.d"
+    name_interpreter "$units/aff-runtime@.service.d"
+    if [ "$can" = yes ]; then
+        run cp "$source_dir/deploy/aff-runtime.can.conf" "$units/aff-runtime@.service.d/can.conf"
+    fi
+fi
+for line in $(printf '%s\n' $lines | LC_ALL=C sort -u); do
+    own=$units/aff-runtime@$line.service.d
+    run mkdir -p "$etc/lines/$line" "$state/lines/$line/learned" "$state/lines/$line/runs" "$own"
+    [ -e "$etc/lines/$line/site.yaml" ] ||
+        run cp "$source_dir/config/euclid.yaml" "$etc/lines/$line/site.yaml"
+    [ -e "$etc/lines/$line/learned" ] || [ -L "$etc/lines/$line/learned" ] ||
+        run ln -s "../../../../var/lib/aff-runtime/lines/$line/learned" "$etc/lines/$line/learned"
+    [ -e "$own/plc.conf" ] || run cp "$source_dir/deploy/aff-runtime.plc.conf" "$own/plc.conf"
+    # A control process ticks on the last processor that it may use: each line on its own, while
+    # they last.
+    taken=$(find "$units" -path '*/aff-runtime@*.service.d/cpu.conf' 2> /dev/null | wc -l)
+    last=$(($(nproc --all) - 1 - taken))
+    if [ "$last" -gt 0 ] && [ ! -e "$own/cpu.conf" ]; then
+        put "$own/cpu.conf" "CPUAffinity=0-$last"
+    fi
+done
 run cp "$source_dir/deploy/60-aff-runtime.rules" "$rules/60-aff-runtime.rules"
 
 if [ -z "$prefix" ]; then
@@ -232,8 +348,9 @@ fi
 if [ "$hmi" = yes ]; then
     # An environment of its own: no package of a web server is on the way of the correction.
     run mkdir -p "$hmi_opt" "$units/aff-hmi.service.d"
-    [ -x "$hmi_opt/venv/bin/python" ] || run "$python" -m venv "$hmi_opt/venv"
+    environment "$hmi_opt"
     bring "$hmi_opt/venv/bin/python" hmi
+    note "$hmi_opt"
     run cp "$source_dir/deploy/aff-hmi.service" "$units/aff-hmi.service"
     run cp "$source_dir/deploy/system-affview.slice" "$units/system-affview.slice"
     run cp "$source_dir/deploy/aff-runtime.hmi.conf" "$units/aff-runtime.service.d/hmi.conf"
@@ -266,6 +383,14 @@ Next: edit $etc/site.yaml, write the PLC's address into
 and follow $opt/share/RUNBOOK.md; the correction stays off until somebody arms it.
 After an update: aff-runtime bypass, then systemctl restart aff-runtime.
 DONE
+for line in $lines; do
+    cat << DONE
+Line $line: edit $etc/lines/$line/site.yaml and
+  $units/aff-runtime@$line.service.d/plc.conf (systemctl daemon-reload), then
+  systemctl enable --now aff-runtime@$line
+  sudo -u aff-runtime aff-runtime status --runtime-dir /run/aff-runtime-$line
+DONE
+done
 [ "$hmi" = no ] || cat << DONE
 The screen: restart aff-runtime as above (it opens its door), then
   systemctl enable aff-hmi && systemctl restart aff-hmi

@@ -16,7 +16,10 @@ from pathlib import Path
 from releasing.commands import ROOT, tool
 
 LOCKS = ROOT / "deploy" / "locks"
-EXTRAS = {"gateway": (), "can": ("can",), "hmi": ("hmi",), "records": ("records",)}
+EXTRAS: dict[str, tuple[str, ...]] = {
+    "gateway": (),
+    **{name: (name,) for name in ("can", "hmi", "records", "plant", "cluster", "docs")},
+}
 """Extras of ``pyproject.toml`` that each lock covers, besides what every installation needs."""
 
 BUILD = "build"

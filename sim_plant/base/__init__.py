@@ -2,8 +2,10 @@
 
 __all__ = [
     "arrays",
+    "c_arrays",
     "effects",
     "jit",
+    "kernel_sources",
     "order_tracking",
     "plain_file",
     "ports",

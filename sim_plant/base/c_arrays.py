@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Container
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,16 +37,18 @@ def c_array(array: np.ndarray[Any, Any], axes: int) -> Row | Matrix:
     return (Row if axes == 1 else Matrix)(array.ctypes.data, *array.shape[:axes])
 
 
-def c_struct(values: NamedTuple, in_lanes: Container[str] = ()) -> ctypes.Structure:
+def c_struct(
+    values: NamedTuple, axes: Mapping[str, int] = MappingProxyType({})
+) -> ctypes.Structure:
     """Return a named tuple of arrays and whole numbers as a C struct of the same fields.
 
-    ``in_lanes`` : fields whose last axis belongs to the element. The arrays must live as long as
-    what is returned is used.
+    ``axes`` : number of axes of a field where the last ones belong to the element. The arrays
+    must live as long as what is returned is used.
     """
     parts: list[Any] = []
     for name, value in values._asdict().items():
         if isinstance(value, np.ndarray):
-            parts.append(c_array(value, value.ndim - (name in in_lanes)))
+            parts.append(c_array(value, axes.get(name, value.ndim)))
         else:
             parts.append(ctypes.c_int64(value))
     fields = [(name, type(part)) for name, part in zip(values._fields, parts, strict=True)]

@@ -12,6 +12,7 @@ from sim_plant.cli.output import say
 if TYPE_CHECKING:
     from sim_plant.fleet.pipeline import FleetPlan
 
+NIGHT_S = 10.0 * 3600.0
 Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhere else)
 
 
@@ -38,6 +39,9 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     )
     parser.add_argument("--limit-s", type=float, default=None, help="for one look (3600)")
     parser.add_argument(
+        "--most", type=int, default=None, metavar="N", help="refine N looks, leave the rest"
+    )
+    parser.add_argument(
         "--example",
         type=int,
         default=0,
@@ -62,6 +66,14 @@ def run(arguments: argparse.Namespace) -> int:
         size = f", {found.number} {found.size:.4g} {found.unit}" if found.number else ""
         say(f"{found.line} {found.recorded} {found.verdict}: {found.effect}{place}{size}")
     say(f"{len(outcome.findings)} rows in {plan.out / TABLE}; {len(outcome.lost)} looks lost")
+    if outcome.refined:
+        night = NIGHT_S * outcome.refined / outcome.wall_s
+        say(
+            f"{outcome.refined} looks in {outcome.wall_s:.0f} s, each {outcome.each_s:.0f} s; "
+            f"at this pace {night:.0f} in a night of {NIGHT_S / 3600:.0f} h"
+        )
+    if outcome.waiting:
+        say(f"{outcome.waiting} looks wait; the same command goes on")
     return 1 if outcome.lost else 0
 
 
@@ -76,7 +88,9 @@ def plan_of(arguments: argparse.Namespace) -> FleetPlan:
     from sim_plant.fleet.pipeline import LIMIT_S, FleetPlan  # noqa: PLC0415 - heavy imports
 
     limit_s = LIMIT_S if arguments.limit_s is None else arguments.limit_s
-    for name, value in (("--workers", arguments.workers), ("--limit-s", limit_s)):
+    most = 1 if arguments.most is None else arguments.most
+    given = (("--workers", arguments.workers), ("--limit-s", limit_s), ("--most", most))
+    for name, value in given:
         if value <= 0:
             raise PlantError(f"{name} {value}: give more than 0")
     if arguments.example < 0:
@@ -88,4 +102,5 @@ def plan_of(arguments: argparse.Namespace) -> FleetPlan:
         workers=arguments.workers,
         scheduler=arguments.scheduler,
         limit_s=limit_s,
+        most=arguments.most,
     )

@@ -130,6 +130,8 @@ def combined(scope: Scope, op: ast.operator, left: Value, right: Value, node: as
     sign = _SIGNS.get(type(op))
     if sign is None:
         raise scope.error("no rule for this operator", node)
+    if sign == "/" and in_scalars(left.kind).lanes and not in_scalars(right.kind).lanes:
+        return Value(f"({left.code} * (1.0 / {right.code}))", kind)  # one division for all lanes
     return Value(f"({left.code} {sign} {right.code})", kind)
 
 

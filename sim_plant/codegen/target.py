@@ -120,3 +120,23 @@ SCALAR = Target(
         Entry(name="log_frame"),
     )
 )
+
+LANES = Target(
+    entries=(
+        Entry(name="advance_frame", per_lane=frozenset({"noise"})),
+        Entry(name="log_frame", per_lane=frozenset({"row"})),
+    ),
+    lanes=True,
+    shared=frozenset(
+        {
+            *(f"TIMING.{name}" for name in records.TIMING.names or ()),
+            "BODY.kind",
+            "DRIVE.body",
+            "DRIVE.loop",
+            "CELL.body",
+            "LOOP.cell",
+            "LineState.counters",
+            "LineState.time_s",
+        }
+    ),
+)

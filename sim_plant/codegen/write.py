@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import get_type_hints
 
+from sim_plant.base.kernel_sources import kernel_hash
 from sim_plant.codegen.kinds import ArrayOf, Nothing, RecordArray, c_type
 from sim_plant.codegen.program import Program
-from sim_plant.codegen.target import SCALAR, Entry, Target
+from sim_plant.codegen.target import LANES, SCALAR, Entry, Target
 from sim_plant.codegen.translation import Function
 
 _HERE = Path(__file__).parent
@@ -24,10 +25,24 @@ def scalar_source() -> str:
     return translated(SCALAR, (_HERE / "prelude_scalar.h").read_text())
 
 
+def lanes_source() -> str:
+    """Return the kernel for several lines side by side, as C with vectors (gcc, clang).
+
+    ``LANES`` is their number. Records and arrays are numpy's with one more axis, the lanes, last;
+    what is in ``target.LANES.shared`` is one for all. The entry is ``frames_lanes.h``.
+    """
+    source = f'#define SOURCE "{kernel_hash()}" /* of the files it was made from */'
+    return translated(LANES, source + "\n\n" + (_HERE / "prelude_lanes.h").read_text())
+
+
 def translated(target: Target, prelude: str) -> str:
     """Return the C text of all entries of a target."""
     program = Program(target)
     entries = [(entry, program.entry(entry)) for entry in target.entries]
+    if target.lanes:
+        last = [(_HERE / "frames_lanes.h").read_text()]
+    else:
+        last = [_exported(target, entry, made) for entry, made in entries]
     parts = [
         "/* Made from the compiled functions of sim_plant by sim_plant.codegen; not by hand. */",
         prelude,
@@ -35,7 +50,7 @@ def translated(target: Target, prelude: str) -> str:
         *_structs(program),
         *_groups(program),
         *(function.text for function in program.functions),
-        *(_exported(program.target, entry, made) for entry, made in entries),
+        *last,
     ]
     return "\n\n".join(part.strip() for part in parts) + "\n"
 

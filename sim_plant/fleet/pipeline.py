@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.files import replace_text
 from sim_plant.base.worker_pool import LostJobError
@@ -22,7 +23,7 @@ TABLE, PAGE = "fleet.parquet", "fleet.html"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FleetPlan:
-    """Where lines and records are, where the table goes, who works."""
+    """Where lines and records are, where the table goes, who works; ``most`` looks at once."""
 
     lines: Path
     runs: Path
@@ -30,14 +31,27 @@ class FleetPlan:
     workers: int = 2
     scheduler: str = ""
     limit_s: float = LIMIT_S
+    most: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FleetOutcome:
-    """The table, and the looks that lost every process that was given them."""
+    """The table, and what came of this time.
+
+    Attributes
+    ----------
+    findings : rows of the table, of every look that has a result.
+    lost : looks that lost every process that was given them.
+    refined, waiting : looks refined this time, and looks that wait for the next.
+    wall_s, each_s : from the first look given out to the last result; the mean of one look.
+    """
 
     findings: Sequence[Finding]
     lost: Sequence[str]
+    refined: int
+    waiting: int
+    wall_s: float
+    each_s: float
 
 
 def refine_fleet(plan: FleetPlan, say: Callable[[str], None]) -> FleetOutcome:
@@ -62,9 +76,15 @@ def refine_fleet(plan: FleetPlan, say: Callable[[str], None]) -> FleetOutcome:
     kept = {look: kept_result(row_file(out, key), say) for look, key in keys.items()}
     results: dict[Look, LookResult] = {look: row for look, row in kept.items() if row is not None}
     fresh = [look for look in looks if look not in results]
-    todo = [Order(look=look, out=out / "reports" / keys[look]) for look in fresh]
-    say(f"{len(looks)} looks at {len({look.line for look in looks})} lines, {len(todo)} to refine")
-    lost = []
+    orders = [Order(look=look, out=out / "reports" / keys[look]) for look in fresh]
+    todo = orders[: plan.most]
+    later = f", {len(orders) - len(todo)} wait" if len(orders) > len(todo) else ""
+    say(
+        f"{len(looks)} looks at {len({look.line for look in looks})} lines, "
+        f"{len(todo)} to refine{later}"
+    )
+    lost, times_s, clock = [], [], MonotonicClock()
+    begun_ns = ended_ns = clock.now_ns()
     for order, result in _refined(plan, todo, say):
         if isinstance(result, LostJobError):
             lost.append(str(result))
@@ -72,13 +92,22 @@ def refine_fleet(plan: FleetPlan, say: Callable[[str], None]) -> FleetOutcome:
             continue
         replace_text(row_file(out, keys[order.look]), result.to_json())
         results[order.look] = result
+        times_s.append(result.time_s)
+        ended_ns = clock.now_ns()
         say(f"{order}: {result.answer}, {result.time_s:.0f} s")
     done = [results[look] for look in looks if look in results]
     findings = with_trends([f for result in done for f in findings_of(result)])
     write_parquet(findings, out / TABLE)
     reports = {look.line: f"reports/{keys[look]}/report.html" for look in looks}
     write_page(findings, reports, out / PAGE)
-    return FleetOutcome(findings=findings, lost=lost)
+    return FleetOutcome(
+        findings=findings,
+        lost=lost,
+        refined=len(times_s),
+        waiting=len(orders) - len(todo),
+        wall_s=(ended_ns - begun_ns) * 1e-9,
+        each_s=sum(times_s) / max(1, len(times_s)),
+    )
 
 
 def row_file(out: Path, key: str) -> Path:

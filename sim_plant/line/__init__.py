@@ -20,6 +20,7 @@ __all__ = [
     "open",
     "open_line",
     "record_file",
+    "references",
     "simulation",
     "with_effects",
     "yaml_file",

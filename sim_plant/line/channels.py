@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -120,3 +121,55 @@ def channel_value(channel: Channel, row: Array, theta0: Array, exact: bool) -> t
     """Return measured and true value of one channel for one log row."""
     measured, true = column_values(channel, row[None, :], theta0, exact)
     return float(measured[0]), float(true[0])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MeasuredColumns:
+    """Channels read from a log that has their columns only.
+
+    Attributes
+    ----------
+    columns : of a whole log row, in the order in which the short log has them.
+    channels : how each is read from a row of the short log.
+    first : those columns of the row that the record starts with.
+    theta0 : angles of all bodies there, rad.
+    exact : of a noise-free run.
+    """
+
+    columns: tuple[int, ...]
+    channels: tuple[Channel, ...]
+    first: Array
+    theta0: Array
+    exact: bool
+
+    @classmethod
+    def of(
+        cls, channels: Sequence[Channel], row: Array, theta0: Array, exact: bool
+    ) -> MeasuredColumns:
+        """Return the columns of some channels of a line whose last log row is ``row``."""
+        pairs = [(c.exact_column if exact else c.column, c.true_column) for c in channels]
+        columns = sorted({column for pair in pairs for column in pair})
+        place = {column: at for at, column in enumerate(columns)}
+        short = [
+            replace(c, column=place[m], exact_column=place[m], true_column=place[t])
+            for c, (m, t) in zip(channels, pairs, strict=True)
+        ]
+        first = row[columns].copy()
+        return cls(
+            columns=tuple(columns),
+            channels=tuple(short),
+            first=first,
+            theta0=theta0.copy(),
+            exact=exact,
+        )
+
+    def read(self, log: Array) -> Array:
+        """Return the measured channels (channels, samples) of a record with this log.
+
+        ``log`` has a row after each sample; the record has the row before it.
+        """
+        columns = np.empty(log.T.shape)  # each of them in one piece
+        columns[:, 0] = self.first
+        columns[:, 1:] = log[:-1].T
+        found = [column_values(c, columns.T, self.theta0, self.exact)[0] for c in self.channels]
+        return np.stack(found)

@@ -3,64 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.base.arrays import Array, LineArrays, LineState, copy_state
+from sim_plant.base.arrays import Array, LineArrays, copy_state
 from sim_plant.line.build import Timing, build_arrays, start_state, timing_of
-from sim_plant.line.channels import channel_value, channels_of, column_values
+from sim_plant.line.channels import MeasuredColumns, channel_value, channels_of, column_values
 from sim_plant.line.declaration import Declaration
-from sim_plant.line.kernel import CONTACT_COLUMNS, Work, log_frame, measure, run_frames, step_frame
-from sim_plant.line.layout import Layout
+from sim_plant.line.kernel import log_frame, measure, run_frames, step_frame
 from sim_plant.line.log_layout import LogLayout, log_layout
+from sim_plant.line.references import References, between_rows, held, until_next_row
 from sim_plant.line.roll_change import change_rolls
+from sim_plant.line.scratch import make_work
 from sim_plant.line.start import start_at_rest
-
-
-def make_work(p: LineArrays, lay: Layout, state: LineState) -> Work:
-    """Return scratch memory with the contact data of spans that do not move already in place.
-
-    Raises
-    ------
-    PlantError
-        When two bodies leave no room for the span between them.
-    """
-    spans = lay.n - 1
-    moving = np.zeros(spans)
-    for i in range(spans):
-        rolls = p.bodies["kind"][i] >= 2 or p.bodies["kind"][i + 1] >= 2
-        moving[i] = float(
-            rolls or p.bodies["shape_row"][i] >= 0 or p.bodies["shape_row"][i + 1] >= 0
-        )
-    contacts = np.zeros((spans, CONTACT_COLUMNS))
-    for i in range(spans):
-        dx = p.bodies["centre_x_m"][i + 1] - p.bodies["centre_x_m"][i]
-        dy = p.bodies["centre_y_m"][i + 1] - p.bodies["centre_y_m"][i]
-        reach = (
-            p.bodies["sigma"][i + 1] * p.bodies["radius_m"][i + 1]
-            - p.bodies["sigma"][i] * p.bodies["radius_m"][i]
-        )
-        if not dx * dx + dy * dy > reach * reach:
-            radii = p.bodies["radius_m"][i], p.bodies["radius_m"][i + 1]
-            raise PlantError(
-                f"no room for span {i}: its bodies of radius {radii[0]:.4g} m and "
-                f"{radii[1]:.4g} m stand {math.hypot(dx, dy):.4g} m apart; correct the radii or "
-                "the centres"
-            )
-        contacts[i, 0] = math.sqrt(dx * dx + dy * dy - reach * reach)
-        contacts[i, 1], contacts[i, 2] = p.bodies["radius_m"][i], p.bodies["radius_m"][i + 1]
-        # exact direction of the common tangent: n.(C_B - C_A) = -reach
-        state.phi_rad[i] = math.atan2(dy, dx) - math.asin(reach / math.hypot(dx, dy))
-    strain = state.y[lay.strain : lay.strain + spans]
-    return Work(
-        moving=moving,
-        contacts=contacts,
-        tensions=np.maximum(0.0, p.spans["EA_N"] * (strain - p.spans["free_strain"])),
-        rates=np.zeros((4, lay.size)),
-        trial=np.zeros(lay.size),
-    )
 
 
 class LineSimulation:
@@ -111,7 +68,8 @@ class LineSimulation:
         """Where each value sits in a log row."""
         return log_layout(self.arrays.cells.size, self.arrays.drives.size, self.layout.n)
 
-    def _noise(self, frames: int) -> Array:
+    def noise(self, frames: int) -> Array:
+        """Return the noise of so many frames, as ``run_frames`` takes it; one row: none."""
         p = self.arrays
         p.timing["noisy"] = 0 if self._rng is None else 1
         width = p.cells.size + p.drives.size * (1 + self.timing.ticks_per_frame)
@@ -135,7 +93,17 @@ class LineSimulation:
 
         Runs before any splice and any change, without noise when ``quiet``; angles, radii, time
         and counters are put back afterwards.
+
+        Raises
+        ------
+        PlantError
+            When the line diverges.
         """
+        for given in self.settling(duration_s, quiet=quiet):
+            self._run(given)
+
+    def settling(self, duration_s: float, *, quiet: bool) -> Iterator[References]:
+        """Yield the runs that ``settle`` consists of, to be made one after the other."""
         lay, start = self.layout, copy_state(self.state)
         rng = self._rng
         if quiet:
@@ -150,11 +118,7 @@ class LineSimulation:
         frame_s = self.timing.ticks_per_frame * self.timing.drive_tick_s
         for _ in range(4):
             frames = round(duration_s / 4 / frame_s)
-            self._run(
-                np.full((frames, 2), self._speed),
-                np.tile(self._tension, (frames, 1)),
-                np.tile(self._aff, (frames, 1)),
-            )
+            yield held(self._speed, self._tension, self._aff, frames)
             y = self.state.y
             y[lay.radius : lay.radius + 2] = start.y[lay.radius : lay.radius + 2]
         y = self.state.y
@@ -171,23 +135,15 @@ class LineSimulation:
 
     def _observe(self) -> None:
         """Measure the present state and log it as the row that the next record starts with."""
-        measure(self.arrays, self.layout, self.state, self._noise(1)[0])
+        measure(self.arrays, self.layout, self.state, self.noise(1)[0])
         p, lay = self.arrays, self.layout
         log_frame(p, lay, self.state, self.work, self._row)
 
-    def _run(self, speed: Array, tension: Array, aff: Array) -> Array:
-        out = np.empty((speed.shape[0], self.log.width))
-        run_frames(
-            self.arrays,
-            self.layout,
-            self.state,
-            self.work,
-            speed,
-            tension,
-            aff,
-            self._noise(speed.shape[0]),
-            out,
-        )
+    def _run(self, given: References) -> Array:
+        frames = given.line_speed_m_s.shape[0]
+        out = np.empty((frames, self.log.width))
+        noise = self.noise(frames)
+        run_frames(self.arrays, self.layout, self.state, self.work, *given, noise, out)
         if not np.isfinite(self.state.y).all():
             raise PlantError("the simulated line diverged: a state is not finite")
         return out
@@ -205,7 +161,7 @@ class LineSimulation:
                 self._speed,
                 self._tension,
                 self._aff,
-                self._noise(1)[0],
+                self.noise(1)[0],
                 self._row,
             )
         return self.readings()
@@ -266,21 +222,12 @@ class LineSimulation:
         ``aff_m_s`` and ``aff_N_m`` are corrections by driven roller: of the velocity reference,
         and of the torque.
         """
-        drives = self.arrays.drives.size
-        corrections = np.zeros((line_speed_m_s.size, 2 * drives if aff_N_m else drives))
-        for shift, given in ((0, aff_m_s or {}), (drives, aff_N_m or {})):
-            for roller, values in given.items():
-                corrections[:, shift + self.drive_index(roller)] = values
         repeat = self.timing.frames_per_sample
-        tension = np.repeat(tension_N[:, None], self.arrays.loops.size, axis=1)
-        first = self._row.copy()
-        log = self._run(
-            until_next_row(line_speed_m_s, repeat)
-            if speed_holds
-            else between_rows(line_speed_m_s, repeat),
-            np.repeat(tension, repeat, axis=0),
-            np.repeat(corrections, repeat, axis=0),
+        given = self.references(
+            line_speed_m_s, tension_N, aff_m_s, aff_N_m, speed_holds=speed_holds
         )
+        first = self._row.copy()
+        log = self._run(given)
         rows = np.vstack([first[None, :], log[repeat - 1 :: repeat]])
         self._row = rows[-1].copy()
         rows = rows[:-1]
@@ -295,15 +242,40 @@ class LineSimulation:
         found["body_angle_rad"] = rows[:, at.theta_rad : at.radius_m]
         return found
 
+    def references(
+        self,
+        line_speed_m_s: Array,
+        tension_N: Array,
+        aff_m_s: Mapping[str, Array] | None = None,
+        aff_N_m: Mapping[str, Array] | None = None,
+        *,
+        speed_holds: bool = False,
+    ) -> References:
+        """Return the references of a record frame by frame; see ``simulate``.
 
-def between_rows(reference: Array, frames_per_row: int) -> Array:
-    """Return the reference at start and end of every frame, linear between rows, (frames, 2)."""
-    rows = np.arange(reference.size * frames_per_row + 1) / frames_per_row
-    fine = np.interp(rows, np.arange(reference.size), reference)
-    return np.column_stack((fine[:-1], fine[1:]))
+        Raises
+        ------
+        PlantError
+            When a corrected roller has no drive.
+        """
+        drives, repeat = self.arrays.drives.size, self.timing.frames_per_sample
+        corrections = np.zeros((line_speed_m_s.size, 2 * drives if aff_N_m else drives))
+        for shift, given in ((0, aff_m_s or {}), (drives, aff_N_m or {})):
+            for roller, values in given.items():
+                corrections[:, shift + self.drive_index(roller)] = values
+        between = until_next_row if speed_holds else between_rows
+        tension = np.repeat(tension_N[:, None], self.arrays.loops.size, axis=1)
+        return References(
+            between(line_speed_m_s, repeat),
+            np.repeat(tension, repeat, axis=0),
+            np.repeat(corrections, repeat, axis=0),
+        )
 
-
-def until_next_row(reference: Array, frames_per_row: int) -> Array:
-    """Return the reference at start and end of every frame, held from row to row, (frames, 2)."""
-    held = np.repeat(reference, frames_per_row)
-    return np.column_stack((held, held))
+    def measured(self, names: Sequence[str]) -> MeasuredColumns:
+        """Return how these channels are read from a log of the columns that they need."""
+        return MeasuredColumns.of(
+            [channel for name in names for channel in self.channels if channel.name == name],
+            self._row,
+            self._theta0,
+            self._rng is None,
+        )

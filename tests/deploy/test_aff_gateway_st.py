@@ -72,7 +72,7 @@ class Both:
         )
         assert out["Refusal"] == REFUSALS[seen.refusal.partition(":")[0]], self.scans
         assert out["Accepted"] is (not seen.refusal)
-        assert out["Trips"] == self.plc.trips
+        assert out["Trips"] == min(self.plc.trips, 65_535)
         status = Status(seen.read_words[MAP.read["status"] - MAP.read_start])
         assert out["EnableRequest"] is (Status.AFF_ENABLE_REQUEST in status), self.scans
         for word, key in (("plc_heartbeat", "PlcHeartbeat"), ("aff_echo", "AffEcho")):
@@ -242,6 +242,15 @@ def test_our_heartbeat_wraps_without_an_overflow() -> None:
     assert both.scan(2)["PlcHeartbeat"] == 0
 
 
+def test_the_watchdog_s_trips_stay_at_the_end_of_their_range() -> None:
+    both = Both().accepted()
+    both.block.v["Trips"] = both.plc.trips = 65_534
+    for heartbeat in (10, 60):
+        for _ in range(18):  # the heartbeat moves once, then 85 ms of silence
+            out = both.scan(heartbeat)
+        assert (out["Refusal"], out["Trips"]) == (1, 65_535)
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_block_and_simulated_plc_agree_on_random_runs(seed: int) -> None:
     dice = random.Random(seed)
@@ -265,13 +274,14 @@ MUTANTS = (
     ("REAL_TO_INT(Correction2)", "Word2"),
     ("REAL_TO_INT(Correction1)", "REAL_TO_INT(Held1)"),
     ("Silence <= Watchdog", "Silence <= Watchdog + 1.0"),
-    ("NeedsRearm := TRUE;\n    Trips", "Trips"),
+    ("NeedsRearm := TRUE;\n    IF Trips", "IF Trips"),
+    ("Trips < 65535", "Trips >= 0"),
     ("ELSIF NOT Permissives THEN\n    Refusal := 4;\n", ""),
     ("(INT_TO_WORD(Word2) XOR Copy2) = 16#FFFF", "TRUE"),
     ("Word1 > Limit1", "Word1 > 32000"),
     ("Word2 < -Limit2", "Word2 < -32000"),
     ("16#000C", "16#00FF"),
-    ("1.0 - Since / Fade", "1.0"),
+    ("1.0 - Since / FadeTime", "1.0"),
     ("        Held1 := 0.0;\n", ""),
     ("Known AND AffHeartbeat", "AffHeartbeat"),
     ("LastHeartbeat > 64", "LastHeartbeat > 65"),
@@ -281,7 +291,7 @@ MUTANTS = (
     ("Alive AND NOT Jumped AND", "Alive AND"),
     ("16#000E", "16#000C"),
     (" AND (Refusal <> 4)", ""),
-    ("    Withdrawn := TRUE;\n", ""),
+    ("    Withdrawn := TRUE;\n", "    Withdrawn := Withdrawn;\n"),
     ("Reset AND NOT LastReset", "Reset"),
 )
 
@@ -305,6 +315,7 @@ def test_every_rule_of_the_block_is_missed_when_it_is_gone(
         test_a_missing_permissive_leaves_the_enable_request_alone,
         test_another_master_that_is_idle_does_not_bring_the_enable_request_back,
         test_the_plc_can_acknowledge_a_refusal_by_an_edge_of_reset,
+        test_the_watchdog_s_trips_stay_at_the_end_of_their_range,
         lambda: test_a_second_master_takes_the_correction_to_zero(0),
         *(lambda b=b: test_a_heartbeat_may_step_by_64_and_wrap(b) for b in (3, 65_500)),
         *(lambda s=s: test_block_and_simulated_plc_agree_on_random_runs(s) for s in range(3)),

@@ -44,7 +44,12 @@ MAKEFILE = text(ROOT / "Makefile")
 TARGETS = set(re.findall(r"^([a-z][\w-]*):", MAKEFILE, re.MULTILINE))
 VARIABLES = set(re.findall(r"^([A-Z]+) *\?=", MAKEFILE, re.MULTILINE))
 VARIABLES |= set(re.findall(r"\$\((?:if )?\$?\(?([A-Z]+)\)", MAKEFILE))
-MADE_BY_MAKE = ("out/demo-modbus/", ".venv/", "aff_runtime-")  # demo, setup, release
+MADE_BY_MAKE = (
+    "out/demo-modbus/",
+    "out/release/",
+    ".venv/",
+    "aff_runtime-",
+)  # demo, setup, release
 OUTPUTS = {"--out", "--record-dir", "--control", "--channel", "--accounts", "mkdir", ">"}
 
 

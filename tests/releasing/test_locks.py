@@ -22,11 +22,19 @@ def asked(name: str) -> list[Requirement]:
     """Return what an installation asks for."""
     if name == BUILD:
         return [Requirement(text) for text in PROJECT["build-system"]["requires"]]
-    project = PROJECT["project"]
-    rows = list(project["dependencies"])
+    rows = list(map(Requirement, PROJECT["project"]["dependencies"]))
     for extra in EXTRAS[name]:
-        rows += project["optional-dependencies"][extra]
-    return [Requirement(row) for row in rows]
+        rows += of_extra(extra)
+    return rows
+
+
+def of_extra(extra: str) -> list[Requirement]:
+    """Return what an extra asks for; one that names the product takes its extras in."""
+    found = []
+    for row in map(Requirement, PROJECT["project"]["optional-dependencies"][extra]):
+        mine = row.name == PROJECT["project"]["name"]
+        found += [one for other in row.extras for one in of_extra(other)] if mine else [row]
+    return found
 
 
 def locked(name: str, python: str) -> dict[str, str]:
@@ -70,6 +78,13 @@ def test_locks_agree_where_two_are_installed_together() -> None:
         for name in EXTRAS:
             for package, version in locked(name, python).items():
                 assert versions.setdefault(package, version) == version, (package, name)
+
+
+def test_a_worker_of_a_cluster_gets_the_line_model_and_the_site_its_builder_alone() -> None:
+    cluster, docs = locked("cluster", "3.11"), locked("docs", "3.11")
+    assert {"distributed", "numba", "scipy", "pyarrow", "numpy"} <= set(cluster)
+    assert {"mkdocs", "mkdocs-material", "mkdocstrings-python"} <= set(docs)
+    assert not {"mkdocs", "starlette"} & set(cluster)
 
 
 def test_the_installer_finds_every_lock_and_no_other_is_there() -> None:

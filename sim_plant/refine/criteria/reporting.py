@@ -35,6 +35,12 @@ class JudgeCriteria:
         "beside something unknown, an effect that adds more to a record held out is not there",
         "what is there takes power away wherever it shows; right ones add up to 0.06 (cases)",
     )
+    standing_power: float = criterion(
+        0.1,
+        "of the power of noise, mean of all channels but angles",
+        "an event that takes so much away is there, though it began before what is judged",
+        "a steady force counts nothing where zeros are free; noise alone moves the mean by 0.02",
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

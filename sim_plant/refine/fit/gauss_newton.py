@@ -107,9 +107,8 @@ def jacobian(
             cases.append(case_of(hypotheses, moved, shifts))
             increments.append(increment)
     base, *runs = objective.pool.run([case_of(hypotheses, values, shifts), *cases])
-    columns = [objective.column(r, base, d) for r, d in zip(runs, increments, strict=True)]
     rows = objective.projector.nuisances.shape[0]
-    return np.stack(columns, axis=1) if columns else np.zeros((rows, 0))
+    return objective.columns(runs, base, increments) if runs else np.zeros((rows, 0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -150,7 +149,7 @@ def gauss_newton_fit(
         columns = jacobian(objective, hypotheses, here.values, here.shifts)
         if not np.isfinite(columns).all():
             break
-        step = objective.projector.with_columns(columns).estimate(here.residual)
+        step = objective.projector.joint_estimate(here.residual, columns)
         if columns.size:
             covariance = objective.projector.linear_fit(here.residual, columns).covariance
         better = _stepped(objective, hypotheses, here, step, quick)

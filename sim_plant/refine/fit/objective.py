@@ -17,7 +17,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.linearisation import Linearisation, linearised_at, with_free_bodies
-from sim_plant.refine.fit.projection import Projector
+from sim_plant.refine.fit.projection import AT_ONCE, Projector
 from sim_plant.refine.fit.whitening import Whitening, declared_whitening
 from sim_plant.refine.model.nuisances import Nuisance, declared_nuisances
 from sim_plant.refine.model.simulation_pool import SimulationPool
@@ -114,9 +114,28 @@ class Objective:
         """Return the whitened derivative between runs at the quick tick, zero for tolerances."""
         return self.whitened([(y - b) / increment for y, b in zip(run, base, strict=True)])
 
+    def columns(
+        self,
+        runs: Sequence[Sequence[Array]],
+        base: Sequence[Array],
+        increments: Sequence[float] | Array | Array,
+    ) -> Array:
+        """Return the whitened derivatives between runs and ``base``, side by side (rows, runs)."""
+        return self.whitened_all(
+            [
+                [(y - b) / increment for y, b in zip(run, base, strict=True)]
+                for run, increment in zip(runs, increments, strict=True)
+            ]
+        )
+
     def whitened(self, change: Sequence[Array]) -> Array:
         """Return a per-record change (channels, samples) as a column, zero in tolerances' rows."""
-        return _column(self.whitening, change, len(self.nuisances))
+        column: Array = self.whitened_all([change])[:, 0]
+        return column
+
+    def whitened_all(self, changes: Sequence[Sequence[Array]]) -> Array:
+        """Return several changes as columns (rows, changes), see ``whitened``."""
+        return _matrix(self.whitening, changes, len(self.nuisances))
 
     def split(self, vector: Array) -> list[Array]:
         """Return the per-record innovations (channels, judged samples) of a residual vector."""
@@ -240,19 +259,19 @@ def _projector(
 ) -> Projector:
     """Return what takes out nuisances with their priors, zeros of angles and free shapes."""
     sd, rows = prior_sd(nuisances), judged_rows(measured, whitening)
-    columns = []
-    for at, change in enumerate(linearisation.nuisance_changes):
-        column = _column(whitening, change, len(nuisances))
-        column[rows + at] = 1.0 / sd[at]
-        columns.append(column)
-    zeros = [_column(whitening, change, len(nuisances)) for change in _zeros(pool, measured)]
-    shapes = [_column(whitening, c, len(nuisances)) for c in linearisation.shape_changes]
-    return Projector(np.stack([*columns, *zeros, *shapes], axis=1))
+    shapes = linearisation.shape_changes
+    changes = [*linearisation.nuisance_changes, *_zeros(pool, measured), *shapes]
+    columns = _matrix(whitening, changes, len(nuisances))
+    for at in range(len(nuisances)):
+        columns[rows + at, at] = 1.0 / sd[at]
+    return Projector(columns)
 
 
-def _column(whitening: Whitening, change: Sequence[Array], tolerances: int) -> Array:
-    """Return a per-record change as a column, whitened, nothing in the rows of tolerances."""
-    return np.concatenate([whitening.vector(change), np.zeros(tolerances)])
+def _matrix(whitening: Whitening, changes: Sequence[Sequence[Array]], tolerances: int) -> Array:
+    """Return per-record changes as columns, whitened, nothing in the rows of tolerances."""
+    bundles = [changes[at : at + AT_ONCE] for at in range(0, len(changes), AT_ONCE)]
+    parts = [whitening.matrix(some, tolerances).T for some in bundles]
+    return np.concatenate(parts).T
 
 
 def _zeros(pool: SimulationPool, measured: Sequence[Array]) -> list[list[Array]]:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from sim_plant.base.arrays import Array
+
+RIDGE = 1e-10
+"""Of a column's own power: keeps two that say the same apart from a division by nothing."""
+AT_ONCE = 64
+"""Columns that are looked at together: some 30 MB of a long record."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -28,11 +34,49 @@ class LinearFit:
     distinct_share: float
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Inner:
+    """Products of columns C (rows, q) and a residual r in what nuisances cannot explain, P.
+
+    Attributes
+    ----------
+    gram : C' P C (q, q).
+    against : C' P r (q,).
+    power : |c|^2 of every column (q,), before anything is taken out.
+    """
+
+    gram: Array
+    against: Array
+    power: Array
+
+    def of(self, use: Sequence[int]) -> Inner:
+        """Return the products of some of the columns."""
+        at = list(use)
+        return Inner(
+            gram=self.gram[np.ix_(at, at)], against=self.against[at], power=self.power[at]
+        )
+
+    def fit(self) -> LinearFit:
+        """Return what the columns, of free size, save on the cost."""
+        size = np.sqrt(np.maximum(self.power, 1e-300))
+        scaled = self.gram / np.outer(size, size)
+        solve = np.linalg.pinv(scaled, rcond=1e-9, hermitian=True)
+        against = self.against / size
+        values = solve @ against
+        return LinearFit(
+            chi2_reduction=float(against @ values),
+            values=values / size,
+            covariance=solve / np.outer(size, size),
+            distinct_share=float(np.min(np.diag(scaled))),
+        )
+
+
 class Projector:
     """Cost min over x of |r - A x|^2, and what further columns save on it.
 
     Priors are rows: ``A`` (rows, n) ends in one row per nuisance with a tolerance, see
-    ``Objective``. Rows of candidate columns are zero there.
+    ``Objective``. Rows of candidate columns are zero there. Nothing of the length of a record is
+    made for a number: r' P r = r' r - (A' r)' (A' A)^-1 (A' r), and so for columns.
     """
 
     def __init__(self, nuisances: Array) -> None:
@@ -40,8 +84,8 @@ class Projector:
         scale = np.sqrt(np.einsum("ij,ij->j", nuisances, nuisances))
         self._scale = np.where(scale > 0.0, scale, 1.0)
         self._unit = nuisances / self._scale
-        normal = self._unit.T @ self._unit + 1e-10 * np.eye(nuisances.shape[1])
-        self._factor = cho_factor(normal)
+        self._normal = self._unit.T @ self._unit + RIDGE * np.eye(nuisances.shape[1])
+        self._factor = cho_factor(self._normal)
 
     def estimate(self, residual: Array) -> Array:
         """Return the nuisance values (n,) that explain ``residual`` best."""
@@ -57,23 +101,85 @@ class Projector:
         """Return the least cost with nuisances alone; infinite for a run that broke down."""
         if not np.isfinite(residual).all():
             return float("inf")
-        return float(residual @ self.project(residual))
+        along = self._unit.T @ residual
+        return float(residual @ residual - along @ cho_solve(self._factor, along))
+
+    def inner(self, residual: Array, columns: Array) -> Inner:
+        """Return the products of ``columns`` (rows, q), see ``Inner``."""
+        return self.inners(residual, [columns])[0]
+
+    def inners(self, residual: Array, groups: Sequence[Array]) -> list[Inner]:
+        """Return the products of every group of columns (rows, q), many at a time."""
+        left = cho_solve(self._factor, self._unit.T @ residual)
+        found: list[Inner] = []
+        for some in _bundles(groups):
+            every = np.concatenate(some, axis=1)
+            along = self._unit.T @ every
+            taken = cho_solve(self._factor, along, check_finite=False)
+            against = every.T @ residual - along.T @ left
+            at = 0
+            for columns in some:
+                here = slice(at, at + columns.shape[1])
+                plain = columns.T @ columns
+                found.append(
+                    Inner(
+                        gram=plain - along[:, here].T @ taken[:, here],
+                        against=against[here],
+                        power=np.diag(plain).copy(),
+                    )
+                )
+                at = here.stop
+        return found
 
     def linear_fit(self, residual: Array, columns: Array) -> LinearFit:
         """Return what ``columns`` (rows, q) of free size save on the cost."""
-        cut = self.project(columns)
-        size = np.sqrt(np.maximum(np.einsum("ij,ij->j", columns, columns), 1e-300))
-        scaled = (columns.T @ cut) / np.outer(size, size)
-        solve = np.linalg.pinv(scaled, rcond=1e-9, hermitian=True)
-        against = (cut.T @ residual) / size
-        values = solve @ against
-        return LinearFit(
-            chi2_reduction=float(against @ values),
-            values=values / size,
-            covariance=solve / np.outer(size, size),
-            distinct_share=float(np.min(np.diag(scaled))),
-        )
+        return self.inner(residual, columns).fit()
 
-    def with_columns(self, columns: Array) -> Projector:
-        """Return the projector with further free columns (rows, q)."""
-        return Projector(np.column_stack([self.nuisances, columns]))
+    def explained(self, residual: Array, columns: Array) -> Array:
+        """Return what each of ``columns`` (rows, q) alone saves on the cost (q,).
+
+        0 for one that broke down or that nuisances imitate to 1e-9 of its power.
+        """
+        along = self._unit.T @ columns
+        taken = cho_solve(self._factor, along, check_finite=False)
+        power = np.einsum("ij,ij->j", columns, columns)
+        own = power - np.einsum("ij,ij->j", along, taken)
+        against = columns.T @ residual - taken.T @ (self._unit.T @ residual)
+        sure = own > 1e-9 * power
+        saved: Array = np.where(sure, against**2 / np.where(sure, own, 1.0), 0.0)
+        return saved
+
+    def joint_estimate(self, residual: Array, columns: Array) -> Array:
+        """Return nuisances and sizes of ``columns`` (rows, q) that explain most together (n + q,).
+
+        Equation: normal equations of [A C], each column at unit size, with the same ridge.
+        """
+        power = np.einsum("ij,ij->j", columns, columns)
+        size = np.where(power > 0.0, np.sqrt(power), 1.0)
+        beside = (self._unit.T @ columns) / size
+        own = (columns.T @ columns) / np.outer(size, size) + RIDGE * np.eye(size.size)
+        normal = np.block([[self._normal, beside], [beside.T, own]])
+        against = np.concatenate([self._unit.T @ residual, (columns.T @ residual) / size])
+        found: Array = cho_solve(cho_factor(normal), against)
+        sizes: Array = found / np.concatenate([self._scale, size])
+        return sizes
+
+    def cost_with_fixed(self, residual: Array, fixed: Sequence[int]) -> float:
+        """Return the least cost with all nuisances free but those ``fixed``."""
+        free = np.delete(np.arange(self._normal.shape[0]), list(fixed))
+        along = (self._unit.T @ residual)[free]
+        taken = np.linalg.solve(self._normal[np.ix_(free, free)], along)
+        return float(residual @ residual - along @ taken)
+
+
+def _bundles(groups: Sequence[Array]) -> list[list[Array]]:
+    """Return the groups in order, together as long as they have ``AT_ONCE`` columns at most."""
+    found: list[list[Array]] = []
+    held = AT_ONCE
+    for columns in groups:
+        if held + columns.shape[1] > AT_ONCE:
+            found.append([])
+            held = 0
+        found[-1].append(columns)
+        held += columns.shape[1]
+    return found

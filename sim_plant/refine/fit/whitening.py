@@ -38,8 +38,20 @@ class Whitening:
 
     def vector(self, values: Sequence[Array]) -> Array:
         """Return one vector of innovations of per-record channels (channels, samples)."""
-        rows = zip(self.noise, values, self.basis, strict=True)
-        return np.concatenate([_without(n.whiten(v), basis).ravel() for n, v, basis in rows])
+        found: Array = self.matrix([values])[:, 0]
+        return found
+
+    def matrix(self, changes: Sequence[Sequence[Array]], tolerances: int = 0) -> Array:
+        """Return innovations of several changes, each per record, as columns (rows, changes).
+
+        Nothing in ``tolerances`` rows at the end. Every column lies together in memory.
+        """
+        parts = []
+        for t, (noise, basis) in enumerate(zip(self.noise, self.basis, strict=True)):
+            white = np.stack([noise.whiten(change[t]) for change in changes])
+            parts.append(_without(white, basis).reshape(len(changes), -1))
+        parts.append(np.zeros((len(changes), tolerances)))
+        return np.concatenate(parts, axis=1).T
 
 
 def declared_whitening(pool: SimulationPool, point: Case, quiet: Sequence[Array]) -> Whitening:
@@ -65,8 +77,9 @@ def declared_whitening(pool: SimulationPool, point: Case, quiet: Sequence[Array]
 
 
 def _without(white: Array, basis: Array | None) -> Array:
-    """Return channels (channels, samples) less their part along ``basis`` (samples, terms)."""
+    """Return rows (..., samples) less their part along ``basis`` (samples, terms)."""
     if basis is None:
         return white
-    rest: Array = white - (white @ basis) @ basis.T
+    rows = white.reshape(-1, white.shape[-1])
+    rest: Array = (rows - (rows @ basis) @ basis.T).reshape(white.shape)
     return rest

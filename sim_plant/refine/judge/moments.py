@@ -26,7 +26,8 @@ def with_moments(
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
     """Return the effects with events at this record's moments, and those by effect and place.
 
-    An event that this record does not have is left out.
+    An event that this record does not have is left out. One that began before what is judged is
+    steady there: the zeros that a search leaves free take it up, so its plain power counts too.
     """
     moments: dict[str, float] = {}
     for event in case.effects:
@@ -44,13 +45,26 @@ def with_moments(
         for grid in (EVENTS.coarse_grid, EVENTS.fine_grid, FINEST):
             near = [_at(best, onset, _moment(best, onset) + d) for d in grid]
             best, cost = _best(pool, measured, rest, near, model)
+        there = replace(case, effects=tuple(best if e is event else e for e in case.effects))
         without = float(costs_of(pool, measured, model, [rest])[0])
-        if cost < without:
+        if cost < without or _stands(pool, measured, model, there, rest):
             moments[f"{event.effect} at {event.location}"] = _moment(best, onset)
-            case = replace(case, effects=tuple(best if e is event else e for e in case.effects))
+            case = there
         else:
             case = rest
     return case.effects, moments
+
+
+def _stands(
+    pool: SimulationPool, measured: Array, model: NoiseModel, there: Case, rest: Case
+) -> bool:
+    """Return whether an event takes steady power away, in powers of noise over the channels."""
+    judged = np.array([not name.endswith("_angle_rad") for name in pool.twins[0].channels])
+    powers = []
+    for run in pool.run([there, rest]):
+        left = (measured - run[0])[judged, model.first :]
+        powers.append(float(np.mean(np.square(left / model.floor[judged, np.newaxis]))))
+    return powers[0] < powers[1] - CRITERIA.judge.standing_power
 
 
 def _begins_later(event: Added, onset: Onset) -> bool:

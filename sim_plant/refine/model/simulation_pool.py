@@ -1,20 +1,22 @@
-"""Run many simulations of the twins on all cores, each only once."""
+"""Run many simulations of the twins on all cores, side by side, each only once."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 
-import numpy as np
-
-from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.base.worker_pool import WorkerPool
-from sim_plant.refine.model.twin import Case, Twin, seen_by
+from sim_plant.lanes.library import widest
+from sim_plant.refine.model.cases_in_lanes import in_groups, simulated, takes_lanes
+from sim_plant.refine.model.twin import Case, Twin
 
 LIMIT_S = 900.0
-"""For one simulation. The longest record that makes sense (an hour) takes 20 s of a core at the
-declared drive tick, the first start as long again to compile: twenty times that, for a machine
-that has other work."""
+"""For one group of simulations. The longest record that makes sense (an hour) takes 20 s of a core
+at the declared drive tick, eight of them one by one 160 s, the first start 20 s to compile: five
+times that, for a machine that has other work."""
+
+Group = tuple[int, tuple[Case, ...]]
+"""Cases that run side by side, and the number of their twin."""
 
 _twins: list[Twin] = []
 
@@ -23,25 +25,19 @@ def _adopt(twins: Sequence[Twin]) -> None:
     _twins[:] = twins
 
 
-def _work(job: tuple[int, Case]) -> Array:
-    return attempt(_twins[job[0]], seen_by(job[1], job[0]))
+def _work(group: Group) -> list[Array]:
+    number, cases = group
+    return simulated(_twins[number], number, cases)
 
 
-def _name(job: tuple[int, Case]) -> str:
-    case = job[1]
-    put = [f"{added.effect} at {added.location}" for added in case.effects]
-    put += [f"order {order} of body {body}" for body, order, _, _ in case.ripples]
-    put += [f"{name} shifted" for name, _ in case.shifts]
-    put += [] if case.seed is None else [f"noise {case.seed}"]
-    return f"simulation of record {job[0] + 1} with {', '.join(put) or 'nothing added'}"
-
-
-def attempt(twin: Twin, case: Case) -> Array:
-    """Return the channels of a case, all NaN when these numbers make no line that runs."""
-    try:
-        return twin.simulate(case)
-    except PlantError:
-        return np.full((len(twin.channels), twin.speed_m_s.size), np.nan)
+def _name(group: Group) -> str:
+    number, cases = group
+    put = [f"{added.effect} at {added.location}" for added in cases[0].effects]
+    put += [f"order {order} of body {body}" for body, order, _, _ in cases[0].ripples]
+    put += [f"{name} shifted" for name, _ in cases[0].shifts]
+    put += [] if cases[0].seed is None else [f"noise {cases[0].seed}"]
+    beside = f" and {len(cases) - 1} beside it" if len(cases) > 1 else ""
+    return f"simulation of record {number + 1} with {', '.join(put) or 'nothing added'}{beside}"
 
 
 class SimulationPool:
@@ -62,9 +58,12 @@ class SimulationPool:
     ) -> None:
         self.twins = list(twins)
         self.simulations = 0
+        self._width = widest() if twins and all(map(takes_lanes, twins)) else 1
+        named = self.twins[0].declaration.rollers if self._width > 1 else ()
+        self._rollers = [roller.name for roller in named]
         self.responses: dict[Hashable, list[list[Array]]] = {}
         self._known: dict[tuple[int, Case], Array] = {}
-        self._pool: WorkerPool[tuple[int, Case], Array] | None = None
+        self._pool: WorkerPool[Group, list[Array]] | None = None
         if workers > 1:
             self._pool = WorkerPool(
                 _work,
@@ -94,11 +93,14 @@ class SimulationPool:
         jobs = [(t, case) for case in cases for t in range(len(self.twins))]
         fresh = [job for job in dict.fromkeys(jobs) if job not in self._known]
         self.simulations += len(fresh)
+        groups = in_groups(fresh, self._width, self._rollers)
         if self._pool is not None:
-            done = self._pool.map(fresh)
+            done = self._pool.map(groups)
         else:
-            done = [attempt(self.twins[t], seen_by(case, t)) for t, case in fresh]
-        found = {**self._known, **dict(zip(fresh, done, strict=True))}
+            done = [simulated(self.twins[number], number, cases) for number, cases in groups]
+        found = dict(self._known)
+        for (number, members), records in zip(groups, done, strict=True):
+            found.update(zip([(number, case) for case in members], records, strict=True))
         if keep:
             self._known = found
         return [[found[t, case] for t in range(len(self.twins))] for case in cases]

@@ -24,6 +24,7 @@ from sim_plant.line.fastest_mode import (
     substeps_for,
 )
 from sim_plant.line.open import make_line
+from sim_plant.line.references import References
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.line.with_effects import apply_effects
 
@@ -70,6 +71,11 @@ class Case:
     shifts: tuple[tuple[str, float], ...] = ()
     seed: int | None = None
     quick: bool = True
+
+    @property
+    def settle_s(self) -> float:
+        """How long the line runs before its record begins, s; with noise where that has some."""
+        return QUICK_SETTLE_S if self.quick else DECLARED_SETTLE_S
 
 
 def seen_by(case: Case, record: int) -> Case:
@@ -167,8 +173,7 @@ class Twin:
 
     def _outputs(self, case: Case) -> tuple[Array, Array]:
         run = self.line(case)
-        # a line that runs has its noise before a record begins as well
-        run.settle(QUICK_SETTLE_S if case.quick else DECLARED_SETTLE_S, quiet=case.seed is None)
+        run.settle(case.settle_s, quiet=case.seed is None)
         out = run.simulate(
             self.speed_m_s,
             self.tension_N,
@@ -176,19 +181,34 @@ class Twin:
             self.aff_N_m,
             speed_holds=self.speed_holds,
         )
-        if case.seed is not None:
-            self._put_in_words(out, case.seed)
-        return np.stack([out[name] for name in self.channels]), out["body_angle_rad"].T
+        channels = np.stack([out[name] for name in self.channels])
+        return self.in_words(channels, case.seed), out["body_angle_rad"].T
 
-    def _put_in_words(self, out: dict[str, Array], seed: int) -> None:
-        """Add what the words leave of readings: as if each fell anywhere within its count.
+    def references(self, line: LineSimulation) -> References:
+        """Return the references of the record, as a line of this declaration takes them."""
+        return line.references(
+            self.speed_m_s,
+            self.tension_N,
+            self.aff_m_s,
+            self.aff_N_m,
+            speed_holds=self.speed_holds,
+        )
 
-        What rounding really does depends on how a reading passes the counts, with an effect on
-        the line otherwise than without it; a noise that is there either way is on the safe side.
+    def in_words(self, channels: Array, seed: int | None) -> Array:
+        """Return channels with what the words leave of readings, where the run has noise.
+
+        As if each fell anywhere within its count: what rounding really does depends on how a
+        reading passes the counts, with an effect on the line otherwise than without it; a noise
+        that is there either way is on the safe side.
         """
-        rng = np.random.default_rng([seed, WORDS])
+        if seed is None:
+            return channels
+        rng, found = np.random.default_rng([seed, WORDS]), channels.copy()
         for name, step in sorted(self.word_steps.items()):
-            out[name] = out[name] + step * (rng.random(out[name].size) - 0.5)
+            share = rng.random(channels.shape[1]) - 0.5
+            if name in self.channels:
+                found[self.channels.index(name)] += step * share
+        return found
 
 
 def modelled_channels(line: Declaration, columns: Sequence[str]) -> tuple[str, ...]:

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
@@ -154,11 +153,9 @@ def _profile_starts(
     runs = objective.pool.run(
         [case, *(replace(case, effects=(*case.effects, a)) for a in h.probes())]
     )
-    columns = np.stack([objective.column(r, runs[0], 1.0) for r in runs[1:]], axis=1)
-    residual = objective.residual(runs[0], shifts)
-    cut = objective.projector.project(columns)
+    columns = objective.columns(runs[1:], runs[0], np.ones(len(runs) - 1))
+    inner = objective.projector.inner(objective.residual(runs[0], shifts), columns)
     line = objective.pool.twins[0].declaration
     radius = line.rollers[line.body(h.location)].radius_m
-    inner: Array = columns.T @ cut
-    found = profiles.starts(radius, inner, cut.T @ residual, h.start)
+    found = profiles.starts(radius, inner.gram, inner.against, h.start)
     return [(hypothesis(h.effect, h.location, p.choice, p.names), p.start) for p in found]

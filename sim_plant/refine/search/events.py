@@ -16,6 +16,7 @@ from sim_plant.effects.onset import FOREVER_S, HOLD_S, RISE_S
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.projection import AT_ONCE
 from sim_plant.refine.model.hypotheses import Hypothesis, onset_library
 from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
 from sim_plant.refine.search.screening import (
@@ -180,14 +181,15 @@ def _weighed_at_their_moments(
             found += mine
             continue
         axis, shown = axes[onset.unit], mine[: EVENTS.places]
-        found += [_shifted(objective, axis, c.hypothesis, _moment(c), residual) for c in shown]
         best = _over_the_record(objective, axis, shown, residual)
-        found += [
-            _shifted(objective, axis, shaped, _moment(best), residual)
+        looks = [(c.hypothesis, _moment(c)) for c in shown]
+        looks += [
+            (shaped, _moment(best))
             for h in group
             if h.effect.name == name
             for shaped in _shapes_of(h)
         ]
+        found += _shifted(objective, axis, looks, residual)
     return found
 
 
@@ -198,13 +200,11 @@ def _over_the_record(
     places = {c.hypothesis.key: c.hypothesis for c in reversed(shown)}.values()
     grid = axis.grid
     wide = np.arange(grid[0] + EVENTS.wide_step_s, grid[-1], EVENTS.wide_step_s)
-    best = max(
-        (_shifted(objective, axis, h, float(m), residual) for h in places for m in wide),
-        key=lambda c: c.score,
-    )
+    looks = [(h, float(m)) for h in places for m in wide]
+    best = max(_shifted(objective, axis, looks, residual), key=lambda c: c.score)
     close = _moment(best) + EVENTS.apart * np.linspace(-1.5, 1.5, 7)
     inside = close[(close > grid[0]) & (close < grid[-1])]
-    more = (_shifted(objective, axis, best.hypothesis, float(m), residual) for m in inside)
+    more = _shifted(objective, axis, [(best.hypothesis, float(m)) for m in inside], residual)
     return max((best, *more), key=lambda c: c.score)
 
 
@@ -213,20 +213,35 @@ def _moment(c: Candidate) -> float:
 
 
 def _shifted(
-    objective: Objective, axis: Axis, h: Hypothesis, moment: float, residual: Array
-) -> Candidate:
-    """Return the candidate that begins at ``moment``, s, from the nearest response simulated."""
+    objective: Objective, axis: Axis, looks: Sequence[tuple[Hypothesis, float]], residual: Array
+) -> list[Candidate]:
+    """Return candidates that begin at their moment, s, from the nearest responses simulated."""
+    found: list[Candidate] = []
+    for at in range(0, len(looks), AT_ONCE):
+        some = looks[at : at + AT_ONCE]
+        columns = objective.whitened_all([_begun(objective, axis, h, m) for h, m in some])
+        explained = objective.projector.explained(residual, columns)
+        rows = zip(some, explained, strict=True)
+        found += [
+            Candidate(
+                hypothesis=h,
+                chi2_reduction=float(chi2),
+                penalty=0.0,
+                start=_beginning(h, moment).start,
+            )
+            for (h, moment), chi2 in rows
+        ]
+    return found
+
+
+def _begun(objective: Objective, axis: Axis, h: Hypothesis, moment: float) -> list[Array]:
+    """Return the change that begins at ``moment``, s: the nearest one simulated, shifted."""
     record = h.record or 0
     nearest = min((part.middle for part in parts_of(axis)), key=lambda m: abs(m - moment))
-    begun = _beginning(h, moment).start
     change = list(responses_of(objective, _beginning(h, nearest))[0])
     sample_s = objective.pool.twins[record].declaration.sample_time_s
     change[record] = later(change[record], round((moment - nearest) / sample_s))
-    column = objective.whitened(change)[:, np.newaxis]
-    explained = 0.0
-    if np.isfinite(column).all():
-        explained = objective.projector.linear_fit(residual, column).chi2_reduction
-    return Candidate(hypothesis=h, chi2_reduction=explained, penalty=0.0, start=begun)
+    return change
 
 
 def _beginning(h: Hypothesis, moment: float) -> Hypothesis:
@@ -327,16 +342,14 @@ def _best_of_starts(
         for added in each.probes()
     ]
     base, *runs = objective.pool.run([fit.case, *cases], keep=False)
-    rest = iter(runs)
     best = replace(c, chi2_reduction=-math.inf)
     price = bic_penalty(objective, len(h.names)) + EVENTS.price
-    for each in tried:
-        columns = np.stack(
-            [objective.column(next(rest), base, 1.0) for _ in range(h.strengths)], axis=1
-        )
-        if not np.isfinite(columns).all():
-            continue
-        linear = objective.projector.linear_fit(residual, columns)
+    every = objective.columns(runs, base, np.ones(len(runs)))
+    parts = np.split(every, len(tried), axis=1)
+    known = [k for k, columns in enumerate(parts) if np.isfinite(columns).all()]
+    inners = objective.projector.inners(residual, [parts[k] for k in known])
+    for each, inner in zip([tried[k] for k in known], inners, strict=True):
+        linear = inner.fit()
         if linear.chi2_reduction > best.chi2_reduction:
             sizes = tuple(
                 float(np.clip(a + v * (s - a), lo, hi))

@@ -14,7 +14,6 @@ import numpy as np
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, is_tolerance
 from sim_plant.refine.fit.objective import Objective
-from sim_plant.refine.fit.projection import Projector
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.parameter_effects import as_effects, declared_change
 from sim_plant.refine.model.place import Place
@@ -117,8 +116,7 @@ def told_by_record(objective: Objective, fit: Fit) -> float:
         return 0.0
     bare = replace(fit.case, effects=fit.case.effects[:-1])
     response = objective.column(objective.pool.one(fit.case), objective.pool.one(bare), 1.0)
-    others = np.delete(objective.projector.nuisances, own, axis=1)
-    return Projector(others).cost(response)
+    return objective.projector.cost_with_fixed(response, own)
 
 
 def joint_conflict(objective: Objective, fit: Fit) -> PriorConflict | None:

@@ -11,6 +11,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.projection import Inner
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
@@ -71,10 +72,9 @@ def _screened(
     objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesis], residual: Array
 ) -> list[Candidate]:
     columns = sensitivities(objective, fit, hypotheses)
-    found = [
-        linear_candidate(objective, h, residual, column)
-        for h, column in zip(hypotheses, columns, strict=True)
-    ]
+    inners = objective.projector.inners(residual, columns)
+    rows = zip(hypotheses, inners, strict=True)
+    found = [linear_candidate(objective, h, inner) for h, inner in rows]
     return sorted(found, key=lambda c: -c.score)
 
 
@@ -95,10 +95,11 @@ def sensitivities(objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesi
             [(y - b).astype(np.float32) for y, b in zip(next(rest), start, strict=True)]
             for _ in h.probes()
         ]
-    return [
-        np.stack([objective.whitened(change) for change in shelf[_name(h)]], axis=1)
-        for h in hypotheses
-    ]
+    if not hypotheses:
+        return []
+    every = objective.whitened_all([change for h in hypotheses for change in shelf[_name(h)]])
+    ends = np.cumsum([len(shelf[_name(h)]) for h in hypotheses])
+    return list(np.split(every, ends[:-1], axis=1))
 
 
 def responses_of(objective: Objective, h: Hypothesis) -> list[list[Array]]:
@@ -172,25 +173,21 @@ def _form(h: Hypothesis) -> tuple[object, ...]:
     return (h.key, h.fixed) if h.curved else (h.key,)
 
 
-def linear_candidate(
-    objective: Objective, h: Hypothesis, residual: Array, columns: Array
-) -> Candidate:
+def linear_candidate(objective: Objective, h: Hypothesis, inner: Inner) -> Candidate:
     """Return a hypothesis with what one linear step explains, a curved one at its size.
 
-    ``columns`` (rows, strengths) are whole probes, so 1 is the typical size.
+    ``inner`` are products of whole probes with the residual, so 1 is the typical size.
     """
-    if not np.isfinite(columns).all():
+    if not np.isfinite(inner.gram).all():
         return Candidate(hypothesis=h, chi2_reduction=-np.inf, penalty=0.0, start=h.start)
     if h.curved:
-        saved = objective.projector.cost(residual) - objective.projector.cost(
-            residual - columns[:, 0]
-        )
+        saved = 2.0 * float(inner.against[0]) - float(inner.gram[0, 0])
         price = bic_penalty(objective, h.strengths)
         return Candidate(hypothesis=h, chi2_reduction=saved, penalty=price, start=h.start)
-    use = list(range(columns.shape[1]))
+    use = list(range(inner.against.size))
     if len(h.effect.quadratures) > SCREENING.profile_pairs:
-        use = paying_orders(objective, h, residual, columns)
-    found = objective.projector.linear_fit(residual, columns[:, use])
+        use = paying_orders(objective, h, inner)
+    found = inner.of(use).fit()
     # a strength that cannot go backwards is left out where it would
     while use:
         wrong = [k for k, at in enumerate(use) if not h.linear[at] and found.values[k] <= 0.0]
@@ -198,7 +195,7 @@ def linear_candidate(
             break
         use = [at for k, at in enumerate(use) if k not in wrong]
         if use:
-            found = objective.projector.linear_fit(residual, columns[:, use])
+            found = inner.of(use).fit()
     return Candidate(
         hypothesis=h,
         chi2_reduction=found.chi2_reduction if use else 0.0,
@@ -221,23 +218,20 @@ def _start(h: Hypothesis, use: Sequence[int], sizes: Array) -> tuple[float, ...]
     return tuple(start)
 
 
-def paying_orders(
-    objective: Objective, h: Hypothesis, residual: Array, columns: Array
-) -> list[int]:
+def paying_orders(objective: Objective, h: Hypothesis, inner: Inner) -> list[int]:
     """Return the columns of a profile whose orders pay for themselves, one order at the least.
 
     The order that is missed least is left out until each would be missed by more than its price:
     twelve numbers for a roll with one bump would lose to any effect of two.
     """
-    cut = objective.projector.project(columns)
-    inner, against = columns.T @ cut, cut.T @ residual
     at = {name: k for k, name in enumerate(h.names)}
     pairs = [(at[p.cos], at[p.sin]) for p in h.effect.quadratures if p.cos in at and p.sin in at]
 
     def explained(some: list[tuple[int, int]]) -> float:
         use = [k for pair in some for k in pair]
         part = np.ix_(use, use)
-        return float(against[use] @ np.linalg.lstsq(inner[part], against[use], rcond=1e-9)[0])
+        against = inner.against[use]
+        return float(against @ np.linalg.lstsq(inner.gram[part], against, rcond=1e-9)[0])
 
     while len(pairs) > 1:
         left = [explained([p for p in pairs if p is not out]) for out in pairs]

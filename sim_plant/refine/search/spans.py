@@ -73,14 +73,14 @@ def _best_pair(
     record = h.record or 0
     step_s = objective.pool.twins[record].declaration.sample_time_s
 
-    def shifted(shift_s: float) -> Array:
+    def shifted(shift_s: float) -> list[Array]:
         moved = list(change)
         moved[record] = later(change[record], round(shift_s / step_s))
-        return objective.whitened(moved)
+        return moved
 
-    columns = np.stack([shifted(float(s)) for s in (*begins, *ends)], axis=1)
-    cut = objective.projector.project(columns)
-    gram, against = columns.T @ cut, cut.T @ residual
+    columns = objective.whitened_all([shifted(float(s)) for s in (*begins, *ends)])
+    inner = objective.projector.inner(residual, columns)
+    gram, against = inner.gram, inner.against
     at, size = begins.size, np.diag(gram)
     power = size[:at, None] - 2.0 * gram[:at, at:] + size[None, at:]
     gain = (against[:at, None] - against[None, at:]) ** 2

@@ -49,12 +49,25 @@ def test_what_has_a_row_is_not_done_again_and_a_failure_is_a_row(plan, capsys):
     assert "film2 2026-11-20 failed" in capsys.readouterr().out
 
 
+def test_so_many_looks_as_asked_are_done_and_the_rest_waits(plan, capsys):
+    for row in (plan.out / "rows").iterdir():
+        row.unlink()
+    arguments = [str(plan.lines), "--runs", str(plan.runs), "--out", str(plan.out)]
+    assert main(["fleet", *arguments, "--most", "1", "--workers", "1"]) == 0
+    said = capsys.readouterr().out
+    assert "2 looks at 2 lines, 1 to refine, 1 wait" in said
+    assert "1 looks in " in said
+    assert said.endswith("1 looks wait; the same command goes on\n")
+    assert len(list((plan.out / "rows").iterdir())) == 1
+
+
 @pytest.mark.parametrize(
     ("more", "says"),
     [
         (["--workers", "0"], "--workers 0: give more than 0"),
         (["--limit-s", "-1"], "--limit-s -1.0: give more than 0"),
         (["--example", "-2"], "--example -2: give a number of lines"),
+        (["--most", "0"], "--most 0: give more than 0"),
     ],
 )
 def test_a_number_that_makes_no_sense_is_refused(more, says, tmp_path, capsys):

@@ -1,13 +1,22 @@
 """The host of the plugin with a line that needs no compiler: processes and sockets are real."""
 
 import sys
+from pathlib import Path
+
+import yaml
 
 from sim_plant import line
 from tests.sim_plant.servers.fake_line import FakeLine
 
-line.open_line = lambda path, **_: FakeLine(0.005)
 
-from sim_plant.pytest_plugin import plant_host  # noqa: E402 (takes the name from the line above)
+def small_line(path, **_):
+    """Return a line of which nothing is as the file says but its sample time."""
+    return FakeLine(yaml.safe_load(Path(path).read_text("utf-8")).get("sample_time_s", 0.005))
+
+
+line.open_line = small_line
+
+from sim_plant.pytest_plugin import plant_host  # noqa: E402 (takes the name from above)
 
 if __name__ == "__main__":
     plant_host.obey(sys.stdin, sys.stdout)

@@ -68,7 +68,6 @@ def test_the_line_of_the_factory_is_the_tests_own(web_line, web_line_factory):
     assert other.status().time_s > web_line.status().time_s
 """
 _ONCE = ["-p", "no:web_line", "-p", "sim_plant.pytest_plugin.plugin"]  # installed or not
-NO_RECIPE = {Fault.SYNC}  # the page says why
 
 
 def _pytest(folder, *words):
@@ -99,11 +98,10 @@ def test_every_test_on_the_page_passes_and_none_is_skipped(page):
     assert re.search(r"^\d+ passed in ", done.stdout, re.MULTILINE), done.stdout
 
 
-def test_every_fault_but_one_is_injected_by_a_test_of_the_page(page):
+def test_every_fault_is_injected_by_a_test_of_the_page(page):
     _, injected = page
     names = {parse_fault(spec).fault for spec in injected.read_text().split()}
-    assert set(Fault) - names == NO_RECIPE
-    assert all(f"`{fault.value}`" in PAGE.read_text("utf-8") for fault in NO_RECIPE)
+    assert names == set(Fault)
 
 
 def test_other_kinds_of_line_do_what_the_page_says_of_them(tmp_path):
@@ -129,6 +127,18 @@ def test_a_declaration_that_is_not_there_is_refused_before_any_test(tmp_path):
     done = _pytest(tmp_path, "--web-line", "none.yaml")
     assert done.returncode == pytest.ExitCode.USAGE_ERROR
     assert "none.yaml: no such file" in done.stderr
+
+
+def test_the_declaration_that_is_named_is_the_one_that_is_served(tmp_path):
+    text = (ROOT / "config" / "lines" / "euclid.yaml").read_text()
+    known = re.search(r"^sample_time_s: *([\d.]+)", text, re.MULTILINE)
+    (tmp_path / "mine.yaml").write_text(text.replace(known[0], "sample_time_s: 0.010"))
+    (tmp_path / "test_mine.py").write_text(
+        "def test_mine(web_line):\n    assert web_line.sample_time_s == 0.010\n"
+    )
+    assert float(known[1]) != 0.010
+    done = _pytest(tmp_path, "--web-line", "mine.yaml")
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def _processes_of(folder):

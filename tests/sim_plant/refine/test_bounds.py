@@ -107,7 +107,8 @@ def test_screening_starts_no_fit_beyond_a_bound(h, seed, size):
     columns = draw.standard_normal((VECTOR, h.strengths))
     columns[OBJECTIVE.rows :] = 0.0
     residual = size * columns @ draw.standard_normal(h.strengths)
-    start = linear_candidate(OBJECTIVE, h, residual, columns).start
+    inner = OBJECTIVE.projector.inner(residual, columns)
+    start = linear_candidate(OBJECTIVE, h, inner).start
     assert all(lo <= v <= hi for v, lo, hi in zip(start, h.low, h.high, strict=True))
 
 
@@ -115,8 +116,9 @@ def test_a_drag_that_would_have_to_push_is_worth_nothing():
     h = hypothesis(BY_NAME["bearing_drag"], "R18", (), ("constant_N_m",), LINE)
     column = np.zeros((VECTOR, 1))
     column[: OBJECTIVE.rows] = 1.0
-    assert linear_candidate(OBJECTIVE, h, -5.0 * column[:, 0], column).chi2_reduction == 0.0
-    assert linear_candidate(OBJECTIVE, h, 5.0 * column[:, 0], column).chi2_reduction > 0.0
+    push, drag = (OBJECTIVE.projector.inner(s * column[:, 0], column) for s in (-5.0, 5.0))
+    assert linear_candidate(OBJECTIVE, h, push).chi2_reduction == 0.0
+    assert linear_candidate(OBJECTIVE, h, drag).chi2_reduction > 0.0
 
 
 def test_an_estimate_at_a_bound_is_none_but_absence_may_lie_there():

@@ -43,10 +43,50 @@ def test_a_tight_tolerance_lets_the_effect_be_claimed(setting):
         assert (chi2_reduction > share * (truth @ truth)) == (sd < 1.0)
 
 
-def test_further_free_columns_are_projected_as_well(setting):
+def test_numbers_and_nuisances_are_estimated_together_as_by_least_squares(setting):
     nuisances, effect, residual = setting
-    wide = Projector(nuisances).with_columns(effect)
-    np.testing.assert_allclose(wide.project(residual) @ effect, 0.0, atol=1e-6)
+    found = Projector(nuisances).joint_estimate(residual, effect)
+    both = np.linalg.lstsq(np.column_stack([nuisances, effect]), residual, rcond=None)[0]
+    np.testing.assert_allclose(found, both, rtol=1e-6)
+
+
+def test_the_least_cost_is_what_least_squares_leaves(setting):
+    nuisances, _, residual = setting
+    left = np.linalg.lstsq(nuisances, residual, rcond=None)[1][0]
+    projector = Projector(nuisances)
+    assert projector.cost(residual) == pytest.approx(left, rel=1e-9)
+    assert residual @ projector.project(residual) == pytest.approx(left, rel=1e-9)
+
+
+def test_groups_of_columns_are_weighed_as_each_alone(setting):
+    nuisances, effect, residual = setting
+    rng = np.random.default_rng(6)
+    groups = [effect, effect[:, :1], *rng.standard_normal((70, 400, 1))]
+    projector = Projector(nuisances)
+    for columns, inner in zip(groups, projector.inners(residual, groups), strict=True):
+        cut = projector.project(columns)
+        np.testing.assert_allclose(inner.gram, columns.T @ cut, rtol=1e-9)
+        np.testing.assert_allclose(inner.against, cut.T @ residual, rtol=1e-9)
+        alone = projector.linear_fit(residual, columns)
+        assert inner.fit().chi2_reduction == pytest.approx(alone.chi2_reduction, rel=1e-9)
+
+
+def test_single_columns_explain_what_a_fit_of_each_explains(setting):
+    nuisances, effect, residual = setting
+    projector = Projector(nuisances)
+    columns = np.column_stack([effect, nuisances[:, 0], np.full(400, np.nan)])
+    found = projector.explained(residual, columns)
+    for k in range(2):
+        alone = projector.linear_fit(residual, effect[:, k : k + 1]).chi2_reduction
+        assert found[k] == pytest.approx(alone, rel=1e-9)
+    assert found[2] == 0.0
+    assert found[3] == 0.0
+
+
+def test_a_nuisance_that_is_held_explains_nothing(setting):
+    nuisances, _, residual = setting
+    left = np.linalg.lstsq(nuisances[:, 1:], residual, rcond=None)[1][0]
+    assert Projector(nuisances).cost_with_fixed(residual, [0]) == pytest.approx(left, rel=1e-6)
 
 
 def test_a_run_that_broke_down_costs_infinitely_much(setting):

@@ -51,3 +51,31 @@ def test_a_seam_is_found_where_it_passed_before_the_judged_part_or_in_it(passed_
 def test_a_seam_that_a_record_does_not_have_is_left_out():
     found, _ = judged(None)
     assert found is None or found < 9.0  # long gone when the judged part begins
+
+
+def step(case):
+    """A drag takes steady force from one channel from its moment on."""
+    force = np.zeros((2, SAMPLES))
+    for added in case.effects:
+        given = dict(added.parameters)
+        force[0] += 20.0 * given["constant_N_m"] * (STEP_S * np.arange(SAMPLES) >= given["from_s"])
+    return force
+
+
+def drag(from_s):
+    return Added("bearing_drag", "R7", (("constant_N_m", 0.1), ("from_s", from_s)), record=0)
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_what_began_before_the_judged_part_is_known_by_its_steady_force(there):
+    twin = formula_twin(step, CHANNELS, SAMPLES)
+    true = Case(effects=(drag(9.3),)) if there else Case()
+    measured = twin.simulate(true) + white((2, SAMPLES), 8)
+    model = objective_of(twin, measured).whitening.noise[0]
+    effects, moments = with_moments(pool_of(twin), measured, Case(effects=(drag(31.0),)), model)
+    assert model.first * STEP_S == pytest.approx(15.0)
+    if there:
+        assert moments["bearing_drag at R7"] < 15.1
+    else:
+        left = twin.simulate(Case(effects=effects))[0]
+        assert np.all(left[model.first : -20] == 0.0)

@@ -62,7 +62,7 @@ def instead(measured, chosen="R2", places=("R1", "R2", "R3", "R4")):
     residual = objective.residual(objective.pool.one(fit.case))
     columns = sensitivities(objective, fit, hypotheses)
     found = [
-        linear_candidate(objective, h, residual, c)
+        linear_candidate(objective, h, objective.projector.inner(residual, c))
         for h, c in zip(hypotheses, columns, strict=True)
     ]
     found.sort(key=lambda c: -c.score)

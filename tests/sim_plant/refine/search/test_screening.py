@@ -30,11 +30,15 @@ def record(sizes, seed=1):
     return residual, columns
 
 
+def inner_of(residual, columns):
+    return OBJECTIVE.projector.inner(residual, columns)
+
+
 def test_only_orders_that_pay_are_priced_and_fitted():
     sizes = np.zeros(12)
     sizes[2:4] = 12.0, -9.0
     residual, columns = record(sizes)
-    candidate = linear_candidate(OBJECTIVE, PROFILE, residual, columns)
+    candidate = linear_candidate(OBJECTIVE, PROFILE, inner_of(residual, columns))
     fewer, start = candidate.trimmed()
     assert fewer.names == ("cos2_m", "sin2_m")
     own = columns[:, 2:4].T @ residual
@@ -45,19 +49,21 @@ def test_only_orders_that_pay_are_priced_and_fitted():
 
 
 def test_every_order_that_is_there_is_kept():
-    h, start = linear_candidate(OBJECTIVE, PROFILE, *record(np.full(12, 15.0))).trimmed()
+    h, start = linear_candidate(OBJECTIVE, PROFILE, inner_of(*record(np.full(12, 15.0)))).trimmed()
     assert h.names == PROFILE.names
     assert len(start) == 12
 
 
 def test_one_order_is_kept_even_of_noise():
-    fewer, _ = linear_candidate(OBJECTIVE, PROFILE, *record(np.zeros(12), seed=2)).trimmed()
+    fewer, _ = linear_candidate(
+        OBJECTIVE, PROFILE, inner_of(*record(np.zeros(12), seed=2))
+    ).trimmed()
     assert len(fewer.names) == 2
 
 
 def test_what_cannot_be_simulated_comes_last():
     residual, columns = record(np.zeros(12))
-    broken = linear_candidate(OBJECTIVE, PROFILE, residual, np.full_like(columns, np.nan))
+    broken = linear_candidate(OBJECTIVE, PROFILE, inner_of(residual, columns * np.nan))
     assert broken.score == -np.inf
 
 
