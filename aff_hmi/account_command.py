@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from aff_hmi.accounts import (
+from aff_runtime.app.hand.accounts import (
     LEAST_CHARACTERS,
     MOST_CHARACTERS,
     Account,

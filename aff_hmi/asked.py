@@ -72,6 +72,19 @@ TABLE = {
         role=Role.OPERATE, keys={"first": int, "last": int, "ring": str, "name": str, "note": str}
     ),
     "/let-go": Entry(role=Role.OPERATE, keys={"number": int}),
+    "/commission/open": Entry(role=Role.COMMISSION, keys={"password": str, "over": bool}),
+    "/commission/do": Entry(role=Role.COMMISSION, keys={"do": str, "again": str}),
+    "/commission/answer": Entry(role=Role.COMMISSION, keys={"number": int, "text": str}),
+    "/card/settings": Entry(
+        role=Role.COMMISSION,
+        keys={"do": str, "step": int, "measured": str, "seconds": int, "reason": str},
+    ),
+    "/card/step": Entry(
+        role=Role.COMMISSION, keys={"step": int, "typed": str, "plc": str, "leave_out": str}
+    ),
+    "/card/sign": Entry(
+        role=Role.COMMISSION, keys={"step": int, "measured": str, "reason": str, "password": str}
+    ),
 }
 
 

@@ -18,7 +18,7 @@ VENDORED = {
     "uPlot.iife.min.js": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.iife.min.js",
     "uPlot.min.css": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.min.css",
 }
-STYLES = ("overview.css", "hand.css", "see.css", "uPlot.min.css")
+STYLES = ("overview.css", "hand.css", "see.css", "card.css", "uPlot.min.css")
 STYLE = "screen.css"
 # name of a page: its own modules, in this order; what they take names from comes before them
 PAGES = {
@@ -29,6 +29,8 @@ PAGES = {
     "trends": ("overview.js", "trends.js"),
     "scope": ("overview.js", "scope.js"),
     "timing": ("overview.js", "timing.js"),
+    "card": ("overview.js", "card.js"),
+    "commission": ("overview.js", "commission.js"),
 }
 HAND, NO_HAND = "hand.js", ("login",)
 SCRIPT, CSS = "text/javascript; charset=utf-8", "text/css; charset=utf-8"

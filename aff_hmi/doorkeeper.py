@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections import OrderedDict
 
-from aff_hmi.accounts import MOST_CHARACTERS, Account, Accounts
+from aff_runtime.app.hand.accounts import MOST_CHARACTERS, Account, Accounts
 from aff_runtime.app.hand.bucket import Bucket
 from aff_runtime.base.ports import Clock
 

@@ -7,12 +7,12 @@ from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
 
-from aff_hmi.accounts import Accounts
 from aff_hmi.press_desk import PressDesk
 from aff_hmi.reason import explained
 from aff_hmi.sessions import Session, Sessions
 from aff_hmi.watch import Seen
 from aff_hmi.words import Say
+from aff_runtime.app.hand.accounts import Accounts
 from aff_runtime.app.hand.may import (
     WORDS,
     Action,
@@ -58,6 +58,7 @@ class Hand:
         self._moments: deque[Moment] = deque(maxlen=KEPT_MOMENTS)
         self._state: State | None = None
         self._blocked = ""
+        self._probing = False
 
     def look(self, seen: Seen, number: int) -> None:
         """Take note of what the frame of this number shows."""
@@ -66,6 +67,7 @@ class Hand:
         is_fresh = seen.writer_lives and age_s is not None and age_s < FRESH_S
         self._state = seen.row.state if seen.row is not None and is_fresh else None
         self._blocked = seen.facts.blocked if seen.facts is not None else ""
+        self._probing = seen.facts is not None and seen.facts.status.probing
         shown = self._state.name if self._state is not None else ""
         self._moments.append(Moment(number=number, made_ns=self._clock.now_ns(), state=shown))
 
@@ -122,6 +124,7 @@ class Hand:
             ceiling=rules.ceiling,
             arms_from=rules.arms_from,
             hand_of=hand_of,
+            probing=self._probing,
         )
 
 

@@ -14,6 +14,8 @@ from starlette.routing import Route
 from starlette.types import Scope
 
 from aff_hmi.asked import DONE, TABLE, Answering, Asked, Entry, Said, because, body, done, refusal
+from aff_hmi.commission.link import Commission
+from aff_hmi.commission.presses import CommissionPresses
 from aff_hmi.counts import Counts
 from aff_hmi.doorkeeper import Doorkeeper
 from aff_hmi.hand import Hand
@@ -48,6 +50,7 @@ class HandRoutes:
     ----------
     is_tls : whether browsers come by https.
     say_of : the language of a request. ``alarms``, ``windows`` : None where none are kept.
+    commission : None on a screen that commissions nothing.
     """
 
     def __init__(
@@ -60,6 +63,7 @@ class HandRoutes:
         say_of: Callable[[HTTPConnection], Say],
         alarms: AlarmDesk | None = None,
         windows: WindowDesk | None = None,
+        commission: Commission | None = None,
     ) -> None:
         self._hand = hand
         self._counts = counts
@@ -73,6 +77,7 @@ class HandRoutes:
             "/hand": self._take,
             "/act": self._act,
             **LesserPresses(hand.sessions, self._note, alarms, windows).answers(),
+            **CommissionPresses(hand.sessions, commission).answers(),
         }
 
     def routes(self) -> list[Route]:

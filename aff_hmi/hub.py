@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from aff_hmi import frames
+from aff_hmi.commission.link import Commission
 from aff_hmi.counts import Counts
 from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout, layout_of
@@ -66,6 +67,7 @@ class Hub:
     ----------
     watch : of the service. ``hand`` : None on a screen for looking only.
     kept : history, and the pages of it; None on a screen with the overview alone.
+    commission : the way to the commissioner; None on a screen without one.
 
     Attributes
     ----------
@@ -74,9 +76,15 @@ class Hub:
     """
 
     def __init__(
-        self, watch: Watch, clock: Clock, hand: Hand | None = None, kept: Kept | None = None
+        self,
+        watch: Watch,
+        clock: Clock,
+        hand: Hand | None = None,
+        kept: Kept | None = None,
+        commission: Commission | None = None,
     ) -> None:
         self._watch = watch
+        self.commission = commission
         self.kept = kept
         self.hand = hand
         self._clock = clock

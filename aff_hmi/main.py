@@ -12,9 +12,9 @@ from pathlib import Path
 
 from aff_hmi import account_command
 from aff_hmi.account_command import INSTALLED_ACCOUNTS
-from aff_hmi.accounts import read_accounts
 from aff_hmi.listening import PORT, Listening, listening
 from aff_hmi.words import LANGUAGES
+from aff_runtime.app.hand.accounts import read_accounts
 from aff_runtime.app.link.runtime_directory import default_directory, runtime_paths
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
@@ -68,6 +68,13 @@ def build_parser() -> argparse.ArgumentParser:
         "for looking only)",
     )
     parser.add_argument(
+        "--commission-socket",
+        type=Path,
+        metavar="SOCKET",
+        help="let those of role commission do so, at an `aff-runtime commission` (needs "
+        "--hand-socket)",
+    )
+    parser.add_argument(
         "--accounts",
         type=Path,
         default=INSTALLED_ACCOUNTS,
@@ -110,6 +117,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _check_free(place)
         if options.hand_socket is not None:
             read_accounts(options.accounts)
+        elif options.commission_socket is not None:
+            raise ConfigError("--commission-socket: needs --hand-socket as well")
         return _run(options, place)
     except AffError as error:
         _say(f"aff-hmi: {error}", sys.stderr.fileno())
@@ -123,6 +132,7 @@ def _run(options: argparse.Namespace, place: Listening) -> int:
         from aff_hmi.server import serve  # noqa: PLC0415  heavy, and `--help` is quick without it
     except ImportError as error:
         raise ConfigError(f"{error.name} is needed: install aff-runtime[hmi]") from None
+    from aff_hmi.commission.link import Commission  # noqa: PLC0415
     from aff_hmi.hand import Hand  # noqa: PLC0415
     from aff_hmi.see.kept import Kept  # noqa: PLC0415
     from aff_hmi.watch import Watch  # noqa: PLC0415
@@ -131,6 +141,7 @@ def _run(options: argparse.Namespace, place: Listening) -> int:
     watch = Watch(options.door, clock)
     hand = Hand(options.hand_socket, options.accounts, clock) if options.hand_socket else None
     kept = Kept(options.state, clock, can_be_seen=hand is not None)
+    commission = Commission(options.commission_socket) if options.commission_socket else None
     notifier = ServiceNotifier(os.environ, every_ticks=FRAMES_PER_NOTE)
 
     def ready() -> None:
@@ -141,7 +152,7 @@ def _run(options: argparse.Namespace, place: Listening) -> int:
         notifier.tick_done(False)
 
     try:
-        asyncio.run(serve(watch, hand, kept, place, options.language, ready, alive))
+        asyncio.run(serve(watch, hand, kept, commission, place, options.language, ready, alive))
     finally:
         watch.close()
         kept.close()

@@ -10,6 +10,7 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from aff_hmi.bundles import FOLDER, served
+from aff_hmi.commission.routes import CommissionData
 from aff_hmi.hand_routes import HandRoutes, place_of
 from aff_hmi.hub import Hub
 from aff_hmi.rooms import PAGES as SEEN
@@ -18,6 +19,8 @@ from aff_hmi.words import LANGUAGES, NAMES, Say, language_of, say_in
 from aff_runtime import __version__
 from aff_runtime.app.report.metrics.exposition import CONTENT_TYPE
 from aff_runtime.base.ports import Clock
+
+COMMISSIONED = {"/commission": "commission.html", "/card": "card.html"}
 
 
 class Pages:
@@ -42,6 +45,7 @@ class Pages:
                 say_of=self._say_of,
                 alarms=AlarmDesk(hub.kept) if hub.kept is not None else None,
                 windows=hub.rooms.windows if hub.rooms is not None else None,
+                commission=hub.commission,
             )
         self._files = served(has_hand=hub.hand is not None)
         self._templates = Environment(
@@ -65,6 +69,10 @@ class Pages:
             routes += self._hub.rooms.routes(self._say_of)
         if self.presses is not None:
             routes += [Route("/login", self.login), *self.presses.routes()]
+        if self.presses is not None and self._hub.commission is not None:
+            routes += [Route(path, self.commissioned) for path in COMMISSIONED]
+            data = CommissionData(self._hub.commission, self.presses.session_of, self._say_of)
+            routes += data.routes()
         return Starlette(routes=routes)
 
     async def overview(self, request: Request) -> Response:
@@ -76,6 +84,11 @@ class Pages:
         path = request.scope["path"]
         template, topic = SEEN[path]
         return self._page(template, request, path=path, topic=topic)
+
+    async def commissioned(self, request: Request) -> Response:
+        """Return one of the pages of who commissions."""
+        path = request.scope["path"]
+        return self._page(COMMISSIONED[path], request, path=path)
 
     async def login(self, request: Request) -> Response:
         """Return the page on which one logs in."""
@@ -89,6 +102,7 @@ class Pages:
             path=path,
             topic=topic,
             kept=self._hub.kept,
+            commissions=self._hub.commission is not None,
             rooms=self._hub.rooms,
             script=name.removesuffix(".html"),
             others=[(one, NAMES[one]) for one in LANGUAGES if one != language],

@@ -10,6 +10,7 @@ import h11
 import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from aff_hmi.commission.link import Commission
 from aff_hmi.gate import Gate, Rates
 from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
@@ -104,6 +105,7 @@ async def serve(
     watch: Watch,
     hand: Hand | None,
     kept: Kept,
+    commission: Commission | None,
     listening: Listening,
     language: str,
     ready: Callable[[], None],
@@ -113,7 +115,7 @@ async def serve(
 
     ``ready`` is called once browsers are heard, ``alive`` with every frame.
     """
-    hub = Hub(watch, MonotonicClock(), hand, kept)
+    hub = Hub(watch, MonotonicClock(), hand, kept, commission)
     server = uvicorn.Server(config_of(listening, hub, language))
     polling = asyncio.create_task(hub.run(alive))
     serving = asyncio.create_task(server.serve())

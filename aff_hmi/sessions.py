@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from aff_hmi.accounts import Account, Accounts
+from aff_runtime.app.hand.accounts import Account, Accounts
 from aff_runtime.app.hand.bucket import Bucket
 from aff_runtime.app.hand.may import Person, Place, Role
 from aff_runtime.base.ports import Clock
@@ -20,7 +20,7 @@ HAND_NS = 15 * MINUTE_NS
 MAX_SESSIONS = 32
 
 
-@dataclass(slots=True, kw_only=True, eq=False)
+@dataclass(slots=True, kw_only=True, eq=False, weakref_slot=True)
 class Session:
     """One login.
 

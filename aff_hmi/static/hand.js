@@ -1,15 +1,17 @@
 // Bypass in one press, arming by holding. What the service would refuse cannot be pressed, and says
 // why. A press is done when the line shows it, not when the server has answered.
 const HOLD_MS = 1000;
-const CONFIRM_MS = { bypass: 1000, arm: 2000 };
+const CONFIRM_MS = { bypass: 1000, arm: 2000, probe: 4000 };
 const PATIENCE_MS = 4000;
-const SHOWS = { bypass: ["BYPASS", "FAULT"], arm: ["ARMED", "ACTIVE"] };
+const armed = ["ARMED", "ACTIVE"];
+const SHOWS = { bypass: ["BYPASS", "FAULT"], arm: armed, probe: armed };
 const root = document.documentElement;
 const byId = (name) => document.getElementById(name);
 const hand = byId("hand");
 const words = byId("hand-words").dataset;
 const arm = byId("arm");
 const bypass = byId("bypass");
+const probe = byId("probe"); // on the page of who commissions alone
 
 let frame = null;
 let hold = null;
@@ -52,10 +54,13 @@ function show() {
     location.reload();
     return;
   }
-  const why = isStale() ? [words.stale] : own.why.arm;
-  const cannot = why.length > 0;
-  if (arm.disabled !== cannot) arm.disabled = cannot;
-  put(byId("arm-why"), why.join("; "));
+  for (const button of [arm, probe]) {
+    if (button === null) continue;
+    const why = isStale() ? [words.stale] : own.why[button.id];
+    const cannot = why.length > 0;
+    if (button.disabled !== cannot) button.disabled = cannot;
+    put(byId(`${button.id}-why`), why.join("; "));
+  }
   const against = own.why.bypass;
   bypass.disabled = against.length > 0;
   put(byId("bypass-why"), against.join("; "));
@@ -120,23 +125,24 @@ function pressBypass() {
   if (!bypass.disabled) act("bypass", "", frame?.q ?? 0);
 }
 
-function begin() {
-  if (hold !== null || arm.disabled || isStale()) return;
-  hold = { state: frame.state, timer: setTimeout(finish, HOLD_MS) };
-  arm.classList.add("holding");
+function begin(button) {
+  if (hold !== null || button.disabled || isStale()) return;
+  hold = { button, state: frame.state, timer: setTimeout(finish, HOLD_MS) };
+  button.classList.add("holding");
 }
 
 function finish() {
-  const { state } = hold;
+  const { button, state } = hold;
   letGo();
-  if (!isStale() && frame.state === state && !arm.disabled) act("arm", frame.state, frame.q);
+  if (isStale() || frame.state !== state || button.disabled) return;
+  act(button.id, frame.state, frame.q);
 }
 
 function letGo() {
   if (hold === null) return;
   clearTimeout(hold.timer);
+  hold.button.classList.remove("holding");
   hold = null;
-  arm.classList.remove("holding");
 }
 
 function letGoEarly() {
@@ -146,19 +152,22 @@ function letGoEarly() {
 }
 
 bypass.onclick = pressBypass;
-arm.onpointerdown = (event) => {
-  if (event.isPrimary && event.button === 0) begin();
-};
-for (const name of ["pointerup", "pointerleave", "pointercancel", "blur"]) {
-  arm.addEventListener(name, letGoEarly);
+for (const button of [arm, probe]) {
+  if (button === null) continue;
+  button.onpointerdown = (event) => {
+    if (event.isPrimary && event.button === 0) begin(button);
+  };
+  for (const name of ["pointerup", "pointerleave", "pointercancel", "blur"]) {
+    button.addEventListener(name, letGoEarly);
+  }
+  button.oncontextmenu = (event) => event.preventDefault();
+  button.onkeydown = (event) => {
+    if (event.key !== " " && event.key !== "Enter") return;
+    event.preventDefault();
+    if (!event.repeat) begin(button);
+  };
+  button.onkeyup = letGoEarly;
 }
-arm.oncontextmenu = (event) => event.preventDefault();
-arm.onkeydown = (event) => {
-  if (event.key !== " " && event.key !== "Enter") return;
-  event.preventDefault();
-  if (!event.repeat) begin();
-};
-arm.onkeyup = letGoEarly;
 document.addEventListener("visibilitychange", letGoEarly);
 document.addEventListener("keydown", (event) => {
   if (event.key !== "F9" || event.repeat) return;

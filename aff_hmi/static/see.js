@@ -42,10 +42,10 @@ export function at(utc_s) {
 }
 
 /** What is asked of history; null when there is no answer. */
-export async function ask(path, query) {
+export async function ask(path, query, patience_ms = PATIENCE_MS) {
   const asked = new URLSearchParams({ ...query, lang: root.lang });
   try {
-    const answer = await fetch(`${path}?${asked}`, { signal: AbortSignal.timeout(PATIENCE_MS) });
+    const answer = await fetch(`${path}?${asked}`, { signal: AbortSignal.timeout(patience_ms) });
     return await answer.json();
   } catch {
     return null;
@@ -54,17 +54,22 @@ export async function ask(path, query) {
 
 /** A press that needs a login; the words of the answer. */
 export async function press(path, said) {
+  return (await send(path, said)).text;
+}
+
+/** A press that needs a login; the whole answer. */
+export async function send(path, said, patience_ms = PATIENCE_MS) {
   const token = byId("hand")?.dataset.token ?? "";
   try {
     const answer = await fetch(`${path}?lang=${root.lang}`, {
       method: "POST",
       headers: { "content-type": "application/json", "x-aff-token": token },
       body: JSON.stringify(said),
-      signal: AbortSignal.timeout(PATIENCE_MS),
+      signal: AbortSignal.timeout(patience_ms),
     });
-    return (await answer.json()).text;
+    return await answer.json();
   } catch {
-    return words.failed;
+    return { ok: false, text: words.failed };
   }
 }
 

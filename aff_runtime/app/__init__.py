@@ -3,6 +3,7 @@
 __all__ = [
     "card",
     "check",
+    "commission",
     "control",
     "door",
     "hand",

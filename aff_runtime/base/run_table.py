@@ -119,6 +119,13 @@ def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> 
     )
 
 
+def last_event_s(folder: Path, is_it: Callable[[Mapping[str, str]], bool]) -> float:
+    """Return when the last event of a kind was, s of the column ``time_s``; 0 without one."""
+    rows, _ = _events(folder / "events.csv", RunWindow(folder=folder, from_s=0.0, to_s=math.inf))
+    times = (_time_s(row) for row in rows if is_it(row))
+    return max((one for one in times if math.isfinite(one)), default=0.0)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FirstRow:
     """The first row of one segment: by column name; ``number`` is the segment's."""
@@ -327,9 +334,14 @@ def _events(path: Path, window: RunWindow) -> tuple[list[dict[str, str]], list[s
     return found, [f"{path.name}: cannot be read to its end"] if more else []
 
 
-def _is_inside(row: Mapping[str, str], window: RunWindow) -> bool:
+def _time_s(row: Mapping[str, str]) -> float:
+    """Return when an event was, NaN where that cannot be read."""
     try:
-        time_s = float(row.get("time_s") or "nan")
+        return float(row.get("time_s") or "nan")
     except ValueError:
-        time_s = math.nan
+        return math.nan
+
+
+def _is_inside(row: Mapping[str, str], window: RunWindow) -> bool:
+    time_s = _time_s(row)
     return not (time_s < window.from_s or time_s >= window.to_s)

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.cli.service import add_state_dir
+from aff_runtime.cli.service import add_state_dir, paths_of
 from aff_runtime.cli.terminal import complain, say
 
 if TYPE_CHECKING:
     from aff_runtime.app.card.entries import Measured
+    from aff_runtime.app.card.work import CardFile
+    from aff_runtime.app.commission.sources import Where
 
 EXIT_BROKEN = EXIT_FAILED = 5
 PAGE = "card.html"
@@ -98,9 +100,9 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
 
 def _new(options: argparse.Namespace) -> int:
     from aff_runtime.app.card import work  # noqa: PLC0415 - numpy is for the card alone
-    from aff_runtime.cli import card_sources  # noqa: PLC0415
+    from aff_runtime.app.commission import sources  # noqa: PLC0415
 
-    record = card_sources.record_of(options.site, options.state_dir)
+    record = sources.record_of(options.site, options.state_dir)
     newest = work.begin(options.folder, options.site, record)
     say(f"{options.folder}: a card of {record.site.line.name}, {newest[:12]}")
     return 0
@@ -108,10 +110,10 @@ def _new(options: argparse.Namespace) -> int:
 
 def _show(options: argparse.Namespace) -> int:
     from aff_runtime.app.card import lines, work  # noqa: PLC0415
-    from aff_runtime.cli import card_sources  # noqa: PLC0415
+    from aff_runtime.app.commission import sources  # noqa: PLC0415
 
     card = work.CardFile.of(options.card)
-    now, said = card_sources.inputs_now(options, card)
+    now, said = sources.inputs_now(_where(options, card), card)
     for line in said:
         complain(line)
     for line in lines.card_lines(card.card(now)):
@@ -123,33 +125,34 @@ def _step(options: argparse.Namespace) -> int:
     """Measure; 5 when a limit is not kept."""
     from aff_runtime.app.card import lines, steps, work  # noqa: PLC0415
     from aff_runtime.app.card.typed_values import typed  # noqa: PLC0415
-    from aff_runtime.cli import card_sources  # noqa: PLC0415
+    from aff_runtime.app.commission import sources  # noqa: PLC0415
 
     card = work.CardFile.of(options.card)
-    sources = card_sources.sources(options, card, windows=options.run, plc=options.plc)
-    by = card_sources.by_whom()
+    where = _where(options, card)
+    found = sources.sources(where, card, windows=options.run, plc=options.plc)
+    by = sources.by_whom()
     if options.not_applicable:
-        inputs = card_sources.inputs_of(sources)
-        found: Measured = work.leave_out(card, options.number, options.not_applicable, inputs, by)
+        inputs = sources.inputs_of(found)
+        kept: Measured = work.leave_out(card, options.number, options.not_applicable, inputs, by)
     else:
         values = tuple(typed(text) for text in options.typed)
         if options.number == steps.SEARCH:
-            sources = card_sources.after_search(options, sources, values)
+            found = sources.after_search(where, found, values, say)
         with bounded_effort("card", ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
-            found = work.measure(card, options.number, sources, values, by)
-    work.keep_site(options.card, sources.record)
-    for line in lines.measured_lines(found):
+            kept = work.measure(card, options.number, found, values, by)
+    work.keep_site(options.card, found.record)
+    for line in lines.measured_lines(kept):
         say(line)
-    return EXIT_FAILED if found.verdict == "fail" else 0
+    return EXIT_FAILED if kept.verdict == "fail" else 0
 
 
 def _sign(options: argparse.Namespace) -> int:
     from aff_runtime.app.card import work  # noqa: PLC0415
-    from aff_runtime.cli import card_sources  # noqa: PLC0415
+    from aff_runtime.app.commission import sources  # noqa: PLC0415
 
     card = work.CardFile.of(options.card)
-    now = card_sources.inputs_of(card_sources.sources(options, card))
-    by = card_sources.by_whom()
+    now = sources.inputs_of(sources.sources(_where(options, card), card))
+    by = sources.by_whom()
     signed = work.sign(card, options.number, now, name=options.name, reason=options.reason, by=by)
     newest = work.CardFile.of(options.card).newest
     say(f"step {signed.step} signed as {signed.name}; newest {newest}")
@@ -158,11 +161,11 @@ def _sign(options: argparse.Namespace) -> int:
 
 def _page(options: argparse.Namespace) -> int:
     from aff_runtime.app.card import page, work  # noqa: PLC0415
+    from aff_runtime.app.commission import sources  # noqa: PLC0415
     from aff_runtime.base.files import replace_text  # noqa: PLC0415
-    from aff_runtime.cli import card_sources  # noqa: PLC0415
 
     card = work.CardFile.of(options.card)
-    now, said = card_sources.inputs_now(options, card)
+    now, said = sources.inputs_now(_where(options, card), card)
     for line in said:
         complain(line)
     out = options.out or options.card / PAGE
@@ -176,25 +179,23 @@ def _page(options: argparse.Namespace) -> int:
 
 def _verify(options: argparse.Namespace) -> int:
     """Follow the chain; 5 when it does not hold."""
-    from aff_runtime.app.card import book, chain, entries, records  # noqa: PLC0415
+    from aff_runtime.app.card.verify import verify  # noqa: PLC0415
 
-    path = book.card_file(options.file)
-    found = chain.follow(book.content_of(path))
-    wrong = [found.wrong] if found.wrong else []
-    if not wrong and options.newest and found.newest != options.newest:
-        number = next((k.number for k in found.links if k.sha256 == options.newest), 0)
-        wrong.append(
-            f"the page's hash is that of entry {number}: {len(found.links) - number} were added"
-            if number
-            else "no entry has the page's hash: entries were taken away, or it is another card"
-        )
-    if not wrong and options.records:
-        said = [one.said for one in entries.entries_of(found)]
-        measured = [one for one in said if isinstance(one, entries.Measured)]
-        wrong = [text for one in measured for w in one.windows for text in records.differences(w)]
-    for text in wrong:
-        complain(f"aff-runtime: {path}: does not hold: {text}")
-    if wrong:
+    found = verify(options.file, options.newest, records=options.records)
+    for text in found.wrong:
+        complain(f"aff-runtime: {found.path}: does not hold: {text}")
+    if found.wrong:
         return EXIT_BROKEN
-    say(f"{len(found.links)} entries, whole; newest {found.newest}")
+    say(f"{found.entries} entries, whole; newest {found.newest}")
     return 0
+
+
+def _where(options: argparse.Namespace, card: CardFile) -> Where:
+    from aff_runtime.app.commission.sources import Where  # noqa: PLC0415
+
+    return Where(
+        site=options.site or Path(card.begun.site),
+        state=options.state_dir,
+        socket=paths_of(options).socket,
+        card=options.card,
+    )

@@ -39,6 +39,7 @@ COMMANDS = {
     "map": "wire_map",
     "audit": "audit",
     "card": "card",
+    "commission": "commission",
 }
 """Each command and its module here, in the order of the help. A new command is one more row."""
 

@@ -55,6 +55,11 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     )
     add_state_dir(parser)
     parser.add_argument(
+        "--wait",
+        action="store_true",
+        help="begin once the site file is there and good; a file that is there runs at once",
+    )
+    parser.add_argument(
         "--forget",
         action="store_true",
         help="another roll was put in: drop the saved shapes of rolls that are exchanged",
@@ -71,6 +76,10 @@ def run(options: argparse.Namespace) -> int:
     from aff_runtime.app.supervisor.supervisor import Supervisor  # noqa: PLC0415
 
     open_log()
+    if options.wait:
+        from aff_runtime.app.supervisor.first_file import await_site  # noqa: PLC0415
+
+        await_site(options.site, options.state_dir)
     supervisor = Supervisor(
         RunOptions(
             site=options.site,

@@ -3,27 +3,20 @@
 from __future__ import annotations
 
 import argparse
-import hashlib
-import os
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.check.limits import PATIENCE_S
+from aff_runtime.app.commission.saving import await_saved, raw, save
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError, RefusedError, WireError
-from aff_runtime.base.files import replace_text
-from aff_runtime.base.ports import Clock
 from aff_runtime.cli.service import connect
 from aff_runtime.cli.terminal import say
-from aff_runtime.config.plain_file import read_plain
-from aff_runtime.config.yaml_marks import MAX_BYTES
 
-SAVED_PATIENCE_NS = 10_000_000_000
-LOOK_NS = 100_000_000
 WHY = "reason, for the history; 8 characters at least"
 
 
@@ -126,57 +119,8 @@ def _keep_or_undo(
     say(f"{'kept' if word == 'keep' else 'undone'}; saved in {options.site}")
 
 
-def save(site: Path, answer: SettingsAnswer) -> None:
-    """Save what the service hands out as its site file, with the rights of whoever runs this.
-
-    The caller names the file: no service tells root where to write.
-
-    Raises
-    ------
-    ConfigError
-        When it is not the service's site file, is another one by now, or may not be written;
-        nothing is kept then.
-    """
-    if os.path.realpath(site) != os.path.realpath(answer.site):
-        raise ConfigError(f"{site}: the service runs on {answer.site}; nothing is kept")
-    if hashlib.sha256(_raw(site)).hexdigest() != answer.replaces:
-        raise ConfigError(f"{site}: somebody has saved it meanwhile; nothing is kept")
-    try:
-        replace_text(site, answer.text, keep_owner=True)
-    except OSError as error:
-        raise ConfigError(
-            f"{site}: {error.strerror}; nothing is kept. Run the command as who may write it"
-        ) from None
-
-
-def await_saved(state: Callable[[], SettingsAnswer], text: str, clock: Clock) -> None:
-    """Wait until the service runs on what was saved.
-
-    Raises
-    ------
-    RefusedError
-        When it does not, or not yet.
-    """
-    wanted = hashlib.sha256(text.encode("utf-8")).hexdigest()
-    end_ns = clock.now_ns() + SAVED_PATIENCE_NS
-    while clock.now_ns() < end_ns:
-        now = state()
-        if now.running == wanted and not now.trying:
-            return
-        clock.sleep_until_ns(clock.now_ns() + LOOK_NS)
-    raise RefusedError("it is saved and does not run yet; see `aff-runtime status`")
-
-
-def _raw(path: Path) -> bytes:
-    try:
-        return read_plain(path, MAX_BYTES)
-    except (OSError, ValueError) as error:
-        said = error.strerror if isinstance(error, OSError) else str(error)
-        raise ConfigError(f"{path}:1:1  cannot be read: {said}") from None
-
-
 def _text(path: Path) -> str:
     try:
-        return _raw(path).decode("utf-8")
+        return raw(path).decode("utf-8")
     except UnicodeDecodeError:
         raise ConfigError(f"{path}:1:1  is not UTF-8 text") from None

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from aff_hmi.accounts import Account, secret_of, write_accounts
 from aff_runtime.app.door.client import DoorClient
 from aff_runtime.app.door.messages import RingPassed
+from aff_runtime.app.hand.accounts import Account, secret_of, write_accounts
 from aff_runtime.app.hand.may import Role
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.python_child import module_command

@@ -23,6 +23,7 @@ class Profile:
     start: tuple[float, ...]
 
 
+Nearest = Callable[[float, Array], tuple[Profile, Array]]
 Starts = Callable[[float, Array, Array, Sequence[float]], list[Profile]]
 
 
@@ -38,9 +39,14 @@ class Profiles:
     age : the parameter that says by how much the body has changed since its profile was formed:
         a state of the body, found anew on every record.
     age_tries : values of it to begin a fit with.
+    orders_choice : options (name, value) of a mix of orders, as traced.
+    nearest : (mean radius of the body, m; cos and sin of its orders, m (n, 2)) -> the profile
+        that is most like them, and its own cos and sin (n, 2).
     """
 
     starts: Starts
     size: str
     age: str
     age_tries: tuple[float, ...]
+    orders_choice: tuple[tuple[str, float | str], ...]
+    nearest: Nearest

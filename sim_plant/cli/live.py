@@ -22,6 +22,11 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--hands-off", action="store_true", help="neither probe nor arm: that is left to you"
     )
+    parser.add_argument(
+        "--fresh",
+        action="store_true",
+        help="without a site file: the line is commissioned at the screen",
+    )
     parser.set_defaults(run=run)
 
 
@@ -40,7 +45,8 @@ def run(arguments: argparse.Namespace) -> int:
     )
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # both ways end the children
     try:
-        run_live(plan, say, listen=arguments.listen, hands_off=arguments.hands_off)
+        hands_off, fresh = arguments.hands_off, arguments.fresh
+        run_live(plan, say, listen=arguments.listen, hands_off=hands_off, fresh=fresh)
     except KeyboardInterrupt:
         say("ended")
     return 0

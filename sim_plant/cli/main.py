@@ -13,6 +13,7 @@ from sim_plant.cli.output import say
 COMMANDS = {
     "demo": "demo",
     "demo-loop": "demo_loop",
+    "export": "export",
     "fleet": "fleet",
     "identify": "identify",
     "live": "live",

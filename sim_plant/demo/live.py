@@ -1,4 +1,4 @@
-"""Plant, service and screen on loopback until somebody ends them: a line to look at."""
+"""Plant, service, commissioner and screen on loopback until somebody ends them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.demo.processes import SCREEN, Bench, Child, runtime_command
+from sim_plant.demo.processes import RUNTIME, SCREEN, Bench, Child, runtime_command
 from sim_plant.demo.session import (
     Plan,
     Progress,
@@ -24,13 +24,16 @@ LOOK_S = 0.5
 ACCOUNT = "demo"
 
 
-def run_live(plan: Plan, progress: Progress, *, listen: str, hands_off: bool) -> None:
-    """Run until interrupted, or until one of the three ends.
+def run_live(
+    plan: Plan, progress: Progress, *, listen: str, hands_off: bool, fresh: bool = False
+) -> None:
+    """Run until interrupted, or until one of them ends.
 
     Parameters
     ----------
     listen : ``ADDRESS:PORT`` of the screen.
     hands_off : leave probing and arming to whoever looks.
+    fresh : leave the site file to whoever looks as well; there is none.
 
     Raises
     ------
@@ -38,27 +41,35 @@ def run_live(plan: Plan, progress: Progress, *, listen: str, hands_off: bool) ->
         When one of them does not start, or ends.
     """
     bench = prepare(plan)
+    if fresh:
+        bench.site.unlink()
     with ExitStack() as stack:
         progress("starting the plant (compiles its kernel the first time)")
         command = plant_command(bench, plan.line, plan.line_speed_m_s, plan.seed)
         plant = Child("plant", command, bench.folder / "plant.log", "ready")
         stack.enter_context(plant)
-        command = [*service_command(bench), "--hand", "operate"]
+        command = [*service_command(bench), "--hand", "commission", "--wait"]
         command += ["--state-dir", str(bench.folder / "state")]
         service = Child("runtime", command, bench.folder / "runtime.log")
         stack.enter_context(service)
         accounts = bench.folder / "accounts"
         password = _account(accounts)
+        commissioner = _commissioner(bench, accounts)
+        stack.enter_context(commissioner)
         screen = _screen(bench, listen, accounts)
         stack.enter_context(screen)
         url = screen.await_line("look: ", 30.0).removeprefix("look: ")
         progress(f"\n  look at the line: {url}")
-        progress(f"  bypass and arm there: log in as {ACCOUNT}, password {password}\n")
-        await_state(bench, service, {"FAULT", "OFF", "READY"}, 30.0)
-        if not hands_off:
+        progress(f"  bypass, arm, commission: log in as {ACCOUNT}, password {password}\n")
+        if fresh:
+            wire = bench.plant_arguments[-1]
+            progress(f"  the PLC to commission: {wire}, 24 words from wire address 0\n")
+        else:
+            await_state(bench, service, {"FAULT", "OFF", "READY"}, 30.0)
+        if not (hands_off or fresh):
             _operate(bench, progress)
         progress(_commands(bench))
-        children = (plant, service, screen)
+        children = (plant, service, commissioner, screen)
         while all(child.process.poll() is None for child in children):
             pause(LOOK_S)
         ended = next(child for child in children if child.process.poll() is not None)
@@ -68,7 +79,7 @@ def run_live(plan: Plan, progress: Progress, *, listen: str, hands_off: bool) ->
 def _account(accounts: Path) -> str:
     """Make an account for this line alone; return its password."""
     password = secrets.token_hex(6)
-    command = [*SCREEN, "account", "add", ACCOUNT, "--role", "operate", "--accounts"]
+    command = [*SCREEN, "account", "add", ACCOUNT, "--role", "commission", "--accounts"]
     made = subprocess.run(
         [*command, str(accounts)],
         input=f"{password}\n",
@@ -86,8 +97,17 @@ def _screen(bench: Bench, listen: str, accounts: Path) -> Child:
     run = bench.runtime_dir
     command = [*SCREEN, "--door", str(run / "door.sock"), "--listen", listen]
     command += ["--hand-socket", str(run / "hand.sock"), "--accounts", str(accounts)]
+    command += ["--commission-socket", str(run / "commission.sock")]
     command += ["--state", str(bench.folder / "screen")]
     return Child("screen", command, bench.folder / "screen.log", piped=True)
+
+
+def _commissioner(bench: Bench, accounts: Path) -> Child:
+    """Start what lets the screen commission."""
+    command = [*RUNTIME, "commission", str(bench.site), "--card", str(bench.folder / "card")]
+    command += ["--accounts", str(accounts), "--runtime-dir", str(bench.runtime_dir)]
+    command += ["--state-dir", str(bench.folder / "state")]
+    return Child("commissioner", command, bench.folder / "commissioner.log", "ready")
 
 
 def _operate(bench: Bench, progress: Progress) -> None:
@@ -108,5 +128,5 @@ def _commands(bench: Bench) -> str:
     return (
         f"in another terminal: aff-runtime bypass {of}\n"
         f"                     aff-runtime arm {of}\n"
-        "ctrl-c ends all three"
+        "ctrl-c ends them all"
     )

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import REWIND, UNWIND, Array, LineArrays
@@ -15,18 +16,32 @@ from sim_plant.base.profiles import Profile, Profiles
 from sim_plant.base.signatures import whole
 from sim_plant.effects.phasor import angle, component, phasor
 from sim_plant.effects.shape_rows import add_gravity_moment, add_mean, add_shape
-from sim_plant.geometry.roll_profiles import asymmetric, bulge, flat_spot, flattened_bulge
+from sim_plant.geometry.roll_profiles import (
+    ASYMMETRIC_FALL_RAD,
+    ASYMMETRIC_RISE_RAD,
+    asymmetric,
+    bulge,
+    flat_spot,
+    flattened_bulge,
+)
 from sim_plant.geometry.shapes import MAX_ORDER, Shape, circle, ellipse, orders, require_convex
 from sim_plant.geometry.wound_mass import wound_mass
 
 GRAVITY_M_S2 = 9.80665
 LARGEST_ROLL_M = 5.0
 FLATTENED = "flattened_bulge"
-KINDS = ("flat", "bulge", "asym", FLATTENED, "ellipse", "orders")
+ASYMMETRIC = "asym"
+KINDS = ("flat", "bulge", ASYMMETRIC, FLATTENED, "ellipse", "orders")
 """Profiles by name; the last is none, only orders."""
+TRACED_KINDS = ("flat", ASYMMETRIC, FLATTENED, "ellipse")
 MOST_UNWOUND_M = 0.05
-HIGHEST_ORDER = 6
+HIGHEST_ORDER = 12
+TRACED_ORDER = 6
+"""Orders that a roll has as numbers of its own, and those that it is looked for by."""
 TRIED_SIZES_M = (0.001, 0.002, 0.004, 0.006, 0.009, 0.012, 0.016)
+TRIED_FLANKS_RAD = np.radians((15.0, 30.0, 45.0, 60.0))
+FLANK_TRIED_AT_M = 0.004
+NARROWEST_FLANK_RAD = 0.05
 TRIED_ANGLES_RAD = np.radians(np.arange(0.0, 360.0, 2.0))
 TRACED_FINEST_ORDER = 64.0
 """A profile that is traced has no finer orders: drives and cells do not answer to them."""
@@ -34,14 +49,21 @@ PAIRS = tuple(Quadrature(cos=f"cos{n}_m", sin=f"sin{n}_m") for n in range(1, HIG
 
 
 def named(
-    kind: str, size_m: float, radius_m: float, angle_rad: float, flat_width_m: float = 0.0
+    kind: str,
+    size_m: float,
+    radius_m: float,
+    angle_rad: float,
+    flat_width_m: float = 0.0,
+    flanks_rad: tuple[float, float] = (0.0, 0.0),
 ) -> Shape:
     """Return the named profile round ``radius_m``; size is depth, height or half axis spread."""
-    return _at_angle_0(kind, size_m, radius_m, flat_width_m).turned(angle_rad)
+    return _at_angle_0(kind, size_m, radius_m, flat_width_m, flanks_rad).turned(angle_rad)
 
 
-@lru_cache(maxsize=64)
-def _at_angle_0(kind: str, size_m: float, radius_m: float, flat_width_m: float) -> Shape:
+@lru_cache(maxsize=256)
+def _at_angle_0(
+    kind: str, size_m: float, radius_m: float, flat_width_m: float, flanks_rad: tuple[float, float]
+) -> Shape:
     """Return the profile not turned, made once: a hull takes longer than a minute of line."""
     if kind not in KINDS:
         raise PlantError(f"out_of_round_roll.shape: read {kind!r}; expected one of {KINDS}")
@@ -51,11 +73,17 @@ def _at_angle_0(kind: str, size_m: float, radius_m: float, flat_width_m: float) 
         return flat_spot(size_m, radius_m)
     if kind == "bulge":
         return bulge(size_m, radius_m)
-    if kind == "asym":
-        return asymmetric(size_m, radius_m)
+    if kind == ASYMMETRIC:
+        return asymmetric(size_m, radius_m, 0.0, *_flanks(flanks_rad))
     if kind == FLATTENED:
         return flattened_bulge(size_m, flat_width_m or 6.0 * size_m, radius_m)
     return ellipse(radius_m + size_m, radius_m - size_m)
+
+
+def _flanks(given_rad: tuple[float, float]) -> tuple[float, float]:
+    """Return the widths of both flanks, rad: 0 is the profile's own, none is a wall."""
+    rise, fall = (max(NARROWEST_FLANK_RAD, w) if w > 0.0 else 0.0 for w in given_rad)
+    return rise or float(ASYMMETRIC_RISE_RAD), fall or float(ASYMMETRIC_FALL_RAD)
 
 
 def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
@@ -63,7 +91,8 @@ def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
 
     Winding and unwinding lead to parallel curves: a profile formed at another radius keeps its
     deviations from the round part. A profile of a finite ``finest_order`` ripples beside its
-    corners; web that is laid and taken off there passes twice (``elements/span``).
+    corners; web that is laid and taken off there passes twice (``elements/span``). Of all orders
+    it has to be convex.
 
     Raises
     ------
@@ -73,10 +102,11 @@ def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
     kind, size_m = str(parameters["shape"]), float(parameters["size_m"])
     formed_m = _formed_m(radius_m, parameters)
     angle_rad, flat_width_m = float(parameters["angle_rad"]), float(parameters["flat_width_m"])
-    for name in ("size_m", "flat_width_m", "smoothing_rad"):
+    flanks_rad = float(parameters["rise_rad"]), float(parameters["fall_rad"])
+    for name in ("size_m", "flat_width_m", "smoothing_rad", "rise_rad", "fall_rad"):
         if float(parameters[name]) < 0.0:
             raise PlantError(f"out_of_round_roll.{name}: read {parameters[name]}; expected >= 0")
-    shape = named(kind, size_m, formed_m, angle_rad, flat_width_m)
+    shape = named(kind, size_m, formed_m, angle_rad, flat_width_m, flanks_rad)
     shape = shape.at_radius(shape.mean_radius_m + radius_m - formed_m)
     shape = shape.up_to(_finest(float(parameters["finest_order"])))
     if float(parameters["smoothing_rad"]) != 0.0:
@@ -93,7 +123,10 @@ def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
     total = np.zeros(size, dtype=np.complex128)
     total[: low_orders.size] += low_orders
     total[: shape.deviation_m.size] += shape.deviation_m
-    return require_convex(Shape(mean_radius_m=shape.mean_radius_m, deviation_m=total))
+    whole_shape = Shape(mean_radius_m=shape.mean_radius_m, deviation_m=total)
+    if float(parameters["finest_order"]) < MAX_ORDER:
+        return whole_shape
+    return require_convex(whole_shape)
 
 
 def _formed_m(radius_m: float, parameters: Mapping[str, Value]) -> float:
@@ -163,21 +196,20 @@ def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
 
 
 def profile_starts(
-    radius_m: float, inner: Array, against: Array, amplitudes_m: Sequence[float], keep: int = 2
+    radius_m: float, inner: Array, against: Array, amplitudes_m: Sequence[float], keep: int = 3
 ) -> list[Profile]:
     """Return named profiles with size and angle that explain most, best first.
 
     ``inner`` (2 n, 2 n) and ``against`` (2 n,) are S'PS and S'Pr of the order columns
     (cos, sin per order, columns per ``amplitudes_m``): a profile is a fixed mix of orders, so its
-    gain 2 z'b - z'Gz needs no simulation.
+    gain 2 z'b - z'Gz needs no simulation. A bulge is the profile of two flanks alike.
     """
     highest = len(amplitudes_m) // 2
     number = np.arange(1, highest + 1)
-    found: list[tuple[float, str, float, float]] = []
-    for kind in KINDS[:-1]:
-        best = (-np.inf, kind, 0.0, 0.0)
-        for size in TRIED_SIZES_M:
-            shape = named(kind, size, radius_m, 0.0).deviation_m
+    found: list[tuple[float, str, dict[str, float]]] = []
+    for kind in TRACED_KINDS:
+        best: tuple[float, str, dict[str, float]] = (-np.inf, kind, {})
+        for shape, numbers in _tried(kind, radius_m):
             h = np.zeros(highest, dtype=np.complex128)
             h[: min(highest, shape.size)] = shape[:highest]
             turned = h[None, :] * np.exp(-1j * np.outer(TRIED_ANGLES_RAD, number))
@@ -185,28 +217,81 @@ def profile_starts(
             z = z / np.asarray(amplitudes_m)
             gain = 2.0 * z @ against - np.einsum("ai,ij,aj->a", z, inner, z)
             at = int(np.argmax(gain))
-            best = max(best, (float(gain[at]), kind, size, float(TRIED_ANGLES_RAD[at])))
+            if gain[at] > best[0]:
+                best = (
+                    float(gain[at]),
+                    kind,
+                    {**numbers, "angle_rad": float(TRIED_ANGLES_RAD[at])},
+                )
         found.append(best)
-    found.sort(reverse=True)
-    return [
-        _start(kind, size, angle_rad) for gain, kind, size, angle_rad in found[:keep] if gain > 0.0
-    ]
+    found.sort(key=lambda row: -row[0])
+    return [_start(kind, numbers) for gain, kind, numbers in found[:keep] if gain > 0.0]
 
 
-def _start(kind: str, size_m: float, angle_rad: float) -> Profile:
+def nearest_profile(radius_m: float, orders_m: Array) -> tuple[Profile, Array]:
+    """Return the named profile most like ``orders_m`` (n, 2), cos and sin, and its own.
+
+    Least squares over the orders given, each at its size; the size is free, the others tried.
+    """
+    wanted = orders_m[:, 0] - 1j * orders_m[:, 1]
+    number = np.arange(1, wanted.size + 1)
+    best: tuple[float, str, dict[str, float]] = (np.inf, "", {})
+    for kind in TRACED_KINDS:
+        for shape, numbers in _tried(kind, radius_m):
+            h = np.zeros(wanted.size, dtype=np.complex128)
+            h[: min(h.size, shape.size)] = shape[: h.size]
+            turned = h[None, :] * np.exp(-1j * np.outer(TRIED_ANGLES_RAD, number))
+            share = np.maximum(0.0, (turned.conj() @ wanted).real) / np.sum(np.abs(h) ** 2)
+            share = share if kind == ASYMMETRIC else np.ones_like(share)
+            left = np.sum(np.abs(share[:, None] * turned - wanted) ** 2, axis=1)
+            at = int(np.argmin(left))
+            if left[at] < best[0] and share[at] > 0.0:
+                size = {"size_m": float(share[at]) * numbers["size_m"]}
+                angle = {"angle_rad": float(TRIED_ANGLES_RAD[at])}
+                best = (float(left[at]), kind, {**numbers, **size, **angle})
+    told = _start(best[1], best[2])
+    values = dict(told.choice) | dict(zip(told.names, told.start, strict=True))
+    own = profile(radius_m, {**EFFECT.parameters, **values}).deviation_m[: wanted.size]
+    return told, np.stack([own.real, -own.imag], axis=1)
+
+
+def _tried(
+    kind: str, radius_m: float
+) -> Iterator[tuple[NDArray[np.complex128], dict[str, float]]]:
+    """Return the deviations of a profile of each size that is tried, m, with its numbers.
+
+    Those of flanks of each width are of one size, the others follow from it: a start is enough.
+    """
+    if kind != ASYMMETRIC:
+        for size_m in TRIED_SIZES_M:
+            yield named(kind, size_m, radius_m, 0.0).deviation_m, {"size_m": size_m}
+        return
+    for k, one in enumerate(TRIED_FLANKS_RAD):
+        for other in TRIED_FLANKS_RAD[k:]:
+            flanks = float(one), float(other)
+            unit = named(kind, FLANK_TRIED_AT_M, radius_m, 0.0, 0.0, flanks).deviation_m
+            unit = unit / FLANK_TRIED_AT_M
+            for size_m in TRIED_SIZES_M:
+                rise, fall = flanks
+                yield size_m * unit, {"size_m": size_m, "rise_rad": rise, "fall_rad": fall}
+                mirrored = (size_m * unit).conj()
+                yield mirrored, {"size_m": size_m, "rise_rad": fall, "fall_rad": rise}
+
+
+def _start(kind: str, numbers: Mapping[str, float]) -> Profile:
     """Return a profile with the numbers that it is fitted in, and where they start.
 
     An ellipse has no corner: to round it off and to make it smaller is the same.
     """
-    names: dict[str, float] = {"size_m": size_m, "angle_rad": angle_rad}
+    start = dict(numbers)
     if kind != "ellipse":
-        names["smoothing_rad"] = 0.02
+        start["smoothing_rad"] = 0.02
     if kind == FLATTENED:
-        names["flat_width_m"] = 6.0 * size_m
+        start["flat_width_m"] = 6.0 * start["size_m"]
     return Profile(
         choice=(("shape", kind), ("finest_order", TRACED_FINEST_ORDER)),
-        names=tuple(names),
-        start=tuple(names.values()),
+        names=tuple(start),
+        start=tuple(start.values()),
     )
 
 
@@ -253,6 +338,13 @@ EFFECT = Effect(
         "flat_width_m": Parameter(  # of a flattened bulge; 0: six times its size
             default=0.0, unit="m", typical=0.03, low=0.0, high=0.3, role="shape"
         ),
+        # of asym: web before and behind the top on which the radius changes; 0: 45 and 30 degrees
+        "rise_rad": Parameter(
+            default=0.0, unit="rad", typical=0.5, low=0.0, high=1.6, role="shape"
+        ),
+        "fall_rad": Parameter(
+            default=0.0, unit="rad", typical=0.5, low=0.0, high=1.6, role="shape"
+        ),
         "gravity": Parameter(
             default=1.0, unit="1", typical=0.0, low=0.0, high=2.0, linear=True, role="shape"
         ),
@@ -261,18 +353,20 @@ EFFECT = Effect(
         ),
         **_components(),
     },
-    traced=tuple(name for pair in PAIRS for name in (pair.cos, pair.sin)),
+    traced=tuple(name for pair in PAIRS[:TRACED_ORDER] for name in (pair.cos, pair.sin)),
     quadratures=PAIRS,
     apply=apply,
     limits=limits,
     text="the roll is not round: ripple at its turning frequency and several harmonics",
-    shows=whole(*range(1, HIGHEST_ORDER + 1)),
+    shows=whole(*range(1, TRACED_ORDER + 1)),
     remedy="look how {place} was stored and clamped; the next roll brings a shape of its own",
     profiles=Profiles(
         starts=profile_starts,
         size="size_m",
         age="unwound_m",
         age_tries=(0.006, 0.012, -0.006, -0.012),
+        orders_choice=(("shape", "orders"), ("finest_order", TRACED_FINEST_ORDER)),
+        nearest=nearest_profile,
     ),
     cancel_orders=(1, 2, 3, 4),
 )

@@ -5,6 +5,7 @@ from sim_plant.line.open import open_line
 __all__ = [
     "accumulator_section",
     "build",
+    "channels",
     "climate_section",
     "corrections",
     "dancer_section",

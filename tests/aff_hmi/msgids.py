@@ -6,6 +6,8 @@ import ast
 import re
 from pathlib import Path
 
+from aff_runtime.app.card.steps import STEPS
+from aff_runtime.app.commission.messages import WORDS as COMMISSION_WORDS
 from aff_runtime.app.hand.may import WORDS
 from aff_runtime.app.report.block_status import SHAPE_WHY, WHY
 from aff_runtime.app.report.block_status import WORDS as ORDER_WORDS
@@ -36,6 +38,8 @@ def of_service() -> set[str]:
     """Return the sentences of the service's own tables."""
     of_hand = set(WORDS.values()) | set(ORDER_WORDS.values())
     events = {text for event in TABLE for text in (event.text, event.action)}
+    of_card = {text for step in STEPS for text in (step.title, step.measured, step.limit)}
+    of_hand |= of_card | set(COMMISSION_WORDS.values()) - {"{name}"}
     return (
         of_hand | events | set(PERMISSIVES.values()) | set(WHY.values()) | set(SHAPE_WHY.values())
     )

@@ -11,14 +11,14 @@ from typing import Any
 
 from starlette.types import Message
 
-from aff_hmi import accounts
-from aff_hmi.accounts import Account, secret_of, write_accounts
 from aff_hmi.gate import Gate, Rates
 from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
 from aff_hmi.pages import Pages
 from aff_hmi.see.kept import Kept
 from aff_hmi.watch import Seen, Watch
+from aff_runtime.app.hand import accounts
+from aff_runtime.app.hand.accounts import Account, secret_of, write_accounts
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.hand.messages import Answer, Command, Notice, Welcome
 from aff_runtime.app.report.tick_row import TickRow
@@ -77,7 +77,9 @@ class Reply:
 class Pressed:
     """The app, its clock, and browsers by name."""
 
-    def __init__(self, folder: Path, *, is_tls: bool = False, keeps: bool = False) -> None:
+    def __init__(
+        self, folder: Path, *, is_tls: bool = False, keeps: bool = False, commission: Any = None
+    ) -> None:
         self.clock = VirtualClock(1)
         self.clock.sleep_until_ns(10**15)
         self.file = folder / "accounts"
@@ -95,7 +97,7 @@ class Pressed:
         if keeps:
             self.kept = Kept(None, self.clock, can_be_seen=True, wall=lambda: self.wall_s)
         watch = Watch(folder / "door.sock", self.clock)
-        self.hub = Hub(watch, self.clock, self.hand, self.kept)
+        self.hub = Hub(watch, self.clock, self.hand, self.kept, commission)
         self.is_tls = is_tls
         self.pages = Pages(self.hub, "en", self.clock, is_tls=is_tls)
         assert self.pages.presses is not None

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from aff_hmi import accounts
-from aff_hmi.accounts import Account, Accounts, is_password, read_accounts, secret_of
 from aff_hmi.main import main
 from aff_hmi.sessions import MAX_SESSIONS, Sessions
+from aff_runtime.app.hand import accounts
+from aff_runtime.app.hand.accounts import Account, Accounts, is_password, read_accounts, secret_of
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.base.errors import ConfigError
 from tests.aff_hmi.pressed import quick

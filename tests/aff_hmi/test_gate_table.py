@@ -48,6 +48,24 @@ PRESSED: dict[str, tuple[dict[str, Any], tuple[int, int, int, int]]] = {
         (LOGGED_OUT, MAY_NOT, 409, 409),
     ),
     "/let-go": ({"number": 1}, (LOGGED_OUT, MAY_NOT, 409, 409)),
+    "/commission/open": (
+        {"password": PASSWORD, "over": False},
+        (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
+    ),
+    "/commission/do": ({"do": "begin", "again": ""}, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
+    "/commission/answer": ({"number": 1, "text": "yes"}, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
+    "/card/settings": (
+        {"do": "keep", "step": 9, "measured": "", "seconds": 0, "reason": "better"},
+        (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
+    ),
+    "/card/step": (
+        {"step": 4, "typed": "", "plc": "", "leave_out": ""},
+        (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
+    ),
+    "/card/sign": (
+        {"step": 4, "measured": "0" * 64, "reason": "seen there", "password": PASSWORD},
+        (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
+    ),
 }
 ROLES = tuple(NAMES)
 WHERE = list(product(ROLES, PLACES, REMOTE))

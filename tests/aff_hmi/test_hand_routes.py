@@ -32,6 +32,12 @@ GOOD: dict[str, dict[str, Any]] = {
     "/shelve": {"key": "PLC_STALE", "minutes": 30, "reason": "known"},
     "/keep": {"first": 1, "last": 9, "ring": "0" * 12, "name": "a splice", "note": ""},
     "/let-go": {"number": 1},
+    "/commission/open": {"password": PASSWORD, "over": False},
+    "/commission/do": {"do": "begin", "again": ""},
+    "/commission/answer": {"number": 1, "text": "yes"},
+    "/card/settings": {"do": "keep", "step": 9, "measured": "", "seconds": 0, "reason": "good"},
+    "/card/step": {"step": 4, "typed": "", "plc": "", "leave_out": ""},
+    "/card/sign": {"step": 4, "measured": "0" * 64, "reason": "seen", "password": PASSWORD},
 }
 # what a logged-in role, or nobody, gets: the status of a press that is right in everything else
 MATRIX = {
@@ -45,6 +51,11 @@ MATRIX = {
     # no such ticks, no such window
     "/keep": {None: 401, Role.VIEW: 403, Role.OPERATE: 409, Role.COMMISSION: 409},
     "/let-go": {None: 401, Role.VIEW: 403, Role.OPERATE: 409, Role.COMMISSION: 409},
+    **{
+        path: {None: 401, Role.VIEW: 403, Role.OPERATE: 403, Role.COMMISSION: 409}
+        for path in TABLE
+        if path.startswith(("/commission/", "/card/"))
+    },
 }
 CELLS = [(path, role) for path in MATRIX for role in BY_ROLE]
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from tests.fuzz import (
     can_targets,
+    commission_targets,
     config_targets,
     door_targets,
     hand_targets,
@@ -47,5 +48,6 @@ TARGETS = {
     "shape_file": Target(run=config_targets.shape, seeds=config_targets.SEEDS),
     "control_socket": Target(run=socket_targets.socket_lines, seeds=socket_targets.SEEDS),
     "door_packet": Target(run=door_targets.packet, seeds=door_targets.SEEDS),
+    "commission_request": Target(run=commission_targets.request, seeds=commission_targets.SEEDS),
     "hand_packet": Target(run=hand_targets.packet, seeds=hand_targets.SEEDS),
 }

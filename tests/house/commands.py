@@ -11,7 +11,7 @@ from tests.house.documents import ROOT, documents, text
 OURS = ("aff-runtime", "sim-plant", "aff-hmi", "make")
 OTHERS = (
     *("mkdir", "cp", "sed", "cd", "ls", ".", "pip", "sudo", "sudoedit", "tar", "sha256sum"),
-    *("gpg", "ssh-keygen", "dask", "docker"),
+    *("gpg", "ssh-keygen", "dask", "docker", "cc"),
 )
 SUBCOMMANDS_OF = {"card", "settings", "watch", "audit", "account"}
 """Words that have commands of their own below them."""

@@ -17,7 +17,7 @@ import pytest
 
 pytest.importorskip("starlette")
 
-from aff_hmi.accounts import Account, secret_of
+from aff_runtime.app.hand.accounts import Account, secret_of
 from aff_runtime.app.hand.audit import verify
 from aff_runtime.app.hand.client import HandClient
 from aff_runtime.app.hand.may import Action, Code, Place, Role

@@ -2,15 +2,16 @@
 
 __all__ = [
     "book",
-    "chain",
     "entries",
     "evidence",
+    "figures",
     "gather",
     "lines",
     "measure",
     "page",
-    "records",
+    "standing",
     "steps",
     "typed_values",
+    "verify",
     "work",
 ]

@@ -20,6 +20,7 @@ from aff_runtime.app.report.comparison.window import Window, load_window
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.machine import Machine
+from aff_runtime.base.run_table import last_event_s
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.config.loader import load_recorded_site
 from aff_runtime.config.revision import SHORT, file_digest, revision_hash
@@ -27,6 +28,7 @@ from aff_runtime.core.response import Response
 from aff_runtime.telemetry.header import Right, RunMeta
 
 EDIT, SETTINGS, AT_START = "EDIT", "SETTINGS", " started by "
+AFTER_CHANGE_S = 0.5
 MARGIN_S = 0.5
 """Of the newest rows, which the recorder may not have written yet."""
 
@@ -106,7 +108,7 @@ def gather(
     """
     if Need.SERVICE in step.needs and Need.RECORD not in step.needs and sources.answer is None:
         raise RefusedError(f"no service answers; step {step.number} looks at {Need.SERVICE}")
-    wanted = list(_wanted(step, sources))
+    wanted = list(wanted_windows(step, sources))
     windows = tuple(load_window(one) for one in wanted)
     for one in windows:
         _check_settings(one, sources)
@@ -142,7 +144,7 @@ def _whole(number: float) -> str:
     return f"{number:.0f}" if math.isfinite(number) else ""
 
 
-def _wanted(step: Step, sources: Sources) -> Iterator[RunWindow]:
+def wanted_windows(step: Step, sources: Sources) -> Iterator[RunWindow]:
     """Yield the windows that were named, else the newest of the service."""
     if Need.RECORD not in step.needs:
         if sources.windows:
@@ -158,7 +160,11 @@ def _wanted(step: Step, sources: Sources) -> Iterator[RunWindow]:
         )
     end_s = answer.live.tick.time_s - MARGIN_S
     folder = Path(answer.recorder.folder)
-    yield RunWindow(folder=folder, from_s=max(0.0, end_s - step.seconds), to_s=end_s)
+    from_s = max(0.0, end_s - step.seconds)
+    if step.begins_anew:
+        changed_s = last_event_s(folder, _changes_settings)
+        from_s = max(from_s, changed_s + AFTER_CHANGE_S if changed_s else 0.0)
+    yield RunWindow(folder=folder, from_s=min(from_s, end_s), to_s=end_s)
 
 
 def _check_settings(window: Window, sources: Sources) -> None:

@@ -44,6 +44,8 @@ class Step:
     measured, unit, limit : what comes out, in words.
     rests_on : what turns it to "again". ``needs`` : what has to be gathered.
     seconds : of the record that are looked at where no window is named; 0: no record.
+    begins_anew : the newest rows begin no earlier than settings were changed last: what is
+        looked for in them happens once.
     typed : names that may be typed.
     """
 
@@ -55,6 +57,7 @@ class Step:
     rests_on: tuple[Rest, ...]
     needs: tuple[Need, ...] = ()
     seconds: float = 0.0
+    begins_anew: bool = False
     typed: Callable[[Evidence], Iterable[str]] = lambda _: ()
     measure: Callable[[Evidence], Finding]
 
@@ -164,6 +167,7 @@ STEPS: tuple[Step, ...] = (
         rests_on=_LOOP,
         needs=_RECORD,
         seconds=600.0,
+        begins_anew=True,
         measure=ripple.measure,
     ),
     Step(
@@ -208,6 +212,7 @@ STEPS: tuple[Step, ...] = (
         rests_on=_ROLL,
         needs=_RECORD,
         seconds=1800.0,
+        begins_anew=True,
         typed=lambda _: proof.TYPED,
         measure=proof.measure,
     ),

@@ -6,6 +6,7 @@ itself. The guard has the last word: what is allowed here is asked of it, and ma
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from enum import IntEnum, StrEnum
 
@@ -19,6 +20,7 @@ class Action(StrEnum):
 
     BYPASS = "bypass"
     ARM = "arm"
+    PROBE = "probe"
 
 
 class Role(IntEnum):
@@ -50,13 +52,16 @@ class Code(StrEnum):
     LOGGED_OUT = "logged out"
     SILENT = "silent"
     CEILING = "ceiling"
+    NO_PROBE = "no probe"
     PLACE = "place"
     ROLE = "role"
+    PROBE_ROLE = "probe role"
     IDLE = "idle"
     NO_HAND = "no hand"
     OTHER_HAND = "other hand"
     ALREADY = "already"
     FADING = "fading"
+    PROBING = "probing"
     GUARD = "guard"
     LATE = "late"
     REPEATED = "repeated"
@@ -70,13 +75,16 @@ WORDS = {
     Code.LOGGED_OUT: "log in first",
     Code.SILENT: "no fresh data from the control process",
     Code.CEILING: "the service lets no screen arm; arm on the gateway: aff-runtime arm",
+    Code.NO_PROBE: "the service lets no screen probe: run it with --hand commission",
     Code.PLACE: "arming is for the panel at the machine, not for the network",
     Code.ROLE: "this account may not arm; the role operate is needed",
+    Code.PROBE_ROLE: "this account may not probe; the role commission is needed",
     Code.IDLE: "nothing was pressed for too long: log in again",
     Code.NO_HAND: "take the hand first",
     Code.OTHER_HAND: "{name} has the hand",
     Code.ALREADY: "it is armed already",
     Code.FADING: "the correction is on its way to zero; wait",
+    Code.PROBING: "a probe is under way",
     Code.GUARD: "blocked by {name}",
     Code.LATE: "it came too late, nothing was done: press again",
     Code.REPEATED: "it was heard before, nothing was done",
@@ -126,7 +134,7 @@ class Circumstances:
     state : of the guard; None where no fresh tick is known.
     blocked : the guard's first reason against an armed output, empty for none; REMOTE is one.
     ceiling : the most that a screen may do here. ``arms_from`` : the farthest place to arm from.
-    hand_of : account that has the hand, empty for none.
+    hand_of : account that has the hand, empty for none. ``probing`` : a probe is under way.
     """
 
     state: State | None
@@ -134,6 +142,11 @@ class Circumstances:
     ceiling: Role = Role.VIEW
     arms_from: Place = Place.PANEL
     hand_of: str = ""
+    probing: bool = False
+
+
+_OF_LAW = re.compile(r"[a-z][A-Za-z0-9_]*: ")
+"""What stands against an actuator's law begins with its name; a probe does without the law."""
 
 
 def may(action: Action, person: Person, now: Circumstances) -> tuple[Reason, ...]:
@@ -144,32 +157,38 @@ def may(action: Action, person: Person, now: Circumstances) -> tuple[Reason, ...
     """
     if action is Action.BYPASS:
         return () if person.role is not None else (Reason(code=Code.LOGGED_OUT),)
-    if now.state in (State.ARMED, State.ACTIVE):
+    if action is Action.ARM and now.state in (State.ARMED, State.ACTIVE):
         return (Reason(code=Code.ALREADY),)
-    found = [Reason(code=code) for code in _of_person(person, now)]
+    found = [Reason(code=code) for code in _of_person(action, person, now)]
     if not person.has_hand and now.hand_of:
         found.append(Reason(code=Code.OTHER_HAND, name=now.hand_of))
     elif not person.has_hand:
         found.append(Reason(code=Code.NO_HAND))
-    return (*found, *_of_guard(now))
+    if action is Action.PROBE and now.probing:
+        found.append(Reason(code=Code.PROBING))
+    return (*found, *_of_guard(action, now))
 
 
-def _of_person(person: Person, now: Circumstances) -> list[Code]:
+def _of_person(action: Action, person: Person, now: Circumstances) -> list[Code]:
+    is_probe = action is Action.PROBE
+    least = Role.COMMISSION if is_probe else Role.OPERATE
     against = {
         Code.LOGGED_OUT: person.role is None,
-        Code.CEILING: now.ceiling < Role.OPERATE,
+        Code.NO_PROBE if is_probe else Code.CEILING: now.ceiling < least,
         Code.PLACE: person.place is Place.NETWORK and now.arms_from is not Place.NETWORK,
-        Code.ROLE: person.role is not None and person.role < Role.OPERATE,
+        Code.PROBE_ROLE if is_probe else Code.ROLE: person.role is not None
+        and person.role < least,
         Code.IDLE: person.is_idle,
     }
     return [code for code, stands in against.items() if stands]
 
 
-def _of_guard(now: Circumstances) -> tuple[Reason, ...]:
+def _of_guard(action: Action, now: Circumstances) -> tuple[Reason, ...]:
     """Return what the guard would say, from its own words."""
     if now.state is None:
         return (Reason(code=Code.SILENT),)
-    if now.blocked and not _is_confirmed_by_arming(now):
+    blocked = now.blocked and not _is_confirmed_by_arming(now)
+    if blocked and not (action is Action.PROBE and _OF_LAW.match(now.blocked)):
         return (Reason(code=Code.GUARD, name=now.blocked),)
     return (Reason(code=Code.FADING),) if now.state is State.FADING else ()
 

@@ -22,7 +22,7 @@ from aff_runtime.base.errors import RefusedError
 INSTALLED = Path("/run/aff-runtime")
 OF_OTHERS = stat.S_IRWXG | stat.S_IRWXO
 WRITTEN_BY_OTHERS = stat.S_IWGRP | stat.S_IWOTH
-OURS = frozenset({"control.sock", "control.lock", "door.sock", "hand.sock"})
+OURS = frozenset({"control.sock", "control.lock", "door.sock", "hand.sock", "commission.sock"})
 ANOTHER = "name another one with --runtime-dir"
 
 

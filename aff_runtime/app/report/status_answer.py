@@ -79,6 +79,7 @@ class StatusAnswer:
     config_hash, site_hash : of the running configuration with what was learned, and without.
     config_differs : why the file is not what runs. ``learned`` : digests of what was learned.
     control_pid : 0 while no control process runs, `NOT_SAID` in an answer that leaves it open.
+    probed : what came of the last probe; empty before one.
     trying : how a try of other settings stands; empty without one.
     shapes, crossings : what became of shapes; when orders of two rolls will meet.
     meetings : the crossings as numbers. ``facts`` : what a screen needs of the site.
@@ -93,6 +94,7 @@ class StatusAnswer:
     config_differs: tuple[str, ...] = ()
     control_pid: int = 0
     probing: bool = False
+    probed: str = ""
     trying: str = ""
     recorder: RecorderReport | None = None
     shapes: tuple[str, ...] = ()
@@ -126,6 +128,7 @@ def read_answer(said: Any) -> StatusAnswer:
         config_differs=tuple(said.get("config_differs", ())),
         control_pid=said.get("control_pid", NOT_SAID),
         probing=said.get("probing", False),
+        probed=said.get("probed", ""),
         trying=said.get("trying", ""),
         recorder=RecorderReport.from_json(recorder) if recorder else None,
         shapes=tuple(said.get("shapes", ())),

@@ -30,12 +30,19 @@ class Question:
     text : what is asked, for a technician.
     read : takes an answer as typed and returns it as it is kept; ``AnswerError`` otherwise.
     default : taken when nothing is typed; None where something must be.
+    rows : answers that may be picked, each with what it stands for.
     """
 
     name: str
     text: str
     read: Callable[[str], str]
     default: str | None = None
+    rows: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Words that may be answered beside rows; empty where anything may be typed."""
+        return getattr(self.read, "words", ())
 
 
 def read_text(text: str) -> str:
@@ -70,16 +77,23 @@ def whole(low: int, high: int) -> Callable[[str], str]:
     return read
 
 
-def one_of(*words: str) -> Callable[[str], str]:
-    """Return the reader of one word of several."""
+@dataclass(frozen=True, slots=True)
+class OneOf:
+    """Takes one word of several."""
 
-    def read(text: str) -> str:
+    words: tuple[str, ...]
+
+    def __call__(self, text: str) -> str:
+        """Return the word."""
         shown = text.strip()
-        if shown not in words:
-            raise AnswerError(f'"{printable(shown, 40)}" is not known. {meant(shown, words)}')
+        if shown not in self.words:
+            raise AnswerError(f'"{printable(shown, 40)}" is not known. {meant(shown, self.words)}')
         return shown
 
-    return read
+
+def one_of(*words: str) -> OneOf:
+    """Return the reader of one word of several."""
+    return OneOf(words)
 
 
 def number(unit: str, low: float, high: float) -> Callable[[str], str]:

@@ -1,3 +1,12 @@
 """The supervisor: starts and watches the other processes, answers requests."""
 
-__all__ = ["run_options", "service_log", "supervisor", "validation"]
+__all__ = [
+    "child_environment",
+    "first_file",
+    "packet_listener",
+    "run_options",
+    "service_log",
+    "settings",
+    "supervisor",
+    "validation",
+]

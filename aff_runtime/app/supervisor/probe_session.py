@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from aff_runtime.app.link.answers import Done, KeptResponse, ProbeDone
 from aff_runtime.app.link.messages import Probed, ProbeResult
-from aff_runtime.app.link.request_socket import Asked
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.base.errors import RefusedError
@@ -18,13 +19,15 @@ class ProbeSession:
     ----------
     processes : for the record's file names and notes.
     edits : looks at the files again, which hands the new responses to the running law.
-    asked : who wants it, and waits for the answer.
+    tell : called once with what came of it.
     """
 
-    def __init__(self, processes: Processes, edits: EditSession, asked: Asked) -> None:
+    def __init__(
+        self, processes: Processes, edits: EditSession, tell: Callable[[Done | ProbeDone], None]
+    ) -> None:
         self._processes = processes
         self._edits = edits
-        self._asked = asked
+        self._tell = tell
         self._answer: Done | ProbeDone | None = None
 
     def finish(self, probed: Probed) -> None:
@@ -48,7 +51,7 @@ class ProbeSession:
         """Answer the caller once the running law has the new responses; True when done."""
         if self._answer is None or (self._answer.ok and self._edits.is_busy):
             return False
-        self._asked.answer(self._answer)
+        self._tell(self._answer)
         return True
 
     def _keep(self, result: ProbeResult) -> KeptResponse:

@@ -20,7 +20,6 @@ from aff_runtime.app.link.messages import (
     Blocked,
     Forget,
     LogLine,
-    MeasureResponse,
     Probed,
     Question,
     Reply,
@@ -39,7 +38,7 @@ from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.file_watch import FileWatch
 from aff_runtime.app.supervisor.hand.opening import open_hand
 from aff_runtime.app.supervisor.pending import AnswerOf, Pending
-from aff_runtime.app.supervisor.probe_session import ProbeSession
+from aff_runtime.app.supervisor.probe_desk import Probes
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.request_desk import RequestDesk
 from aff_runtime.app.supervisor.response_ledger import learned_sentences
@@ -89,9 +88,6 @@ class Supervisor:
         self._processes = Processes(
             options, verdict.checked(), self._clock, on_change=self._watch_link
         )
-        self._hand = open_hand(
-            options, self._selector, self._clock, self._processes, self._pending
-        )
         self._states = StateLog()
         self._forecast = CrossingForecast()
         self._link_fd: int | None = None
@@ -99,7 +95,10 @@ class Supervisor:
             self._processes, self._pending, options.site, verdict, options.state_directory, watch
         )
         self._settings = SettingsDesk(self._processes, self._edits, options, self._clock)
-        self._probe: ProbeSession | None = None
+        self._probes = Probes(self._processes, self._pending, self._edits, self._settings)
+        self._hand = open_hand(
+            *(options, self._selector, self._clock, self._processes, self._pending, self._probes)
+        )
         self._stop_asked: list[Asked] = []
         self._stopping = False
         self._stopped_by = ""
@@ -144,14 +143,13 @@ class Supervisor:
         self._forecast.step(self._processes.record, latest)
         if self._processes.watch():
             self._pending.refuse_all("the control process died; see the log")
-            self._end_probe("the control process died")
+            self._probes.end("the control process died")
             self._settings.control_died()
         if self._processes.gave_up:
             self._stop(EXIT_ALARM)
         self._settings.step(latest)
         self._edits.step()
-        if self._probe is not None and self._probe.has_answered():
-            self._probe = None
+        self._probes.step()
         self._desk.look_after()
         if self._hand is not None:
             self._hand.step()
@@ -174,8 +172,7 @@ class Supervisor:
                 case WireTroubles():
                     self._processes.troubles = message.troubles
                 case Probed():
-                    if self._probe is not None:
-                        self._probe.finish(message)
+                    self._probes.finish(message)
                 case LogLine():
                     LOG.warning("control: %s", message.text)
                 case Reply():
@@ -261,34 +258,15 @@ class Supervisor:
         act = asked.request.settings.act if asked.request.settings is not None else ""
         if act in ("try", "keep", "undo"):
             self._note_command(asked, act)
-        if act == "try" and self._probe is not None:
+        if act == "try" and self._probes.is_under_way:
             raise RefusedError("a probe is under way; try after it")
         self._settings.do(asked)
 
     def _start_probe(self, asked: Asked) -> None:
         """Have the control process measure; the caller is answered when it is fitted."""
-        control = self._processes.control
-        if self._probe is not None or control is None:
-            raise RefusedError("a probe is already under way" if control else "not running yet")
-        self._settings.refuse_while_trying()
         actuators = _known(asked.request.actuators, self._processes.record)
-        self._probe = ProbeSession(self._processes, self._edits, asked)
-        ident = self._pending.expect(None, self._probe_began, 2.0)
+        self._probes.begin(actuators, asked.answer)
         self._note_command(asked, *actuators)
-        control.link.send(MeasureResponse(id=ident, actuators=tuple(actuators)))
-
-    def _probe_began(self, reply: Reply) -> Done:
-        """Tell the caller when the control process would not begin."""
-        if not reply.ok:
-            self._end_probe(reply.message or "refused")
-        return as_answer(reply)
-
-    def _end_probe(self, reason: str) -> None:
-        """Tell the caller of a probe that it came to nothing."""
-        if self._probe is not None:
-            self._probe.finish(Probed(error=reason))
-            self._probe.has_answered()
-            self._probe = None
 
     def _status(self) -> StatusAnswer:
         """Return the answer to a status request."""
@@ -327,7 +305,8 @@ class Supervisor:
             learned=tuple(learned_sentences(record, processes.probed)),
             config_differs=tuple(self._edits.differs),
             control_pid=processes.control.pid if processes.control is not None else 0,
-            probing=self._probe is not None,
+            probing=self._probes.is_under_way,
+            probed=self._probes.said,
             trying=self._settings.trying,
             recorder=processes.recorder_report(),
             shapes=tuple(processes.shapes.sentences),
@@ -352,7 +331,7 @@ class Supervisor:
     def _shut_down(self) -> None:
         """Fade out, flush, tell the callers, remove the socket."""
         self._notifier.stopping()
-        self._end_probe("the service stops")
+        self._probes.end("the service stops")
         self._settings.close()
         self._edits.close()
         if self._stopped_by:

@@ -203,12 +203,6 @@ class ProfileCriteria:
         "cost explained up to which responses to declared numbers are not taken anew",
         "the second order of effects and tolerances is less than noise",
     )
-    orders_share: float = criterion(
-        0.9,
-        "of what is left",
-        "a named profile that explains less competes with free orders",
-        NOT_RECORDED,
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

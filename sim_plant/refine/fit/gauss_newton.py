@@ -98,16 +98,33 @@ def jacobian(
     values: Values,
     shifts: dict[str, float],
 ) -> Array:
-    """Return the columns of all numbers; always from quick runs: only their zero matters."""
-    cases, increments = [], []
-    for at, (h, v) in enumerate(zip(hypotheses, values, strict=True)):
-        for k, increment in enumerate(h.increments(v)):
-            moved = list(values)
-            moved[at] = tuple(x + increment * (j == k) for j, x in enumerate(v))
-            cases.append(case_of(hypotheses, moved, shifts))
-            increments.append(increment)
-    base, *runs = objective.pool.run([case_of(hypotheses, values, shifts), *cases])
+    """Return the columns of all numbers; always from quick runs: only their zero matters.
+
+    Where the line does not run a step further on (a web that cannot follow a shape), the step is
+    taken back instead.
+    """
+    steps = [
+        (at, k, increment)
+        for at, (h, v) in enumerate(zip(hypotheses, values, strict=True))
+        for k, increment in enumerate(h.increments(v))
+    ]
+
+    def moved(at: int, k: int, increment: float) -> Case:
+        there = list(values)
+        there[at] = tuple(x + increment * (j == k) for j, x in enumerate(values[at]))
+        return case_of(hypotheses, there, shifts)
+
+    base, *runs = objective.pool.run(
+        [case_of(hypotheses, values, shifts), *(moved(*step) for step in steps)]
+    )
+    broken = [n for n, run in enumerate(runs) if not all(np.isfinite(y).all() for y in run)]
+    for n in broken:
+        at, k, increment = steps[n]
+        steps[n] = (at, k, -increment)
+    for n, run in zip(broken, objective.pool.run([moved(*steps[n]) for n in broken]), strict=True):
+        runs[n] = run
     rows = objective.projector.nuisances.shape[0]
+    increments = [increment for _, _, increment in steps]
     return objective.columns(runs, base, increments) if runs else np.zeros((rows, 0))
 
 

@@ -104,6 +104,8 @@ def costs_of(
 ) -> Array:
     """Return the squared error of every case against one record (cases,), dimensionless.
 
+    Infinite for a case with which the line does not run.
+
     Equation: sum over channels and judged samples of (w - mean w)^2, w the whitened residual;
     the mean of each channel is taken away, of an angle its zero before whitening as well.
 
@@ -127,7 +129,9 @@ def costs_of(
         white = model.whiten(residual)
         white -= white.mean(axis=1, keepdims=True)
         found.append(float(np.sum(white**2)))
-    return np.array(found)
+    costs = np.array(found)
+    costs[np.isnan(costs)] = np.inf  # a line that does not run with this
+    return costs
 
 
 def _turns(case: Case, location: str, tries: Array) -> list[Case]:
@@ -166,9 +170,11 @@ def start_angles(
 def _lowest(grid: Array, values: Array) -> float:
     """Return where the fitted parabola has its vertex, rad, kept inside the grid.
 
-    Of a parabola that opens downwards the lowest try stands in. ``grid`` (tries,) rad, ``values``
-    (tries,) the costs there.
+    Of a parabola that opens downwards, and where a line does not run at a try, the lowest try
+    stands in. ``grid`` (tries,) rad, ``values`` (tries,) the costs there.
     """
+    if not np.isfinite(values).all():
+        return float(grid[int(np.argmin(values))])
     centre = grid[len(grid) // 2]
     fit = np.polyfit(grid - centre, values, 2)
     if fit[0] <= 0.0:

@@ -18,9 +18,14 @@ STATES = ("_angle_rad", "_radius_m")
 def refuted(evaluation: Evaluation) -> bool:
     """Return whether the effects found leave most of what a record held out shows.
 
+    So does a line that does not run there with them: an outline that no web follows on a smaller
+    roll.
+
     Equation: sum max(0, (after / floor)^2 - 1) > share sum max(0, (before / floor)^2 - 1) over all
-    channels but angles, whose start differs from record to record  [own].
+    channels but angles and radii, whose start differs from record to record  [own].
     """
+    if not np.isfinite(evaluation.after).all():
+        return True
     there = _beyond_noise(evaluation, evaluation.before)
     return there >= JUDGE.least_power and left(evaluation) > JUDGE.refuted_share * there
 
@@ -28,7 +33,7 @@ def refuted(evaluation: Evaluation) -> bool:
 def left(evaluation: Evaluation) -> float:
     """Return the power beyond that of noise that the effects leave, in powers of noise.
 
-    Equation: mean of max(0, (after / floor)^2 - 1) over all channels but angles  [own].
+    Equation: mean of max(0, (after / floor)^2 - 1) over all channels but angles and radii  [own].
     """
     return _beyond_noise(evaluation, evaluation.after)
 
@@ -49,7 +54,7 @@ def takes_little(evaluation: Evaluation, without: Evaluation) -> bool:
 
 
 def _beyond_noise(evaluation: Evaluation, rms: Array) -> float:
-    judged = np.array([not name.endswith("_angle_rad") for name in evaluation.channels])
+    judged = np.array([not name.endswith(STATES) for name in evaluation.channels])
     power = (rms[judged] / evaluation.floor[judged]) ** 2 - 1.0
     return float(np.mean(np.maximum(power, 0.0)))
 

@@ -14,8 +14,17 @@ SPREAD = float(norm.ppf(0.5 + 0.5 * CRITERIA.report.confidence))
 
 
 def standard_deviations(fit: Fit) -> list[float]:
-    """Return one per fitted number: noise and tolerances, and for sizes the model's own error."""
+    """Return one per fitted number: noise and tolerances, and for sizes the model's own error.
+
+    Where no step of any number could be simulated there is no more to say than its bounds.
+    """
     noise = [math.sqrt(max(0.0, float(v))) for v in fit.covariance.diagonal()]
+    if not noise:
+        noise = [
+            _anywhere(low, high)
+            for h in fit.hypotheses
+            for low, high in zip(h.low, h.high, strict=True)
+        ]
     found: list[float] = []
     for h, values in zip(fit.hypotheses, fit.values, strict=True):
         change = {n: v - a for n, v, a in zip(h.names, values, h.absent, strict=True)}
@@ -28,6 +37,11 @@ def standard_deviations(fit: Fit) -> list[float]:
                 math.hypot(noise[len(found)], CRITERIA.report.model_share * own * strength)
             )
     return found
+
+
+def _anywhere(low: float, high: float) -> float:
+    """Return the standard deviation of a number that may lie anywhere within its bounds."""
+    return (high - low) / math.sqrt(12.0) if math.isfinite(high - low) else math.pi
 
 
 def interval(value: float, standard_deviation: float) -> tuple[float, float]:

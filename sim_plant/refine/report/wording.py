@@ -13,6 +13,8 @@ from sim_plant.refine.records.units import suffix_of
 from sim_plant.refine.report.verdict import EffectFinding
 
 SMALL_M, SMALL_S = 0.1, 1.0
+TOLD_ORDERS = 6
+"""Orders of an outline that are told: the largest; the file has all."""
 
 
 def unit_of(effect: str, parameter: str) -> str:
@@ -119,7 +121,26 @@ def size_of(finding: EffectFinding) -> str:
         if number.low:
             text += f" (95 %: {number.low} to {number.high})"
         found.append(text)
-    return ", ".join(found)
+    return ", ".join([*found, *_orders_of(finding)])
+
+
+def _orders_of(finding: EffectFinding) -> list[str]:
+    """Return the largest orders of an effect that is told by its orders alone, with units."""
+    known = BY_NAME.get(finding.place.effect)
+    values = finding.parameters
+    if known is None or (known.profiles is not None and known.profiles.size in values):
+        return []
+    sizes = [
+        (math.hypot(float(values[pair.cos]), float(values[pair.sin])), order, pair.cos)
+        for order, pair in enumerate(known.quadratures, start=1)
+        if not pair.amplitude and pair.cos in values and pair.sin in values
+    ]
+    told = sorted(sorted(sizes, reverse=True)[:TOLD_ORDERS], key=lambda row: row[1])
+    found = []
+    for size, order, name in told:
+        factor, unit = scaled(size, unit_of(finding.place.effect, name))
+        found.append(f"{order}x {factor * size:.4g} {unit}")
+    return found
 
 
 def coordinate_text(kind: str, where: Mapping[str, float | str]) -> str:

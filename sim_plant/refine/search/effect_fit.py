@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.roll_synchronisation import synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
-from sim_plant.refine.model.nuisances import effective_radius_of, is_effective_radius
-from sim_plant.refine.model.parameter_effects import within_tolerance
+from sim_plant.refine.model.nuisances import effective_radius_of
+from sim_plant.refine.search.added_effect import rolling_only, with_effect
 from sim_plant.refine.search.candidate import (
     Candidate,
     FittedCandidate,
@@ -21,6 +20,8 @@ from sim_plant.refine.search.candidate import (
     bic_penalty,
     fitted_candidate,
 )
+from sim_plant.refine.search.completeness import sure_excess
+from sim_plant.refine.search.profile_detail import stages_of_orders, with_numbers
 
 
 def fit_candidates(
@@ -50,55 +51,73 @@ def fit_candidate(objective: Objective, base: Fit, candidate: Candidate) -> Fit 
         synchronising = synchronising_shifts(objective, shifts, *there)
         fits.append(with_effect(objective, base, profile, start, synchronising))
     best = _best(objective, fits)
-    excess = base.cost - objective.expected_cost
-    least = CRITERIA.search.profile.orders_share * excess
-    if best is None or base.cost - best.cost < least:
-        free = with_effect(objective, base, *candidate.trimmed(), base.shifts, rounds=2)
-        best = _best(objective, [best, free])
-    return best
+    if best is not None and best.cost - objective.expected_cost < sure_excess(objective):
+        return best
+    free = with_free_orders(objective, base, candidate)
+    told = None if free is None else with_nearest_profile(objective, free)
+    return _best(objective, [best, told])
 
 
-def rolling_only(shifts: dict[str, float]) -> dict[str, float]:
-    """Return shifts of effective radii alone.
+def with_free_orders(objective: Objective, base: Fit, candidate: Candidate) -> Fit | None:
+    """Return ``base`` with the candidate's orders, and finer ones as long as they pay.
 
-    Without the effect, other declared numbers have moved to imitate it; from there a fit would
-    not find back.
+    First those that paid at the first look. A roll may have any outline; one that no name has is
+    told by its orders.
     """
-    return {name: value for name, value in shifts.items() if is_effective_radius(name)}
-
-
-def with_effect(
-    objective: Objective,
-    base: Fit,
-    h: Hypothesis,
-    start: Sequence[float],
-    shifts: dict[str, float],
-    rounds: int = 6,
-) -> Fit | None:
-    """Return ``base`` with ``h`` from ``start``, all fitted again; None as ``fit_candidate``."""
-    fit = gauss_newton_fit(
-        objective, (*base.hypotheses, h), (*base.values, tuple(start)), shifts, rounds=rounds
-    )
-    found, line = fit.values[-1], objective.pool.twins[0].declaration
-    if not np.isfinite(fit.cost) or h.at_bound(found) or not certain_size(fit):
+    first, start = candidate.trimmed()
+    profiles = first.effect.profiles
+    if profiles is not None:
+        line = objective.pool.twins[0].declaration
+        place, choice = first.location, profiles.orders_choice
+        first = hypothesis(first.effect, place, choice, first.names, line)
+    fit = with_effect(objective, base, first, start, base.shifts)
+    if fit is None:
         return None
-    return None if within_tolerance(line, objective.nuisances, h, found) else fit
+    at = len(fit.hypotheses) - 1
+    for some in stages_of_orders(fit.hypotheses[at].effect):
+        if fit.cost - objective.expected_cost < sure_excess(objective):
+            break
+        wider = with_numbers(objective, fit, at, some)
+        numbers = len(wider.hypotheses[at].names) - len(fit.hypotheses[at].names)
+        if not numbers:
+            continue
+        more = gauss_newton_fit(objective, wider.hypotheses, wider.values, fit.shifts)
+        if not more.cost < fit.cost - bic_penalty(objective, numbers):
+            break
+        fit = more
+    return None if fit.hypotheses[at].at_bound(fit.values[at]) else fit
 
 
-def certain_size(fit: Fit) -> bool:
-    """Return whether the last effect's strengths, all else free, are known to be something.
+def with_nearest_profile(objective: Objective, fit: Fit) -> Fit:
+    """Return a fit of free orders with the profile most like them, and what it lacks as details.
 
-    Equation: a' C^-1 a > chi-square of certain_size  [Wald]. A line whose frequency and size can
-    be traded for drift fits well and says nothing of how large it is.
+    A profile says what its orders are on a roll of another radius, a mix of orders does not. The
+    fit is as it was where it is not as good so.
     """
-    h, values = fit.hypotheses[-1], fit.values[-1]
-    if h.curved or not fit.covariance.size:
-        return True
-    at = fit.covariance.shape[0] - len(values)
-    inside = slice(at, at + h.strengths)
-    size = np.subtract(values[: h.strengths], h.absent[: h.strengths])
-    known = np.linalg.lstsq(fit.covariance[inside, inside], size, rcond=None)[0]
-    return bool(size @ known > CRITERIA.search.acceptance.certain_size)
+    at = len(fit.hypotheses) - 1
+    h = fit.hypotheses[at]
+    values = dict(zip(h.names, fit.values[at], strict=True))
+    profiles = h.effect.profiles
+    used = [k for k, pair in enumerate(h.effect.quadratures) if pair.cos in values]
+    if profiles is None or not used:
+        return fit
+    pairs = h.effect.quadratures[: used[-1] + 1]
+    orders = np.array([[values.get(p.cos, 0.0), values.get(p.sin, 0.0)] for p in pairs])
+    line = objective.pool.twins[0].declaration
+    told, own = profiles.nearest(line.rollers[line.body(h.location)].radius_m, orders)
+    details = {
+        name: float(value)
+        for pair, row in zip(pairs, orders - own, strict=True)
+        for name, value in zip((pair.cos, pair.sin), row, strict=True)
+    }
+    start = dict(zip(told.names, told.start, strict=True)) | details
+    named = hypothesis(h.effect, h.location, told.choice, tuple(start), line)
+    there = fit.with_effect_at(at, named, [start[name] for name in named.names])
+    shifts = _without_radius(fit.shifts, h.location)
+    shifts = synchronising_shifts(objective, shifts, there.hypotheses, there.values)
+    new = gauss_newton_fit(objective, there.hypotheses, there.values, shifts)
+    good = new.cost < fit.cost + sure_excess(objective) and not named.at_bound(new.values[at])
+    return new if good else fit
 
 
 def profile_reinitialised(objective: Objective, fit: Fit) -> Fit:

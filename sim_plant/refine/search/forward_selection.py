@@ -13,6 +13,7 @@ from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, nominal_fit
 from sim_plant.refine.fit.objective import Objective, conditioned_on
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.search.added_effect import rolling_only
 from sim_plant.refine.search.apart_from_lines import Apart, apart_from_lines, own_lines
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
 from sim_plant.refine.search.completeness import (
@@ -22,7 +23,7 @@ from sim_plant.refine.search.completeness import (
     sure_excess,
 )
 from sim_plant.refine.search.degenerate_pair import better_pair
-from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised, rolling_only
+from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised
 from sim_plant.refine.search.events import event_candidates, placed_anew
 from sim_plant.refine.search.exchange import exchanged, joined, pruned
 from sim_plant.refine.search.free_terms import (

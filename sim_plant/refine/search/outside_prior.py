@@ -17,8 +17,8 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.parameter_effects import as_effects, declared_change
 from sim_plant.refine.model.place import Place
+from sim_plant.refine.search.added_effect import rolling_only, with_effect
 from sim_plant.refine.search.candidate import FittedCandidate, Progress, fitted_candidate
-from sim_plant.refine.search.effect_fit import rolling_only, with_effect
 
 DEGENERACY = CRITERIA.search.degeneracy
 

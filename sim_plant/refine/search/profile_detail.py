@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.base.effects import Effect
 from sim_plant.base.profiles import Profiles
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit, jacobian
@@ -78,14 +79,25 @@ def with_profile_details(objective: Objective, fit: Fit) -> Fit:
     """Return the fit with details of its named profiles: when they were formed, and low orders.
 
     Orders are kept when numbers from either half of the record explain the other half better
-    than none, and when they pay their price.
+    than none, and when they pay their price: those that a roll is looked for by, then the finer.
     """
     for at in named_profiles(fit):
         fit = with_formation_radius(objective, fit, at)
-        pairs = fit.hypotheses[at].effect.quadratures
-        orders = tuple(name for pair in pairs for name in (pair.cos, pair.sin))
-        fit = with_paying_numbers(objective, fit, at, orders)
+        for some in stages_of_orders(fit.hypotheses[at].effect):
+            fit = with_paying_numbers(objective, fit, at, some)
     return fit
+
+
+def stages_of_orders(effect: Effect) -> list[tuple[str, ...]]:
+    """Return the numbers of the orders that a roll is looked for by, then of twice as many."""
+    pairs = effect.quadratures
+    ends = [sum(1 for pair in pairs if pair.cos in effect.traced)]
+    while 0 < ends[-1] < len(pairs):
+        ends.append(min(2 * ends[-1], len(pairs)))
+    return [
+        tuple(name for pair in pairs[first:last] for name in (pair.cos, pair.sin))
+        for first, last in zip([0, *ends[:-1]], ends, strict=True)
+    ]
 
 
 def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
@@ -159,7 +171,8 @@ def with_numbers(
     """Return the fit with more numbers of effect ``at``, at ``start`` or absent, not fitted."""
     old = fit.hypotheses[at]
     line = objective.pool.twins[0].declaration
-    new = hypothesis(old.effect, old.location, old.fixed, (*old.names, *names), line)
+    more = tuple(name for name in names if name not in old.names)
+    new = hypothesis(old.effect, old.location, old.fixed, (*old.names, *more), line)
     known = {**(start or {}), **dict(zip(old.names, fit.values[at], strict=True))}
     values = [known.get(n, a) for n, a in zip(new.names, new.absent, strict=True)]
     return fit.with_effect_at(at, new, values)

@@ -10,13 +10,13 @@ from typing import Any
 
 import uvicorn
 
-from aff_hmi.accounts import Account, secret_of, write_accounts
 from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
 from aff_hmi.listening import listening
 from aff_hmi.see.kept import Kept
 from aff_hmi.server import config_of
 from aff_hmi.watch import Seen
+from aff_runtime.app.hand.accounts import Account, secret_of, write_accounts
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.hand.messages import Answer, Command, Notice, Welcome
 from aff_runtime.app.report.line_facts import OutputFacts

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from aff_hmi.accounts import Account, secret_of
+from aff_runtime.app.hand.accounts import Account, secret_of
 from aff_runtime.app.hand.may import Role
 from tests.aff_hmi.browser.conftest import PATIENCE_S, Screen
 from tests.aff_hmi.browser.eyes import Page

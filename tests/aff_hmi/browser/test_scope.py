@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from aff_hmi.accounts import Account, secret_of
+from aff_runtime.app.hand.accounts import Account, secret_of
 from aff_runtime.app.hand.may import Role
 from tests.aff_hmi.browser.conftest import Screen
 from tests.aff_hmi.browser.eyes import Page

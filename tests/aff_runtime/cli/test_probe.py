@@ -28,7 +28,7 @@ def test_a_result_passes_the_socket_and_is_shown_as_measured(tmp_path: Path) -> 
         note=lambda *_: None,
     )
     edits = SimpleNamespace(look_again=lambda: None, is_busy=False)
-    session = ProbeSession(processes, edits, SimpleNamespace(answer=answers.append))  # type: ignore[arg-type]
+    session = ProbeSession(processes, edits, answers.append)  # type: ignore[arg-type]
     session.finish(Probed(results=(result,)))
     assert session.has_answered()
 

@@ -5,10 +5,10 @@ import stat
 
 import pytest
 
+from aff_runtime.app.commission.saving import await_saved, save
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.cli.main import build_parser
-from aff_runtime.cli.settings import await_saved, save
 from tests.doubles.virtual_clock import VirtualClock
 
 FORMER, NEW = "a: 1  # mine\n", "a: 2  # mine \u00e4\n"

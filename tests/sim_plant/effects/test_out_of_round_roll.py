@@ -73,6 +73,40 @@ def test_an_ellipse_is_fitted_without_rounding_which_would_only_make_it_smaller(
     assert "smoothing_rad" in starts["flat"]
 
 
+@pytest.mark.parametrize("flanks", [(45.0, 15.0), (15.0, 45.0), (30.0, 30.0)])
+def test_a_bump_of_any_flanks_is_looked_for_at_its_own_place(flanks) -> None:
+    """The columns are orthogonal: what explains most is the profile next to the true one."""
+    rise, fall = (math.radians(w) for w in flanks)
+    bump = {**EFFECT.parameters, "shape": "asym", "size_m": 0.004, "angle_rad": 1.0}
+    true = profile(0.2, {**bump, "rise_rad": rise, "fall_rad": fall}).deviation_m[:6]
+    against = np.stack([true.real, -true.imag], axis=1).ravel() / 1e-3
+    best = profile_starts(0.2, np.eye(12), against, (1e-3,) * 12)[0]
+    found = dict(zip(best.names, best.start, strict=True))
+    assert dict(best.choice)["shape"] == "asym"
+    assert (found["rise_rad"], found["fall_rad"]) == pytest.approx((rise, fall))
+    assert found["size_m"] == 0.004
+    assert found["angle_rad"] == pytest.approx(1.0, abs=0.018)
+
+
+def test_flanks_of_their_own_width_are_those_of_the_plain_profile() -> None:
+    plain = profile(0.2, {**EFFECT.parameters, "shape": "asym", "size_m": 0.006})
+    flanks = {"rise_rad": math.radians(45.0), "fall_rad": math.radians(30.0)}
+    told = profile(0.2, {**EFFECT.parameters, "shape": "asym", "size_m": 0.006, **flanks})
+    bulge = profile(0.2, {**EFFECT.parameters, "shape": "bulge", "size_m": 0.006})
+    alike = profile(
+        0.2,
+        {
+            **EFFECT.parameters,
+            "shape": "asym",
+            "size_m": 0.006,
+            "rise_rad": math.radians(30.0),
+            "fall_rad": math.radians(30.0),
+        },
+    )
+    assert told.deviation_m == pytest.approx(plain.deviation_m)
+    assert alike.deviation_m == pytest.approx(bulge.deviation_m)
+
+
 def test_an_unknown_shape_is_refused_by_its_name() -> None:
     with pytest.raises(PlantError, match="read 'oval'"):
         run(effect("out_of_round_roll", "unwind", shape="oval", size_m=0.001))

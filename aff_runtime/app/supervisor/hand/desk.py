@@ -54,6 +54,7 @@ class Now:
     tick: int = 0
     config: str = ""
     bypassed_ns: int = 0
+    probing: bool = False
 
 
 class Commanded(Protocol):
@@ -66,7 +67,10 @@ class Commanded(Protocol):
         """Take the correction back."""
 
     def arm(self, answer: Callable[[Reply], None]) -> None:
-        """Ask the control process; ``answer`` is called once, now or later."""
+        """Ask the control process to arm; ``answer`` is called once, now or later."""
+
+    def probe(self, answer: Callable[[Reply], None]) -> None:
+        """Ask it to probe every actuator; ``answer`` is called when it begins, or does not."""
 
     def note(self, text: str) -> None:
         """Put a sentence into the log and the record."""
@@ -155,7 +159,7 @@ class HandDesk:
         if isinstance(said, Command) and said.action is Action.BYPASS:
             self._bypass(visitor, said, limits)
         elif is_heard and isinstance(said, Command):
-            self._arm(visitor, said, limits)
+            self._press(visitor, said, limits)
         elif is_heard and isinstance(said, Notice):
             self._keep(visitor, limits, _entry_of(said, visitor))
         else:
@@ -183,7 +187,7 @@ class HandDesk:
             number = self._keep(visitor, limits, entry)
         visitor.tell(Answer(id=command.id, ok=True, audit=number))
 
-    def _arm(self, visitor: Caller, command: Command, limits: Limits) -> None:
+    def _press(self, visitor: Caller, command: Command, limits: Limits) -> None:
         now = self._service.now()
         entry = _entry_of(command, visitor, now)
         against = self._against(command, now, limits)
@@ -195,7 +199,8 @@ class HandDesk:
             reason = Reason(code=Code.UNRECORDED)
             visitor.tell(Answer(id=command.id, ok=False, reason=reason))
         else:
-            self._service.arm(lambda reply: self._answered(visitor, command, reply))
+            begin = self._service.probe if command.action is Action.PROBE else self._service.arm
+            begin(lambda reply: self._answered(visitor, command, reply))
 
     def _against(self, command: Command, now: Now, limits: Limits) -> Reason | None:
         """Return the first reason why nothing is done; None when it is."""
@@ -217,6 +222,7 @@ class HandDesk:
             blocked=now.blocked,
             ceiling=self._rules.ceiling,
             arms_from=self._rules.arms_from,
+            probing=now.probing,
         )
         reasons = may(command.action, person, circumstances)
         return reasons[0] if reasons else None

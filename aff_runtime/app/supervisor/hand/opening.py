@@ -12,6 +12,7 @@ from aff_runtime.app.link.messages import Arm, Reply
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules, Now
 from aff_runtime.app.supervisor.pending import Pending
+from aff_runtime.app.supervisor.probe_desk import Probes
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.settings.history import kept_folder
@@ -25,10 +26,18 @@ LOG = logging.getLogger("aff_runtime")
 
 
 class ServiceEnd:
-    """What a screen reaches of the service: bypass, arm, and how it stands."""
+    """What a screen reaches of the service: bypass, arm, probe, and how it stands.
 
-    def __init__(self, processes: Processes, pending: Pending, clock: Clock) -> None:
+    Parameters
+    ----------
+    probes : begins a probe, and says whether one is under way.
+    """
+
+    def __init__(
+        self, processes: Processes, pending: Pending, clock: Clock, probes: Probes
+    ) -> None:
         self._clock = clock
+        self._probes = probes
         self._processes = processes
         self._pending = pending
 
@@ -42,6 +51,7 @@ class ServiceEnd:
             tick=int(latest.number("tick")) if latest is not None else 0,
             config=processes.record.config_hash[:SHORT],
             bypassed_ns=processes.bypassed_ns,
+            probing=self._probes.is_under_way,
         )
 
     def _is_fresh(self, latest: TickRow) -> bool:
@@ -67,6 +77,13 @@ class ServiceEnd:
             text = "the control process is not running; see `aff-runtime status`"
             self._pending.resolve(Reply(id=ident, ok=False, message=text))
 
+    def probe(self, answer: Callable[[Reply], None]) -> None:
+        """Ask the control process to probe every actuator."""
+        try:
+            self._probes.begin_by_hand(answer)
+        except RefusedError as error:
+            answer(Reply(id=0, ok=False, message=str(error)))
+
     def note(self, text: str) -> None:
         """Put a sentence into the log and the record."""
         self._processes.note("SCREEN", text)
@@ -78,6 +95,7 @@ def open_hand(
     clock: Clock,
     processes: Processes,
     pending: Pending,
+    probes: Probes,
 ) -> HandDesk | None:
     """Return the hand of a service; None unless it was asked for and its audit can be kept.
 
@@ -101,5 +119,5 @@ def open_hand(
         is_private=folder is None,
         rules=HandRules(ceiling=options.hand, arms_from=options.hand_from),
         audit=audit,
-        service=ServiceEnd(processes, pending, clock),
+        service=ServiceEnd(processes, pending, clock, probes),
     )

@@ -30,6 +30,7 @@ class Service:
         self.standing = Now(state=State.READY, tick=7, config="3f9a")
         self.bypassed = 0
         self.asked: list[Callable[[Reply], None]] = []
+        self.probes: list[Callable[[Reply], None]] = []
         self.notes: list[str] = []
 
     def now(self) -> Now:
@@ -41,6 +42,9 @@ class Service:
 
     def arm(self, answer: Callable[[Reply], None]) -> None:
         self.asked.append(answer)
+
+    def probe(self, answer: Callable[[Reply], None]) -> None:
+        self.probes.append(answer)
 
     def note(self, text: str) -> None:
         self.notes.append(text)

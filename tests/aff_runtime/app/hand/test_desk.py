@@ -14,6 +14,7 @@ import pytest
 from aff_runtime.app.hand.audit import verify
 from aff_runtime.app.hand.may import Action, Code, Place, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Notice
+from aff_runtime.app.link.messages import Reply
 from aff_runtime.app.supervisor.hand import visits
 from aff_runtime.app.supervisor.hand.desk import REMEMBERED_NS, HandRules, Now
 from aff_runtime.app.supervisor.hand.visits import MAX_VISITORS
@@ -298,3 +299,22 @@ def test_the_socket_is_for_our_own_user_alone(stand: Stand) -> None:
     assert stand.path.stat().st_mode & 0o777 == 0o600
     assert stand.audit.path.stat().st_mode & 0o777 == 0o600
     assert stand.audit.path.parent.stat().st_mode & 0o777 == 0o700
+
+
+def test_a_probe_is_for_the_role_commission_at_a_service_that_lets_screens_commission(
+    tmp_path: Path,
+) -> None:
+    for folder, ceiling in (("open", Role.COMMISSION), ("closed", Role.OPERATE)):
+        (tmp_path / folder).mkdir()
+        with contextlib.closing(Stand(tmp_path / folder, HandRules(ceiling=ceiling))) as stand:
+            client = stand.client()
+            asked = stand.command(Action.PROBE, role=Role.COMMISSION)
+            if ceiling is Role.OPERATE:
+                assert code(stand.say(client, asked)) is Code.NO_PROBE
+                assert not stand.service.probes
+                continue
+            assert code(stand.say(client, stand.command(Action.PROBE))) is Code.PROBE_ROLE
+            assert stand.say(client, asked) is None
+            stand.service.probes.pop()(Reply(id=1, ok=True))
+            assert client.receive() == Answer(id=asked.id, ok=True, audit=3)
+            assert not stand.service.asked

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 import pytest
@@ -103,3 +104,36 @@ def test_every_reason_has_its_words_and_names_what_it_is_about() -> None:
     assert blocked == "blocked by WEB_INTACT=0: the PLC sees no web"
     remote = Reason(code=Code.GUARD, name="REMOTE=1: the PLC arms, by its reset").text
     assert remote == "blocked by REMOTE=1: the PLC arms, by its reset"
+
+
+CARL = Person(role=Role.COMMISSION, place=Place.PANEL, has_hand=True)
+FREE = Circumstances(state=State.READY, ceiling=Role.COMMISSION)
+
+
+@pytest.mark.parametrize(
+    ("person", "now", "code"),
+    [
+        (OWN, FREE, Code.PROBE_ROLE),
+        (CARL, OPEN, Code.NO_PROBE),
+        (replace(CARL, place=Place.NETWORK), FREE, Code.PLACE),
+        (replace(CARL, has_hand=False), FREE, Code.NO_HAND),
+        (replace(CARL, is_idle=True), FREE, Code.IDLE),
+        (CARL, replace(FREE, probing=True), Code.PROBING),
+        (CARL, replace(FREE, state=None), Code.SILENT),
+        (CARL, replace(FREE, state=State.FADING), Code.FADING),
+        (CARL, replace(FREE, blocked="WEB_INTACT=0"), Code.GUARD),
+        (CARL, replace(FREE, blocked="REMOTE=1: the PLC arms, by its reset"), Code.GUARD),
+    ],
+)
+def test_a_probe_needs_commission_everywhere_and_what_an_arm_needs(
+    person: Person, now: Circumstances, code: Code
+) -> None:
+    assert codes(Action.PROBE, person, now) == [code]
+
+
+@pytest.mark.parametrize("state", [State.READY, State.BYPASS, State.ARMED, State.ACTIVE])
+def test_what_stands_against_the_law_is_no_reason_against_the_probe_that_ends_it(
+    state: State,
+) -> None:
+    now = replace(FREE, state=state, blocked="unwind: no measured response; run the probe")
+    assert codes(Action.PROBE, CARL, now) == []

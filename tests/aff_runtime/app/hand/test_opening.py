@@ -23,6 +23,18 @@ from aff_runtime.base.signals import State
 from tests.doubles.virtual_clock import VirtualClock
 
 
+class NoProbe:
+    """Nothing runs that could probe."""
+
+    is_under_way = False
+
+    def begin_by_hand(self, began: object) -> None:
+        raise RefusedError("not running yet")
+
+
+NO_PROBE = NoProbe()
+
+
 def opened(tmp_path: Path, hand: Role | None) -> HandDesk | None:
     options = RunOptions(
         site=tmp_path / "site.yaml",
@@ -32,7 +44,9 @@ def opened(tmp_path: Path, hand: Role | None) -> HandDesk | None:
     )
     with selectors.DefaultSelector() as selector:
         clock = VirtualClock(1)
-        found = open_hand(options, selector, clock, SimpleNamespace(), Pending(clock))  # type: ignore[arg-type]
+        found = open_hand(
+            *(options, selector, clock, SimpleNamespace(), Pending(clock), NO_PROBE)  # type: ignore[arg-type]
+        )
         if found is not None:
             found.close()
     return found
@@ -76,7 +90,9 @@ def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_e
         bypassed_ns=0,
         bypass=lambda: bypassed.append(1),
     )
-    end = ServiceEnd(processes, Pending(VirtualClock(1)), VirtualClock(1))  # type: ignore[arg-type]
+    end = ServiceEnd(processes, Pending(VirtualClock(1)), VirtualClock(1), NO_PROBE)  # type: ignore[arg-type]
+    end.probe(replies.append)
+    assert replies.pop() == Reply(id=0, ok=False, message="not running yet")
     assert end.now().state is None
     assert end.now().blocked == "X=0"
     end.arm(replies.append)
@@ -98,5 +114,5 @@ def test_the_state_of_a_tick_that_is_old_is_not_known(age_s: float, is_fresh: bo
         record=SimpleNamespace(config_hash="3f9a" * 16),
         bypassed_ns=0,
     )
-    now = ServiceEnd(processes, Pending(clock), clock).now()  # type: ignore[arg-type]
+    now = ServiceEnd(processes, Pending(clock), clock, NO_PROBE).now()  # type: ignore[arg-type]
     assert now.state is (State.READY if is_fresh else None)

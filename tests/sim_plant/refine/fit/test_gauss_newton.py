@@ -1,11 +1,13 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.gauss_newton import case_of, gauss_newton_fit
+from sim_plant.refine.fit.gauss_newton import case_of, gauss_newton_fit, jacobian
 from sim_plant.refine.model.hypotheses import hypothesis
-from tests.sim_plant.refine.small import formula_twin, objective_of, white
+from tests.sim_plant.refine.small import formula_twin, objective_of, pool_of, white
 
 NUMBER, SD, SAMPLES = "web.EA_N", 0.01, 2000
 TIME = np.arange(SAMPLES)
@@ -103,3 +105,21 @@ def test_a_start_that_cannot_be_simulated_costs_infinitely_much_and_is_not_left(
     fit = gauss_newton_fit(objective, (h,), (h.start,), {})
     assert fit.cost == float("inf")
     assert fit.values == (h.start,)
+
+
+def test_where_no_line_runs_a_step_further_on_the_slope_is_taken_a_step_back():
+    """A drag of at most 0.1 N m runs; the response is 3 N per N m."""
+    h = hypothesis(BY_NAME["bearing_drag"], "R7", (), ("constant_N_m",))
+    (step,) = h.increments((0.1,))
+
+    def response(case):
+        drag_N_m = dict(case.effects[0].parameters)["constant_N_m"]
+        size = 3.0 * drag_N_m if drag_N_m <= 0.1 else np.nan
+        return [size * SLOPE]
+
+    twin = formula_twin(response, ["unwind_tension_N"], SAMPLES)
+    plain = formula_twin(lambda case: np.zeros((1, SAMPLES)), ["unwind_tension_N"], SAMPLES)
+    objective = replace(objective_of(plain, white((1, SAMPLES))), pool=pool_of(twin))
+    (column,) = jacobian(objective, (h,), ((0.1,),), {}).T
+    assert step > 0.0
+    assert column == pytest.approx(objective.whitened([3.0 * SLOPE[None]]), rel=1e-9)

@@ -1,5 +1,7 @@
 """A record held out confirms what was found, or refutes it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -46,6 +48,17 @@ def evaluation(before, after):
 )
 def test_what_leaves_most_of_a_record_held_out_is_refuted(before, after, is_refuted):
     assert refuted(evaluation(before, after)) is is_refuted
+
+
+def test_a_line_that_does_not_run_with_what_was_found_refutes_it():
+    assert refuted(evaluation((1.0, 1.0, 1.0), (np.nan, np.nan, np.nan)))
+
+
+def test_a_radius_begins_anew_in_each_record_as_an_angle_does():
+    there = evaluation((4.3, 1.6, 1.0), (1.1, 3.6, 1.0))
+    radius = ("unwind_tension_N", "unwind_radius_m", "unwind_angle_rad")
+    assert not refuted(replace(there, channels=radius))
+    assert refuted(there)
 
 
 def test_half_of_the_power_beyond_noise_is_the_limit():

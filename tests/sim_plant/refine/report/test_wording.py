@@ -71,3 +71,19 @@ def test_components_and_angles_are_no_size():
     assert number_rows(found)[3].value == "53.13"
     told = [n.key for n in number_rows(found) if tells_size(found.place.effect, n.key)]
     assert told == ["eccentricity_m"]
+
+
+def test_an_outline_without_a_name_is_told_by_its_largest_orders():
+    orders = {f"{part}{n}_m": 1e-3 / n * share for n in range(1, 9) for part, share in PARTS}
+    found = finding("out_of_round_roll", "unwind", {"shape": "orders", **orders})
+    told = ", ".join(f"{n}x {1.0 / n:.4g} mm" for n in range(1, 7))
+    assert size_of(found) == f"orders, {told}"
+
+
+def test_details_of_a_named_outline_are_not_told_beside_its_size():
+    details = {"cos1_m": 1e-4, "sin1_m": 0.0}
+    found = finding("out_of_round_roll", "unwind", {"shape": "flat", "size_m": 0.012, **details})
+    assert size_of(found) == "flat, size 12 mm"
+
+
+PARTS = (("cos", 0.6), ("sin", -0.8))

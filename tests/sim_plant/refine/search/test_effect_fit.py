@@ -7,8 +7,9 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.effects.out_of_round_roll import profile
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
 from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.search.added_effect import certain_size
 from sim_plant.refine.search.candidate import Candidate
-from sim_plant.refine.search.effect_fit import certain_size, fit_candidate, profile_reinitialised
+from sim_plant.refine.search.effect_fit import fit_candidate, profile_reinitialised
 from tests.sim_plant.refine.small import LINE, fit_of, formula_twin, objective_of, white
 
 ROLL = BY_NAME["out_of_round_roll"]
@@ -93,3 +94,32 @@ def test_a_size_that_may_as_well_be_nothing_is_no_estimate(spread_N, known):
     covariance = np.diag([spread_N**2] * len(values))
     fit = replace(fit_of(hum), values=(values,), covariance=covariance)
     assert certain_size(fit) == known
+
+
+def test_an_outline_that_no_name_has_is_the_nearest_profile_with_what_it_lacks_by_orders():
+    """Two bumps of unlike height, 100 degrees apart: no profile of one has these orders."""
+    bump = {"shape": "asym", "finest_order": 64.0, "rise_rad": 0.4, "fall_rad": 0.3}
+    one, other = (
+        profile(RADIUS_M, DEFAULTS | bump | {"size_m": size, "angle_rad": angle}).deviation_m
+        for size, angle in ((0.004, 1.0), (0.0025, 1.0 + np.radians(100.0)))
+    )
+    wanted = (one + other)[:ORDERS]
+    true = {}
+    for n, h in enumerate(wanted, start=1):
+        true |= {f"cos{n}_m": float(h.real), f"sin{n}_m": float(-h.imag)}
+    roll = hypothesis(ROLL, "unwind", (("shape", "orders"), ("finest_order", 64.0)), tuple(true))
+    made = tension(replace(fit_of().case, effects=(roll.added(tuple(true.values())),)))
+    twin = formula_twin(tension, ["unwind_tension_N"], SAMPLES)
+    objective = objective_of(twin, made + white((1, SAMPLES)))
+    orders = hypothesis(ROLL, "unwind")
+    first_look = Candidate(
+        hypothesis=orders, chi2_reduction=1e6, penalty=100.0, start=orders.start
+    )
+    fit = fit_candidate(objective, gauss_newton_fit(objective, (), (), {}), first_look)
+    found = fit.hypotheses[0]
+    values = dict(found.fixed) | dict(zip(found.names, fit.values[0], strict=True))
+    assert "size_m" in found.names
+    assert "cos12_m" in found.names
+    told = profile(RADIUS_M, DEFAULTS | values).deviation_m[:ORDERS]
+    assert told == pytest.approx(wanted, abs=4e-6)
+    assert fit.cost < objective.expected_cost + 5.0 * objective.cost_standard_deviation

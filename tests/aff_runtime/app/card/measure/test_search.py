@@ -10,8 +10,8 @@ from aff_runtime.app.card.evidence import CheckedSite, Try
 from aff_runtime.app.card.figures import Verdict
 from aff_runtime.app.card.measure import search
 from aff_runtime.app.card.measure.search import Candidate
+from aff_runtime.app.commission.search import search as run_search
 from aff_runtime.base.errors import ConfigError, RefusedError
-from aff_runtime.cli.card_search import search as run_search
 from aff_runtime.config.loader import load_recorded_site, load_site
 from tests.aff_runtime.app.card.measure.recorded import SITE, SITE_FILE, evidence, figure, window
 from tests.doubles.virtual_clock import VirtualClock

@@ -1,4 +1,4 @@
-"""Step 9 on the console: each candidate is tried by the service, which takes it back by itself."""
+"""Step 9: each candidate is tried by the service, which takes it back by itself."""
 
 from __future__ import annotations
 

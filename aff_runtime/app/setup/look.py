@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from aff_runtime.app.setup.decoding import Decoding
+from aff_runtime.app.setup.dialogue import Dialogue, RowReader
 from aff_runtime.app.setup.draft import FoundWord
 from aff_runtime.app.setup.plc import scale_of
 from aff_runtime.app.setup.quantities import Quantity
@@ -13,8 +14,6 @@ from aff_runtime.app.setup.questions import Question
 from aff_runtime.app.setup.reading import Block, Watched, WordReader
 from aff_runtime.base.errors import ConfigError, WireError
 from aff_runtime.base.units import UnitError
-from aff_runtime.cli.setup_dialogue import Dialogue, row_reader
-from aff_runtime.cli.terminal import complain, say
 
 SKIP = "skip"
 T = TypeVar("T")
@@ -62,7 +61,7 @@ class Look:
                 f"{self.dialogue.path}: words.{wanted.channel}: {why}. Ask again with `--again "
                 f"{wanted.channel}`."
             )
-        say(f"  {wanted.channel}: {known.decoding}, scale {known.scale} (kept)")
+        self.dialogue.say(f"  {wanted.channel}: {known.decoding}, scale {known.scale} (kept)")
         return True
 
     def keep_word(self, channel: str, decoding: Decoding, scale: str) -> None:
@@ -82,12 +81,13 @@ class Look:
         surely: bool = True,
     ) -> str:
         """Return the picked row's number, or one of ``words``; row 1 unasked only ``surely``."""
-        for n, row in rows.items():
-            say(f"  {n}: {row}")
         first = "1" if rows else words[0] if words else None
         default = first if surely else None
-        reader = row_reader(rows, at or {}, *words)
-        return self.dialogue.ask_anew(Question(name=name, text=text, read=reader, default=default))
+        reader = RowReader(rows=frozenset(rows), at=at or {}, words=words)
+        shown = tuple((str(n), row) for n, row in rows.items())
+        return self.dialogue.ask_anew(
+            Question(name=name, text=text, read=reader, default=default, rows=shown)
+        )
 
     def watch(self, seconds: float, enough: Callable[[Watched], bool] | None = None) -> Watched:
         """Watch all words."""
@@ -99,9 +99,9 @@ class Look:
             try:
                 return act()
             except WireError as error:
-                if self.dialogue.script is not None:
+                if not self.dialogue.is_patient:
                     raise WireError(f"{error} What was found is kept.") from error
-                complain(f"  {error}")
+                self.dialogue.complain(f"  {error}")
                 text = "The PLC is gone; what was found is kept. Enter: try again; q: leave"
                 self.dialogue.ask_anew(
                     Question(name="retry", text=text, read=lambda text: text, default="yes")

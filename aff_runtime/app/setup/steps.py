@@ -11,6 +11,7 @@ from aff_runtime.app.setup.decoding import side_by_side
 from aff_runtime.app.setup.display import shown_value
 from aff_runtime.app.setup.floats import float_hints
 from aff_runtime.app.setup.interview import YES_NO, owned_bits, quantity_value
+from aff_runtime.app.setup.look import SKIP, Look
 from aff_runtime.app.setup.plc import mean_si
 from aff_runtime.app.setup.quantities import UNWIND, Quantity
 from aff_runtime.app.setup.questions import NONE, Question, one_of, whole
@@ -18,8 +19,6 @@ from aff_runtime.app.setup.reading import Block, Watched
 from aff_runtime.app.setup.status_bits import changed_bits
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.units import plain
-from aff_runtime.cli.setup_look import SKIP, Look
-from aff_runtime.cli.terminal import complain, say
 
 LOOK_S = 3.0
 VALUE_S = 2.0
@@ -49,15 +48,15 @@ class Steps(Look):
                 "`--again first --again count`."
             )
         refused = f"; it refuses the other {count - given}" if given < count else ""
-        say(f"the PLC gives {given} words{refused}")
+        self.dialogue.say(f"the PLC gives {given} words{refused}")
 
     def table(self) -> Watched:
         """Watch all words and show what each does."""
         seen = self.watch(LOOK_S)
         for address, does in behaviours(seen).items():
             if does.kind is not Kind.STILL or does.last:
-                say(f"  word {address:5} = {does.last:5}  {does}")
-        say("  the others are still and 0")
+                self.dialogue.say(f"  word {address:5} = {does.last:5}  {does}")
+        self.dialogue.say("  the others are still and 0")
         return seen
 
     def heartbeat(self) -> None:
@@ -93,7 +92,7 @@ class Steps(Look):
             seen = self.watch(VALUE_S)
             moments.append(Observation(shown=shown_value(text, wanted.unit), seen=seen))
             for hint in float_hints(moments[-1].shown, seen, wanted.unit):
-                say(f"  {hint}")
+                self.dialogue.say(f"  {hint}")
             rows = candidates(
                 moments,
                 wanted.unit,
@@ -133,10 +132,12 @@ class Steps(Look):
         for address in dict.fromkeys(one.decoding.address for one in rows[:3]):
             four = side_by_side(address, seen)
             said = "  ".join(f"{name} {count}" for name, count in four.items())
-            say(f"  word {address:5}: {said}")
+            self.dialogue.say(f"  word {address:5}: {said}")
         if not rows:
-            complain("  no word fits. Type all digits that the display has, and the right unit.")
-            if self.dialogue.script is not None:
+            self.dialogue.complain(
+                "  no word fits. Type all digits that the display has, and the right unit."
+            )
+            if not self.dialogue.is_patient:
                 raise ConfigError(f"{wanted.channel}: no word of the window fits what was typed")
             return None
         text = f"Which one? `{AGAIN}`: type the value at another moment, which decides more surely"
@@ -166,7 +167,7 @@ class Steps(Look):
             if self.dialogue.ask_anew(question) == SKIP:
                 self.dialogue.keep(self.dialogue.draft.with_answer(question.name, SKIP))
                 return
-            say(f"  watching, {LONGEST_S:g} s at most, until the count starts over")
+            self.dialogue.say(f"  watching, {LONGEST_S:g} s at most, until the count starts over")
             seen = self.watch(LONGEST_S, lambda seen: self._shows_all(wanted, seen))
             rows = self._angles(wanted, seen)[:SHOWN_BEST]
             shown = {
@@ -180,8 +181,10 @@ class Steps(Look):
                     self.keep_word(wanted.channel, one.decoding, one.scale_text)
                     return
             else:
-                complain("  no word turns as this roll does at this line speed. Does it run?")
-            if self.dialogue.script is not None:
+                self.dialogue.complain(
+                    "  no word turns as this roll does at this line speed. Does it run?"
+                )
+            if not self.dialogue.is_patient:
                 raise ConfigError(f"{wanted.channel}: no word of the window can be it")
 
     def _angles(self, wanted: Quantity, seen: Watched) -> list[AngleCandidate]:

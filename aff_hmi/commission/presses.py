@@ -1,0 +1,102 @@
+"""What is pressed on the pages of card and commissioning: it moves nothing at the line."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from functools import partial
+
+from starlette.responses import JSONResponse, Response
+
+from aff_hmi.asked import DONE, Answering, Asked, because, refusal
+from aff_hmi.commission.link import Commission
+from aff_hmi.commission.sentences import sentence
+from aff_hmi.commission.told import refusal_in
+from aff_hmi.sessions import Session, Sessions
+from aff_runtime.app.commission.messages import WORDS, Told, Why
+from aff_runtime.app.hand.may import Code, Reason
+
+SEARCH = 9  # the step that tries settings while the correction goes out
+PLAIN = ("begin", "verify", "stop", "close")
+NO_HAND: Told = {"ok": False, "why": Why.REFUSED, "name": "take the hand first"}
+Press = Callable[[Commission, Session, Asked], Awaitable[Told]]
+
+
+class CommissionPresses:
+    """Answers what needs the role commission.
+
+    Parameters
+    ----------
+    commission : None on a screen without one.
+    """
+
+    def __init__(self, sessions: Sessions, commission: Commission | None) -> None:
+        self._sessions = sessions
+        self._commission = commission
+
+    def answers(self) -> dict[str, Answering]:
+        """Return what answers each entry of the table."""
+        return {
+            "/commission/open": partial(self._answer, _open),
+            "/commission/do": partial(self._answer, _do),
+            "/commission/answer": partial(self._answer, _reply),
+            "/card/settings": partial(self._answer, self._settings),
+            "/card/step": partial(self._answer, self._step),
+            "/card/sign": partial(self._answer, _sign),
+        }
+
+    async def _answer(self, press: Press, asked: Asked) -> Response:
+        session = asked.session
+        assert session is not None
+        if self._sessions.is_idle(session):
+            return because(403, Reason(code=Code.IDLE), asked.say)
+        self._sessions.press(session)
+        if self._commission is None:
+            return refusal(409, asked.say(WORDS[Why.SILENT]), Why.SILENT)
+        told = await press(self._commission, session, asked)
+        if not told["ok"]:
+            return refusal(409, refusal_in(told, asked.say), str(told["why"]))
+        text = sentence(str(told["text"]), asked.say) if "text" in told else asked.say(DONE)
+        return JSONResponse({"ok": True, "text": text})
+
+    async def _step(self, commission: Commission, session: Session, asked: Asked) -> Told:
+        if asked.said["step"] == SEARCH and not self._has_hand(session):
+            return NO_HAND
+        return await commission.press(session, "step", **asked.said)
+
+    async def _settings(self, commission: Commission, session: Session, asked: Asked) -> Told:
+        """Try what a step proposes, keep it, or take it back: it changes what goes out."""
+        said = dict(asked.said)
+        do = said.pop("do")
+        if not self._has_hand(session):
+            return NO_HAND
+        if do == "try":
+            return await commission.press(session, do, **said)
+        if do in ("keep", "undo"):
+            return await commission.press(session, do, reason=said["reason"])
+        return {"ok": False, "why": Why.NO_SENSE, "name": ""}
+
+    def _has_hand(self, session: Session) -> bool:
+        held = self._sessions.holder()
+        return held is not None and held.session is session
+
+
+async def _open(commission: Commission, session: Session, asked: Asked) -> Told:
+    over = bool(asked.said["over"])
+    return await commission.open(session, str(asked.said["password"]), over=over)
+
+
+async def _do(commission: Commission, session: Session, asked: Asked) -> Told:
+    do = str(asked.said["do"])
+    if do == "words":
+        return await commission.press(session, do, again=asked.said["again"])
+    if do in PLAIN:
+        return await commission.press(session, do)
+    return {"ok": False, "why": Why.NO_SENSE, "name": ""}
+
+
+async def _reply(commission: Commission, session: Session, asked: Asked) -> Told:
+    return await commission.press(session, "answer", **asked.said)
+
+
+async def _sign(commission: Commission, session: Session, asked: Asked) -> Told:
+    return await commission.press(session, "sign", **asked.said)

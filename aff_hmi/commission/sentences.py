@@ -1,0 +1,79 @@
+"""Sentences of setup and card in the reader's language.
+
+The engine writes English sentences with numbers and names in them. Each is found again by its
+pattern and said with the same numbers; what is in no pattern stays English, and is told whole.
+What stands in a place called ``what`` or ``why`` is itself such a sentence, or a list of them.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+from aff_hmi.commission.setup_sentences import SETUP
+from aff_hmi.words import N_, Say
+
+PATTERNS = (
+    N_("a card is begun, {hash}"),
+    N_("no card is begun"),
+    N_("stopped"),
+    N_("tried for {seconds} s: {rest}"),
+    N_("kept; saved as the site file"),
+    N_("undone; the former settings run"),
+    N_("this step proposes nothing"),
+    N_("nothing was measured: {rest}"),
+    N_("take the hand first"),
+    N_("step {step}: pass"),
+    N_("step {step}: fail"),
+    N_("step {step}: open"),
+    N_("step {step}: not applicable"),
+    N_("step {step} signed as {name}"),
+    N_("{count} entries, whole; newest {hash}"),
+    N_("does not hold: {reason}"),
+    N_("the reason has {count} characters; write {least} to {most}"),
+    N_("no service answers; step {step} looks at {thing}"),
+    N_("no service answers that records now; name a window with --run RUN_DIR@FROM..TO"),
+    N_("its process ended without an answer; see the log of the commissioner"),
+    *SETUP,
+)
+_PLACE = re.compile(r"\\\{(\w+)\\\}")
+_NESTED = ("what", "why")
+_LISTS = (*_NESTED, "bits", "rest", "reason", "site", "text", "thing", "words")
+LONGEST, DEEPEST = 700, 3
+
+
+@cache
+def _compiled() -> tuple[tuple[re.Pattern[str], str], ...]:
+    """Return every pattern; those with the most fixed text come first."""
+    by_length = sorted(PATTERNS, key=lambda text: -len(re.sub(r"\{\w+\}", "", text)))
+    return tuple((re.compile(_PLACE.sub(_any, re.escape(text))), text) for text in by_length)
+
+
+def _any(place: re.Match[str]) -> str:
+    """Return what stands in a place: a word's number; no list, unless it is for one."""
+    if place[1] == "word":
+        return r"(?P<word>\d+)"
+    return f"(?P<{place[1]}>.+?)" if place[1] in _LISTS else f"(?P<{place[1]}>(?:(?!, ).)+?)"
+
+
+def sentence(text: str, say: Say, depth: int = 0) -> str:
+    """Return a sentence in the reader's language; English where no pattern is of it."""
+    if depth > DEEPEST:
+        return text
+    for pattern, template in _compiled():
+        found = pattern.fullmatch(text[:LONGEST])
+        if found is None:
+            continue
+        said = say(template)
+        for name, value in found.groupdict().items():
+            shown = _parts(value, say, depth) if name in _NESTED else value
+            said = said.replace(f"{{{name}}}", shown)
+        return said
+    return text
+
+
+def _parts(text: str, say: Say, depth: int) -> str:
+    whole = sentence(text, say, depth + 1)
+    if whole != text or ", " not in text:
+        return whole
+    return ", ".join(sentence(one, say, depth + 1) for one in text.split(", "))

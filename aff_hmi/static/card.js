@@ -1,0 +1,243 @@
+// The commissioning card: every step with its figures, what it waits for, and its signature.
+import { ask, byId, number, part, put, words } from "/static/see.js";
+import { LONG_MS, act, button, field, lookAfter, post } from "/static/work.js";
+
+const EVERY_MS = 2500;
+let isOpen = false;
+let isBusy = false;
+
+// --- what a step says --------------------------------------------------------------------------
+
+function listed(title, texts) {
+  if (!texts.length) return [];
+  const list = part("ul");
+  list.lang = "en";
+  list.append(...texts.map((text) => part("li", "", text)));
+  return [part("p", "title", `${title}:`), list];
+}
+
+function figures(rows) {
+  if (!rows.length) return [];
+  const table = part("table", "wide");
+  const head = part("tr");
+  const heads = [words.figure, words.value, words.span, words.limit, ""];
+  head.append(...heads.map((text) => part("th", "", text)));
+  const body = rows.map((one) => {
+    const row = part("tr", one.good === false ? "failed" : "");
+    const mark = one.good === null ? "" : one.good ? "✓" : "✗";
+    row.append(part("td", "", one.name), part("td", "figure", one.value));
+    row.append(part("td", "figure", one.span), part("td", "", one.limit), part("td", "mark", mark));
+    return row;
+  });
+  table.lang = "en";
+  table.append(head, ...body);
+  const box = part("div", "scroll");
+  box.tabIndex = 0;
+  box.append(table);
+  return [box];
+}
+
+function windows(rows) {
+  const texts = rows.flatMap((one) => [
+    `${one.folder}, ${one.from_s.toFixed(2)} s – ${one.to_s.toFixed(2)} s`,
+    ...one.segments.map((s) => `${s.name}, ${s.size} B, SHA-256 ${s.sha256}`),
+  ]);
+  return listed(words.window, texts);
+}
+
+function entry(step) {
+  const one = step.entry;
+  if (one === null) return [];
+  const made = words.entry.replace("{number}", one.number).replace("{utc}", one.utc);
+  const said = part("p", "note", made.replace("{by}", one.by));
+  const hash = part("p", "note hash", `SHA-256 ${one.sha256}`);
+  const earlier = step.earlier ? [part("p", "note", words.earlier.replace("{count}", step.earlier))] : [];
+  return [
+    ...listed(words.again, step.why),
+    ...listed(words.reason, one.reason ? [one.reason] : []),
+    ...figures(one.figures),
+    ...listed(words.missing, one.missing),
+    ...listed(words.proposed, one.proposals),
+    ...listed(words.remarks, one.remarks),
+    ...listed(words.typed, one.typed),
+    ...windows(one.windows),
+    said,
+    hash,
+    ...earlier,
+    ...signature(step),
+  ];
+}
+
+function signature(step) {
+  const one = step.signed;
+  if (one === null) return [part("p", "title", words.unsigned)];
+  const said = words.signed.replace("{utc}", one.utc).replace("{name}", one.name);
+  const more = part("p", "note hash", `${one.by} · SHA-256 ${one.sha256}`);
+  return [part("p", "title", `✓ ${said}: ${one.reason}`), more];
+}
+
+// --- what can be done with a step --------------------------------------------------------------
+
+function measuring(step, proof) {
+  const form = part("form", "measure");
+  const boxes = step.typed_names.map((name) => field(name, name, { maxLength: 80 }));
+  const plc = field(words.plc, "plc", { maxLength: 80 });
+  const hints = [];
+  if (step.seconds) hints.push(words.look.replace("{seconds}", number(step.seconds, 0)));
+  if (boxes.length) hints.push(words.display);
+  if (step.number === 12 && proof) {
+    hints.push(words.off.replace("{off}", number(proof.off_s, 0)).replace("{on}", number(proof.on_s, 0)));
+  }
+  const fields = part("p", "fields");
+  fields.append(...boxes.map((one) => one.box), plc.box);
+  const why = field(words.why, "leave", { maxLength: 500 });
+  const typed = () =>
+    boxes.filter((one) => one.input.value.trim()).map((one) => `${one.input.name}=${one.input.value.trim()}`);
+  const send = (leave_out) => {
+    const said = { step: step.number, typed: leave_out ? "" : typed().join("\n") };
+    return post("/card/step", { ...said, plc: plc.input.value, leave_out });
+  };
+  const go = part("button", "", words.measure);
+  go.type = "submit";
+  form.onsubmit = (event) => {
+    event.preventDefault();
+    send("");
+  };
+  const leave = button(words.leave, () => send(why.input.value || " "));
+  const row = part("p", "fields");
+  row.append(why.box, leave);
+  form.append(...hints.map((text) => part("p", "note", text)), fields, go, row);
+  return form;
+}
+
+function signing(step) {
+  const form = part("form", "signing");
+  const why = field(words.why, "reason", { maxLength: 500, minLength: 8, required: true });
+  const more = { type: "password", autocomplete: "current-password", required: true, maxLength: 256 };
+  const password = field(words.password, "password", more);
+  const go = part("button", "", words.sign);
+  go.type = "submit";
+  const row = part("p", "fields");
+  row.append(why.box, password.box, go);
+  const name = document.createElement("input"); // a password of whom, for keepers of passwords
+  Object.assign(name, { type: "text", autocomplete: "username", hidden: true });
+  name.value = byId("hand")?.dataset.account ?? "";
+  form.append(part("p", "note", words.seen), name, row);
+  form.onsubmit = async (event) => {
+    event.preventDefault();
+    const said = { step: step.number, measured: step.entry.sha256, reason: why.input.value };
+    await post("/card/sign", { ...said, password: password.input.value });
+    password.input.value = "";
+    look();
+  };
+  return form;
+}
+
+function trying(step) {
+  const form = part("form", "trying");
+  const why = field(words.why, "reason", { maxLength: 200, minLength: 8, required: true });
+  const seconds = field(words.for, "seconds", { type: "number", min: 5, max: 3600, value: 120, required: true });
+  const go = part("button", "", words.try);
+  go.type = "submit";
+  const row = part("p", "fields");
+  row.append(why.box, seconds.box, go);
+  form.append(row);
+  form.onsubmit = (event) => {
+    event.preventDefault();
+    const said = { do: "try", step: step.number, measured: step.entry.sha256, reason: why.input.value };
+    post("/card/settings", { ...said, seconds: Number(seconds.input.value) });
+  };
+  return form;
+}
+
+function stepped(step, proof, old) {
+  const box = part("details", "step");
+  box.dataset.step = step.number;
+  box.dataset.stand = step.stand;
+  box.open = old?.open ?? false;
+  const head = part("summary");
+  const title = part("span", "what");
+  title.append(part("span", "figure", `${step.number}.`), " ", part("strong", "", step.title));
+  head.append(title, part("span", "stand", `${step.mark} ${step.stand_word}`));
+  const signed = step.signed ? `✓ ${step.signed.name}` : step.entry ? words.unsigned : "";
+  head.append(part("span", "by", signed));
+  const about = `${words.measured}: ${step.measured}; ${words.good}: ${step.limit}`;
+  box.append(head, part("p", "note", about), ...entry(step));
+  if (isOpen) {
+    if (step.can_sign && step.entry) box.append(signing(step));
+    if (step.entry?.proposals.length) box.append(trying(step));
+    box.append(measuring(step, proof));
+  }
+  return box;
+}
+
+// --- the card ----------------------------------------------------------------------------------
+
+const rows = new Map();
+
+function show(answer) {
+  const card = answer?.ok ? answer.card : null;
+  byId("card").hidden = card === null;
+  put(byId("card-said"), answer === null ? words.failed : answer.ok ? "" : answer.text);
+  byId("begin").hidden = card !== null || !isOpen || answer === null;
+  if (card === null) return;
+  put(byId("card-line"), card.line);
+  put(byId("card-newest"), `${card.entries}, ${card.utc}`);
+  put(byId("card-hash"), card.newest);
+  listing(byId("card-remarks"), card.remarks);
+  listing(byId("undone"), card.undone.length ? card.undone : [words.holds]);
+  for (const step of card.steps) {
+    const said = JSON.stringify([step, isOpen, step.number === 12 && isOpen ? card.proof?.off_s : 0]);
+    const old = rows.get(step.number);
+    if (old?.said === said) continue;
+    const made = stepped(step, card.proof, old?.box);
+    if (old) old.box.replaceWith(made);
+    else byId("steps").append(made);
+    rows.set(step.number, { said, box: made });
+  }
+}
+
+function listing(list, texts) {
+  const said = JSON.stringify(texts);
+  if (list.dataset.said === said) return;
+  list.dataset.said = said;
+  list.replaceChildren(...texts.map((text) => part("li", "", text)));
+}
+
+let isAsking = false;
+async function look() {
+  if (isAsking || document.hidden) return;
+  isAsking = true;
+  const answer = await ask("/data/card", {}, LONG_MS);
+  isAsking = false;
+  document.documentElement.dataset.card = answer?.ok ? "shown" : "none";
+  show(answer);
+}
+
+lookAfter((state) => {
+  const wasBusy = isBusy;
+  const wasOpen = isOpen;
+  isBusy = state?.ok === true && state.job !== null;
+  isOpen = state?.ok === true && state.is_open;
+  if ((wasBusy && !isBusy) || wasOpen !== isOpen) look();
+  const tried = state?.ok === true ? (state.service.trying ?? "") : "";
+  byId("trying").hidden = !(isOpen && tried);
+  put(byId("tried"), tried);
+});
+look();
+setInterval(look, EVERY_MS);
+byId("trying").onsubmit = (event) => {
+  event.preventDefault();
+  const said = { do: event.submitter.value, step: 0, measured: "", seconds: 0 };
+  post("/card/settings", { ...said, reason: byId("tried-why").value });
+};
+byId("begin").onclick = () => act("begin");
+byId("verify").onclick = () => act("verify");
+byId("print").onclick = () => window.print();
+// on paper every step that has something to say is open
+let wereOpen = [];
+addEventListener("beforeprint", () => {
+  wereOpen = [...document.querySelectorAll("details.step")].map((one) => [one, one.open]);
+  for (const [one] of wereOpen) one.open = one.dataset.stand !== "not done";
+});
+addEventListener("afterprint", () => wereOpen.forEach(([one, open]) => (one.open = open)));

@@ -1,0 +1,231 @@
+// From the box to ACTIVE: every step with what is known of it, and what is to be done next.
+import { ask, byId, number, part, put, words } from "/static/see.js";
+import { LONG_MS, act, lookAfter, post } from "/static/work.js";
+
+const LINE_MS = 3000;
+const ARMED = ["ARMED", "ACTIVE"];
+let state = null;
+let line = null;
+let card = null;
+
+function say(name, text, isBad = false) {
+  const element = document.querySelector(`[data-says="${name}"]`);
+  put(element, text);
+  element.classList.toggle("bad", isBad);
+}
+
+function fill(text, values) {
+  return Object.entries(values).reduce((said, [key, value]) => said.replaceAll(`{${key}}`, value), text);
+}
+
+function listing(list, texts, kind = "") {
+  const said = JSON.stringify(texts);
+  if (list.dataset.said === said) return;
+  list.dataset.said = said;
+  list.replaceChildren(...texts.map((text) => part("li", kind, text)));
+}
+
+// --- the interview -----------------------------------------------------------------------------
+
+let asked = 0;
+
+function question(one) {
+  byId("question").hidden = one === null;
+  if (one === null) {
+    asked = 0;
+    return;
+  }
+  if (asked === one.number) return;
+  asked = one.number;
+  put(byId("asked"), one.text);
+  byId("question").dataset.name = one.name;
+  byId("answer").value = "";
+  put(byId("answer-label"), words.typed);
+  const text = one.default ? fill(words.default, { text: one.default }) : "";
+  put(byId("default"), text);
+  const picks = [...one.rows.map(([value, row]) => [value, `${value}: ${row}`]), ...one.choices];
+  byId("rows").replaceChildren(
+    ...picks.map(([value, row]) => {
+      const made = part("button", "pick", row);
+      made.type = "button";
+      made.dataset.value = value;
+      made.onclick = () => answer(value);
+      return made;
+    }),
+  );
+  byId("question").scrollIntoView({ block: "center" });
+  byId("answer").focus({ preventScroll: true });
+}
+
+async function answer(text) {
+  const said = { number: asked, text };
+  const found = await post("/commission/answer", said);
+  if (found.ok) put(byId("work-said"), "");
+  look();
+}
+
+byId("question").onsubmit = (event) => {
+  event.preventDefault();
+  answer(byId("answer").value);
+};
+byId("find-words").onclick = async () => {
+  await act("words", byId("again").value);
+  byId("again").value = "";
+  look();
+};
+
+// --- what is known of every step ---------------------------------------------------------------
+
+function done(stage, isDone) {
+  const row = document.querySelector(`[data-stage="${stage}"]`);
+  row.dataset.done = isDone ? "yes" : "no";
+}
+
+function showState() {
+  const isOk = state?.ok === true;
+  const site = isOk ? state.site : { there: false };
+  const file = site.path ? fill(words.file, { path: site.path, hash: site.sha256 }) : words.there;
+  say("file", site.there ? file : words.noFile);
+  done("words", site.there);
+  const job = isOk ? state.job : null;
+  document.querySelector("[data-open]").hidden = !(isOk && state.is_open && job === null);
+  question(isOk && state.is_open ? (job?.ask ?? null) : null);
+  const service = isOk ? state.service : { answers: false };
+  const contact = !service.answers ? words.silent : service.heard ? words.heard : words.unheard;
+  say("contact", service.trouble || contact, service.answers && !service.heard);
+  done("contact", service.answers && service.heard);
+  const nothing = service.probed && service.probed !== "measured";
+  const probed = nothing ? fill(words.nothing, { why: service.probed }) : service.probed ? words.probed : "";
+  say("probe", service.probing ? words.probing : probed, Boolean(nothing));
+  const root = document.documentElement;
+  root.dataset.probed = service.probing ? "now" : nothing ? "nothing" : service.probed ? "yes" : "no";
+}
+
+function table(heads, rows) {
+  const made = part("table", "wide");
+  const head = part("tr");
+  head.append(...heads.map((text) => part("th", "", text)));
+  made.append(
+    head,
+    ...rows.map((cells) => {
+      const row = part("tr");
+      row.append(...cells.map((text, n) => part("td", n ? "figure" : "", text)));
+      return row;
+    }),
+  );
+  const box = part("div", "scroll");
+  box.tabIndex = 0;
+  box.append(made);
+  return box;
+}
+
+const short = (value) => (value === null ? "—" : Number(value.toPrecision(3)).toString());
+
+function response(one) {
+  const when = { actuator: one.actuator, when: one.measured_at, speed: short(one.speed_m_s) };
+  const made = part("div", "response");
+  made.append(part("p", "title", fill(words.of, { ...when, radius: short(one.radius_m) })));
+  if (one.drive.length) {
+    const rows = one.drive.map((row) => [
+      `${row.name}${row.is_sure ? "" : ` (${words.unsure})`}`,
+      `${short(row.value)} ${row.unit}`,
+      `${short(row.low)} – ${short(row.high)}`,
+    ]);
+    made.append(table([words.number, words.value, words.span], rows));
+  }
+  if (!one.drive.length) made.append(part("p", "note", words.noDrive));
+  const points = one.points.map(([f, gain, phase, error, coherence]) => [
+    `${number(f, 2)} Hz`,
+    `${short(gain)} ${one.unit}`,
+    number(phase, 0),
+    number(error, 1),
+    number(coherence, 3),
+  ]);
+  const more = part("details");
+  more.append(part("summary", "", `P(f), ${points.length}`));
+  more.append(table(["f", words.gain, words.phase, words.error, words.coherence], points));
+  made.append(more);
+  return made;
+}
+
+function bound(row, seconds) {
+  const size = { amplitude: short(row.amplitude), limit: short(row.limit), unit: row.unit };
+  const said = fill(words.bound, { actuator: row.actuator, seconds: number(seconds, 0), ...size });
+  const moved = row.ripple === null ? words.first : words.ripple;
+  return `${said}; ${fill(moved, { signal: row.signal, ripple: short(row.ripple), unit: row.signal_unit })}`;
+}
+
+let lineSaid = "";
+function showLine() {
+  const said = JSON.stringify(line);
+  if (said === lineSaid) return;
+  lineSaid = said;
+  const errors = line?.errors ?? [];
+  byId("errors").hidden = errors.length === 0;
+  listing(byId("errors"), errors, "complain");
+  listing(byId("facts"), [...(line?.warnings ?? []), ...(line?.limits ?? []), ...(line?.orders ?? [])]);
+  put(byId("warned"), line?.warnings.length ? ` ▲ ${line.warnings.length}` : "");
+  listing(byId("bounds"), (line?.probe?.rows ?? []).map((row) => bound(row, line.probe.duration_s)));
+  listing(byId("drives"), line?.drives ?? []);
+  byId("found").replaceChildren(...(line?.responses ?? []).map(response));
+  const isProbed = (line?.responses.length ?? 0) > 0;
+  done("check", line !== null && errors.length === 0);
+  done("probe", isProbed);
+  done("found", isProbed);
+  done("tune", isProbed && line.drives.every((text) => !text.includes("stand in")));
+}
+
+// --- arm and proof: what the line shows, since when ---------------------------------------------
+
+const parts = [];
+document.addEventListener("frame", (event) => {
+  const frame = event.detail;
+  if (frame === null || document.documentElement.dataset.broken) return;
+  const isOn = ARMED.includes(frame.state) && !state?.service?.probing; // a probe is no proof
+  const last = parts.at(-1);
+  if (!last || last.isOn !== isOn) parts.push({ isOn, word: frame.word, since: performance.now() });
+  const seconds = (performance.now() - parts.at(-1).since) / 1000;
+  const text = fill(words.state, { state: frame.word, seconds: number(seconds, 0) });
+  say("arm", text);
+  done("arm", frame.state === "ACTIVE");
+});
+
+function showProof() {
+  const times = line?.proof;
+  say("proof", times ? fill(words.off, { off: number(times.off_s, 0), on: number(times.on_s, 0) }) : "");
+  const rows = parts.slice(-4).map((one, n, all) => {
+    const until = all[n + 1]?.since ?? performance.now();
+    const seconds = (until - one.since) / 1000;
+    const isEnough = times && seconds >= (one.isOn ? times.on_s : times.off_s);
+    return `${isEnough ? words.done : words.todo} ${fill(words.state, { state: one.word, seconds: number(seconds, 0) })}`;
+  });
+  listing(byId("parts"), rows);
+  const signed = card?.steps.filter((one) => one.signed).length ?? 0;
+  const counts = { count: signed, left: (card?.steps.length ?? 0) - signed };
+  say("sign", card ? fill(words.signed, counts) : words.noCard);
+  done("sign", signed > 0);
+  done("proof", card?.steps.some((one) => one.number === 12 && one.stand === "pass") ?? false);
+}
+
+let isAsking = false;
+async function lookLonger() {
+  if (isAsking || document.hidden) return;
+  isAsking = true;
+  const found = state?.site?.there ? await ask("/data/line", {}, LONG_MS) : null;
+  line = found?.ok ? found.line : null;
+  const shown = await ask("/data/card", {}, LONG_MS);
+  card = shown?.ok ? shown.card : null;
+  isAsking = false;
+  showLine();
+}
+
+let wasThere = "";
+const look = lookAfter((found) => {
+  state = found;
+  showState();
+  const now = `${found?.site?.there}${found?.site?.sha256}${found?.service?.probing}`;
+  if (now !== wasThere) lookLonger();
+  wasThere = now;
+});
+setInterval(lookLonger, LINE_MS);
+setInterval(showProof, 500);

@@ -1,0 +1,3 @@
+"""The commissioner: what a screen may have done before a line runs; it moves nothing."""
+
+__all__ = ["client", "commissioner", "job", "listening", "messages", "saving", "sources"]

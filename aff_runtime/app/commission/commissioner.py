@@ -1,0 +1,210 @@
+"""The commissioner: hears a screen, lets one person have jobs done, keeps what was asked.
+
+It moves nothing: it arms nothing, and writes no word of the PLC. Figures come from records and
+from the running service; what a screen says of itself is a name, a value that a display shows, an
+answer. A signature is below what was shown, with a password that is checked here.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from dataclasses import dataclass, replace
+
+from aff_runtime.app.card.book import NAME as CARD
+from aff_runtime.app.commission.looking import Looking
+from aff_runtime.app.commission.messages import LOOKS, PROTOCOL, Asked, Refusal, Told, Why
+from aff_runtime.app.commission.people import Holder, People
+from aff_runtime.app.commission.sources import Where, by_whom
+from aff_runtime.app.commission.worker import Worker
+from aff_runtime.app.hand.accounts import Accounts
+from aff_runtime.app.hand.audit import Audit, Entry
+from aff_runtime.app.hand.may import Place, Role
+from aff_runtime.app.link.peer import Peer
+from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.ports import Clock
+
+AWAITED = ("sign",)
+"""Jobs whose answer the screen waits for; of the others it hears by ``state``."""
+LOG = logging.getLogger("aff_runtime")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Last:
+    """The job that ended last."""
+
+    do: str
+    step: int
+    ok: bool
+    text: str
+
+
+class Commissioner:
+    """Answers requests.
+
+    Parameters
+    ----------
+    where : site file, state, service and card.
+    farthest : place from which one may commission.
+    """
+
+    def __init__(
+        self, where: Where, accounts: Accounts, audit: Audit, clock: Clock, farthest: Place
+    ) -> None:
+        self._where = where
+        self._audit = audit
+        self._people = People(accounts, clock, farthest)
+        self._worker: Worker | None = None
+        self._running: asyncio.Task[Told] | None = None
+        self._last: Last | None = None
+        self.looking = Looking(where, clock)
+
+    async def answer(self, asked: Asked, peer: Peer) -> Told:
+        """Return the answer to a request that was checked."""
+        do = asked["do"]
+        if do == "state":
+            return self._state()
+        if do in LOOKS:
+            return await self.looking.look(asked)
+        if do == "open":
+            return await self._open(asked, peer)
+        held = self._people.by_key(asked["key"], Place(asked["place"]))
+        return Refusal(why=Why.CLOSED).told if held is None else await self._do(asked, held, peer)
+
+    async def _do(self, asked: Asked, held: Holder, peer: Peer) -> Told:
+        """Do what the person asks who is in."""
+        if asked["do"] == "close":
+            self._write(_entry(asked, held, peer), "done")
+            self._people.close()
+            return {"ok": True}
+        if asked["do"] in ("answer", "stop"):
+            return self._steer(asked, held, peer)
+        return await self._start(asked, held, peer)
+
+    def close(self) -> None:
+        """End what runs."""
+        if self._worker is not None:
+            self._worker.stop()
+        self._audit.close()
+
+    # --- who ----------------------------------------------------------------------------------
+
+    async def _open(self, asked: Asked, peer: Peer) -> Told:
+        found = await self._people.open(
+            asked["account"], asked["password"], Place(asked["place"]), over=asked["over"]
+        )
+        said = Entry(
+            what="commissioning opened",
+            result="done",
+            account=asked["account"],
+            place=asked["place"],
+            peer=str(peer),
+        )
+        if isinstance(found, Refusal):
+            self._write(said, "refused", found.why)
+            return found.told
+        if not self._write(said, "done"):
+            self._people.close()
+            return Refusal(why=Why.UNRECORDED).told
+        return {"ok": True, "key": found.key}
+
+    # --- jobs ---------------------------------------------------------------------------------
+
+    def _steer(self, asked: Asked, held: Holder, peer: Peer) -> Told:
+        """Pass an answer on to the job that waits for one, or end the job."""
+        if self._worker is None:
+            return Refusal(why=Why.CHANGED).told
+        if asked["do"] == "stop":
+            self._write(_entry(asked, held, peer), "done")
+            self._worker.stop()
+            return {"ok": True}
+        is_heard = self._worker.answer(asked["number"], asked["text"])
+        return {"ok": True} if is_heard else Refusal(why=Why.CHANGED).told
+
+    async def _start(self, asked: Asked, held: Holder, peer: Peer) -> Told:
+        """Begin a job, once it stands in the audit."""
+        how = "at the screen, opened by password"
+        if asked["do"] == "sign":
+            against = await self._people.against(held.account, asked["password"])
+            if against is not None:
+                self._write(_entry(asked, held, peer), "refused", against.why)
+                return against.told
+            how = "password given for this signature"
+        if self._worker is not None:
+            return Refusal(why=Why.RUNNING, name=_called(self._worker.asked)).told
+        entry = _entry(asked, held, peer)
+        if not self._write(entry, "asked"):
+            return Refusal(why=Why.UNRECORDED).told
+        job = {name: value for name, value in asked.items() if name not in ("key", "password")}
+        by = f"{by_whom()}; {held.account}, {how}"
+        self._worker = Worker({**job, "account": held.account, "by": by}, self._where)
+        self._running = asyncio.create_task(self._run(self._worker, entry))
+        if asked["do"] in AWAITED:
+            return await asyncio.shield(self._running)
+        return {"ok": True}
+
+    async def _run(self, worker: Worker, entry: Entry) -> Told:
+        try:
+            found = await worker.run()
+        except OSError as error:
+            found = Refusal(why=Why.REFUSED, name=str(error)).told
+        finally:
+            self._worker = None
+        is_done, text = found["ok"] is True, str(found.get("text", found.get("name", "")))
+        self._write(entry, "done" if is_done else "refused", text)
+        self._last = Last(
+            do=worker.asked["do"], step=worker.asked.get("step", -1), ok=is_done, text=text
+        )
+        return found
+
+    # --- how it stands ------------------------------------------------------------------------
+
+    def _state(self) -> Told:
+        held, worker, last = self._people.holder, self._worker, self._last
+        return {
+            "ok": True,
+            "protocol": PROTOCOL,
+            "by": held.account if held is not None else "",
+            "site": self.looking.site(),
+            "service": self.looking.service(),
+            "card": (self._where.card / CARD).exists(),
+            "job": _shown(worker) if worker is not None else None,
+            "last": {name: getattr(last, name) for name in Last.__slots__} if last else None,
+        }
+
+    def _write(self, entry: Entry, result: str, why: str = "") -> bool:
+        """Put a line on record; False when it cannot be."""
+        try:
+            number = self._audit.add(replace(entry, result=result, why=why))
+        except RefusedError as error:
+            LOG.error("the audit is not kept, nothing is done: %s", error)
+            return False
+        said = f" ({why})" if why else ""
+        LOG.info(
+            "%s %s by %s%s; audit %d %s",
+            *(entry.what, result, entry.account, said, number, self._audit.newest[:12]),
+        )
+        return True
+
+
+def _shown(worker: Worker) -> Told:
+    said = [{"kind": kind, "text": text} for kind, text in worker.said]
+    asked = worker.asked
+    step = asked.get("step", -1)
+    return {"do": asked["do"], "step": step, "said": said, "ask": worker.question}
+
+
+def _called(asked: Asked) -> str:
+    return f"{asked['do']} {asked['step']}" if "step" in asked else str(asked["do"])
+
+
+def _entry(asked: Asked, held: Holder, peer: Peer) -> Entry:
+    return Entry(
+        what=f"commissioning: {_called(asked)}",
+        result="asked",
+        account=held.account,
+        role=Role.COMMISSION.word,
+        place=held.place,
+        peer=str(peer),
+        id=str(asked.get("measured", ""))[:64],
+    )

@@ -1,0 +1,91 @@
+"""Listens at ``commission.sock``: one request a connection, of root, ourselves or the screen."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import socket
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+from aff_runtime.app.commission.messages import (
+    MAX_ASKED_BYTES,
+    NAME,
+    Asked,
+    AskedError,
+    Refusal,
+    Told,
+    Why,
+    read_asked,
+)
+from aff_runtime.app.link.peer import Peer, peer_of, uids_with
+from aff_runtime.app.supervisor.packet_listener import SCREEN_USER, listening
+from aff_runtime.base.socket_file import identity, remove_own
+
+MOST = 16
+PATIENCE_S, LONGEST_S = 5.0, 900.0
+PACKET_BYTES = 1 << 15
+ANOTHER = "name another folder with --dir"
+Answering = Callable[[Asked, Peer], Awaitable[Told]]
+
+
+class Listener:
+    """Takes requests, ``MOST`` at a time; who comes beyond that waits in the kernel's queue.
+
+    Parameters
+    ----------
+    folder : of the socket. ``is_private`` : it is for our own user alone.
+
+    Raises
+    ------
+    RefusedError
+        When no socket can be made there, or another commissioner listens at it.
+    """
+
+    def __init__(self, folder: Path, answer: Answering, *, is_private: bool) -> None:
+        self._path = folder / NAME
+        self._answer = answer
+        self._socket = listening(self._path, 0o600 if is_private else 0o660, MOST, ANOTHER)
+        self._made = identity(self._path)
+        self._places = asyncio.Semaphore(MOST)
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    async def run(self) -> None:
+        """Listen for ever."""
+        loop = asyncio.get_running_loop()
+        while True:
+            await self._places.acquire()
+            end, _ = await loop.sock_accept(self._socket)
+            task = asyncio.create_task(self._serve(end))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+
+    def close(self) -> None:
+        """Listen no more."""
+        self._socket.close()
+        remove_own(self._path, self._made)
+
+    async def _serve(self, end: socket.socket) -> None:
+        """Answer one request."""
+        loop = asyncio.get_running_loop()
+        try:
+            end.setblocking(False)
+            peer = peer_of(end)
+            if peer.uid not in uids_with(SCREEN_USER):
+                return
+            async with asyncio.timeout(PATIENCE_S):
+                line = await loop.sock_recv(end, MAX_ASKED_BYTES + 1)
+            try:
+                async with asyncio.timeout(LONGEST_S):
+                    told = await self._answer(read_asked(line), peer)
+            except AskedError:
+                told = Refusal(why=Why.NO_SENSE).told
+            said = json.dumps(told).encode()
+            async with asyncio.timeout(PATIENCE_S):
+                for at in range(0, len(said), PACKET_BYTES):
+                    await loop.sock_sendall(end, said[at : at + PACKET_BYTES])
+        except (OSError, TimeoutError):
+            return
+        finally:
+            end.close()
+            self._places.release()

@@ -1,0 +1,111 @@
+"""What a screen looks at: card, site file and service, worked out anew only when one changed."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from pathlib import Path
+
+from aff_runtime.app.card.book import NAME as CARD
+from aff_runtime.app.commission.messages import Asked, Refusal, Told, Why
+from aff_runtime.app.commission.sources import Where, standing_of
+from aff_runtime.app.commission.worker import Worker
+from aff_runtime.app.report.status_answer import StatusAnswer
+from aff_runtime.base.errors import AffError
+from aff_runtime.base.ports import Clock
+from aff_runtime.config.plain_file import read_plain
+from aff_runtime.config.revision import file_digest
+from aff_runtime.config.yaml_marks import MAX_BYTES
+
+LOOK_S = 1.0
+LEAST_NS = 2_000_000_000
+NO_CARD, NO_SITE = "no card is begun", "no site file is there"
+Stamp = tuple[object, ...]
+
+
+class Looking:
+    """Looks at the service once a second, and at the rest when it is asked for.
+
+    A view of the card checks the site file, which takes a second of a processor: it is made at
+    most every two seconds, and only when card, site file or service are others than before.
+    """
+
+    def __init__(self, where: Where, clock: Clock) -> None:
+        self._where = where
+        self._clock = clock
+        self._service: StatusAnswer | None = None
+        self._trouble = ""
+        self._made: dict[str, tuple[Stamp, int, Told]] = {}
+        self._one = asyncio.Lock()
+        self._site: tuple[Stamp, str] = ((), "")
+
+    async def run(self) -> None:
+        """Look at the service for ever."""
+        while True:
+            try:
+                self._service = await asyncio.to_thread(standing_of, self._where.socket)
+                self._trouble = ""
+            except AffError as error:
+                self._service, self._trouble = None, str(error)
+            await asyncio.sleep(LOOK_S)
+
+    def site(self) -> Told:
+        """Return where the site file is, and its digest as far as it can be read."""
+        path, stamp = self._where.site, _stamp(self._where.site)
+        if stamp != self._site[0]:
+            digest = ""
+            with contextlib.suppress(OSError, ValueError):
+                digest = file_digest(read_plain(path, MAX_BYTES).decode("utf-8"))
+            self._site = (stamp, digest)
+        return {"path": str(path), "there": bool(stamp), "sha256": self._site[1]}
+
+    def service(self) -> Told:
+        """Return how the service stands."""
+        now = self._service
+        if now is None:
+            return {"answers": False, "trouble": self._trouble}
+        return {
+            "answers": True,
+            "state": now.state,
+            "heard": now.live is not None and now.live.comm == "OK",
+            "blocked": now.live.blocked_by if now.live is not None else "",
+            "probing": now.probing,
+            "probed": now.probed,
+            "trying": now.trying,
+            "differs": list(now.config_differs),
+            "learned": list(now.learned),
+        }
+
+    async def look(self, asked: Asked) -> Told:
+        """Return the card or the line for a screen, or the page that prints."""
+        if asked["do"] == "line" and not self._where.site.exists():
+            return Refusal(why=Why.REFUSED, name=NO_SITE).told
+        if asked["do"] != "line" and not (self._where.card / CARD).exists():
+            return Refusal(why=Why.REFUSED, name=NO_CARD).told
+        key = f"{asked['do']} {asked.get('paper', '')}"
+        async with self._one:
+            stamp, now_ns = self._stamp(), self._clock.now_ns()
+            kept = self._made.get(key)
+            if kept is not None and (kept[0] == stamp or now_ns - kept[1] < LEAST_NS):
+                return kept[2]
+            found = await Worker(dict(asked), self._where).run()
+            self._made[key] = (stamp, self._clock.now_ns(), found)
+            return found
+
+    def _stamp(self) -> Stamp:
+        now = self._service
+        service: Stamp = ()
+        if now is not None:
+            roll = now.live.tick.number("roll_id") if now.live is not None else -1.0
+            standing = now.state in ("ARMED", "ACTIVE")
+            service = (now.site_hash, now.config_hash, f"{roll:.0f}", now.trying, standing)
+        return (_stamp(self._where.card / CARD), _stamp(self._where.site), service)
+
+
+def _stamp(path: Path) -> Stamp:
+    """Return what changes when a file is another one; nothing where there is none."""
+    try:
+        found = path.stat()
+    except OSError:
+        return ()
+    return (found.st_ino, found.st_mtime_ns, found.st_size)

@@ -1,0 +1,169 @@
+"""What passes through ``commission.sock``: a request a connection, a line of JSON each way.
+
+Every request is checked in full before anything of it is used. What changes something needs the
+key that ``open`` gives for a password; a signature needs the password itself, once more.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, TypeAlias
+
+from aff_runtime.app.hand.accounts import MOST_CHARACTERS
+from aff_runtime.app.hand.messages import is_account_name
+
+PROTOCOL = 1
+NAME = "commission.sock"
+MAX_ASKED_BYTES = 8192
+MAX_TOLD_BYTES = 8 << 20
+LONGEST_TEXT = 2000
+Asked: TypeAlias = dict[str, Any]
+Told: TypeAlias = Asked
+Keys: TypeAlias = Mapping[str, Callable[[Any], bool]]
+
+
+class Why(StrEnum):
+    """Why something was not done."""
+
+    NO_SENSE = "no sense"
+    PASSWORD = "password"
+    WAIT = "wait"
+    ROLE = "role"
+    PLACE = "place"
+    BUSY = "busy"
+    CLOSED = "closed"
+    RUNNING = "running"
+    CHANGED = "changed"
+    UNRECORDED = "unrecorded"
+    REFUSED = "refused"
+    SILENT = "silent"
+
+
+WORDS = {
+    Why.NO_SENSE: "that is no request of this screen",
+    Why.PASSWORD: "name or password is wrong",
+    Why.WAIT: "too many tries: wait a minute",
+    Why.ROLE: "the role commission is needed",
+    Why.PLACE: "commissioning is for the panel at the machine, not for the network",
+    Why.BUSY: "{name} is at it; take it over?",
+    Why.CLOSED: "open it with your password first",
+    Why.RUNNING: "{name} is under way; stop it or wait",
+    Why.CHANGED: "somebody has changed it since you looked; look again",
+    Why.UNRECORDED: "the audit cannot be kept, so nothing is done",
+    Why.REFUSED: "{name}",
+    Why.SILENT: "no commissioner answers: start `aff-runtime commission`",
+}
+
+
+class AskedError(ValueError):
+    """What was asked is no request of this release."""
+
+
+def _text(value: Any) -> bool:
+    """Whether it is text that shows as itself; several lines are."""
+    is_short = isinstance(value, str) and len(value) <= LONGEST_TEXT
+    return is_short and value.replace("\n", "").isprintable()
+
+
+def _whole(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 2**53
+
+
+def _flag(value: Any) -> bool:
+    return isinstance(value, bool)
+
+
+def _key(value: Any) -> bool:
+    return isinstance(value, str) and re.fullmatch(r"[A-Za-z0-9_-]{0,64}", value) is not None
+
+
+def _digest(value: Any) -> bool:
+    return isinstance(value, str) and re.fullmatch(r"[0-9a-f]{64}", value) is not None
+
+
+def _password(value: Any) -> bool:
+    return isinstance(value, str) and len(value) <= MOST_CHARACTERS
+
+
+def _account(value: Any) -> bool:
+    return isinstance(value, str) and is_account_name(value)
+
+
+def _place(value: Any) -> bool:
+    return value in ("panel", "network")
+
+
+def _paper(value: Any) -> bool:
+    return value in ("a4", "letter")
+
+
+_PERSON = {"key": _key, "place": _place}
+# what may be asked: its keys, each with what its value must be
+TABLE: Mapping[str, Keys] = {
+    "state": {},
+    "card": {},
+    "page": {"paper": _paper},
+    "line": {},
+    "open": {"account": _account, "password": _password, "place": _place, "over": _flag},
+    "close": _PERSON,
+    "begin": _PERSON,
+    "step": {**_PERSON, "step": _whole, "typed": _text, "plc": _text, "leave_out": _text},
+    "sign": {
+        **_PERSON,
+        "step": _whole,
+        "measured": _digest,
+        "reason": _text,
+        "password": _password,
+    },
+    "verify": _PERSON,
+    "try": {**_PERSON, "step": _whole, "measured": _digest, "seconds": _whole, "reason": _text},
+    "keep": {**_PERSON, "reason": _text},
+    "undo": {**_PERSON, "reason": _text},
+    "words": {**_PERSON, "again": _text},
+    "answer": {**_PERSON, "number": _whole, "text": _text},
+    "stop": _PERSON,
+}
+LOOKS = ("state", "card", "page", "line")
+"""What changes nothing and needs no key."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Refusal:
+    """Why not; ``name`` is what ``{name}`` of its words stands for."""
+
+    why: Why
+    name: str = ""
+
+    @property
+    def told(self) -> Told:
+        """Return it as it is said."""
+        return {"ok": False, "why": self.why.value, "name": self.name}
+
+
+def read_asked(line: bytes) -> Asked:
+    """Return a request.
+
+    Raises
+    ------
+    AskedError
+        When it is none of this release, or any part of it is not what it must be.
+    """
+    said: Any
+    try:
+        said = json.loads(line.decode()) if len(line) <= MAX_ASKED_BYTES else None
+    except (ValueError, RecursionError):
+        said = None
+    do = said.get("do") if isinstance(said, dict) else None
+    if said is None or not isinstance(do, str) or do not in TABLE:
+        raise AskedError(f"one of {', '.join(TABLE)} is needed, {MAX_ASKED_BYTES} bytes at most")
+    wanted = TABLE[do]
+    if set(said) != {"do", *wanted}:
+        raise AskedError(f"{do}: needs {', '.join(sorted(wanted)) or 'nothing'}")
+    for key, is_right in wanted.items():
+        if not is_right(said[key]):
+            raise AskedError(f"{do}: {key} is not what it must be")
+    return dict(said)

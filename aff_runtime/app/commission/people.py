@@ -1,0 +1,118 @@
+"""Who commissions: one person at a time, by a password that is checked here and nowhere else."""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import secrets
+from collections import OrderedDict
+from dataclasses import dataclass
+
+from aff_runtime.app.commission.messages import Refusal, Why
+from aff_runtime.app.hand.accounts import Account, Accounts
+from aff_runtime.app.hand.bucket import Bucket
+from aff_runtime.app.hand.may import Place, Role
+from aff_runtime.base.ports import Clock
+
+IDLE_NS = 15 * 60 * 1_000_000_000
+TRIES, PER_S = 5.0, 5.0 / 60.0
+MAX_KNOWN, MAX_QUEUE = 64, 4
+
+
+@dataclass(slots=True, kw_only=True)
+class Holder:
+    """Who has opened it; ``key`` is what his screen says with every request."""
+
+    account: str
+    place: Place
+    key: str
+    pressed_ns: int
+
+
+class People:
+    """Lets one person in.
+
+    Parameters
+    ----------
+    accounts : read anew whenever the file is another one.
+    farthest : place from which one may commission.
+    """
+
+    def __init__(self, accounts: Accounts, clock: Clock, farthest: Place) -> None:
+        self._accounts = accounts
+        self._clock = clock
+        self._farthest = farthest
+        self._buckets: OrderedDict[str, Bucket] = OrderedDict()
+        self._one = asyncio.Lock()
+        self._queue = 0
+        self._holder: Holder | None = None
+
+    @property
+    def holder(self) -> Holder | None:
+        """Who is in; nobody after a quarter of an hour without a press."""
+        held = self._holder
+        if held is not None:
+            account = self._accounts.find(held.account)
+            is_idle = self._clock.now_ns() - held.pressed_ns > IDLE_NS
+            if is_idle or account is None or account.role < Role.COMMISSION:
+                self._holder = None
+        return self._holder
+
+    async def open(
+        self, name: str, password: str, place: Place, *, over: bool
+    ) -> Holder | Refusal:
+        """Let somebody in.
+
+        Parameters
+        ----------
+        over : takes it over from who is in.
+        """
+        against = self._away(place) or await self.against(name, password)
+        if against is not None:
+            return against
+        held = self.holder
+        if held is not None and held.account != name and not over:
+            return Refusal(why=Why.BUSY, name=held.account)
+        now_ns = self._clock.now_ns()
+        key = secrets.token_urlsafe(32)
+        self._holder = Holder(account=name, place=place, key=key, pressed_ns=now_ns)
+        return self._holder
+
+    def close(self) -> None:
+        """Let nobody be in."""
+        self._holder = None
+
+    def by_key(self, key: str, place: Place) -> Holder | None:
+        """Return who shows this key, from the place where it was given; a press keeps him in."""
+        held = self.holder
+        if held is None or not hmac.compare_digest(held.key.encode(), key.encode()):
+            return None
+        if held.place is not place:
+            return None
+        held.pressed_ns = self._clock.now_ns()
+        return held
+
+    async def against(self, name: str, password: str) -> Refusal | None:
+        """Return why this is not somebody who may commission; None when it is."""
+        bucket = self._buckets.pop(name, None) or Bucket(self._clock, per_s=PER_S, burst=TRIES)
+        self._buckets[name] = bucket
+        if len(self._buckets) > MAX_KNOWN:
+            self._buckets.popitem(last=False)
+        if self._queue >= MAX_QUEUE or not bucket.take():
+            return Refusal(why=Why.WAIT)
+        self._queue += 1
+        try:
+            async with self._one:
+                found: Account | None = await asyncio.to_thread(
+                    self._accounts.check, name, password
+                )
+        finally:
+            self._queue -= 1
+        if found is None:
+            return Refusal(why=Why.PASSWORD)
+        self._buckets.pop(name, None)  # who signs thirteen steps does not guess
+        return None if found.role >= Role.COMMISSION else Refusal(why=Why.ROLE)
+
+    def _away(self, place: Place) -> Refusal | None:
+        is_away = place is Place.NETWORK and self._farthest is not Place.NETWORK
+        return Refusal(why=Why.PLACE) if is_away else None

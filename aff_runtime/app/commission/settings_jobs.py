@@ -1,0 +1,92 @@
+"""What a card's step proposes, tried on the running web, kept or taken back: for a screen."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from aff_runtime.app.card.measure.search import text_with
+from aff_runtime.app.card.work import CardFile
+from aff_runtime.app.check.limits import PATIENCE_S
+from aff_runtime.app.commission.messages import Asked, Refusal, Told, Why
+from aff_runtime.app.commission.saving import await_saved, save
+from aff_runtime.app.commission.sources import Where, record_of
+from aff_runtime.app.commission.talk import Talk
+from aff_runtime.app.link.request_client import ServiceClient
+from aff_runtime.app.link.settings_answer import SettingsAnswer
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import RefusedError, WireError
+
+_PROPOSED = re.compile(r"([A-Za-z_][\w.]*): ([-+0-9.eE]+)(?:\s+#.*)?")
+Path = tuple[str | int, ...]
+
+
+def proposed(sentences: Sequence[str]) -> Mapping[Path, float]:
+    """Return the settings that a step proposes, by their place in the site file.
+
+    Raises
+    ------
+    RefusedError
+        There is none, or one that is no number.
+    """
+    found: dict[Path, float] = {}
+    for text in sentences:
+        match = _PROPOSED.fullmatch(text)
+        if match is None:
+            raise RefusedError(f"{text}: is tried by hand: `aff-runtime settings try`")
+        place = tuple(int(key) if key.isdecimal() else key for key in match[1].split("."))
+        found[place] = float(match[2])
+    if not found:
+        raise RefusedError("this step proposes nothing")
+    return found
+
+
+def try_proposed(where: Where, asked: Asked, talk: Talk) -> Told:
+    """Have the service run what a step proposes for a while; it takes it back by itself."""
+    found = CardFile.of(where.card).standing(asked["step"], None)
+    if found.last is None or found.measured is None or found.last.sha256 != asked["measured"]:
+        return Refusal(why=Why.CHANGED).told
+    text = text_with(
+        record_of(where.site, where.state).site_text, proposed(found.measured.finding.proposals)
+    )
+    answer = _ask(where, act="try", text=text, seconds=float(asked["seconds"]), why=_why(asked))
+    for change in (*answer.remarks, *answer.changes):
+        talk.say(str(change))
+    return {"text": f"tried for {asked['seconds']} s: {'; '.join(map(str, answer.changes))}"}
+
+
+def keep(where: Where, asked: Asked, talk: Talk) -> Told:
+    """Save what is tried as the site file."""
+    return _end(where, asked, "keep")
+
+
+def undo(where: Where, asked: Asked, talk: Talk) -> Told:
+    """End a try."""
+    return _end(where, asked, "undo")
+
+
+def _end(where: Where, asked: Asked, act: str) -> Told:
+    answer = _ask(where, act=act, why=_why(asked))
+    if not answer.text:
+        return {"text": "undone; the former settings run"}
+    save(where.site, answer)
+    await_saved(partial(_ask, where, act="state"), answer.text, MonotonicClock())
+    return {"text": "kept; saved as the site file" if act == "keep" else "undone; saved"}
+
+
+def _why(asked: Asked) -> str:
+    return f"{asked['reason']} ({asked['account']} at the screen)"
+
+
+def _ask(where: Where, **arguments: Any) -> SettingsAnswer:
+    client = ServiceClient(where.socket)
+    try:
+        answer = client.ask("settings", timeout_s=PATIENCE_S + 5.0, **arguments)
+    finally:
+        client.close()
+    try:
+        return SettingsAnswer.from_json(answer)
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise WireError("the answer cannot be read; is the service of another release?") from None

@@ -1,0 +1,64 @@
+"""How a job speaks with its commissioner: lines of JSON, out on stdout and in on stdin."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import TextIO
+
+from aff_runtime.app.commission.messages import Told
+from aff_runtime.base.printable import printable
+
+LONGEST = 600
+
+
+class Talk:
+    """One job's end.
+
+    Parameters
+    ----------
+    heard : where answers come from. ``said`` : where lines go.
+    """
+
+    def __init__(self, heard: TextIO, said: TextIO) -> None:
+        self._heard = heard
+        self._said = said
+        self._number = 0
+
+    def say(self, text: str) -> None:
+        """Say how it goes."""
+        self.tell({"say": printable(text, LONGEST)})
+
+    def complain(self, text: str) -> None:
+        """Say what is wrong."""
+        self.tell({"complain": printable(text.strip(), LONGEST)})
+
+    def ask(
+        self,
+        name: str,
+        text: str,
+        default: str | None,
+        *,
+        choices: Sequence[str] = (),
+        rows: Sequence[tuple[str, str]] = (),
+    ) -> str:
+        """Return what is answered; EOFError when the commissioner has gone.
+
+        Parameters
+        ----------
+        name : of the question. ``default`` : taken when nothing is said; None: something must be.
+        choices : words that may be answered. ``rows`` : answer and text of what may be picked.
+        """
+        self._number += 1
+        asked = {"number": self._number, "name": name, "text": text, "default": default}
+        self.tell({"ask": {**asked, "choices": list(choices), "rows": [list(r) for r in rows]}})
+        while line := self._heard.readline():
+            said = json.loads(line)
+            if said["number"] == self._number:
+                return str(said["text"])
+        raise EOFError
+
+    def tell(self, said: Told) -> None:
+        """Say one thing."""
+        self._said.write(json.dumps(said) + "\n")
+        self._said.flush()

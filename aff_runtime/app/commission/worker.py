@@ -1,0 +1,93 @@
+"""One job in a process of its own, and what it has said."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+from collections import deque
+
+from aff_runtime.app.check.limits import ONE_THREAD
+from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Asked, Refusal, Told, Why
+from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.supervisor.child_environment import without_service_manager
+from aff_runtime.base.python_child import module_command
+
+KEPT_LINES = 40
+DIED = "its process ended without an answer; see the log of the commissioner"
+STOPPED = "stopped"
+
+
+class Worker:
+    """Runs one job.
+
+    Attributes
+    ----------
+    asked : what it does. ``said`` : its newest lines, each with its kind.
+    question : what it waits for; None where it waits for nothing.
+    """
+
+    def __init__(self, asked: Asked, where: Where) -> None:
+        self.asked = asked
+        self.said: deque[tuple[str, str]] = deque(maxlen=KEPT_LINES)
+        self.question: Told | None = None
+        self._where = where
+        self._process: asyncio.subprocess.Process | None = None
+        self._is_stopped = False
+
+    async def run(self) -> Told:
+        """Return what became of it."""
+        self._process = process = await asyncio.create_subprocess_exec(
+            *module_command("aff_runtime.app.commission.job"),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            env=without_service_manager() | ONE_THREAD,
+            limit=MAX_TOLD_BYTES,
+        )
+        where = {name: os.fspath(getattr(self._where, name)) for name in Where.__slots__}
+        self._write({**self.asked, "where": where})
+        found: Told = Refusal(why=Why.REFUSED, name=DIED).told
+        if self._is_stopped:
+            process.kill()
+        assert process.stdout is not None
+        try:
+            while line := await process.stdout.readline():
+                found = self._hear(json.loads(line)) or found
+        except ValueError:
+            self.stop()
+        finally:
+            if process.returncode is None and not self._is_stopped:
+                process.kill()
+            await process.wait()
+        self.question = None
+        return Refusal(why=Why.REFUSED, name=STOPPED).told if self._is_stopped else found
+
+    def answer(self, number: int, text: str) -> bool:
+        """Pass an answer on; False when another question stands."""
+        if self.question is None or self.question["number"] != number:
+            return False
+        self.question = None
+        self._write({"number": number, "text": text})
+        return True
+
+    def stop(self) -> None:
+        """End it."""
+        self._is_stopped = True
+        if self._process is not None and self._process.returncode is None:
+            self._process.kill()
+
+    def _hear(self, said: Told) -> Told | None:
+        """Take one line; the answer when it is the last one."""
+        for kind in ("say", "complain"):
+            if kind in said:
+                self.said.append((kind, str(said[kind])))
+        if "ask" in said:
+            self.question = said["ask"]
+        if "refused" in said:
+            return Refusal(why=Why.REFUSED, name=str(said["refused"])).told
+        return {"ok": True, **said["done"]} if "done" in said else None
+
+    def _write(self, said: Told) -> None:
+        assert self._process is not None
+        assert self._process.stdin is not None
+        self._process.stdin.write(json.dumps(said).encode() + b"\n")

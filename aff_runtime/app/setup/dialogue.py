@@ -1,0 +1,127 @@
+"""Asking, keeping, and saying it again: who answers is a terminal, a file, or a screen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from aff_runtime.app.setup.draft import Draft, write_draft
+from aff_runtime.app.setup.questions import AnswerError, Question
+from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.units import UnitError
+
+
+class LeftError(Exception):
+    """The technician leaves; what is known is kept."""
+
+
+class Asker(Protocol):
+    """Who answers.
+
+    Attributes
+    ----------
+    is_patient : somebody is there who can try again; else what cannot be done ends it.
+    """
+
+    is_patient: bool
+
+    def answers_itself(self, name: str) -> bool:
+        """Return whether an answer is there already that goes before a kept one."""
+
+    def answer(self, question: Question) -> str:
+        """Return what is answered, as typed; ``LeftError`` when somebody leaves."""
+
+    def refuse(self, question: Question, why: str) -> None:
+        """Say why an answer cannot be taken; raises where nobody can give another one."""
+
+    def say(self, line: str) -> None:
+        """Say how it goes."""
+
+    def complain(self, line: str) -> None:
+        """Say what is wrong."""
+
+
+class Dialogue:
+    """Asks, keeps and says again.
+
+    Parameters
+    ----------
+    draft : what is known; ``path`` : where it is kept.
+    """
+
+    def __init__(self, draft: Draft, path: Path, asker: Asker) -> None:
+        self.draft = draft
+        self.path = path
+        self.asker = asker
+
+    @property
+    def is_patient(self) -> bool:
+        """Whether somebody is there who can try again."""
+        return self.asker.is_patient
+
+    def say(self, line: str) -> None:
+        """Say how it goes."""
+        self.asker.say(line)
+
+    def complain(self, line: str) -> None:
+        """Say what is wrong."""
+        self.asker.complain(line)
+
+    def keep(self, draft: Draft) -> None:
+        """Keep what is known now."""
+        self.draft = draft
+        try:
+            write_draft(self.path, draft)
+        except OSError as error:
+            raise ConfigError(f"{self.path}: cannot be written: {error.strerror}") from error
+
+    def ask(self, question: Question) -> str:
+        """Return the answer to a question, which is kept: the file's, the kept one, a new one."""
+        kept = self.draft.answers.get(question.name)
+        if kept is not None and not self.asker.answers_itself(question.name):
+            return self._checked(question, kept)
+        answer = self.ask_anew(question)
+        self.keep(self.draft.with_answer(question.name, answer))
+        return answer
+
+    def ask_anew(self, question: Question) -> str:
+        """Return an answer that is not kept."""
+        while True:
+            text = self.asker.answer(question)
+            try:
+                return question.default if text == question.default else question.read(text)
+            except (AnswerError, UnitError) as error:
+                self.asker.refuse(question, str(error))
+
+    def _checked(self, question: Question, kept: str) -> str:
+        try:
+            answer = kept if kept == question.default else question.read(kept)
+        except (AnswerError, UnitError) as error:
+            raise ConfigError(
+                f"{self.path}: answers.{question.name}: {error} Correct it there, or ask again "
+                f"with `--again {question.name}`."
+            ) from None
+        self.say(f"  {question.name}: {answer} (kept)")
+        return answer
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RowReader:
+    """Takes a row's number, its word such as w5 by ``at``, or one of ``words``."""
+
+    rows: frozenset[int]
+    at: Mapping[int, int]
+    words: tuple[str, ...]
+
+    def __call__(self, text: str) -> str:
+        """Return the row's number, or the word."""
+        shown = text.strip()
+        named = [n for n, address in self.at.items() if shown == f"w{address}"]
+        if named:
+            return str(named[0])
+        if shown in self.words or (shown.isdecimal() and int(shown) in self.rows):
+            return shown
+        last = f"1 to {max(self.rows)}" if self.rows else "no row"
+        raise AnswerError(f'"{shown[:40]}": write {" or ".join([last, *self.words])}.')

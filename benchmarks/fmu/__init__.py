@@ -1,0 +1,1 @@
+"""An exported line beside the kernel: size, speed, difference per effect."""

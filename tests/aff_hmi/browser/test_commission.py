@@ -1,0 +1,149 @@
+"""From an empty folder to ACTIVE and a signed card at the screen alone, on a simulated line.
+
+No command is given but the one that stands for the box: plant, service, commissioner and screen.
+What only a person sees (displays, the PLC's manual) a table has.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from itertools import product
+from pathlib import Path
+
+import pytest
+
+from aff_runtime.app.card.entries import Signed
+from aff_runtime.app.card.verify import verify
+from aff_runtime.app.card.work import CardFile
+from aff_runtime.app.hand import audit
+from tests.aff_hmi.browser.axe import grave_findings
+from tests.aff_hmi.browser.commissioned import ANSWERS, FreshLine, Technician
+from tests.aff_hmi.browser.test_looks import looked_at
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(1500)]
+WIDTHS = {360: 740, 768: 1024, 1280: 800, 1920: 1080}
+LOOKS = list(product(WIDTHS, ("en", "de")))
+WHY = "seen at the simulated line"
+PROMISED_DB = 3.0
+
+
+@pytest.fixture(scope="module")
+def line(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FreshLine]:
+    found = FreshLine(tmp_path_factory.mktemp("fresh") / "line")
+    yield found
+    found.close()
+
+
+def pictured(who: Technician, pictures: Path, path: str, name: str, shows: str) -> None:
+    """Keep a page at four widths in both languages; nothing is cut off or lies over another."""
+    for width, language in LOOKS:
+        who.page.set_viewport_size({"width": width, "height": WIDTHS[width]})
+        who.go(path, language)
+        who.page.wait_for_selector(shows)
+        looked_at(who.screen, width)
+        who.screen.picture(pictures / f"{name}-{width}-{language}.png")
+    who.page.set_viewport_size({"width": 1280, "height": 800})
+    who.go(path)
+    who.page.wait_for_selector(shows)
+    assert grave_findings(who.page) == []
+
+
+def test_a_line_is_commissioned_at_the_screen_alone(
+    chromium, line: FreshLine, pictures: Path
+) -> None:
+    who = Technician(chromium, line, viewport={"width": 1280, "height": 800})
+    page = who.page
+    site = line.folder / "euclid.yaml"
+    assert not site.exists()
+    words_are_found(who, line, pictures)
+    assert site.exists()
+    page.wait_for_selector('[data-stage="contact"][data-done="yes"]')
+
+    who.take_the_hand()
+    page.wait_for_selector("#bounds li")  # what a probe sends at most stands there before it
+    who.hold("#probe")
+    page.wait_for_selector('html[data-probed="yes"]')
+    page.wait_for_selector("#found .response")
+    pictured(who, pictures, "commission", "commission-found", "#found .response")
+    activated(who)
+
+    who.go("card")
+    page.click("#begin")
+    page.wait_for_selector("#card:not([hidden])")
+    limits = {"unwind": "0.15 m/s", "swrap_follower": "0.04 m/s", "warnings_understood": "2"}
+    who.step(3, limits, stand="pass")
+    who.step(4, {"reaction": "ramp", "time": "120 ms"}, stand="pass")
+    proven(who)
+    who.step(10, {}, stand="pass|open")
+    who.step(0, {}, stand="pass|fail")  # a machine that others use too may wake up late
+    signed = [0, 3, 4, 12]
+    for number in signed:
+        who.sign(number, WHY)
+    page.click("#verify")
+    page.wait_for_function(
+        "() => document.getElementById('job-last').textContent.includes('whole')"
+    )
+    pictured(who, pictures, "card", "card", "#card:not([hidden])")
+    page.pdf(path=str(pictures / "card.pdf"))
+
+    assert not verify(line.folder / "card", records=True).wrong
+    said = [one.said for one in CardFile.of(line.folder / "card").entries]
+    assert sorted(one.step for one in said if isinstance(one, Signed)) == signed
+    assert {one.name for one in said if isinstance(one, Signed)} == {"demo"}
+    kept = list(line.folder.rglob("commissioning/*/audit.jsonl"))
+    assert [audit.verify(path).wrong for path in kept] == [""]
+    assert line.password not in kept[0].read_text()
+    assert [text for text in who.screen.complaints if "409" not in text] == []
+
+
+def words_are_found(who: Technician, line: FreshLine, pictures: Path) -> None:
+    """Answer the interview: with pictures, a silent PLC, and a technician who leaves."""
+    page = who.page
+    radius_m = json.loads(line.tell("value", "unwind_radius_m"))["value"]
+    given = ANSWERS | {
+        "port": line.plc_port,
+        "unwind_radius_m.display": f"{radius_m * 1e3:.1f} mm",
+    }
+    who.go("commission")
+    who.open()
+    page.click("#find-words")
+    page.wait_for_selector("#job:not([hidden])")
+    who.answers(given, until="line_speed_m_s.pick")
+    pictured(who, pictures, "commission", "commission-words", "#question:not([hidden])")
+    who.answers(given, until="swrap_follower_tension_N.display")
+    line.tell("fault", "mute:6")
+    assert "retry" in who.answers(given, until="speed_max")
+    page.click("#stop")
+    page.wait_for_selector("#job[hidden]", state="attached")
+    assert not (line.folder / "euclid.yaml").exists()
+    page.click("#find-words")
+    page.wait_for_selector("#job:not([hidden])")
+    asked = who.answers(given)
+    assert asked[0] == "speed_max"
+    page.wait_for_function(
+        "() => document.getElementById('job-last').textContent.includes('euclid.yaml')"
+    )
+
+
+def activated(who: Technician) -> None:
+    """Arm until it is on: a machine that others use too may trip it."""
+    for _ in range(3):
+        who.hold("#arm")
+        who.page.wait_for_timeout(1500)
+        if who.page.get_attribute("html", "data-state") == "ACTIVE":
+            return
+    who.page.wait_for_selector("html[data-state='ACTIVE']")
+
+
+def proven(who: Technician) -> None:
+    """Off, on, off, on by hand, each as long as the page says; then step 12."""
+    page = who.page
+    times = page.evaluate("async () => (await (await fetch('/data/line')).json()).line.proof")
+    for _ in range(2):
+        page.keyboard.press("F9")
+        page.wait_for_selector("html[data-state='BYPASS']")
+        page.wait_for_timeout(1e3 * times["off_s"] + 2e3)
+        activated(who)
+        page.wait_for_timeout(1e3 * times["on_s"] + 4e3)
+    who.step(12, {"promised": f"{PROMISED_DB:g} dB"}, stand="pass|fail")

@@ -1,0 +1,135 @@
+"""Whatever the interview asks or says is found again by its pattern, with its numbers."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from aff_hmi.commission.sentences import LONGEST, PATTERNS, sentence
+from aff_hmi.words import say_in
+from aff_runtime.app.setup import flow, look, steps
+from aff_runtime.app.setup.draft import Draft
+from aff_runtime.app.setup.interview import (
+    bit_questions,
+    drive_questions,
+    first_number,
+    line_questions,
+    machine_questions,
+    status_questions,
+    wire_questions,
+    word_questions,
+)
+from aff_runtime.app.setup.quantities import angles, quantities
+from aff_runtime.app.setup.questions import Question
+
+ENGLISH, GERMAN = say_in("en"), say_in("de")
+SECOND = "swrap_follower"
+SAME = {"Port"}  # as in English
+
+
+def questions() -> list[Question]:
+    """Return every question in words of a line with a second roller."""
+    draft = Draft(answers={"second": SECOND, "echo": "15", "heartbeat": "0"})
+
+    def known(address: int) -> str:
+        return ""
+
+    return [
+        *wire_questions(),
+        *line_questions(),
+        *word_questions(draft, known),
+        *status_questions(known),
+        *bit_questions(draft, known),
+        *machine_questions(draft),
+        *drive_questions(),
+        first_number(0),
+    ]
+
+
+@pytest.mark.parametrize("text", [one.text for one in questions()])
+def test_every_question_is_asked_in_german_and_stays_as_it_is_in_english(text: str) -> None:
+    assert sentence(text, ENGLISH) == text
+    assert sentence(text, GERMAN) != text or text in SAME
+
+
+@pytest.mark.parametrize("wanted", [*quantities(SECOND), *angles(SECOND)], ids=lambda q: q.channel)
+def test_what_is_asked_of_a_display_is_translated_to_its_end(wanted) -> None:
+    said = sentence(
+        f"What does the drive show now as {wanted.asked}, all digits and the unit?", GERMAN
+    )
+    assert said.startswith("Was zeigt der Antrieb")
+    assert wanted.asked not in said
+
+
+def told() -> list[str]:
+    """Return what the engine says in its code, with a number for each place."""
+    found = []
+    for module in (flow, look, steps):
+        tree = ast.parse(Path(str(module.__file__)).read_text(encoding="utf-8"))
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and getattr(node.func, "attr", "") in (
+                "say",
+                "complain",
+            ):
+                found.append(_text(node.args[0]).strip())
+    return [text for text in found if text not in ("7", "")]
+
+
+def _text(node: ast.expr) -> str:
+    if isinstance(node, ast.Constant):
+        return str(node.value)
+    if isinstance(node, ast.JoinedStr):
+        return "".join(
+            "7" if isinstance(one, ast.FormattedValue) else _text(one) for one in node.values
+        )
+    return "7"
+
+
+OF_MANY_WORDS = re.compile(r"word +7: 7|warning .*")  # a table of readings; a file's finding
+
+
+@pytest.mark.parametrize("text", told())
+def test_what_the_engine_says_is_said_in_german(text: str) -> None:
+    if OF_MANY_WORDS.fullmatch(text):
+        return
+    text = text.replace("words7", "words")  # with nothing that it refuses
+    assert sentence(text, GERMAN) != text
+
+
+@pytest.mark.parametrize(
+    ("text", "german"),
+    [
+        (
+            "word 9 i32 high_first: 88.9 N with scale 0.001; 1 mN is round, moves",
+            "Wort 9 i32 high_first: 88.9 N mit Skala 0.001; 1 mN ist rund, bewegt sich",
+        ),
+        (
+            "word 0: counts every 5.00 ms, a scan of 5 ms",
+            "Wort 0: zählt alle 5.00 ms, ein Zyklus von 5 ms",
+        ),
+        (
+            "word 13 i32 high_first: 4096 counts/turn; measured 4096.1 counts/turn, one word",
+            "Wort 13 i32 high_first: 4096 counts/turn; gemessen 4096.1 Zählschritte je "
+            "Umdrehung, ein Wort",
+        ),
+    ],
+)
+def test_rows_are_told_with_their_reasons(text: str, german: str) -> None:
+    assert sentence(text, GERMAN) == german
+    assert sentence(text, ENGLISH) == text
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{site}", "no pattern of ours", "<b>", "x" * 5000, "(" * 300]
+)
+def test_what_is_in_no_pattern_is_told_as_it_is(text: str) -> None:
+    assert sentence(text, GERMAN) == text
+
+
+def test_no_two_patterns_are_one_and_a_long_text_takes_no_time() -> None:
+    assert len(set(PATTERNS)) == len(PATTERNS)
+    hostile = "word 1: " + ", ".join(["a: b; c"] * 200)
+    assert len(sentence(hostile, GERMAN)) >= len(hostile[:LONGEST]) - 8

@@ -1,0 +1,191 @@
+"""The commissioner with its own jobs, on a site file without a service: who, what, on record."""
+
+import asyncio
+import json
+import shutil
+
+import pytest
+
+from aff_runtime.app.card.entries import Signed
+from aff_runtime.app.card.work import CardFile
+from aff_runtime.app.commission.client import ask
+from aff_runtime.app.commission.commissioner import Commissioner
+from aff_runtime.app.commission.listening import Listener
+from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.hand import accounts
+from aff_runtime.app.hand.accounts import Account, Accounts, secret_of, write_accounts
+from aff_runtime.app.hand.audit import Audit, verify
+from aff_runtime.app.hand.may import Place, Role
+from aff_runtime.app.link.peer import Peer
+from aff_runtime.base.clock import MonotonicClock
+from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
+
+PASSWORD = "tension, 90 N"
+PEER = Peer(uid=0, pid=1)
+PERSON = {"place": "panel"}
+TYPED = "reaction=ramp\ntime=120 ms"
+
+
+class Line:
+    """A site file, a commissioner of it, and who has opened it."""
+
+    def __init__(self, folder):
+        site = folder / "site.yaml"
+        shutil.copyfile(SITE_FILE, site)
+        people = folder / "accounts"
+        secret = secret_of(PASSWORD)
+        write_accounts(people, [Account(name="carl", role=Role.COMMISSION, secret=secret)])
+        self.folder = folder
+        self.where = Where(
+            site=site,
+            state=folder / "none",
+            socket=folder / "rt" / "control.sock",
+            card=folder / "card",
+        )
+        self.audit = Audit(folder / "audit")
+        self.commissioner = Commissioner(
+            self.where, Accounts(people), self.audit, MonotonicClock(), Place.PANEL
+        )
+
+    async def ask(self, do, **said):
+        return await self.commissioner.answer({"do": do, **said}, PEER)
+
+    async def open(self):
+        said = {"account": "carl", "password": PASSWORD, "over": False}
+        return (await self.ask("open", **said, **PERSON))["key"]
+
+    async def done(self):
+        """Return the last job once none is under way."""
+        while (state := await self.ask("state"))["job"] is not None:
+            await asyncio.sleep(0.02)
+        return state["last"]
+
+    def rows(self):
+        text = (self.folder / "audit" / "audit.jsonl").read_text()
+        return [(row["what"], row["result"]) for row in map(json.loads, text.splitlines())]
+
+
+@pytest.fixture
+def line(tmp_path, monkeypatch):
+    monkeypatch.setattr(accounts, "_N", 2)
+    (tmp_path / "rt").mkdir(mode=0o700)
+    found = Line(tmp_path)
+    yield found
+    found.commissioner.close()
+
+
+def step(key, number=4, typed=TYPED, **more):
+    return {
+        "key": key,
+        **PERSON,
+        "step": number,
+        "typed": typed,
+        "plc": "",
+        "leave_out": "",
+    } | more
+
+
+def test_a_step_is_measured_and_signed_by_who_gives_the_password_again(line):
+    async def played():
+        key = await line.open()
+        assert (await line.ask("begin", key=key, **PERSON))["ok"]
+        assert (await line.done())["ok"]
+        assert (await line.ask("step", **step(key)))["ok"]
+        assert (await line.done())["text"] == "step 4: pass"
+        card = (await line.ask("card"))["card"]
+        seen = next(one for one in card["steps"] if one["number"] == 4)
+        assert seen["stand"] == "pass"
+        assert seen["can_sign"]
+        assert seen["typed_names"] == ["reaction", "time"]
+        below = {"key": key, **PERSON, "step": 4, "reason": "seen on the drive"}
+        wrong = await line.ask(
+            "sign", **below, measured=seen["entry"]["sha256"], password="another one"
+        )
+        other = await line.ask("sign", **below, measured="0" * 64, password=PASSWORD)
+        right = await line.ask(
+            "sign", **below, measured=seen["entry"]["sha256"], password=PASSWORD
+        )
+        return seen, wrong, other, right
+
+    seen, wrong, other, right = asyncio.run(played())
+    assert wrong == {"ok": False, "why": "password", "name": ""}
+    assert other == {"ok": False, "why": "changed", "name": ""}
+    assert right["ok"]
+    said = [one.said for one in CardFile.of(line.where.card).entries]
+    signatures = [one for one in said if isinstance(one, Signed)]
+    assert [one.measured for one in signatures] == [seen["entry"]["sha256"]]
+    assert signatures[0].name == "carl"
+    assert signatures[0].by.endswith("carl, password given for this signature")
+    assert line.rows() == [
+        ("commissioning opened", "done"),
+        ("commissioning: begin", "asked"),
+        ("commissioning: begin", "done"),
+        ("commissioning: step 4", "asked"),
+        ("commissioning: step 4", "done"),
+        ("commissioning: sign 4", "refused"),
+        ("commissioning: sign 4", "asked"),
+        ("commissioning: sign 4", "refused"),
+        ("commissioning: sign 4", "asked"),
+        ("commissioning: sign 4", "done"),
+    ]
+    assert not verify(line.audit.path).wrong
+    assert PASSWORD not in line.audit.path.read_text()
+
+
+def test_without_a_key_nothing_is_done_and_nothing_is_written(line):
+    async def played():
+        for key in ("", "k" * 43):
+            assert (await line.ask("begin", key=key, **PERSON))["why"] == "closed"
+            assert (await line.ask("step", **step(key)))["why"] == "closed"
+        assert (await line.ask("card"))["name"] == "no card is begun"
+
+    asyncio.run(played())
+    assert not line.where.card.exists()
+    assert line.rows() == []
+
+
+def test_one_job_at_a_time_and_it_can_be_stopped(line):
+    async def played():
+        key = await line.open()
+        assert (await line.ask("begin", key=key, **PERSON))["ok"]
+        second = await line.ask("verify", key=key, **PERSON)
+        assert (second["why"], second["name"]) == ("running", "begin")
+        assert (await line.ask("stop", key=key, **PERSON))["ok"]
+        return await line.done()
+
+    last = asyncio.run(played())
+    assert (last["ok"], last["text"]) == (False, "stopped")
+
+
+def test_what_cannot_be_put_on_record_is_not_done(line, monkeypatch):
+    async def played():
+        key = await line.open()
+        line.audit._is_whole = False
+        return await line.ask("begin", key=key, **PERSON)
+
+    assert asyncio.run(played())["why"] == "unrecorded"
+    assert not line.where.card.exists()
+
+
+def test_a_screen_finds_it_at_its_socket_and_others_say_what_they_like(line):
+    folder = line.folder / "rt"
+
+    async def played():
+        listener = Listener(folder, line.commissioner.answer, is_private=True)
+        serving = asyncio.create_task(listener.run())
+        path = folder / "commission.sock"
+        try:
+            assert path.stat().st_mode & 0o777 == 0o600
+            state = await ask(path, {"do": "state"})
+            assert state["site"]["there"]
+            assert not state["service"]["answers"]
+            assert (await ask(path, {"do": "arm"}))["why"] == "no sense"
+            assert (await ask(path, {"do": "state", "more": "x" * 9000}))["why"] == "no sense"
+            found = await asyncio.gather(*(ask(path, {"do": "state"}) for _ in range(12)))
+            assert all(one["ok"] for one in found)
+        finally:
+            serving.cancel()
+            listener.close()
+        assert (await ask(path, {"do": "state"}))["why"] == "silent"
+
+    asyncio.run(played())

@@ -1,0 +1,85 @@
+"""What a step proposes is tried as it stands on the card, and nothing else."""
+
+import shutil
+
+import pytest
+
+from aff_runtime.app.card.book import CardBook
+from aff_runtime.app.commission import settings_jobs
+from aff_runtime.app.commission.settings_jobs import keep, proposed, try_proposed, undo
+from aff_runtime.app.commission.sources import Where, record_of
+from aff_runtime.app.link.settings_answer import SettingsAnswer
+from aff_runtime.base.errors import RefusedError
+from tests.aff_runtime.app.card.made import add, book, measured
+from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
+
+PROPOSED = "actuators.unwind.blocks.0.settle_s: 3  # was 6"
+ASKED = {"step": 9, "seconds": 60, "reason": "falls no more", "account": "carl"}
+
+
+class Talk:
+    def say(self, text):
+        pass
+
+
+@pytest.fixture
+def where(tmp_path):
+    site = tmp_path / "site.yaml"
+    shutil.copyfile(SITE_FILE, site)
+    return Where(site=site, state=tmp_path, socket=tmp_path / "none", card=tmp_path / "card")
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """What reaches the service; it answers with one change."""
+    found = []
+
+    def ask(where, **arguments):
+        found.append(arguments)
+        return SettingsAnswer()
+
+    monkeypatch.setattr(settings_jobs, "_ask", ask)
+    return found
+
+
+def proposing(where, *sentences):
+    """Return the hash of a measurement of step 9 on a card."""
+    made: CardBook = book(where.card)
+    return add(made, measured(step=9, proposals=sentences))
+
+
+def test_the_proposed_number_alone_is_another_one_in_what_is_tried(where, asked):
+    digest = proposing(where, PROPOSED)
+    assert "tried for 60 s" in try_proposed(where, {**ASKED, "measured": digest}, Talk())["text"]
+    (sent,) = asked
+    before = record_of(where.site, where.state).site_text.split("\n")
+    after = sent.pop("text").split("\n")
+    changed = [(a, b) for a, b in zip(before, after, strict=True) if a != b]
+    assert len(changed) == 1
+    assert changed[0][1] == changed[0][0].replace("settle_s: 6", "settle_s: 3")
+    assert sent == {"act": "try", "seconds": 60.0, "why": "falls no more (carl at the screen)"}
+
+
+def test_what_somebody_has_measured_anew_is_not_tried_unseen(where, asked):
+    proposing(where, PROPOSED)
+    told = try_proposed(where, {**ASKED, "measured": "0" * 64}, Talk())
+    assert told == {"ok": False, "why": "changed", "name": ""}
+    assert asked == []
+
+
+@pytest.mark.parametrize("sentences", [(), ("look at the drive",), ("line.name: Euclid",)])
+def test_a_step_without_numbers_to_try_says_so(sentences):
+    with pytest.raises(RefusedError):
+        proposed(sentences)
+
+
+def test_a_measured_noise_is_a_number_with_its_remark():
+    text = "actuators.unwind.error.noise_N: 0.21  # measured; was 0.5"
+    assert proposed([text]) == {("actuators", "unwind", "error", "noise_N"): 0.21}
+
+
+@pytest.mark.parametrize(("act", "job"), [("keep", keep), ("undo", undo)])
+def test_an_end_is_asked_for_with_who_and_why(where, asked, act, job):
+    said = {"reason": "it is better", "account": "carl"}
+    assert job(where, said, Talk())["text"] == "undone; the former settings run"
+    assert asked == [{"act": act, "why": "it is better (carl at the screen)"}]

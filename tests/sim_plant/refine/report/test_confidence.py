@@ -1,0 +1,28 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.report.confidence import standard_deviations
+from tests.sim_plant.refine.small import LINE, fit_of
+
+DRAG = hypothesis(BY_NAME["bearing_drag"], "R7", (), ("constant_N_m",), LINE)
+
+
+def test_a_size_is_known_to_its_noise_and_the_models_own_error():
+    fit = replace(fit_of(DRAG, values=[(0.2,)]), covariance=np.array([[0.01**2]]))
+    both = math.hypot(0.01, 0.2 * CRITERIA.report.model_share)
+    assert standard_deviations(fit) == pytest.approx([both])
+
+
+def test_of_a_number_of_which_no_step_ran_nothing_is_known_but_its_bounds():
+    fit = replace(fit_of(DRAG, values=[(0.2,)]), covariance=np.zeros((0, 0)))
+    width = DRAG.high[0] - DRAG.low[0]
+    (found,) = standard_deviations(fit)
+    assert found == pytest.approx(
+        math.hypot(width / math.sqrt(12.0), 0.2 * CRITERIA.report.model_share)
+    )
