@@ -1,9 +1,15 @@
-"""The cycle: read, judge, think, bound, tell, listen. One page, one thread, one wire."""
+"""The cycle, one tick after the other in one thread.
+
+A tick: exchange words with the PLC (the command of the tick before goes out), the guard judges
+the readings, the law steps, the guard bounds what the law wants, the record is published, and the
+supervisor's messages are obeyed.
+"""
 
 from __future__ import annotations
 
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import nan
 
@@ -33,8 +39,9 @@ class CycleSettings:
     Attributes
     ----------
     period_ns : cycle time, ns.
-    io_deadline_ns : time for the wire in each tick, from its start, ns.
-    fade_s : within this time the cycle itself takes the output to zero if the guard is lost, s.
+    io_budget_ns : how long the exchange with the PLC may take, from the start of a tick, ns.
+    fade_s : within this time the cycle itself takes the corrections to zero if the guard is
+        lost, s.
     channel_count, output_count, law_columns : sizes of a record.
     overruns_in_a_row : this many late ticks in a row are an overrun.
     advice_every_ticks : ticks between two questions to the law's side.
@@ -45,7 +52,7 @@ class CycleSettings:
     """
 
     period_ns: int
-    io_deadline_ns: int
+    io_budget_ns: int
     fade_s: float
     channel_count: int
     output_count: int
@@ -61,9 +68,11 @@ class CycleSettings:
 class Cycle:
     """Runs gateway, guard and law on the grid of a clock until told to stop.
 
-    Whatever is raised in a tick is caught in ``_attempt``, becomes INTERNAL_FAULT, and the output
-    fades to zero while heartbeats go on. If the guard itself fails, the cycle ramps the output
-    down on its own and keeps it at zero until the process ends.
+    What the exchange, the guard's judgement, the law, the record or a message raises is caught in
+    ``_attempt`` and latched in the guard as INTERNAL_FAULT: the guard fades the corrections to
+    zero, heartbeats go on, and an operator may arm again. The guard is lost when ``limit``,
+    ``limits`` or ``internal_fault`` raise: from then on the cycle does not ask it for corrections
+    any more, but ramps them to zero on its own and keeps them there until the process ends.
     """
 
     def __init__(
@@ -98,12 +107,12 @@ class Cycle:
         self._alarm = BY_NAME["POWER_UP"].code
         self._inbox.config_revision = settings.config_revision
         self._tick = self._periods = self._periods_total = self._late_in_a_row = 0
-        self._wake_ns = self._started_ns = self._io_ns = 0
+        self._started_ns = self._io_ns = 0
         self._guard_lost = self._wire_worked = False
         self._last_fault = ""
         self._ramp_from = zeros
         self._ramp_left = 1.0
-        self._zeros_sent = self._echo = 0
+        self._quiet_ticks = self._echo = 0
 
     def run(self) -> None:
         """Tick until stopped; returns after the fade and a few commands with zero."""
@@ -130,7 +139,6 @@ class Cycle:
     def _begin(self) -> None:
         self._tick += 1
         self._periods_total += self._periods
-        self._wake_ns = self._ticker.wake_ns
         before_ns, self._started_ns = self._started_ns, self._clock.now_ns()
         if self._started_ns - before_ns > self._settings.command_life_s * 1e9:
             self._withdraw()
@@ -146,7 +154,7 @@ class Cycle:
     def _think(self) -> None:
         """Send the last command, read, judge, and let the law think."""
         self._snapshot = self._gateway.exchange(
-            self._command(), self._tick, self._started_ns + self._settings.io_deadline_ns
+            self._command(), self._tick, self._started_ns + self._settings.io_budget_ns
         )
         self._ticker.shift(self._gateway.shift_ns)
         read_ns = self._clock.now_ns()
@@ -192,14 +200,23 @@ class Cycle:
         return True
 
     def _note_fault(self, error: Exception) -> None:
+        """Latch INTERNAL_FAULT in the guard, and tell the log why.
+
+        Only a guard that cannot latch it is lost. A log that cannot be told changes nothing.
+        """
         try:
             self._guard.internal_fault()
-            text = repr(error)
-            if text != self._last_fault:
-                self._last_fault = text
-                self._outside.fault_text("".join(traceback.format_exception(error)))
         except Exception:
             self._guard_lost = True
+        with suppress(Exception):
+            self._tell_fault(error)
+
+    def _tell_fault(self, error: Exception) -> None:
+        """Send the traceback; once as long as the same error comes again and again."""
+        text = repr(error)
+        if text != self._last_fault:
+            self._last_fault = text
+            self._outside.fault_text("".join(traceback.format_exception(error)))
 
     def _ramp_down(self) -> None:
         """Without a guard: straight to zero within the fade time, and stay there."""
@@ -210,12 +227,12 @@ class Cycle:
         self._alarm = _INTERNAL_FAULT
 
     def _has_stopped(self) -> bool:
-        """Fade, then a few commands with zero, then the end."""
+        """Return whether, after a stop, the fade has ended and its last zeros have gone out."""
         if not self._inbox.stopping:
             return False
         is_quiet = self._ramp_left <= 0.0 if self._guard_lost else self._guard.quiet
-        self._zeros_sent += is_quiet
-        return self._zeros_sent > self._settings.zero_commands
+        self._quiet_ticks += is_quiet  # the zeros of a tick go out with the next one
+        return self._quiet_ticks > self._settings.zero_commands
 
     @property
     def _dt_s(self) -> float:
@@ -251,7 +268,7 @@ class Cycle:
                 tick=self._tick,
                 time_s=self._periods_total * self._settings.period_ns * 1e-9,
                 periods=self._periods,
-                wake_ns=self._wake_ns,
+                wake_ns=self._ticker.wake_ns,
                 io_ns=self._io_ns,
                 tick_ns=tick_ns,
                 missed=self._ticker.missed,

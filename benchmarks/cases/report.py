@@ -33,7 +33,8 @@ def page(entries: Sequence[Entry]) -> str:
         "# Labelled pairs of another simulator",
         "",
         f"Repeat: `make refine-cases{_extra(entries)}`. Rules are set on `train` only. The pairs "
-        "are third-party data, not part of the repository ([testing](../tester/testing.md)).",
+        "were made for this project and are kept beside the repository, in `shared/data` "
+        "([references](../references.md#data)).",
         "",
         _row(HEAD),
         _row(["---"] * len(HEAD)),

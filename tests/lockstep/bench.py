@@ -152,7 +152,7 @@ class Bench:
         return Cycle(
             settings=CycleSettings(
                 period_ns=PERIOD_NS,
-                io_deadline_ns=3_000_000,
+                io_budget_ns=3_000_000,
                 fade_s=self.params.fade_s,
                 channel_count=self.channels,
                 output_count=len(self.params.actuators),

@@ -185,7 +185,7 @@ class MatrixBench:
         self.around = Around(self.guard)
         settings = CycleSettings(
             period_ns=self._period_ns,
-            io_deadline_ns=3_000_000,
+            io_budget_ns=3_000_000,
             fade_s=self.site.freshness.fade_ms * 1e-3,
             channel_count=len(self.site.gateway.read.channels),
             output_count=2,

@@ -8,19 +8,23 @@ from typing import Any
 
 from aff_runtime.config.models import Actuator, Site
 
-VELOCITY, TORQUE = "m/s", "N m"
+VELOCITY = "m/s"
+"""Unit of a correction to a velocity reference; to a torque it is ``N m``."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutputFacts:
-    """One actuator.
+    """One actuator: a drive whose reference gets a correction.
 
     Attributes
     ----------
-    column : end of its columns in the record, with unit: ``unwind_m_s``.
-    unit : of its correction, m/s or N m. ``limit`` : largest correction, in that unit.
-    signal : channel that it keeps quiet. ``reference`` : its set point, empty without one.
-    drive_roll : roll that its drive turns, empty where the site does not say.
+    actuator : its name in the site file.
+    column : end of its columns in the record, its name with the unit: ``unwind_m_s``.
+    unit : of its correction, ``m/s`` or ``N m``.
+    limit : largest correction, in that unit; more than 0 of a site that passed the check.
+    signal : channel whose ripple it takes out.
+    reference : channel of the set point of ``signal``; empty without one.
+    drive_roll : roll that its drive turns; empty where the site does not say.
     """
 
     actuator: str
@@ -34,7 +38,15 @@ class OutputFacts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RollFacts:
-    """One roll: the channel of its radius, or its fixed radius, m; the channel of its angle."""
+    """One roll or roller.
+
+    Attributes
+    ----------
+    name : in the site file.
+    radius_channel : channel of its radius, m; empty where the radius is fixed.
+    radius_m : its fixed radius, m; None where a channel gives it.
+    angle_channel : channel of its angle, rad; empty where its angle is not measured.
+    """
 
     name: str
     radius_channel: str = ""
@@ -48,11 +60,14 @@ class LineFacts:
 
     Attributes
     ----------
-    cycle_s : period of the control cycle.
-    hold_after_s, fault_after_s : age of the PLC's data from which learning holds; from which it
-        is a fault.
-    speed : channel of the line speed. ``permissives`` : status bits that are needed.
+    cycle_s : period of the control cycle, s.
+    hold_after_s, fault_after_s : age of the PLC's data from which learning holds, and from which
+        it is a fault, s.
+    speed : channel of the line speed, m/s.
+    permissives : names of the status bits without which no correction goes out.
     references : channels that are set points, not measurements.
+    outputs : the actuators, in the order of the site file.
+    rolls : the rolls, in the order of the site file.
     """
 
     cycle_s: float
@@ -89,6 +104,7 @@ def line_facts(site: Site, permissives: Sequence[str]) -> LineFacts:
 
     Parameters
     ----------
+    site : a site file that passed the check.
     permissives : of the parameter record, in the order in which a missing one is named.
     """
     wanted = [site.line.speed_reference]
@@ -114,13 +130,12 @@ def line_facts(site: Site, permissives: Sequence[str]) -> LineFacts:
 
 
 def _output(name: str, actuator: Actuator) -> OutputFacts:
-    is_speed = actuator.output == "velocity_reference"
-    limit = actuator.limit_m_s if is_speed else actuator.limit_N_m
+    is_speed = actuator.unit == VELOCITY
     return OutputFacts(
         actuator=name,
         column=f"{name}_{'m_s' if is_speed else 'N_m'}",
-        unit=VELOCITY if is_speed else TORQUE,
-        limit=limit or 0.0,
+        unit=actuator.unit,
+        limit=actuator.limit,
         signal=actuator.error.signal,
         reference=actuator.error.reference or "",
         drive_roll=actuator.drive.roll if actuator.drive is not None else "",

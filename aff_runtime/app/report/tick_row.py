@@ -17,11 +17,14 @@ _UNITS = ("m_s", "N_m")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Timing:
-    """How a tick went; None where it is not known.
+    """How a tick went; None stands for NaN, as JSON has none.
 
     Attributes
     ----------
-    age_s : of the newest reading. ``missed_count`` : ticks that never happened, since the start.
+    age_s : time since the PLC's heartbeat last moved, s.
+    io_us : how long the exchange with the PLC took, us.
+    tick_us : from the start of the tick until its record was made, us.
+    missed_count : ticks that never happened, since the start of the cycle.
     """
 
     age_s: float | None
@@ -32,7 +35,7 @@ class Timing:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Channel:
-    """One measured value; ``name`` ends with its unit."""
+    """One measured value; ``name`` ends with its unit. None stands for NaN."""
 
     name: str
     value: float | None
@@ -44,12 +47,14 @@ class Channel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CorrectionSent:
-    """What went out to one drive.
+    """What the guard let out to one drive; it goes out with the next tick.
 
     Attributes
     ----------
     name : ``correction_`` and the output with its unit.
-    value : in that unit. ``applied_ratio`` : share of the law's wish that the guard let out.
+    value : in that unit; None stands for NaN.
+    applied_ratio : share of what the law wanted that the guard let out, 0 to 1, of the tick
+        before; None stands for NaN.
     """
 
     name: str
@@ -59,7 +64,13 @@ class CorrectionSent:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RollTurn:
-    """How one roll turns, as the law follows it; NaN where it is not known."""
+    """How one roll turns, as the law follows it; NaN where it is not known.
+
+    Attributes
+    ----------
+    omega_rad_s : angular speed, rad/s. ``theta_rad`` : angle, rad.
+    source : where the angle is from; None where the law follows no such roll.
+    """
 
     omega_rad_s: float
     theta_rad: float
@@ -68,39 +79,78 @@ class RollTurn:
 
 @dataclass(frozen=True, slots=True)
 class TickRow:
-    """One row; ``values`` by column name as the ring has them, None for NaN in a status."""
+    """One row of the ring.
+
+    Of an empty row (``TickRow({})``, before the first tick) every number is NaN, and nothing is
+    fresh, measured or sent; ``state``, ``is_live``, ``alarm``, ``status`` and ``outcome`` raise.
+
+    Attributes
+    ----------
+    values : by column name. None stands for NaN, as JSON has none: a row of the ring has NaN,
+        one out of a status answer None.
+    """
 
     values: Mapping[str, float | None]
 
     @property
     def state(self) -> State:
-        """State of the guard."""
+        """State of the guard.
+
+        Raises
+        ------
+        ValueError
+            When the row is empty.
+        """
         return State(int(self.number("state")))
 
     @property
     def is_live(self) -> bool:
-        """Whether a correction may be going out."""
+        """Whether a correction may be going out.
+
+        Raises
+        ------
+        ValueError
+            When the row is empty.
+        """
         bits = StateBits(int(self.number("state_bits")))
         return bool(bits & (StateBits.ARMED | StateBits.ACTIVE | StateBits.FADING))
 
     @property
     def alarm(self) -> int:
-        """Code of the alarm that stands; 0: none."""
+        """Code of the alarm that stands; 0: none.
+
+        Raises
+        ------
+        ValueError
+            When the row is empty.
+        """
         return int(self.number("alarm"))
 
     @property
     def status(self) -> int:
-        """The PLC's status word."""
+        """The PLC's status word.
+
+        Raises
+        ------
+        ValueError
+            When the row is empty.
+        """
         return int(self.number("status"))
 
     @property
     def outcome(self) -> Outcome:
-        """How the exchange with the PLC ended."""
+        """How the exchange with the PLC ended.
+
+        Raises
+        ------
+        ValueError
+            When the row is empty.
+        """
         return Outcome(int(self.number("outcome")))
 
     @property
     def is_fresh(self) -> bool:
-        """Whether the readings are of this tick."""
+        """Whether the PLC's heartbeat moved since the last good exchange."""
         return bool(self.values.get("fresh"))
 
     @property
@@ -133,7 +183,7 @@ class TickRow:
 
     @property
     def corrections(self) -> tuple[CorrectionSent, ...]:
-        """What went out, in the order of the site file's actuators."""
+        """What goes out with the next tick, in the order of the site file's actuators."""
         return tuple(self._corrections())
 
     def _corrections(self) -> Iterator[CorrectionSent]:
@@ -143,12 +193,12 @@ class TickRow:
                 yield CorrectionSent(name=name, value=value, applied_ratio=ratio)
 
     def applied_ratio(self, actuator: str) -> float:
-        """Return the share of an actuator's wish that the guard lets out; NaN when unknown."""
+        """Return ``applied_ratio`` of an actuator, see ``CorrectionSent``; NaN when unknown."""
         ratios = (self.number(f"{APPLIED_RATIO}{actuator}_{unit}") for unit in _UNITS)
         return next((ratio for ratio in ratios if not math.isnan(ratio)), math.nan)
 
     def roll(self, name: str) -> RollTurn:
-        """Return how a roll turns."""
+        """Return how a roll turns; NaN and None of one that the law does not follow."""
         source = self.number(f"{name}.source")
         return RollTurn(
             omega_rad_s=self.number(f"{name}.omega_rad_s"),

@@ -63,7 +63,7 @@ def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
     site = assembly.site
     settings = CycleSettings(
         period_ns=round(site.cycle_s * 1e9),
-        io_deadline_ns=round(site.gateway.deadline_ms * 1e6),
+        io_budget_ns=round(site.gateway.deadline_ms * 1e6),
         fade_s=site.freshness.fade_ms * 1e-3,
         channel_count=len(site.gateway.read.channels),
         output_count=len(site.actuators),

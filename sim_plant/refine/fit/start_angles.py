@@ -1,4 +1,7 @@
-"""Start angles of effects on a record: a state of the rolls, not of the line."""
+"""Start angles of effects on a record: a state of the rolls, not of the line.
+
+Of a pool only the first twin counts here: one record at a time.
+"""
 
 from __future__ import annotations
 
@@ -17,17 +20,31 @@ from sim_plant.refine.model.twin import Added, Case, Twin
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
 
 COARSE_ANGLES = 24
-"""Tries round a turn, the first grid."""
+"""Tries round a turn, the first grid: every 15 deg, four tries or more in a period of what repeats
+up to six times per turn. Of such an effect the best one lies in the right valley of the cost."""
 ZOOMS = 3
-"""Grids of five tries about the best, each 0.3 times as wide."""
+"""Grids about the best try after the first one: over 15, 4.5 and 1.35 deg."""
+ZOOM_PARTS = (-0.5, -0.25, 0.0, 0.25, 0.5)
+"""Tries of such a grid, in parts of its width."""
+NARROWING = 0.3
+"""Width of the next such grid over that of the one before."""
 
 
 def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]]:
     """Return the twin with its declared effects as they stood when the record began.
 
     A declaration's angles are those of the record it was made from; on every other one the rolls
-    begin elsewhere. Also returned: by how much they are turned, rad, per location; none where
-    nothing declared has an angle.
+    begin elsewhere. Also returned: by how much they are turned, rad, per location; none, and the
+    twin as it was, where nothing declared has an angle or the line does not run with it.
+
+    Parameters
+    ----------
+    measured : (channels, samples) in channel units, channels as in ``twin.channels``.
+
+    Raises
+    ------
+    PlantError
+        When the declaration gives a channel no noise at all.
     """
     entries = twin.declaration.effects
     stated = tuple(_added(e) for e in entries if phased(_added(e)))
@@ -46,7 +63,7 @@ def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]
 
 
 def _added(entry: EffectEntry) -> Added:
-    """Return a declared effect with every angle said that it may be turned by."""
+    """Return a declared effect with every angle stated that it may be turned by."""
     effect, values = BY_NAME[entry.effect], dict(entry.parameters)
     amplitude = {pair.angle: pair.amplitude for pair in effect.quadratures if pair.angle}
     for name, row in effect.accepts.items():
@@ -56,6 +73,7 @@ def _added(entry: EffectEntry) -> Added:
 
 
 def _with_effects(twin: Twin, entries: Sequence[EffectEntry]) -> Twin:
+    """Return the twin with these effects declared, and no other."""
     line = twin.declaration.model_copy(update={"effects": tuple(entries)})
     return replace(twin, declaration=line)
 
@@ -75,6 +93,7 @@ def turned_effect(effect: Added, angle_rad: float) -> Added:
 
 
 def _with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) -> tuple[Added, ...]:
+    """Return the effects, those with an angle at ``location`` turned: one body, one angle."""
     return tuple(
         turned_effect(e, angle_rad) if e.location == location and phased(e) else e for e in effects
     )
@@ -83,7 +102,25 @@ def _with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) ->
 def costs_of(
     pool: SimulationPool, measured: Array, model: NoiseModel, cases: Sequence[Case]
 ) -> Array:
-    """Return the weighted squared error of every case."""
+    """Return the squared error of every case against one record (cases,), dimensionless.
+
+    Infinite for a case with which the line does not run.
+
+    Equation: sum over channels and judged samples of (w - mean w)^2, w the whitened residual;
+    the mean of each channel is taken away, of an angle its zero before whitening as well.
+
+    Quick runs may be given, though of these only differences count: what is compared is the cost
+    of cases that are alike but for a few numbers. What the longer drive tick does to a run is
+    nearly the same in all of them; its constant part goes with the mean, and the rest adds nearly
+    the same to every cost. So the least one stands where it stood; the size of a cost says
+    nothing. A change of level that a case itself makes goes with the mean too.
+
+    Parameters
+    ----------
+    pool : its first twin is that of the record.
+    measured : (channels, samples) in channel units.
+    model : the noise of that twin; it says from which sample on is judged.
+    """
     zero = np.array([name.endswith("_angle_rad") for name in pool.twins[0].channels])
     found = []
     for run in pool.run(cases, keep=False):
@@ -105,7 +142,16 @@ def _turns(case: Case, location: str, tries: Array) -> list[Case]:
 def start_angles(
     pool: SimulationPool, measured: Array, case: Case, model: NoiseModel
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
-    """Return the effects at this record's start angles, found by search, and the angles."""
+    """Return the effects at this record's start angles, and the angles, rad per location.
+
+    One location after the other, each with those before it already turned: a grid round the turn,
+    then narrower ones about the best. Angles lie within +-pi and count from those in ``case``.
+
+    Parameters
+    ----------
+    pool, measured, model : as for ``costs_of``.
+    case : the effects, and what else is on the line, as simulated.
+    """
     angles: dict[str, float] = {}
     for location in dict.fromkeys(e.location for e in case.effects if phased(e)):
         width = 2.0 * math.pi / COARSE_ANGLES
@@ -113,16 +159,20 @@ def start_angles(
         costs = costs_of(pool, measured, model, _turns(case, location, grid))
         best = float(grid[int(np.argmin(costs))])
         for _ in range(ZOOMS):
-            grid = best + width * np.array([-0.5, -0.25, 0.0, 0.25, 0.5])
+            grid = best + width * np.array(ZOOM_PARTS)
             best = _lowest(grid, costs_of(pool, measured, model, _turns(case, location, grid)))
-            width *= 0.3
+            width *= NARROWING
         angles[location] = math.remainder(best, 2.0 * math.pi)
         case = replace(case, effects=_with_turned(case.effects, location, best))
     return case.effects, angles
 
 
 def _lowest(grid: Array, values: Array) -> float:
-    """Return the minimum of a parabola through the points, kept inside the grid."""
+    """Return where the fitted parabola has its vertex, rad, kept inside the grid.
+
+    Of a parabola that opens downwards, and where a line does not run at a try, the lowest try
+    stands in. ``grid`` (tries,) rad, ``values`` (tries,) the costs there.
+    """
     if not np.isfinite(values).all():
         return float(grid[int(np.argmin(values))])
     centre = grid[len(grid) // 2]

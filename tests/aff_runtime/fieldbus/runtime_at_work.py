@@ -87,7 +87,7 @@ class Runtime:
         self.outside = Memory(self.guard)
         settings = CycleSettings(
             period_ns=round(site.cycle_s * 1e9),
-            io_deadline_ns=round(site.gateway.deadline_ms * 1e6),
+            io_budget_ns=round(site.gateway.deadline_ms * 1e6),
             fade_s=params.fade_s,
             channel_count=len(channels),
             output_count=len(OUTPUTS),

@@ -160,7 +160,7 @@ class Rig:
         self.memory = Memory(self.guard)
         settings = CycleSettings(
             period_ns=PERIOD_NS,
-            io_deadline_ns=3_000_000,
+            io_budget_ns=3_000_000,
             fade_s=0.150,
             channel_count=1,
             output_count=1,

@@ -233,6 +233,50 @@ def test_a_link_that_fails_while_a_fault_is_told_still_ends_in_zero(
     heartbeats_go_on(rig, first)
 
 
+def test_a_link_that_fails_while_a_fault_is_told_does_not_cost_the_guard(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rig = Rig().active()
+
+    def deaf(text: str) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr(rig.memory, "fault_text", deaf)
+    rig.law.trouble = RuntimeError("law")
+    rig.run(FADE_TICKS + 5)
+    assert rig.guard.state is State.FAULT
+    assert rig.plc.last.corrections == (0.0,)
+    rig.law.trouble, rig.law.value = None, 0.008
+    rig.run(2)
+    rig.say(Arm())
+    rig.run(30)
+    assert rig.guard.state is State.ACTIVE
+    assert rig.plc.last.state_bits & StateBits.ACTIVE
+    assert rig.plc.last.corrections[0] == pytest.approx(0.008)
+
+
+def test_a_guard_that_cannot_latch_a_fault_is_replaced_by_the_ramp(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rig = Rig().active()
+    first = len(rig.plc.commands)
+
+    def broken() -> None:
+        raise IndexError("guard")
+
+    monkeypatch.setattr(rig.guard, "internal_fault", broken)
+    rig.law.trouble = RuntimeError("law")
+    rig.run(60)
+    rig.assert_faded_from(first)
+    assert "IndexError" not in rig.memory.faults[0]
+    assert "RuntimeError: law" in rig.memory.faults[0]
+    rig.law.trouble = None
+    rig.say(Arm())
+    rig.run(60)
+    rig.assert_faded_from(first)
+    heartbeats_go_on(rig, first)
+
+
 def test_an_operator_interrupt_is_not_swallowed(monkeypatch: pytest.MonkeyPatch) -> None:
     rig = Rig().active()
     rig.law.trouble = KeyboardInterrupt()  # type: ignore[assignment]

@@ -14,11 +14,19 @@ from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
 
 ANNOUNCED_S = 30.0
+"""How long after it was announced a text may be saved as such, s; later it is an edit by hand."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Announced:
-    """A text that somebody is about to save, as what and why."""
+    """A text that somebody is about to save, as what and why.
+
+    Attributes
+    ----------
+    sha256 : of the text, as ``history.digest`` gives it.
+    verb : what the version will be called: ``kept``, ``undone``.
+    until_ns : monotonic time until which the announcement holds, ns.
+    """
 
     sha256: str
     verb: str
@@ -48,13 +56,18 @@ class SettingsRecord:
         return self._history.versions
 
     def announce(self, text: str, verb: str, who: str, why: str) -> None:
-        """Take note of what somebody is about to save."""
+        """Take note of what somebody is about to save; it holds for ``ANNOUNCED_S``."""
         until_ns = self._clock.now_ns() + int(ANNOUNCED_S * 1e9)
         sha256 = digest(text)
         self.announced = Announced(sha256=sha256, verb=verb, who=who, why=why, until_ns=until_ns)
 
     def see(self, record: ParameterRecord, verb: str) -> None:
-        """Put on record what runs now, as it was announced, else as an act of the file's owner."""
+        """Put on record what runs now; whatever was announced is used up by it.
+
+        A text that was announced, and in time, gets the verb, the author and the reason of the
+        announcement. Any other gets ``verb`` and the owner of the site file, without a reason; one
+        that says what the last version says is no new version.
+        """
         found, self.announced = self.announced, None
         sha256 = digest(record.site_text)
         if found is not None and found.sha256 == sha256 and found.until_ns > self._clock.now_ns():
@@ -65,7 +78,7 @@ class SettingsRecord:
             self.say(verb, record, author_of(self._site), "")
 
     def say(self, verb: str, record: ParameterRecord, who: str, why: str) -> None:
-        """Put a version on record."""
+        """Put a version on record, in the history and the log, with the folder that records it."""
         recorder = self._processes.recorder_report()
         run = recorder.folder if recorder is not None else ""
         row = self._history.add(verb, record.site_text, who=who, why=why, run=str(run))
@@ -84,10 +97,24 @@ class SettingsRecord:
         for version in self.versions:
             if version.number == number:
                 return version
-        raise RefusedError(f"no version {number}")
+        raise RefusedError(f"no version {number}: {self._what_exists()}")
 
-    def before(self, running: str, number: int) -> Version:
+    def _what_exists(self) -> str:
+        """Return which versions there are, and how to see them."""
+        if not self.versions:
+            return "nothing is on record yet"
+        first, last = self.versions[0].number, self.versions[-1].number
+        which = f"there are {first} to {last}" if last > first else f"there is {first} alone"
+        return f"{which}; `aff-runtime settings history` shows them"
+
+    def before(self, running_sha256: str, number: int) -> Version:
         """Return the version asked for; 0: the last one that stood and is not what runs.
+
+        Parameters
+        ----------
+        running_sha256 : of the text that runs, as ``history.digest`` gives it.
+        number : of a version, or 0. One that was only tried, or returned after a try, is taken
+            by its number alone.
 
         Raises
         ------
@@ -97,9 +124,9 @@ class SettingsRecord:
         if number:
             return self.numbered(number)
         for version in reversed(self.versions):
-            if version.verb not in ("tried", "returned") and version.sha256 != running:
+            if version.verb not in ("tried", "returned") and version.sha256 != running_sha256:
                 return version
-        raise RefusedError("no version before this one")
+        raise RefusedError(f"no version before this one: {self._what_exists()}")
 
     def text(self, version: Version) -> str:
         """Return the text of a version.
