@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import sys
+from collections.abc import Mapping
 
 
 def module_command(module: str) -> list[str]:
@@ -13,3 +15,16 @@ def module_command(module: str) -> list[str]:
     PYTHONPATH and the environment's own packages stay.
     """
     return [sys.executable, "-P", "-m", module]
+
+
+async def talking_child(
+    module: str, environment: Mapping[str, str], most_bytes: int
+) -> asyncio.subprocess.Process:
+    """Start ``module`` and return its process, lines of at most ``most_bytes`` on both pipes."""
+    return await asyncio.create_subprocess_exec(
+        *module_command(module),
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
+        env=environment,
+        limit=most_bytes,
+    )

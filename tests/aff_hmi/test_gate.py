@@ -169,9 +169,11 @@ def test_a_page_asks_for_nothing_off_the_host(app, language: str) -> None:
         assert [one for one in found if "w3.org" not in one] == []
 
 
-def test_all_script_and_style_is_ours_and_small() -> None:
-    files = [*STATIC.iterdir(), *VENDORED.values()]
-    assert sum(file.stat().st_size for file in files) < 150_000
+@pytest.mark.parametrize("page", PAGES)
+def test_script_and_style_of_a_page_are_small(page: str) -> None:
+    files = served(has_hand=True)
+    own = sum(len(files[name][0]) for name in (f"{page}.js", "screen.css"))
+    assert own + sum(file.stat().st_size for file in VENDORED.values()) < 150_000
 
 
 @pytest.mark.parametrize("has_hand", [False, True])
@@ -200,7 +202,7 @@ def test_a_joined_module_comes_after_those_that_it_takes_names_from() -> None:
     text = joined(("scope.js",))
     places = [text.index(f"// {name}") for name in ("see.js", "curves.js", "scope.js")]
     assert places == sorted(places)
-    assert "return { byId, words, put, part, number, at, ask, press, onPart };" in text
+    assert "return { byId, words, put, part, number, at, ask, press, send, onPart };" in text
     assert "const { css, figure, legendLine, look, row, short } = of_curves;" in text
     assert text.count(source("see.js").splitlines()[0]) == 1
 

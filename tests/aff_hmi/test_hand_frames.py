@@ -80,8 +80,13 @@ def test_each_socket_shows_its_own_session_as_it_is_now(
     assert [one["account"] for one in own] == ["anna", "bert", "", "", "bert", ""]
     assert [one["has_hand"] for one in own] == [True] + [False] * 5
     assert [one["hand_of"] for one in own] == ["anna"] * 3 + [""] * 3
-    assert own[0]["why"] == {"bypass": [], "arm": []}
-    assert own[1]["why"] == {"bypass": [], "arm": ["anna has the hand"]}
+    assert {action: own[0]["why"][action] for action in ("bypass", "arm")} == {
+        "bypass": [],
+        "arm": [],
+    }
+    assert own[1]["why"]["bypass"] == []
+    assert own[1]["why"]["arm"] == ["anna has the hand"]
+    assert "this account may not probe; the role commission is needed" in own[0]["why"]["probe"]
     assert own[2]["why"]["bypass"] == ["log in first"]
     assert own[4]["why"]["arm"] == ["it is armed already"]
     assert {one["state"] for one in frames[3:]} == {"ACTIVE"}

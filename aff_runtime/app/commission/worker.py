@@ -11,8 +11,9 @@ from aff_runtime.app.check.limits import ONE_THREAD
 from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Asked, Refusal, Told, Why
 from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.supervisor.child_environment import without_service_manager
-from aff_runtime.base.python_child import module_command
+from aff_runtime.base.python_child import talking_child
 
+JOB = "aff_runtime.app.commission.job"
 KEPT_LINES = 40
 DIED = "its process ended without an answer; see the log of the commissioner"
 STOPPED = "stopped"
@@ -37,13 +38,8 @@ class Worker:
 
     async def run(self) -> Told:
         """Return what became of it."""
-        self._process = process = await asyncio.create_subprocess_exec(
-            *module_command("aff_runtime.app.commission.job"),
-            stdin=asyncio.subprocess.PIPE,
-            stdout=asyncio.subprocess.PIPE,
-            env=without_service_manager() | ONE_THREAD,
-            limit=MAX_TOLD_BYTES,
-        )
+        environment = without_service_manager() | ONE_THREAD
+        self._process = process = await talking_child(JOB, environment, MAX_TOLD_BYTES)
         where = {name: os.fspath(getattr(self._where, name)) for name in Where.__slots__}
         self._write({**self.asked, "where": where})
         found: Told = Refusal(why=Why.REFUSED, name=DIED).told
