@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from sim_plant.base.arrays import Array
@@ -23,7 +23,6 @@ class Profile:
     start: tuple[float, ...]
 
 
-Nearest = Callable[[float, Array], tuple[Profile, Array]]
 Starts = Callable[[float, Array, Array, Sequence[float]], list[Profile]]
 
 
@@ -41,7 +40,9 @@ class Profiles:
     age_tries : values of it to begin a fit with.
     orders_choice : options (name, value) of a mix of orders, as traced.
     nearest : (mean radius of the body, m; cos and sin of its orders, m (n, 2)) -> the profile
-        that is most like them, and its own cos and sin (n, 2).
+        that is most like them.
+    orders : (mean radius of the body, m; options and numbers of a profile; n) -> cos and sin of
+        its first n orders, m (n, 2).
     """
 
     starts: Starts
@@ -49,4 +50,5 @@ class Profiles:
     age: str
     age_tries: tuple[float, ...]
     orders_choice: tuple[tuple[str, float | str], ...]
-    nearest: Nearest
+    nearest: Callable[[float, Array], Profile]
+    orders: Callable[[float, Mapping[str, float | str], int], Array]

@@ -228,8 +228,8 @@ def profile_starts(
     return [_start(kind, numbers) for gain, kind, numbers in found[:keep] if gain > 0.0]
 
 
-def nearest_profile(radius_m: float, orders_m: Array) -> tuple[Profile, Array]:
-    """Return the named profile most like ``orders_m`` (n, 2), cos and sin, and its own.
+def nearest_profile(radius_m: float, orders_m: Array) -> Profile:
+    """Return the named profile most like ``orders_m`` (n, 2), cos and sin.
 
     Least squares over the orders given, each at its size; the size is free, the others tried.
     """
@@ -249,10 +249,13 @@ def nearest_profile(radius_m: float, orders_m: Array) -> tuple[Profile, Array]:
                 size = {"size_m": float(share[at]) * numbers["size_m"]}
                 angle = {"angle_rad": float(TRIED_ANGLES_RAD[at])}
                 best = (float(left[at]), kind, {**numbers, **size, **angle})
-    told = _start(best[1], best[2])
-    values = dict(told.choice) | dict(zip(told.names, told.start, strict=True))
-    own = profile(radius_m, {**EFFECT.parameters, **values}).deviation_m[: wanted.size]
-    return told, np.stack([own.real, -own.imag], axis=1)
+    return _start(best[1], best[2])
+
+
+def profile_orders(radius_m: float, values: Mapping[str, Value], count: int) -> Array:
+    """Return cos and sin (count, 2), m, of the first orders of a profile."""
+    own = profile(radius_m, {**EFFECT.parameters, **values}).deviation_m[:count]
+    return np.stack([own.real, -own.imag], axis=1)
 
 
 def _tried(
@@ -367,6 +370,7 @@ EFFECT = Effect(
         age_tries=(0.006, 0.012, -0.006, -0.012),
         orders_choice=(("shape", "orders"), ("finest_order", TRACED_FINEST_ORDER)),
         nearest=nearest_profile,
+        orders=profile_orders,
     ),
     cancel_orders=(1, 2, 3, 4),
 )

@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from sim_plant.base.arrays import Array
+from sim_plant.base.profiles import Profile
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.roll_synchronisation import synchronising_shifts
@@ -54,8 +56,7 @@ def fit_candidate(objective: Objective, base: Fit, candidate: Candidate) -> Fit 
     if best is not None and best.cost - objective.expected_cost < sure_excess(objective):
         return best
     free = with_free_orders(objective, base, candidate)
-    told = None if free is None else with_nearest_profile(objective, free)
-    return _best(objective, [best, told])
+    return best if free is None else _best(objective, [best, as_profile(objective, free, best)])
 
 
 def with_free_orders(objective: Objective, base: Fit, candidate: Candidate) -> Fit | None:
@@ -88,36 +89,53 @@ def with_free_orders(objective: Objective, base: Fit, candidate: Candidate) -> F
     return None if fit.hypotheses[at].at_bound(fit.values[at]) else fit
 
 
-def with_nearest_profile(objective: Objective, fit: Fit) -> Fit:
-    """Return a fit of free orders with the profile most like them, and what it lacks as details.
+def as_profile(objective: Objective, free: Fit, named: Fit | None) -> Fit:
+    """Return a fit of free orders told as a profile, with what that lacks as details.
 
-    A profile says what its orders are on a roll of another radius, a mix of orders does not. The
-    fit is as it was where it is not as good so.
+    A profile says what its orders are on a roll of another radius, a mix of orders does not. Tried
+    are the profile of ``named``, a fit of its own, and the one most like the orders. The fit is as
+    it was where neither is as good.
     """
-    at = len(fit.hypotheses) - 1
-    h = fit.hypotheses[at]
-    values = dict(zip(h.names, fit.values[at], strict=True))
-    profiles = h.effect.profiles
-    used = [k for k, pair in enumerate(h.effect.quadratures) if pair.cos in values]
+    h = free.hypotheses[-1]
+    profiles, found = h.effect.profiles, dict(zip(h.names, free.values[-1], strict=True))
+    used = [k for k, pair in enumerate(h.effect.quadratures) if pair.cos in found]
     if profiles is None or not used:
-        return fit
+        return free
     pairs = h.effect.quadratures[: used[-1] + 1]
-    orders = np.array([[values.get(p.cos, 0.0), values.get(p.sin, 0.0)] for p in pairs])
+    orders = np.array([[found.get(p.cos, 0.0), found.get(p.sin, 0.0)] for p in pairs])
     line = objective.pool.twins[0].declaration
-    told, own = profiles.nearest(line.rollers[line.body(h.location)].radius_m, orders)
-    details = {
-        name: float(value)
-        for pair, row in zip(pairs, orders - own, strict=True)
-        for name, value in zip((pair.cos, pair.sin), row, strict=True)
-    }
-    start = dict(zip(told.names, told.start, strict=True)) | details
-    named = hypothesis(h.effect, h.location, told.choice, tuple(start), line)
-    there = fit.with_effect_at(at, named, [start[name] for name in named.names])
-    shifts = _without_radius(fit.shifts, h.location)
+    radius_m = line.rollers[line.body(h.location)].radius_m
+    tried = [profiles.nearest(radius_m, orders)]
+    if named is not None and profiles.size in named.hypotheses[-1].names:
+        own = named.hypotheses[-1]
+        tried.append(Profile(choice=own.fixed, names=own.names, start=named.values[-1]))
+    told = [_with_details(objective, free, profile, orders) for profile in tried]
+    most = free.cost + sure_excess(objective)
+    good = [fit for fit in told if fit.cost < most and not _at_bound(fit)]
+    return min(good, key=lambda fit: fit.cost, default=free)
+
+
+def _with_details(objective: Objective, free: Fit, profile: Profile, orders: Array) -> Fit:
+    """Return the fit with this profile, and details that make up the ``orders`` (n, 2), m."""
+    at = len(free.hypotheses) - 1
+    h = free.hypotheses[at]
+    line = objective.pool.twins[0].declaration
+    profiles = h.effect.profiles
+    start = dict(zip(profile.names, profile.start, strict=True))
+    if profiles is not None:
+        radius_m = line.rollers[line.body(h.location)].radius_m
+        orders = orders - profiles.orders(radius_m, {**dict(profile.choice), **start}, len(orders))
+    for pair, row in zip(h.effect.quadratures, orders, strict=False):
+        start |= {pair.cos: float(row[0]), pair.sin: float(row[1])}
+    named = hypothesis(h.effect, h.location, profile.choice, tuple(start), line)
+    there = free.with_effect_at(at, named, [start[name] for name in named.names])
+    shifts = _without_radius(free.shifts, h.location)
     shifts = synchronising_shifts(objective, shifts, there.hypotheses, there.values)
-    new = gauss_newton_fit(objective, there.hypotheses, there.values, shifts)
-    good = new.cost < fit.cost + sure_excess(objective) and not named.at_bound(new.values[at])
-    return new if good else fit
+    return gauss_newton_fit(objective, there.hypotheses, there.values, shifts)
+
+
+def _at_bound(fit: Fit) -> bool:
+    return fit.hypotheses[-1].at_bound(fit.values[-1])
 
 
 def profile_reinitialised(objective: Objective, fit: Fit) -> Fit:

@@ -108,8 +108,19 @@ def least_score(selection: Selection, h: Hypothesis, told: float = 0.0) -> float
         least,
         ACCEPTANCE.explained_share * explained,
         ACCEPTANCE.free_term_share * selection.chi2_of_free_terms,
-        sum(found.hypothesis.effect.wander * found.score for found in selection.accepted),
+        sum(_wander(found.hypothesis) * found.score for found in selection.accepted),
     )
+
+
+def _wander(h: Hypothesis) -> float:
+    """Return the share of what an effect explains that it leaves, not at its own lines alone.
+
+    An outline that no profile has is known by its orders on the roll as it is; as the roll gets
+    smaller they change, and what they leave then is anywhere.
+    """
+    own = {name for pair in h.effect.quadratures for name in (pair.cos, pair.sin)}
+    outlined = h.effect.profiles is not None and not own.isdisjoint(h.names)
+    return max(h.effect.wander, ACCEPTANCE.explained_share if outlined else 0.0)
 
 
 def rank(fitted: Sequence[FittedCandidate]) -> list[FittedCandidate]:

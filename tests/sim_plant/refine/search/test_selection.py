@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.candidate import FittedCandidate
 from sim_plant.refine.search.selection import (
@@ -15,6 +16,7 @@ from sim_plant.refine.search.selection import (
     accept,
     at_noise_floor,
     imitates,
+    least_score,
     preferred,
     score,
     standing,
@@ -22,7 +24,7 @@ from sim_plant.refine.search.selection import (
     without_accepted,
 )
 from sim_plant.refine.search.unexplained import Unknown
-from tests.sim_plant.refine.small import fit_of, one_peak, quiet
+from tests.sim_plant.refine.small import LINE, fit_of, one_peak, quiet
 
 DRAG = hypothesis(BY_NAME["bearing_drag"], "R3")
 FAR_DRAG = hypothesis(BY_NAME["bearing_drag"], "R9")
@@ -240,3 +242,15 @@ def test_one_of_several_is_left_out_with_its_numbers_and_what_is_known_of_them()
     assert left.fit.hypotheses == (DRAG, FAR_DRAG)
     assert left.fit.values == ((0.1,), (0.3,))
     assert left.fit.covariance.tolist() == [[0.0, 2.0], [6.0, 8.0]]
+
+
+@pytest.mark.parametrize(("detailed", "least"), [(False, 0.0), (True, 2000.0)])
+def test_beside_an_outline_that_no_profile_has_a_later_effect_needs_a_share_of_it(detailed, least):
+    """0.1 % of 2e6: what the orders of a roll leave as it gets smaller is anywhere."""
+    names = ("size_m", "angle_rad", *(("cos1_m", "sin1_m") if detailed else ()))
+    roll = hypothesis(BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),), names, LINE)
+    there = AcceptedEffect(hypothesis=roll, score=2e6, runner_up=None, margin=0.0, rejected=())
+    found = selection(accepted=(there,))
+    later = hypothesis(BY_NAME["viscoelastic_web"], "web", line=LINE)
+    plain = CRITERIA.search.acceptance.later_score
+    assert least_score(found, later) == pytest.approx(max(plain, least))
