@@ -16,7 +16,7 @@ from aff_runtime.app.commission.looking import Looking
 from aff_runtime.app.commission.messages import LOOKS, PROTOCOL, Asked, Refusal, Told, Why
 from aff_runtime.app.commission.people import Holder, People
 from aff_runtime.app.commission.sources import Where, by_whom
-from aff_runtime.app.commission.worker import Worker
+from aff_runtime.app.commission.worker import CUT, KEEPS, STOPPED, Worker
 from aff_runtime.app.hand.accounts import Accounts
 from aff_runtime.app.hand.audit import Audit, Entry
 from aff_runtime.app.hand.may import Place, Role
@@ -25,7 +25,7 @@ from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
 
 AWAITED = ("sign",)
-"""Jobs whose answer the screen waits for; of the others it hears by ``state``."""
+"""Jobs whose answer the screen waits for, never stopped; of the others it hears by ``state``."""
 LOG = logging.getLogger("aff_runtime")
 
 
@@ -115,6 +115,9 @@ class Commissioner:
         if self._worker is None:
             return Refusal(why=Why.CHANGED).told
         if asked["do"] == "stop":
+            if self._worker.asked["do"] in AWAITED:
+                self._write(_entry(asked, held, peer), "refused", Why.RUNNING)
+                return Refusal(why=Why.RUNNING, name=_called(self._worker.asked)).told
             self._write(_entry(asked, held, peer), "done")
             self._worker.stop()
             return {"ok": True}
@@ -148,10 +151,14 @@ class Commissioner:
             found = await worker.run()
         except OSError as error:
             found = Refusal(why=Why.REFUSED, name=str(error)).told
+        except asyncio.CancelledError:
+            self._write(entry, "noted", CUT if worker.asked["do"] in KEEPS else STOPPED)
+            raise
         finally:
             self._worker = None
         is_done, text = found["ok"] is True, str(found.get("text", found.get("name", "")))
-        self._write(entry, "done" if is_done else "refused", text)
+        result = "done" if is_done else "noted" if worker.is_unsure else "refused"
+        self._write(entry, result, text)
         self._last = Last(
             do=worker.asked["do"], step=worker.asked.get("step", -1), ok=is_done, text=text
         )

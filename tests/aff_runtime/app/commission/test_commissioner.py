@@ -19,6 +19,8 @@ from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.link.peer import Peer
 from aff_runtime.base.clock import MonotonicClock
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
+from tests.aff_runtime.app.commission import made_jobs
+from tests.aff_runtime.app.commission.made_jobs import say
 
 PASSWORD = "tension, 90 N"
 PEER = Peer(uid=0, pid=1)
@@ -154,7 +156,33 @@ def test_one_job_at_a_time_and_it_can_be_stopped(line):
         return await line.done()
 
     last = asyncio.run(played())
-    assert (last["ok"], last["text"]) == (False, "stopped")
+    assert (last["ok"], last["text"]) == (False, "stopped; look at the card")
+    assert line.rows()[-1] == ("commissioning: begin", "noted")
+
+
+def test_a_signature_that_is_asked_for_is_not_stopped(line, monkeypatch):
+    release = line.folder / "release"
+    made_jobs.play(monkeypatch, made_jobs.until(release) + say(done={"text": "signed"}))
+    what = {"step": 4, "reason": "seen on the drive", "measured": "0" * 64}
+
+    async def played():
+        key = await line.open()
+        signing = asyncio.create_task(
+            line.ask("sign", key=key, **PERSON, **what, password=PASSWORD)
+        )
+        while (await line.ask("state"))["job"] is None:
+            await asyncio.sleep(0.01)
+        stopped = await line.ask("stop", key=key, **PERSON)
+        release.touch()
+        return stopped, await signing
+
+    stopped, signed = asyncio.run(played())
+    assert stopped == {"ok": False, "why": "running", "name": "sign 4"}
+    assert signed == {"ok": True, "text": "signed"}
+    assert line.rows()[-2:] == [
+        ("commissioning: stop", "refused"),
+        ("commissioning: sign 4", "done"),
+    ]
 
 
 def test_what_cannot_be_put_on_record_is_not_done(line, monkeypatch):
