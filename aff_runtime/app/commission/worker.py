@@ -47,7 +47,7 @@ class Worker:
         environment = without_service_manager() | ONE_THREAD
         self._process = process = await talking_child(JOB, environment, MAX_TOLD_BYTES)
         where = {name: os.fspath(getattr(self._where, name)) for name in Where.__slots__}
-        self._write({**self.asked, "where": where})
+        self._write({**self.asked, "where": where, "parent": os.getpid()})
         found: Told | None = None
         if self._is_stopped:
             process.kill()
