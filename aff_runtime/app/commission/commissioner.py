@@ -8,12 +8,12 @@ answer. A signature is below what was shown, with a password that is checked her
 from __future__ import annotations
 
 import asyncio
-import logging
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from aff_runtime.app.card.book import NAME as CARD
 from aff_runtime.app.commission.looking import Looking
 from aff_runtime.app.commission.messages import LOOKS, PROTOCOL, Asked, Refusal, Told, Why
+from aff_runtime.app.commission.on_record import OnRecord
 from aff_runtime.app.commission.people import Holder, People
 from aff_runtime.app.commission.sources import Where, by_whom
 from aff_runtime.app.commission.worker import CUT, KEEPS, STOPPED, Worker
@@ -21,12 +21,11 @@ from aff_runtime.app.hand.accounts import Accounts
 from aff_runtime.app.hand.audit import Audit, Entry
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.link.peer import Peer
-from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
 
 AWAITED = ("sign",)
 """Jobs whose answer the screen waits for, never stopped; of the others it hears by ``state``."""
-LOG = logging.getLogger("aff_runtime")
+LOOK_S = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +51,7 @@ class Commissioner:
         self, where: Where, accounts: Accounts, audit: Audit, clock: Clock, farthest: Place
     ) -> None:
         self._where = where
-        self._audit = audit
+        self._record = OnRecord(audit, clock)
         self._people = People(accounts, clock, farthest)
         self._worker: Worker | None = None
         self._running: asyncio.Task[Told] | None = None
@@ -61,6 +60,18 @@ class Commissioner:
 
     async def answer(self, asked: Asked, peer: Peer) -> Told:
         """Return the answer to a request that was checked."""
+        try:
+            return await self._answer(asked, peer)
+        finally:
+            self._tend()
+
+    async def run(self) -> None:
+        """Do for ever what nobody asks for."""
+        while True:
+            self._tend()
+            await asyncio.sleep(LOOK_S)
+
+    async def _answer(self, asked: Asked, peer: Peer) -> Told:
         do = asked["do"]
         if do == "state":
             return self._state()
@@ -74,18 +85,22 @@ class Commissioner:
     async def _do(self, asked: Asked, held: Holder, peer: Peer) -> Told:
         """Do what the person asks who is in."""
         if asked["do"] == "close":
-            self._write(_entry(asked, held, peer), "done")
+            self._record.write(_entry(asked, held, peer), "done")
             self._people.close()
             return {"ok": True}
         if asked["do"] in ("answer", "stop"):
             return self._steer(asked, held, peer)
         return await self._start(asked, held, peer)
 
+    def _tend(self) -> None:
+        """Say what was not written."""
+        self._record.tend()
+
     def close(self) -> None:
         """End what runs."""
         if self._worker is not None:
             self._worker.stop()
-        self._audit.close()
+        self._record.close()
 
     # --- who ----------------------------------------------------------------------------------
 
@@ -101,9 +116,9 @@ class Commissioner:
             peer=str(peer),
         )
         if isinstance(found, Refusal):
-            self._write(said, "refused", found.why)
+            self._record.refuse(said, found.why)
             return found.told
-        if not self._write(said, "done"):
+        if not self._record.write(said, "done"):
             self._people.close()
             return Refusal(why=Why.UNRECORDED).told
         return {"ok": True, "key": found.key}
@@ -116,9 +131,9 @@ class Commissioner:
             return Refusal(why=Why.CHANGED).told
         if asked["do"] == "stop":
             if self._worker.asked["do"] in AWAITED:
-                self._write(_entry(asked, held, peer), "refused", Why.RUNNING)
+                self._record.refuse(_entry(asked, held, peer), Why.RUNNING)
                 return Refusal(why=Why.RUNNING, name=_called(self._worker.asked)).told
-            self._write(_entry(asked, held, peer), "done")
+            self._record.write(_entry(asked, held, peer), "done")
             self._worker.stop()
             return {"ok": True}
         is_heard = self._worker.answer(asked["number"], asked["text"])
@@ -130,13 +145,13 @@ class Commissioner:
         if asked["do"] == "sign":
             against = await self._people.against(held.account, asked["password"])
             if against is not None:
-                self._write(_entry(asked, held, peer), "refused", against.why)
+                self._record.refuse(_entry(asked, held, peer), against.why)
                 return against.told
             how = "password given for this signature"
         if self._worker is not None:
             return Refusal(why=Why.RUNNING, name=_called(self._worker.asked)).told
         entry = _entry(asked, held, peer)
-        if not self._write(entry, "asked"):
+        if not self._record.write(entry, "asked"):
             return Refusal(why=Why.UNRECORDED).told
         job = {name: value for name, value in asked.items() if name not in ("key", "password")}
         by = f"{by_whom()}; {held.account}, {how}"
@@ -152,13 +167,13 @@ class Commissioner:
         except OSError as error:
             found = Refusal(why=Why.REFUSED, name=str(error)).told
         except asyncio.CancelledError:
-            self._write(entry, "noted", CUT if worker.asked["do"] in KEEPS else STOPPED)
+            self._record.write(entry, "noted", CUT if worker.asked["do"] in KEEPS else STOPPED)
             raise
         finally:
             self._worker = None
         is_done, text = found["ok"] is True, str(found.get("text", found.get("name", "")))
         result = "done" if is_done else "noted" if worker.is_unsure else "refused"
-        self._write(entry, result, text)
+        self._record.write(entry, result, text)
         self._last = Last(
             do=worker.asked["do"], step=worker.asked.get("step", -1), ok=is_done, text=text
         )
@@ -178,20 +193,6 @@ class Commissioner:
             "job": _shown(worker) if worker is not None else None,
             "last": {name: getattr(last, name) for name in Last.__slots__} if last else None,
         }
-
-    def _write(self, entry: Entry, result: str, why: str = "") -> bool:
-        """Put a line on record; False when it cannot be."""
-        try:
-            number = self._audit.add(replace(entry, result=result, why=why))
-        except RefusedError as error:
-            LOG.error("the audit is not kept, nothing is done: %s", error)
-            return False
-        said = f" ({why})" if why else ""
-        LOG.info(
-            "%s %s by %s%s; audit %d %s",
-            *(entry.what, result, entry.account, said, number, self._audit.newest[:12]),
-        )
-        return True
 
 
 def _shown(worker: Worker) -> Told:

@@ -17,10 +17,10 @@ from aff_runtime.app.hand.accounts import Account, Accounts, secret_of, write_ac
 from aff_runtime.app.hand.audit import Audit, verify
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.link.peer import Peer
-from aff_runtime.base.clock import MonotonicClock
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
 from tests.aff_runtime.app.commission import made_jobs
 from tests.aff_runtime.app.commission.made_jobs import say
+from tests.doubles.virtual_clock import VirtualClock
 
 PASSWORD = "tension, 90 N"
 PEER = Peer(uid=0, pid=1)
@@ -31,7 +31,7 @@ TYPED = "reaction=ramp\ntime=120 ms"
 class Line:
     """A site file, a commissioner of it, and who has opened it."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, clock):
         site = folder / "site.yaml"
         shutil.copyfile(SITE_FILE, site)
         people = folder / "accounts"
@@ -46,7 +46,7 @@ class Line:
         )
         self.audit = Audit(folder / "audit")
         self.commissioner = Commissioner(
-            self.where, Accounts(people), self.audit, MonotonicClock(), Place.PANEL
+            self.where, Accounts(people), self.audit, clock, Place.PANEL
         )
 
     async def ask(self, do, **said):
@@ -66,12 +66,21 @@ class Line:
         text = (self.folder / "audit" / "audit.jsonl").read_text()
         return [(row["what"], row["result"]) for row in map(json.loads, text.splitlines())]
 
+    def whys(self):
+        text = (self.folder / "audit" / "audit.jsonl").read_text()
+        return [row["why"] for row in map(json.loads, text.splitlines())]
+
 
 @pytest.fixture
-def line(tmp_path, monkeypatch):
+def clock():
+    return VirtualClock(1)
+
+
+@pytest.fixture
+def line(tmp_path, monkeypatch, clock):
     monkeypatch.setattr(accounts, "_N", 2)
     (tmp_path / "rt").mkdir(mode=0o700)
-    found = Line(tmp_path)
+    found = Line(tmp_path, clock)
     yield found
     found.commissioner.close()
 
@@ -193,6 +202,39 @@ def test_what_cannot_be_put_on_record_is_not_done(line, monkeypatch):
 
     assert asyncio.run(played())["why"] == "unrecorded"
     assert not line.where.card.exists()
+
+
+def test_of_a_flood_of_refusals_sixty_are_written_and_then_their_number(line, clock):
+    said = {"account": "carl", "password": "guessed", "over": False, **PERSON}
+
+    async def flooded(count):
+        for _ in range(count):
+            assert not (await line.ask("open", **said))["ok"]
+
+    asyncio.run(flooded(500))
+    assert line.rows() == [("commissioning opened", "refused")] * 60
+    clock.advance_ns(10 * 10**9)  # a tenth of a line a second
+    asyncio.run(flooded(1))
+    assert line.rows()[60:] == [("refused", "noted")]
+    assert line.whys()[60:] == ["441 not written"]
+
+
+def test_wrong_signatures_are_refusals_too(line, clock):
+    what = {"step": 4, "reason": "seen", "measured": "0" * 64, "password": "guessed"}
+
+    async def flooded():
+        key = await line.open()
+        for _ in range(500):
+            assert not (await line.ask("sign", key=key, **PERSON, **what))["ok"]
+
+    asyncio.run(flooded())
+    assert line.rows() == [
+        ("commissioning opened", "done"),
+        *[("commissioning: sign 4", "refused")] * 60,
+    ]
+    clock.advance_ns(10 * 10**9)
+    asyncio.run(line.ask("state"))
+    assert line.whys()[-1] == "440 not written"
 
 
 def test_a_screen_finds_it_at_its_socket_and_others_say_what_they_like(line):
