@@ -8,7 +8,7 @@ answer. A signature is below what was shown, with a password that is checked her
 from __future__ import annotations
 
 import asyncio
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from aff_runtime.app.card.book import NAME as CARD
 from aff_runtime.app.commission.looking import Looking
@@ -93,8 +93,18 @@ class Commissioner:
         return await self._start(asked, held, peer)
 
     def _tend(self) -> None:
-        """Say what was not written."""
+        """Say what was not written; end a job that waits for somebody who is not in any more."""
         self._record.tend()
+        worker, held = self._worker, self._people.holder
+        if worker is None or worker.question is None:
+            return
+        account = worker.asked["account"]
+        if held is None or held.account != account:
+            said = Entry(
+                what=f"commissioning: {_called(worker.asked)}", result="", account=account
+            )
+            self._record.write(said, "noted", "stopped: it waits for somebody who is not in")
+            worker.stop()
 
     def close(self) -> None:
         """End what runs."""
@@ -136,8 +146,22 @@ class Commissioner:
             self._record.write(_entry(asked, held, peer), "done")
             self._worker.stop()
             return {"ok": True}
-        is_heard = self._worker.answer(asked["number"], asked["text"])
-        return {"ok": True} if is_heard else Refusal(why=Why.CHANGED).told
+        return self._pass_on(self._worker, asked, held, peer)
+
+    def _pass_on(self, worker: Worker, asked: Asked, held: Holder, peer: Peer) -> Told:
+        """Pass an answer on, once its question stands in the audit; the answer does not."""
+        entry = _entry(asked, held, peer)
+        if worker.asked["account"] != held.account:
+            self._record.refuse(entry, Why.RUNNING)
+            return Refusal(why=Why.RUNNING, name=_called(worker.asked)).told
+        question = worker.question
+        if question is None or question["number"] != asked["number"]:
+            return Refusal(why=Why.CHANGED).told
+        entry = replace(entry, what=f"{entry.what} {question['name']}")
+        if not self._record.write(entry, "done"):
+            return Refusal(why=Why.UNRECORDED).told
+        worker.answer(asked["number"], asked["text"])
+        return {"ok": True}
 
     async def _start(self, asked: Asked, held: Holder, peer: Peer) -> Told:
         """Begin a job, once it stands in the audit."""

@@ -11,6 +11,7 @@ from aff_runtime.app.card.work import CardFile
 from aff_runtime.app.commission.client import ask
 from aff_runtime.app.commission.commissioner import Commissioner
 from aff_runtime.app.commission.listening import Listener
+from aff_runtime.app.commission.people import IDLE_NS
 from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.hand import accounts
 from aff_runtime.app.hand.accounts import Account, Accounts, secret_of, write_accounts
@@ -36,7 +37,10 @@ class Line:
         shutil.copyfile(SITE_FILE, site)
         people = folder / "accounts"
         secret = secret_of(PASSWORD)
-        write_accounts(people, [Account(name="carl", role=Role.COMMISSION, secret=secret)])
+        names = ("carl", "cleo")
+        write_accounts(
+            people, [Account(name=one, role=Role.COMMISSION, secret=secret) for one in names]
+        )
         self.folder = folder
         self.where = Where(
             site=site,
@@ -52,8 +56,8 @@ class Line:
     async def ask(self, do, **said):
         return await self.commissioner.answer({"do": do, **said}, PEER)
 
-    async def open(self):
-        said = {"account": "carl", "password": PASSWORD, "over": False}
+    async def open(self, account="carl", *, over=False):
+        said = {"account": account, "password": PASSWORD, "over": over}
         return (await self.ask("open", **said, **PERSON))["key"]
 
     async def done(self):
@@ -61,6 +65,12 @@ class Line:
         while (state := await self.ask("state"))["job"] is not None:
             await asyncio.sleep(0.02)
         return state["last"]
+
+    async def waits(self, key):
+        """Begin an interview and return once it waits for an answer."""
+        assert (await self.ask("words", key=key, **PERSON, again=""))["ok"]
+        while (await self.ask("state"))["job"]["ask"] is None:
+            await asyncio.sleep(0.01)
 
     def rows(self):
         text = (self.folder / "audit" / "audit.jsonl").read_text()
@@ -202,6 +212,95 @@ def test_what_cannot_be_put_on_record_is_not_done(line, monkeypatch):
 
     assert asyncio.run(played())["why"] == "unrecorded"
     assert not line.where.card.exists()
+
+
+async def closed(line, clock, key):
+    assert (await line.ask("close", key=key, **PERSON))["ok"]
+
+
+async def idle(line, clock, key):
+    clock.advance_ns(IDLE_NS + 1)
+    tending = asyncio.create_task(line.commissioner.run())
+    await asyncio.sleep(0)
+    tending.cancel()
+
+
+async def replaced(line, clock, key):
+    await line.open("cleo", over=True)
+
+
+@pytest.mark.parametrize("leave", [closed, idle, replaced])
+def test_a_job_that_waits_for_somebody_who_is_not_in_any_more_is_stopped(
+    line, clock, monkeypatch, leave
+):
+    made_jobs.play(monkeypatch, made_jobs.ask() + say(done={"text": "answered"}))
+
+    async def played():
+        key = await line.open()
+        await line.waits(key)
+        await leave(line, clock, key)
+        async with asyncio.timeout(20.0):
+            return await line.done()
+
+    last = asyncio.run(played())
+    assert (last["ok"], last["text"]) == (False, "stopped")
+    assert "stopped: it waits for somebody who is not in" in line.whys()
+
+
+def test_who_takes_it_over_does_not_answer_for_who_began(line, monkeypatch):
+    release = line.folder / "release"
+    made_jobs.play(monkeypatch, made_jobs.until(release) + made_jobs.ask())
+
+    async def played():
+        await line.ask("words", key=await line.open(), **PERSON, again="")
+        key = await line.open("cleo", over=True)
+        found = await line.ask("answer", key=key, **PERSON, number=1, text="10.0.0.9")
+        release.touch()
+        return found, await line.done()
+
+    found, last = asyncio.run(played())
+    assert found == {"ok": False, "why": "running", "name": "words"}
+    assert last["text"] == "stopped"
+    assert ("commissioning: answer", "refused") in line.rows()
+
+
+def test_of_an_answer_the_question_stands_in_the_audit_and_not_what_was_said(line, monkeypatch):
+    made_jobs.play(monkeypatch, made_jobs.ask("host") + say(done={"text": "answered"}))
+
+    async def played():
+        key = await line.open()
+        await line.waits(key)
+        said = {"key": key, **PERSON, "text": "10.0.0.9"}
+        late = await line.ask("answer", number=7, **said)
+        right = await line.ask("answer", number=1, **said)
+        return late, right, await line.done()
+
+    late, right, last = asyncio.run(played())
+    assert late["why"] == "changed"
+    assert right == {"ok": True}
+    assert last["ok"]
+    assert line.rows()[1:] == [
+        ("commissioning: words", "asked"),
+        ("commissioning: answer host", "done"),
+        ("commissioning: words", "done"),
+    ]
+    assert "10.0.0.9" not in line.audit.path.read_text()
+
+
+def test_an_answer_that_cannot_be_put_on_record_is_not_passed_on(line, monkeypatch):
+    made_jobs.play(monkeypatch, made_jobs.ask() + say(done={"text": "answered"}))
+
+    async def played():
+        key = await line.open()
+        await line.waits(key)
+        line.audit._is_whole = False
+        found = await line.ask("answer", key=key, **PERSON, number=1, text="10.0.0.9")
+        await line.ask("stop", key=key, **PERSON)
+        return found, await line.done()
+
+    found, last = asyncio.run(played())
+    assert found["why"] == "unrecorded"
+    assert last["text"] == "stopped"
 
 
 def test_of_a_flood_of_refusals_sixty_are_written_and_then_their_number(line, clock):
