@@ -62,8 +62,9 @@ class Line:
 
     async def done(self):
         """Return the last job once none is under way."""
-        while (state := await self.ask("state"))["job"] is not None:
-            await asyncio.sleep(0.02)
+        async with asyncio.timeout(60.0):
+            while (state := await self.ask("state"))["job"] is not None:
+                await asyncio.sleep(0.02)
         return state["last"]
 
     async def waits(self, key):
@@ -239,8 +240,7 @@ def test_a_job_that_waits_for_somebody_who_is_not_in_any_more_is_stopped(
         key = await line.open()
         await line.waits(key)
         await leave(line, clock, key)
-        async with asyncio.timeout(20.0):
-            return await line.done()
+        return await line.done()
 
     last = asyncio.run(played())
     assert (last["ok"], last["text"]) == (False, "stopped")
