@@ -17,6 +17,7 @@ PATTERNS = (
     N_("a card is begun, {hash}"),
     N_("no card is begun"),
     N_("stopped"),
+    N_("stopped; look at the card"),
     N_("tried for {seconds} s: {rest}"),
     N_("kept; saved as the site file"),
     N_("undone; the former settings run"),

@@ -92,7 +92,7 @@ async def _serve(commissioner: Any, folder: Path, is_private: bool) -> None:
         loop.add_signal_handler(one, ended.set)
     tasks = [
         asyncio.create_task(part)
-        for part in (listener.run(), commissioner.looking.run(), _until(ended))
+        for part in (listener.run(), commissioner.run(), commissioner.looking.run(), _until(ended))
     ]
     say("ready; a screen with --commission-socket finds it")
     try:

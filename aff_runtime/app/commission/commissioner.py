@@ -8,25 +8,24 @@ answer. A signature is below what was shown, with a password that is checked her
 from __future__ import annotations
 
 import asyncio
-import logging
 from dataclasses import dataclass, replace
 
 from aff_runtime.app.card.book import NAME as CARD
 from aff_runtime.app.commission.looking import Looking
 from aff_runtime.app.commission.messages import LOOKS, PROTOCOL, Asked, Refusal, Told, Why
+from aff_runtime.app.commission.on_record import OnRecord
 from aff_runtime.app.commission.people import Holder, People
 from aff_runtime.app.commission.sources import Where, by_whom
-from aff_runtime.app.commission.worker import Worker
+from aff_runtime.app.commission.worker import CUT, KEEPS, STOPPED, Worker
 from aff_runtime.app.hand.accounts import Accounts
 from aff_runtime.app.hand.audit import Audit, Entry
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.link.peer import Peer
-from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
 
 AWAITED = ("sign",)
-"""Jobs whose answer the screen waits for; of the others it hears by ``state``."""
-LOG = logging.getLogger("aff_runtime")
+"""Jobs whose answer the screen waits for, never stopped; of the others it hears by ``state``."""
+LOOK_S = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +51,7 @@ class Commissioner:
         self, where: Where, accounts: Accounts, audit: Audit, clock: Clock, farthest: Place
     ) -> None:
         self._where = where
-        self._audit = audit
+        self._record = OnRecord(audit, clock)
         self._people = People(accounts, clock, farthest)
         self._worker: Worker | None = None
         self._running: asyncio.Task[Told] | None = None
@@ -61,6 +60,18 @@ class Commissioner:
 
     async def answer(self, asked: Asked, peer: Peer) -> Told:
         """Return the answer to a request that was checked."""
+        try:
+            return await self._answer(asked, peer)
+        finally:
+            self._tend()
+
+    async def run(self) -> None:
+        """Do for ever what nobody asks for."""
+        while True:
+            self._tend()
+            await asyncio.sleep(LOOK_S)
+
+    async def _answer(self, asked: Asked, peer: Peer) -> Told:
         do = asked["do"]
         if do == "state":
             return self._state()
@@ -74,18 +85,32 @@ class Commissioner:
     async def _do(self, asked: Asked, held: Holder, peer: Peer) -> Told:
         """Do what the person asks who is in."""
         if asked["do"] == "close":
-            self._write(_entry(asked, held, peer), "done")
+            self._record.write(_entry(asked, held, peer), "done")
             self._people.close()
             return {"ok": True}
         if asked["do"] in ("answer", "stop"):
             return self._steer(asked, held, peer)
         return await self._start(asked, held, peer)
 
+    def _tend(self) -> None:
+        """Say what was not written; end a job that waits for somebody who is not in any more."""
+        self._record.tend()
+        worker, held = self._worker, self._people.holder
+        if worker is None or worker.question is None:
+            return
+        account = worker.asked["account"]
+        if held is None or held.account != account:
+            said = Entry(
+                what=f"commissioning: {_called(worker.asked)}", result="", account=account
+            )
+            self._record.write(said, "noted", "stopped: it waits for somebody who is not in")
+            worker.stop()
+
     def close(self) -> None:
         """End what runs."""
         if self._worker is not None:
             self._worker.stop()
-        self._audit.close()
+        self._record.close()
 
     # --- who ----------------------------------------------------------------------------------
 
@@ -101,9 +126,9 @@ class Commissioner:
             peer=str(peer),
         )
         if isinstance(found, Refusal):
-            self._write(said, "refused", found.why)
+            self._record.refuse(said, found.why)
             return found.told
-        if not self._write(said, "done"):
+        if not self._record.write(said, "done"):
             self._people.close()
             return Refusal(why=Why.UNRECORDED).told
         return {"ok": True, "key": found.key}
@@ -115,11 +140,28 @@ class Commissioner:
         if self._worker is None:
             return Refusal(why=Why.CHANGED).told
         if asked["do"] == "stop":
-            self._write(_entry(asked, held, peer), "done")
+            if self._worker.asked["do"] in AWAITED:
+                self._record.refuse(_entry(asked, held, peer), Why.RUNNING)
+                return Refusal(why=Why.RUNNING, name=_called(self._worker.asked)).told
+            self._record.write(_entry(asked, held, peer), "done")
             self._worker.stop()
             return {"ok": True}
-        is_heard = self._worker.answer(asked["number"], asked["text"])
-        return {"ok": True} if is_heard else Refusal(why=Why.CHANGED).told
+        return self._pass_on(self._worker, asked, held, peer)
+
+    def _pass_on(self, worker: Worker, asked: Asked, held: Holder, peer: Peer) -> Told:
+        """Pass an answer on, once its question stands in the audit; the answer does not."""
+        entry = _entry(asked, held, peer)
+        if worker.asked["account"] != held.account:
+            self._record.refuse(entry, Why.RUNNING)
+            return Refusal(why=Why.RUNNING, name=_called(worker.asked)).told
+        question = worker.question
+        if question is None or question["number"] != asked["number"]:
+            return Refusal(why=Why.CHANGED).told
+        entry = replace(entry, what=f"{entry.what} {question['name']}")
+        if not self._record.write(entry, "done"):
+            return Refusal(why=Why.UNRECORDED).told
+        worker.answer(asked["number"], asked["text"])
+        return {"ok": True}
 
     async def _start(self, asked: Asked, held: Holder, peer: Peer) -> Told:
         """Begin a job, once it stands in the audit."""
@@ -127,13 +169,13 @@ class Commissioner:
         if asked["do"] == "sign":
             against = await self._people.against(held.account, asked["password"])
             if against is not None:
-                self._write(_entry(asked, held, peer), "refused", against.why)
+                self._record.refuse(_entry(asked, held, peer), against.why)
                 return against.told
             how = "password given for this signature"
         if self._worker is not None:
             return Refusal(why=Why.RUNNING, name=_called(self._worker.asked)).told
         entry = _entry(asked, held, peer)
-        if not self._write(entry, "asked"):
+        if not self._record.write(entry, "asked"):
             return Refusal(why=Why.UNRECORDED).told
         job = {name: value for name, value in asked.items() if name not in ("key", "password")}
         by = f"{by_whom()}; {held.account}, {how}"
@@ -148,10 +190,14 @@ class Commissioner:
             found = await worker.run()
         except OSError as error:
             found = Refusal(why=Why.REFUSED, name=str(error)).told
+        except asyncio.CancelledError:
+            self._record.write(entry, "noted", CUT if worker.asked["do"] in KEEPS else STOPPED)
+            raise
         finally:
             self._worker = None
         is_done, text = found["ok"] is True, str(found.get("text", found.get("name", "")))
-        self._write(entry, "done" if is_done else "refused", text)
+        result = "done" if is_done else "noted" if worker.is_unsure else "refused"
+        self._record.write(entry, result, text)
         self._last = Last(
             do=worker.asked["do"], step=worker.asked.get("step", -1), ok=is_done, text=text
         )
@@ -171,20 +217,6 @@ class Commissioner:
             "job": _shown(worker) if worker is not None else None,
             "last": {name: getattr(last, name) for name in Last.__slots__} if last else None,
         }
-
-    def _write(self, entry: Entry, result: str, why: str = "") -> bool:
-        """Put a line on record; False when it cannot be."""
-        try:
-            number = self._audit.add(replace(entry, result=result, why=why))
-        except RefusedError as error:
-            LOG.error("the audit is not kept, nothing is done: %s", error)
-            return False
-        said = f" ({why})" if why else ""
-        LOG.info(
-            "%s %s by %s%s; audit %d %s",
-            *(entry.what, result, entry.account, said, number, self._audit.newest[:12]),
-        )
-        return True
 
 
 def _shown(worker: Worker) -> Told:

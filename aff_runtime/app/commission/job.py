@@ -1,13 +1,16 @@
 """``python -m aff_runtime.app.commission.job``: one job of the commissioner, in its own process.
 
 Its first line on stdin says what to do. It may take minutes, parse foreign records and wait for
-an answer; who has it done can end it at any moment.
+an answer; who has it done can end it at any moment. It ends with its commissioner: a later one
+would take it for ended, and do the same beside it.
 """
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
+import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -33,16 +36,20 @@ JOBS: dict[str, Job] = {
     "undo": settings_jobs.undo,
 }
 NICE = 10
+_PR_SET_PDEATHSIG = 1
 
 
 def main() -> int:
     """Do what the first line says; the last line said is what became of it."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     os.nice(NICE)
     _leave_to_control()
     said = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # whatever a library prints is no line of ours
     talk = Talk(sys.stdin, said)
     asked = json.loads(sys.stdin.readline())
+    if os.getppid() != asked.pop("parent"):  # it had ended before we asked to end with it
+        return 1
     where = Where(**{name: Path(path) for name, path in asked.pop("where").items()})
     try:
         talk.tell({"done": JOBS[asked["do"]](where, asked, talk)})

@@ -27,7 +27,8 @@ class Looking:
     """Looks at the service once a second, and at the rest when it is asked for.
 
     A view of the card checks the site file, which takes a second of a processor: it is made at
-    most every two seconds, and only when card, site file or service are others than before.
+    most every two seconds, and only when card, site file or service are others than before. A
+    refusal is tried again: what it was for, memory or time, is in no file.
     """
 
     def __init__(self, where: Where, clock: Clock) -> None:
@@ -86,8 +87,10 @@ class Looking:
         async with self._one:
             stamp, now_ns = self._stamp(), self._clock.now_ns()
             kept = self._made.get(key)
-            if kept is not None and (kept[0] == stamp or now_ns - kept[1] < LEAST_NS):
-                return kept[2]
+            if kept is not None:
+                is_same = kept[0] == stamp and kept[2]["ok"]
+                if is_same or now_ns - kept[1] < LEAST_NS:
+                    return kept[2]
             found = await Worker(dict(asked), self._where).run()
             self._made[key] = (stamp, self._clock.now_ns(), found)
             return found

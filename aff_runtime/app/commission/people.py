@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import hmac
 import secrets
-from collections import OrderedDict
 from dataclasses import dataclass
 
 from aff_runtime.app.commission.messages import Refusal, Why
@@ -16,7 +15,7 @@ from aff_runtime.base.ports import Clock
 
 IDLE_NS = 15 * 60 * 1_000_000_000
 TRIES, PER_S = 5.0, 5.0 / 60.0
-MAX_KNOWN, MAX_QUEUE = 64, 4
+MAX_QUEUE = 4
 
 
 @dataclass(slots=True, kw_only=True)
@@ -42,7 +41,8 @@ class People:
         self._accounts = accounts
         self._clock = clock
         self._farthest = farthest
-        self._buckets: OrderedDict[str, Bucket] = OrderedDict()
+        self._buckets: dict[str, Bucket] = {}
+        self._unknown = self._full()
         self._one = asyncio.Lock()
         self._queue = 0
         self._holder: Holder | None = None
@@ -94,11 +94,7 @@ class People:
 
     async def against(self, name: str, password: str) -> Refusal | None:
         """Return why this is not somebody who may commission; None when it is."""
-        bucket = self._buckets.pop(name, None) or Bucket(self._clock, per_s=PER_S, burst=TRIES)
-        self._buckets[name] = bucket
-        if len(self._buckets) > MAX_KNOWN:
-            self._buckets.popitem(last=False)
-        if self._queue >= MAX_QUEUE or not bucket.take():
+        if self._queue >= MAX_QUEUE or not self._bucket(name).take():
             return Refusal(why=Why.WAIT)
         self._queue += 1
         try:
@@ -112,6 +108,18 @@ class People:
             return Refusal(why=Why.PASSWORD)
         self._buckets.pop(name, None)  # who signs thirteen steps does not guess
         return None if found.role >= Role.COMMISSION else Refusal(why=Why.ROLE)
+
+    def _bucket(self, name: str) -> Bucket:
+        """Return the bucket of an account, or that of all names that are none.
+
+        Made-up names push out no account's bucket, and keep no account's password waiting.
+        """
+        if self._accounts.find(name) is None:
+            return self._unknown
+        return self._buckets.setdefault(name, self._full())
+
+    def _full(self) -> Bucket:
+        return Bucket(self._clock, per_s=PER_S, burst=TRIES)
 
     def _away(self, place: Place) -> Refusal | None:
         is_away = place is Place.NETWORK and self._farthest is not Place.NETWORK

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import os
 from collections import deque
@@ -17,6 +18,9 @@ JOB = "aff_runtime.app.commission.job"
 KEPT_LINES = 40
 DIED = "its process ended without an answer; see the log of the commissioner"
 STOPPED = "stopped"
+CUT = "stopped; look at the card"
+KEEPS = ("begin", "step", "sign", "keep", "undo")
+"""Jobs that may have put something on disk before they said so."""
 
 
 class Worker:
@@ -26,37 +30,39 @@ class Worker:
     ----------
     asked : what it does. ``said`` : its newest lines, each with its kind.
     question : what it waits for; None where it waits for nothing.
+    is_unsure : it was ended without an answer, and may have kept something.
     """
 
     def __init__(self, asked: Asked, where: Where) -> None:
         self.asked = asked
         self.said: deque[tuple[str, str]] = deque(maxlen=KEPT_LINES)
         self.question: Told | None = None
+        self.is_unsure = False
         self._where = where
         self._process: asyncio.subprocess.Process | None = None
         self._is_stopped = False
 
     async def run(self) -> Told:
-        """Return what became of it."""
+        """Return what became of it; an answer that was heard counts, also after a stop."""
         environment = without_service_manager() | ONE_THREAD
         self._process = process = await talking_child(JOB, environment, MAX_TOLD_BYTES)
         where = {name: os.fspath(getattr(self._where, name)) for name in Where.__slots__}
-        self._write({**self.asked, "where": where})
-        found: Told = Refusal(why=Why.REFUSED, name=DIED).told
+        self._write({**self.asked, "where": where, "parent": os.getpid()})
+        found: Told | None = None
         if self._is_stopped:
             process.kill()
         assert process.stdout is not None
         try:
-            while line := await process.stdout.readline():
-                found = self._hear(json.loads(line)) or found
-        except ValueError:
-            self.stop()
+            with contextlib.suppress(ValueError):  # no line of ours: it has not answered
+                while line := await process.stdout.readline():
+                    found = self._hear(json.loads(line)) or found
         finally:
+            self.is_unsure = found is None and self.asked["do"] in KEEPS
             if process.returncode is None and not self._is_stopped:
                 process.kill()
             await process.wait()
         self.question = None
-        return Refusal(why=Why.REFUSED, name=STOPPED).told if self._is_stopped else found
+        return found or Refusal(why=Why.REFUSED, name=self._unanswered()).told
 
     def answer(self, number: int, text: str) -> bool:
         """Pass an answer on; False when another question stands."""
@@ -69,6 +75,7 @@ class Worker:
     def stop(self) -> None:
         """End it."""
         self._is_stopped = True
+        self.question = None
         if self._process is not None and self._process.returncode is None:
             self._process.kill()
 
@@ -77,11 +84,16 @@ class Worker:
         for kind in ("say", "complain"):
             if kind in said:
                 self.said.append((kind, str(said[kind])))
-        if "ask" in said:
+        if "ask" in said and not self._is_stopped:
             self.question = said["ask"]
         if "refused" in said:
             return Refusal(why=Why.REFUSED, name=str(said["refused"])).told
         return {"ok": True, **said["done"]} if "done" in said else None
+
+    def _unanswered(self) -> str:
+        if not self._is_stopped:
+            return DIED
+        return CUT if self.is_unsure else STOPPED
 
     def _write(self, said: Told) -> None:
         assert self._process is not None

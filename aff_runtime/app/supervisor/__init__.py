@@ -3,6 +3,7 @@
 __all__ = [
     "child_environment",
     "first_file",
+    "hand",
     "packet_listener",
     "run_options",
     "service_log",

@@ -11,14 +11,17 @@ from aff_runtime.app.card.work import CardFile
 from aff_runtime.app.commission.client import ask
 from aff_runtime.app.commission.commissioner import Commissioner
 from aff_runtime.app.commission.listening import Listener
+from aff_runtime.app.commission.people import IDLE_NS
 from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.hand import accounts
 from aff_runtime.app.hand.accounts import Account, Accounts, secret_of, write_accounts
 from aff_runtime.app.hand.audit import Audit, verify
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.link.peer import Peer
-from aff_runtime.base.clock import MonotonicClock
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
+from tests.aff_runtime.app.commission import made_jobs
+from tests.aff_runtime.app.commission.made_jobs import say
+from tests.doubles.virtual_clock import VirtualClock
 
 PASSWORD = "tension, 90 N"
 PEER = Peer(uid=0, pid=1)
@@ -29,12 +32,15 @@ TYPED = "reaction=ramp\ntime=120 ms"
 class Line:
     """A site file, a commissioner of it, and who has opened it."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, clock):
         site = folder / "site.yaml"
         shutil.copyfile(SITE_FILE, site)
         people = folder / "accounts"
         secret = secret_of(PASSWORD)
-        write_accounts(people, [Account(name="carl", role=Role.COMMISSION, secret=secret)])
+        names = ("carl", "cleo")
+        write_accounts(
+            people, [Account(name=one, role=Role.COMMISSION, secret=secret) for one in names]
+        )
         self.folder = folder
         self.where = Where(
             site=site,
@@ -44,32 +50,48 @@ class Line:
         )
         self.audit = Audit(folder / "audit")
         self.commissioner = Commissioner(
-            self.where, Accounts(people), self.audit, MonotonicClock(), Place.PANEL
+            self.where, Accounts(people), self.audit, clock, Place.PANEL
         )
 
     async def ask(self, do, **said):
         return await self.commissioner.answer({"do": do, **said}, PEER)
 
-    async def open(self):
-        said = {"account": "carl", "password": PASSWORD, "over": False}
+    async def open(self, account="carl", *, over=False):
+        said = {"account": account, "password": PASSWORD, "over": over}
         return (await self.ask("open", **said, **PERSON))["key"]
 
     async def done(self):
         """Return the last job once none is under way."""
-        while (state := await self.ask("state"))["job"] is not None:
-            await asyncio.sleep(0.02)
+        async with asyncio.timeout(60.0):
+            while (state := await self.ask("state"))["job"] is not None:
+                await asyncio.sleep(0.02)
         return state["last"]
+
+    async def waits(self, key):
+        """Begin an interview and return once it waits for an answer."""
+        assert (await self.ask("words", key=key, **PERSON, again=""))["ok"]
+        while (await self.ask("state"))["job"]["ask"] is None:
+            await asyncio.sleep(0.01)
 
     def rows(self):
         text = (self.folder / "audit" / "audit.jsonl").read_text()
         return [(row["what"], row["result"]) for row in map(json.loads, text.splitlines())]
 
+    def whys(self):
+        text = (self.folder / "audit" / "audit.jsonl").read_text()
+        return [row["why"] for row in map(json.loads, text.splitlines())]
+
 
 @pytest.fixture
-def line(tmp_path, monkeypatch):
+def clock():
+    return VirtualClock(1)
+
+
+@pytest.fixture
+def line(tmp_path, monkeypatch, clock):
     monkeypatch.setattr(accounts, "_N", 2)
     (tmp_path / "rt").mkdir(mode=0o700)
-    found = Line(tmp_path)
+    found = Line(tmp_path, clock)
     yield found
     found.commissioner.close()
 
@@ -154,7 +176,33 @@ def test_one_job_at_a_time_and_it_can_be_stopped(line):
         return await line.done()
 
     last = asyncio.run(played())
-    assert (last["ok"], last["text"]) == (False, "stopped")
+    assert (last["ok"], last["text"]) == (False, "stopped; look at the card")
+    assert line.rows()[-1] == ("commissioning: begin", "noted")
+
+
+def test_a_signature_that_is_asked_for_is_not_stopped(line, monkeypatch):
+    release = line.folder / "release"
+    made_jobs.play(monkeypatch, made_jobs.until(release) + say(done={"text": "signed"}))
+    what = {"step": 4, "reason": "seen on the drive", "measured": "0" * 64}
+
+    async def played():
+        key = await line.open()
+        signing = asyncio.create_task(
+            line.ask("sign", key=key, **PERSON, **what, password=PASSWORD)
+        )
+        while (await line.ask("state"))["job"] is None:
+            await asyncio.sleep(0.01)
+        stopped = await line.ask("stop", key=key, **PERSON)
+        release.touch()
+        return stopped, await signing
+
+    stopped, signed = asyncio.run(played())
+    assert stopped == {"ok": False, "why": "running", "name": "sign 4"}
+    assert signed == {"ok": True, "text": "signed"}
+    assert line.rows()[-2:] == [
+        ("commissioning: stop", "refused"),
+        ("commissioning: sign 4", "done"),
+    ]
 
 
 def test_what_cannot_be_put_on_record_is_not_done(line, monkeypatch):
@@ -165,6 +213,127 @@ def test_what_cannot_be_put_on_record_is_not_done(line, monkeypatch):
 
     assert asyncio.run(played())["why"] == "unrecorded"
     assert not line.where.card.exists()
+
+
+async def closed(line, clock, key):
+    assert (await line.ask("close", key=key, **PERSON))["ok"]
+
+
+async def idle(line, clock, key):
+    clock.advance_ns(IDLE_NS + 1)
+    tending = asyncio.create_task(line.commissioner.run())
+    await asyncio.sleep(0)
+    tending.cancel()
+
+
+async def replaced(line, clock, key):
+    await line.open("cleo", over=True)
+
+
+@pytest.mark.parametrize("leave", [closed, idle, replaced])
+def test_a_job_that_waits_for_somebody_who_is_not_in_any_more_is_stopped(
+    line, clock, monkeypatch, leave
+):
+    made_jobs.play(monkeypatch, made_jobs.ask() + say(done={"text": "answered"}))
+
+    async def played():
+        key = await line.open()
+        await line.waits(key)
+        await leave(line, clock, key)
+        return await line.done()
+
+    last = asyncio.run(played())
+    assert (last["ok"], last["text"]) == (False, "stopped")
+    assert "stopped: it waits for somebody who is not in" in line.whys()
+
+
+def test_who_takes_it_over_does_not_answer_for_who_began(line, monkeypatch):
+    release = line.folder / "release"
+    made_jobs.play(monkeypatch, made_jobs.until(release) + made_jobs.ask())
+
+    async def played():
+        await line.ask("words", key=await line.open(), **PERSON, again="")
+        key = await line.open("cleo", over=True)
+        found = await line.ask("answer", key=key, **PERSON, number=1, text="10.0.0.9")
+        release.touch()
+        return found, await line.done()
+
+    found, last = asyncio.run(played())
+    assert found == {"ok": False, "why": "running", "name": "words"}
+    assert last["text"] == "stopped"
+    assert ("commissioning: answer", "refused") in line.rows()
+
+
+def test_of_an_answer_the_question_stands_in_the_audit_and_not_what_was_said(line, monkeypatch):
+    made_jobs.play(monkeypatch, made_jobs.ask("host") + say(done={"text": "answered"}))
+
+    async def played():
+        key = await line.open()
+        await line.waits(key)
+        said = {"key": key, **PERSON, "text": "10.0.0.9"}
+        late = await line.ask("answer", number=7, **said)
+        right = await line.ask("answer", number=1, **said)
+        return late, right, await line.done()
+
+    late, right, last = asyncio.run(played())
+    assert late["why"] == "changed"
+    assert right == {"ok": True}
+    assert last["ok"]
+    assert line.rows()[1:] == [
+        ("commissioning: words", "asked"),
+        ("commissioning: answer host", "done"),
+        ("commissioning: words", "done"),
+    ]
+    assert "10.0.0.9" not in line.audit.path.read_text()
+
+
+def test_an_answer_that_cannot_be_put_on_record_is_not_passed_on(line, monkeypatch):
+    made_jobs.play(monkeypatch, made_jobs.ask() + say(done={"text": "answered"}))
+
+    async def played():
+        key = await line.open()
+        await line.waits(key)
+        line.audit._is_whole = False
+        found = await line.ask("answer", key=key, **PERSON, number=1, text="10.0.0.9")
+        await line.ask("stop", key=key, **PERSON)
+        return found, await line.done()
+
+    found, last = asyncio.run(played())
+    assert found["why"] == "unrecorded"
+    assert last["text"] == "stopped"
+
+
+def test_of_a_flood_of_refusals_sixty_are_written_and_then_their_number(line, clock):
+    said = {"account": "carl", "password": "guessed", "over": False, **PERSON}
+
+    async def flooded(count):
+        for _ in range(count):
+            assert not (await line.ask("open", **said))["ok"]
+
+    asyncio.run(flooded(500))
+    assert line.rows() == [("commissioning opened", "refused")] * 60
+    clock.advance_ns(10 * 10**9)  # a tenth of a line a second
+    asyncio.run(flooded(1))
+    assert line.rows()[60:] == [("refused", "noted")]
+    assert line.whys()[60:] == ["441 not written"]
+
+
+def test_wrong_signatures_are_refusals_too(line, clock):
+    what = {"step": 4, "reason": "seen", "measured": "0" * 64, "password": "guessed"}
+
+    async def flooded():
+        key = await line.open()
+        for _ in range(500):
+            assert not (await line.ask("sign", key=key, **PERSON, **what))["ok"]
+
+    asyncio.run(flooded())
+    assert line.rows() == [
+        ("commissioning opened", "done"),
+        *[("commissioning: sign 4", "refused")] * 60,
+    ]
+    clock.advance_ns(10 * 10**9)
+    asyncio.run(line.ask("state"))
+    assert line.whys()[-1] == "440 not written"
 
 
 def test_a_screen_finds_it_at_its_socket_and_others_say_what_they_like(line):

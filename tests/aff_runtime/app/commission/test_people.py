@@ -96,3 +96,30 @@ def test_five_wrong_tries_a_minute_and_as_many_right_ones_as_there_are_steps(peo
     assert isinstance(opened(people, "cleo", over=True), Holder)
     clock.advance_ns(12 * 10**9)
     assert isinstance(opened(people, over=True), Holder)
+
+
+def test_made_up_names_give_nobody_more_tries(people):
+    for _ in range(5):
+        assert opened(people, password="guessed").why is Why.PASSWORD
+    for number in range(1000):
+        assert opened(people, f"made-up-{number}").why in (Why.PASSWORD, Why.WAIT)
+    assert opened(people).why is Why.WAIT
+
+
+def test_all_names_that_are_none_share_five_tries_and_take_none_of_an_account(people):
+    found = [opened(people, f"made-up-{number}").why for number in range(20)]
+    assert found == [Why.PASSWORD] * 5 + [Why.WAIT] * 15
+    assert isinstance(opened(people), Holder)
+
+
+def test_a_name_that_is_none_costs_as_much_as_a_wrong_password(people, monkeypatch):
+    hashed = []
+
+    def counted(password, salt, was=accounts._hash):
+        hashed.append(password)
+        return was(password, salt)
+
+    monkeypatch.setattr(accounts, "_hash", counted)
+    for name in ("carl", "nobody-here"):
+        assert opened(people, name, "guessed").why is Why.PASSWORD
+    assert hashed == ["guessed"] * 2

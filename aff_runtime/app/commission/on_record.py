@@ -1,0 +1,61 @@
+"""What the commissioner puts on record: in its audit, and in its log."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+
+from aff_runtime.app.hand.audit import Audit, Entry
+from aff_runtime.app.supervisor.hand.desk import Limits
+from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.ports import Clock
+
+LOG = logging.getLogger("aff_runtime")
+
+
+class OnRecord:
+    """Writes lines; of a flood of refusals the count, so that it pushes nothing else out."""
+
+    def __init__(self, audit: Audit, clock: Clock) -> None:
+        self._audit = audit
+        self._lines = Limits(clock).lines
+        self._unwritten = 0
+        self._ails = ""
+
+    def write(self, entry: Entry, result: str, why: str = "") -> bool:
+        """Put a line on record; False when it cannot be."""
+        try:
+            number = self._audit.add(replace(entry, result=result, why=why))
+        except RefusedError as error:
+            if str(error) != self._ails:
+                self._ails = str(error)
+                LOG.error("the audit is not kept, nothing is done: %s", error)
+            return False
+        self._ails = ""
+        by = f" by {entry.account}" if entry.account else ""
+        said = f" ({why})" if why else ""
+        kept = f"audit {number} {self._audit.newest[:12]}"
+        LOG.info("%s %s%s%s; %s", entry.what, result, by, said, kept)
+        return True
+
+    def refuse(self, entry: Entry, why: str) -> None:
+        """Put a refusal on record, or count it where there were too many."""
+        if self._unwritten == 0 and self._lines.take():
+            self.write(entry, "refused", why)
+        else:
+            self._unwritten += 1
+
+    def tend(self) -> None:
+        """Say how many were not written, once there may be a line of it."""
+        if self._unwritten and self._lines.take():
+            self._say_unwritten()
+
+    def close(self) -> None:
+        """End it."""
+        if self._unwritten:
+            self._say_unwritten()
+        self._audit.close()
+
+    def _say_unwritten(self) -> None:
+        count, self._unwritten = self._unwritten, 0
+        self.write(Entry(what="refused", result=""), "noted", f"{count} not written")

@@ -1,0 +1,53 @@
+"""A screen's look: made anew when something changed; a refusal is never kept for good."""
+
+import asyncio
+
+import pytest
+
+from aff_runtime.app.commission import looking
+from aff_runtime.app.commission.looking import LEAST_NS, Looking
+from aff_runtime.app.commission.sources import Where
+from tests.doubles.virtual_clock import VirtualClock
+
+REFUSED = {"ok": False, "why": "refused", "name": "card: takes more than 4096 MB to read"}
+MADE = {"ok": True, "line": "made"}
+
+
+@pytest.fixture
+def look(tmp_path, monkeypatch):
+    """Return how a screen looks at the line after some nanoseconds, and the answers to come."""
+    site = tmp_path / "site.yaml"
+    site.write_text("site: 1\n")
+    where = Where(site=site, state=tmp_path, socket=tmp_path / "none", card=tmp_path)
+    clock, answers = VirtualClock(1), []
+    found = Looking(where, clock)
+
+    class Job:
+        def __init__(self, asked, where):
+            pass
+
+        async def run(self):
+            return answers.pop(0)
+
+    monkeypatch.setattr(looking, "Worker", Job)
+
+    def after(wait_ns):
+        clock.advance_ns(wait_ns)
+        return asyncio.run(found.look({"do": "line"}))
+
+    return after, answers
+
+
+def test_a_refusal_is_tried_again_after_the_least_time_and_not_before(look):
+    after, answers = look
+    answers += [REFUSED, MADE]
+    assert after(0) == REFUSED
+    assert after(LEAST_NS - 1) == REFUSED
+    assert after(1) == MADE
+
+
+def test_an_answer_is_kept_as_long_as_nothing_is_another_one(look):
+    after, answers = look
+    answers += [MADE]
+    assert after(0) == MADE
+    assert after(100 * LEAST_NS) == MADE

@@ -1,0 +1,59 @@
+"""What became of a job: its own answer, whatever was stopped later, else that it is not known."""
+
+import asyncio
+
+import pytest
+
+from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.worker import CUT, DIED, STOPPED, Worker
+from tests.aff_runtime.app.commission import made_jobs
+from tests.aff_runtime.app.commission.made_jobs import say
+
+NEVER = "time.sleep(600)\n"
+
+
+@pytest.fixture
+def where(tmp_path):
+    return Where(site=tmp_path, state=tmp_path, socket=tmp_path, card=tmp_path)
+
+
+def stopped_after_words(where, do):
+    """Return what became of a job that is stopped once it has said something, and its worker."""
+    found = Worker({"do": do}, where)
+
+    async def played():
+        running = asyncio.create_task(found.run())
+        while not found.said:
+            await asyncio.sleep(0.01)
+        found.stop()
+        return await running
+
+    return asyncio.run(played()), found
+
+
+def test_an_answer_that_was_given_counts_though_a_stop_came_later(where, monkeypatch):
+    made_jobs.play(monkeypatch, say(done={"text": "kept"}) + say(say="heard") + NEVER)
+    told, worker = stopped_after_words(where, "keep")
+    assert told == {"ok": True, "text": "kept"}
+    assert not worker.is_unsure
+
+
+@pytest.mark.parametrize("do", ["begin", "step", "sign", "keep", "undo"])
+def test_of_a_stopped_job_that_keeps_something_nobody_knows_whether_it_did(where, monkeypatch, do):
+    made_jobs.play(monkeypatch, say(say="at it") + NEVER)
+    told, worker = stopped_after_words(where, do)
+    assert told == {"ok": False, "why": "refused", "name": CUT}
+    assert worker.is_unsure
+
+
+def test_a_stopped_look_is_stopped(where, monkeypatch):
+    made_jobs.play(monkeypatch, say(say="at it") + NEVER)
+    told, worker = stopped_after_words(where, "verify")
+    assert told["name"] == STOPPED
+    assert not worker.is_unsure
+
+
+def test_a_job_that_talks_no_sense_is_ended_and_has_not_answered(where, monkeypatch):
+    made_jobs.play(monkeypatch, "print('no JSON', flush=True)\n" + NEVER)
+    found = Worker({"do": "verify"}, where)
+    assert asyncio.run(found.run())["name"] == DIED
