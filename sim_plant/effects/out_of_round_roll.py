@@ -205,14 +205,11 @@ def profile_starts(
     gain 2 z'b - z'Gz needs no simulation. A bulge is the profile of two flanks alike.
     """
     highest = len(amplitudes_m) // 2
-    number = np.arange(1, highest + 1)
     found: list[tuple[float, str, dict[str, float]]] = []
     for kind in TRACED_KINDS:
         best: tuple[float, str, dict[str, float]] = (-np.inf, kind, {})
         for shape, numbers in _tried(kind, radius_m):
-            h = np.zeros(highest, dtype=np.complex128)
-            h[: min(highest, shape.size)] = shape[:highest]
-            turned = h[None, :] * np.exp(-1j * np.outer(TRIED_ANGLES_RAD, number))
+            turned = _turned(shape, highest)
             z = np.stack([turned.real, -turned.imag], axis=2).reshape(TRIED_ANGLES_RAD.size, -1)
             z = z / np.asarray(amplitudes_m)
             gain = 2.0 * z @ against - np.einsum("ai,ij,aj->a", z, inner, z)
@@ -234,14 +231,12 @@ def nearest_profile(radius_m: float, orders_m: Array) -> Profile:
     Least squares over the orders given, each at its size; the size is free, the others tried.
     """
     wanted = orders_m[:, 0] - 1j * orders_m[:, 1]
-    number = np.arange(1, wanted.size + 1)
     best: tuple[float, str, dict[str, float]] = (np.inf, "", {})
     for kind in TRACED_KINDS:
         for shape, numbers in _tried(kind, radius_m):
-            h = np.zeros(wanted.size, dtype=np.complex128)
-            h[: min(h.size, shape.size)] = shape[: h.size]
-            turned = h[None, :] * np.exp(-1j * np.outer(TRIED_ANGLES_RAD, number))
-            share = np.maximum(0.0, (turned.conj() @ wanted).real) / np.sum(np.abs(h) ** 2)
+            turned = _turned(shape, wanted.size)
+            power = np.sum(np.abs(turned[0]) ** 2)
+            share = np.maximum(0.0, (turned.conj() @ wanted).real) / power
             share = share if kind == ASYMMETRIC else np.ones_like(share)
             left = np.sum(np.abs(share[:, None] * turned - wanted) ** 2, axis=1)
             at = int(np.argmin(left))
@@ -250,6 +245,15 @@ def nearest_profile(radius_m: float, orders_m: Array) -> Profile:
                 angle = {"angle_rad": float(TRIED_ANGLES_RAD[at])}
                 best = (float(left[at]), kind, {**numbers, **size, **angle})
     return _start(best[1], best[2])
+
+
+def _turned(shape: NDArray[np.complex128], count: int) -> NDArray[np.complex128]:
+    """Return the first orders of a shape at every angle that is tried (angles, count), m."""
+    h = np.zeros(count, dtype=np.complex128)
+    h[: min(count, shape.size)] = shape[:count]
+    turns = np.exp(-1j * np.outer(TRIED_ANGLES_RAD, np.arange(1, count + 1)))
+    found: NDArray[np.complex128] = h[None, :] * turns
+    return found
 
 
 def profile_orders(radius_m: float, values: Mapping[str, Value], count: int) -> Array:

@@ -118,7 +118,7 @@ class Objective:
         self,
         runs: Sequence[Sequence[Array]],
         base: Sequence[Array],
-        increments: Sequence[float] | Array | Array,
+        increments: Sequence[float] | Array,
     ) -> Array:
         """Return the whitened derivatives between runs and ``base``, side by side (rows, runs)."""
         return self.whitened_all(
