@@ -18,6 +18,8 @@ Place: TypeAlias = "tuple[str | int, ...]"
 """Keys and indices from the root of a file to a value."""
 
 SafeLoader: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_PARSERS_OWN_DEPTH = "maximum nesting"
+"""Said by parsers (libyaml since 0.2.6) that read ahead to a bound of their own and stop there."""
 
 
 class Fault(Enum):
@@ -74,7 +76,7 @@ def compose(text: str, bounds: Bounds) -> yaml.Node | None:
         It is not YAML, or goes beyond ``bounds``.
     """
     try:
-        _stay_within(text, bounds)
+        _stay_within_at_its_place(text, bounds)
         root: yaml.Node | None = yaml.compose(text, Loader=SafeLoader)
     except yaml.MarkedYAMLError as error:
         raise as_text_error(error) from error
@@ -102,9 +104,21 @@ def _from_one(mark: Any) -> tuple[int, int] | None:
     return None if mark is None else (mark.line + 1, mark.column + 1)
 
 
-def _stay_within(text: str, bounds: Bounds) -> None:
+def _stay_within_at_its_place(text: str, bounds: Bounds) -> None:
+    """Refuse what goes beyond bounds where it first does, also if a parser refuses it earlier."""
+    try:
+        _stay_within(text, bounds, SafeLoader)
+    except yaml.MarkedYAMLError as error:
+        if _PARSERS_OWN_DEPTH not in str(error.problem):
+            raise
+        _stay_within(text, bounds, yaml.SafeLoader)  # reads no further ahead than one key
+        place = _from_one(error.problem_mark)
+        raise YamlTextError(Fault.DEPTH, str(error.problem), place) from error
+
+
+def _stay_within(text: str, bounds: Bounds, loader: type[Any]) -> None:
     depth = 0
-    for count, event in enumerate(yaml.parse(text, Loader=SafeLoader)):
+    for count, event in enumerate(yaml.parse(text, Loader=loader)):
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
         elif isinstance(event, yaml.CollectionEndEvent):
