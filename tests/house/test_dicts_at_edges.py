@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 ANYTHING = re.compile(r"(dict|Mapping)\[str, (Any|object)\]|dict\[Any")
 MOST = 41
 EDGES = {
-    "aff_runtime/app/check/verdict.py": "JSON of the check",
+    "aff_runtime/app/check/result.py": "JSON of the check",
     "aff_runtime/app/commission/messages.py": "JSON of the commissioner",
     "aff_runtime/app/link/answers.py": "JSON of the request socket",
     "aff_runtime/app/link/parameter_record.py": "JSON of the check and the link",
