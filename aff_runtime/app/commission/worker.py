@@ -9,7 +9,7 @@ import os
 from collections import deque
 
 from aff_runtime.app.check.limits import ONE_THREAD
-from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Asked, Refusal, Told, Why
+from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Refusal, Request, Told, Why
 from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.supervisor.child_environment import without_service_manager
 from aff_runtime.base.python_child import talking_child
@@ -33,7 +33,7 @@ class Worker:
     is_unsure : it was ended without an answer, and may have kept something.
     """
 
-    def __init__(self, asked: Asked, where: Where) -> None:
+    def __init__(self, asked: Request, where: Where) -> None:
         self.asked = asked
         self.said: deque[tuple[str, str]] = deque(maxlen=KEPT_LINES)
         self.question: Told | None = None
@@ -47,7 +47,7 @@ class Worker:
         environment = without_service_manager() | ONE_THREAD
         self._process = process = await talking_child(JOB, environment, MAX_TOLD_BYTES)
         where = {name: os.fspath(getattr(self._where, name)) for name in Where.__slots__}
-        self._write({**self.asked, "where": where, "parent": os.getpid()})
+        self._write({**self.asked.to_json(), "where": where, "parent": os.getpid()})
         found: Told | None = None
         if self._is_stopped:
             process.kill()
@@ -57,7 +57,7 @@ class Worker:
                 while line := await process.stdout.readline():
                     found = self._hear(json.loads(line)) or found
         finally:
-            self.is_unsure = found is None and self.asked["do"] in KEEPS
+            self.is_unsure = found is None and self.asked.do in KEEPS
             if process.returncode is None and not self._is_stopped:
                 process.kill()
             await process.wait()
