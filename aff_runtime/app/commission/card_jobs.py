@@ -11,7 +11,7 @@ from aff_runtime.app.commission.sources import (
     Where,
     after_search,
     inputs_of,
-    record_of,
+    parameters_of,
     said_of,
     sources,
 )
@@ -47,7 +47,7 @@ def printed(where: Where, asked: Request, talk: Talk) -> Told:
 
 def begin(where: Where, asked: Request, talk: Talk) -> Told:
     """Begin a card."""
-    newest = work.begin(where.card, where.site, record_of(where.site, where.state))
+    newest = work.begin(where.card, where.site, parameters_of(where.site, where.state))
     return {"text": f"a card is begun, {newest[:12]}"}
 
 
@@ -63,7 +63,7 @@ def step(where: Where, asked: Request, talk: Talk) -> Told:
             at = after_search(where, at, values, talk.say)
         with bounded_effort("card", ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
             kept = work.measure(found, number, at, values, by)
-    work.keep_site(where.card, at.record)
+    work.keep_site(where.card, at.parameters)
     return {"text": f"step {number}: {kept.verdict}", "verdict": str(kept.verdict)}
 
 

@@ -11,9 +11,9 @@ import asyncio
 from dataclasses import dataclass, replace
 
 from aff_runtime.app.card.book import NAME as CARD
+from aff_runtime.app.commission.audit_lines import AuditLines
 from aff_runtime.app.commission.looking import Looking
 from aff_runtime.app.commission.messages import LOOKS, PROTOCOL, Refusal, Request, Told, Why
-from aff_runtime.app.commission.on_record import OnRecord
 from aff_runtime.app.commission.people import Holder, People
 from aff_runtime.app.commission.sources import Where, by_whom
 from aff_runtime.app.commission.worker import CUT, KEEPS, STOPPED, Worker
@@ -51,7 +51,7 @@ class Commissioner:
         self, where: Where, accounts: Accounts, audit: Audit, clock: Clock, farthest: Place
     ) -> None:
         self._where = where
-        self._record = OnRecord(audit, clock)
+        self._audit = AuditLines(audit, clock)
         self._people = People(accounts, clock, farthest)
         self._worker: Worker | None = None
         self._running: asyncio.Task[Told] | None = None
@@ -85,7 +85,7 @@ class Commissioner:
     async def _do(self, asked: Request, held: Holder, peer: Peer) -> Told:
         """Do what the person asks who is in."""
         if asked.do == "close":
-            self._record.write(_entry(asked, held, peer), "done")
+            self._audit.write(_entry(asked, held, peer), "done")
             self._people.close()
             return {"ok": True}
         if asked.do in ("answer", "stop"):
@@ -94,21 +94,21 @@ class Commissioner:
 
     def _tend(self) -> None:
         """Say what was not written; end a job that waits for somebody who is not in any more."""
-        self._record.tend()
+        self._audit.tend()
         worker, held = self._worker, self._people.holder
         if worker is None or worker.question is None:
             return
         account = worker.asked.account
         if held is None or held.account != account:
             said = Entry(what=f"commissioning: {worker.asked.called}", result="", account=account)
-            self._record.write(said, "noted", "stopped: it waits for somebody who is not in")
+            self._audit.write(said, "noted", "stopped: it waits for somebody who is not in")
             worker.stop()
 
     def close(self) -> None:
         """End what runs."""
         if self._worker is not None:
             self._worker.stop()
-        self._record.close()
+        self._audit.close()
 
     # --- who ----------------------------------------------------------------------------------
 
@@ -124,9 +124,9 @@ class Commissioner:
             peer=str(peer),
         )
         if isinstance(found, Refusal):
-            self._record.refuse(said, found.why)
+            self._audit.refuse(said, found.why)
             return found.told
-        if not self._record.write(said, "done"):
+        if not self._audit.write(said, "done"):
             self._people.close()
             return Refusal(why=Why.UNRECORDED).told
         return {"ok": True, "key": found.key}
@@ -139,9 +139,9 @@ class Commissioner:
             return Refusal(why=Why.CHANGED).told
         if asked.do == "stop":
             if self._worker.asked.do in AWAITED:
-                self._record.refuse(_entry(asked, held, peer), Why.RUNNING)
+                self._audit.refuse(_entry(asked, held, peer), Why.RUNNING)
                 return Refusal(why=Why.RUNNING, name=self._worker.asked.called).told
-            self._record.write(_entry(asked, held, peer), "done")
+            self._audit.write(_entry(asked, held, peer), "done")
             self._worker.stop()
             return {"ok": True}
         return self._pass_on(self._worker, asked, held, peer)
@@ -150,13 +150,13 @@ class Commissioner:
         """Pass an answer on, once its question stands in the audit; the answer does not."""
         entry = _entry(asked, held, peer)
         if worker.asked.account != held.account:
-            self._record.refuse(entry, Why.RUNNING)
+            self._audit.refuse(entry, Why.RUNNING)
             return Refusal(why=Why.RUNNING, name=worker.asked.called).told
         question = worker.question
         if question is None or question["number"] != asked.number:
             return Refusal(why=Why.CHANGED).told
         entry = replace(entry, what=f"{entry.what} {question['name']}")
-        if not self._record.write(entry, "done"):
+        if not self._audit.write(entry, "done"):
             return Refusal(why=Why.UNRECORDED).told
         worker.answer(asked.number, asked.text)
         return {"ok": True}
@@ -167,13 +167,13 @@ class Commissioner:
         if asked.do == "sign":
             against = await self._people.against(held.account, asked.password)
             if against is not None:
-                self._record.refuse(_entry(asked, held, peer), against.why)
+                self._audit.refuse(_entry(asked, held, peer), against.why)
                 return against.told
             how = "password given for this signature"
         if self._worker is not None:
             return Refusal(why=Why.RUNNING, name=self._worker.asked.called).told
         entry = _entry(asked, held, peer)
-        if not self._record.write(entry, "asked"):
+        if not self._audit.write(entry, "asked"):
             return Refusal(why=Why.UNRECORDED).told
         by = f"{by_whom()}; {held.account}, {how}"
         self._worker = Worker(asked.for_job(account=held.account, by=by), self._where)
@@ -188,13 +188,13 @@ class Commissioner:
         except OSError as error:
             found = Refusal(why=Why.REFUSED, name=str(error)).told
         except asyncio.CancelledError:
-            self._record.write(entry, "noted", CUT if worker.asked.do in KEEPS else STOPPED)
+            self._audit.write(entry, "noted", CUT if worker.asked.do in KEEPS else STOPPED)
             raise
         finally:
             self._worker = None
         is_done, text = found["ok"] is True, str(found.get("text", found.get("name", "")))
         result = "done" if is_done else "noted" if worker.is_unsure else "refused"
-        self._record.write(entry, result, text)
+        self._audit.write(entry, result, text)
         self._last = Last(do=worker.asked.do, step=worker.asked.step, ok=is_done, text=text)
         return found
 

@@ -12,7 +12,7 @@ from aff_runtime.app.card.work import CardFile
 from aff_runtime.app.check.limits import PATIENCE_S
 from aff_runtime.app.commission.messages import Refusal, Request, Told, Why
 from aff_runtime.app.commission.saving import await_saved, save
-from aff_runtime.app.commission.sources import Where, record_of
+from aff_runtime.app.commission.sources import Where, parameters_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.settings_answer import SettingsAnswer
@@ -48,9 +48,8 @@ def try_proposed(where: Where, asked: Request, talk: Talk) -> Told:
     found = CardFile.of(where.card).standing(asked.step, None)
     if found.last is None or found.measured is None or found.last.sha256 != asked.measured:
         return Refusal(why=Why.CHANGED).told
-    text = text_with(
-        record_of(where.site, where.state).site_text, proposed(found.measured.finding.proposals)
-    )
+    now = parameters_of(where.site, where.state)
+    text = text_with(now.site_text, proposed(found.measured.finding.proposals))
     answer = _ask(where, act="try", text=text, seconds=float(asked.seconds), why=_why(asked))
     for change in (*answer.remarks, *answer.changes):
         talk.say(str(change))

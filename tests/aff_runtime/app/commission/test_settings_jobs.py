@@ -9,7 +9,7 @@ from aff_runtime.app.card.book import CardBook
 from aff_runtime.app.commission import settings_jobs
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.settings_jobs import keep, proposed, try_proposed, undo
-from aff_runtime.app.commission.sources import Where, record_of
+from aff_runtime.app.commission.sources import Where, parameters_of
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.base.errors import RefusedError
 from tests.aff_runtime.app.card.made import add, book, measured
@@ -54,7 +54,7 @@ def test_the_proposed_number_alone_is_another_one_in_what_is_tried(where, asked)
     digest = proposing(where, PROPOSED)
     assert "tried for 60 s" in try_proposed(where, replace(ASKED, measured=digest), Talk())["text"]
     (sent,) = asked
-    before = record_of(where.site, where.state).site_text.split("\n")
+    before = parameters_of(where.site, where.state).site_text.split("\n")
     after = sent.pop("text").split("\n")
     changed = [(a, b) for a, b in zip(before, after, strict=True) if a != b]
     assert len(changed) == 1
