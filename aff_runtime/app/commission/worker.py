@@ -18,7 +18,7 @@ JOB = "aff_runtime.app.commission.job"
 KEPT_LINES = 40
 DIED = "its process ended without an answer; see the log of the commissioner"
 STOPPED = "stopped"
-CUT = "stopped; look at the card"
+CUT = "stopped; look at the card"  # of a job that may have kept something
 KEEPS = ("begin", "step", "sign", "keep", "undo")
 """Jobs that may have put something on disk before they said so."""
 
@@ -28,7 +28,7 @@ class Worker:
 
     Attributes
     ----------
-    asked : what it does. ``said`` : its newest lines, each with its kind.
+    asked : what it does. ``said`` : its newest lines, each with its kind, ``say`` or ``complain``.
     question : what it waits for; None where it waits for nothing.
     is_unsure : it was ended without an answer, and may have kept something.
     """
@@ -43,7 +43,7 @@ class Worker:
         self._is_stopped = False
 
     async def run(self) -> Told:
-        """Return what became of it; an answer that was heard counts, also after a stop."""
+        """Return the job's answer, or a refusal; an answer counts that was heard before a stop."""
         environment = without_service_manager() | ONE_THREAD
         self._process = process = await talking_child(JOB, environment, MAX_TOLD_BYTES)
         where = {name: os.fspath(getattr(self._where, name)) for name in Where.__slots__}
@@ -65,7 +65,7 @@ class Worker:
         return found or Refusal(why=Why.REFUSED, name=self._unanswered()).told
 
     def answer(self, number: int, text: str) -> bool:
-        """Pass an answer on; False when another question stands."""
+        """Give a person's answer to the job; False when it waits for another question or none."""
         if self.question is None or self.question["number"] != number:
             return False
         self.question = None
@@ -73,7 +73,7 @@ class Worker:
         return True
 
     def stop(self) -> None:
-        """End it."""
+        """Kill the job; ``run`` then returns."""
         self._is_stopped = True
         self.question = None
         if self._process is not None and self._process.returncode is None:
