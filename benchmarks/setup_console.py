@@ -140,8 +140,17 @@ def main() -> int:
     for name in ("site.yaml", "site.setup.json"):
         (out / name).unlink(missing_ok=True)
     port, socket, clock = free_port(), out / "plant.sock", MonotonicClock()
-    plant = [*PLANT, "serve", str(options.line), "--modbus", f"127.0.0.1:{port}", "--control",
-             str(socket), "--speed-m-s", f"{options.speed_m_s:g}"]  # fmt: skip
+    plant = [
+        *PLANT,
+        "serve",
+        str(options.line),
+        "--modbus",
+        f"127.0.0.1:{port}",
+        "--control",
+        str(socket),
+        "--speed-m-s",
+        f"{options.speed_m_s:g}",
+    ]
     with Child("plant", plant, out / "plant.log", ready="ready") as running:
         begin_ns = clock.now_ns()
         technician = Technician(socket, port)

@@ -97,9 +97,12 @@ def build(commit: str, folder: Path, *, umask: int, zone: str) -> list[Path]:
     try:
         export(commit, folder / "source")
         environment = {
-            **os.environ, "SOURCE_DATE_EPOCH": str(moment_s), "TZ": zone, "PYTHONPATH": "",
+            **os.environ,
+            "SOURCE_DATE_EPOCH": str(moment_s),
+            "TZ": zone,
+            "PYTHONPATH": "",
             "LDSHARED": "cc -shared",  # Python's own names the folder of its libraries
-        }  # fmt: skip
+        }
         locked = [
             "--build-constraints",
             str(LOCKS / f"{BUILD}.txt"),
@@ -107,8 +110,10 @@ def build(commit: str, folder: Path, *, umask: int, zone: str) -> list[Path]:
             "--quiet",
         ]
         make = [tool("uv"), "build", "--python", tool("python"), *locked]
-        run([*make, "--sdist", "--out-dir", str(folder / "raw"), str(folder / "source")],
-            environment=environment)  # fmt: skip
+        run(
+            [*make, "--sdist", "--out-dir", str(folder / "raw"), str(folder / "source")],
+            environment=environment,
+        )
         (raw,) = (folder / "raw").glob("*.tar.gz")
         done = folder / "dist"
         done.mkdir()
@@ -116,8 +121,10 @@ def build(commit: str, folder: Path, *, umask: int, zone: str) -> list[Path]:
         made = [done / raw.name]
         for kind in kinds():
             into = folder / kind
-            run([*make, "--wheel", "--out-dir", str(into), str(made[0])],
-                environment={**environment, "AFF_RUNTIME_BUILD": kind})  # fmt: skip
+            run(
+                [*make, "--wheel", "--out-dir", str(into), str(made[0])],
+                environment={**environment, "AFF_RUNTIME_BUILD": kind},
+            )
             (wheel,) = into.glob("*.whl")
             made.append(done / wheel.name)
             repack_wheel(wheel, made[-1])

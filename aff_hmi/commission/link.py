@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 
 from aff_hmi.sessions import Session
 from aff_runtime.app.commission.client import ask
-from aff_runtime.app.commission.messages import Asked, Told
+from aff_runtime.app.commission.messages import Told
 
 PATIENCE_S = 90.0
 
@@ -59,5 +59,5 @@ class Commission:
         """Return whether this session commissions now; ``by`` : who does, as it was told."""
         return session in self._keys and by == session.account.name
 
-    async def _ask(self, said: Asked, patience_s: float) -> Told:
+    async def _ask(self, said: Told, patience_s: float) -> Told:
         return await ask(self._socket, said, patience_s)

@@ -1,4 +1,8 @@
-"""What is pressed on the pages of card and commissioning: it moves nothing at the line."""
+"""What is pressed on the pages of card and commissioning: passed on to the commissioner.
+
+A press that has settings tried, kept or taken back needs the hand as well, for the correction
+that goes out changes with them.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +20,14 @@ from aff_runtime.app.commission.messages import WORDS, Told, Why
 from aff_runtime.app.hand.may import Code, Reason
 
 SEARCH = 9  # the step that tries settings while the correction goes out
-PLAIN = ("begin", "verify", "stop", "close")
+PLAIN = ("begin", "verify", "stop", "close")  # requests with no more than who asks
 NO_HAND: Told = {"ok": False, "why": Why.REFUSED, "name": "take the hand first"}
 Press = Callable[[Commission, Session, Asked], Awaitable[Told]]
+"""Takes the way to the commissioner, who pressed, and what; returns the commissioner's answer."""
 
 
 class CommissionPresses:
-    """Answers what needs the role commission.
+    """Answers the rows of the table that need the role commission.
 
     Parameters
     ----------
@@ -34,7 +39,7 @@ class CommissionPresses:
         self._commission = commission
 
     def answers(self) -> dict[str, Answering]:
-        """Return what answers each entry of the table."""
+        """Return what answers each of those rows, by its path."""
         return {
             "/commission/open": partial(self._answer, _open),
             "/commission/do": partial(self._answer, _do),

@@ -60,7 +60,13 @@ def files_of(
     metrics: str,
     utc: str,
 ) -> dict[str, str]:
-    """Return every file of the archive by its name: those of ``FILES``."""
+    """Return every file of the archive by its name: those of ``FILES``.
+
+    Parameters
+    ----------
+    seen : what the screen has heard of the service, which may have gone quiet.
+    utc : of now, as the README shows it.
+    """
     answer = answer_of(seen)
     site = seen.facts.status.facts if seen.facts is not None else None
     meta = seen.meta
@@ -71,12 +77,12 @@ def files_of(
         "service": dict(meta.versions) if meta is not None else {},
         "kernel": meta.machine if meta is not None else "",
     }
-    told = answer.to_json() if answer is not None else {"ok": False, "trouble": seen.trouble}
-    told.pop("facts", None)
+    status = answer.to_json() if answer is not None else {"ok": False, "trouble": seen.trouble}
+    status.pop("facts", None)  # they are site.json
     texts = {
         "README.txt": README.format(utc=utc),
         "version.json": _json(version),
-        "status.json": _json(told),
+        "status.json": _json(status),
         "site.json": _json(asdict(site) if site is not None else {}),
         "alarms.json": _json(asdict(alarms)),
         "events.csv": _events(events),
@@ -88,14 +94,14 @@ def files_of(
 
 def zipped(files: Mapping[str, str]) -> bytes:
     """Return the archive; of the same files the same bytes."""
-    found = io.BytesIO()
-    with zipfile.ZipFile(found, "w", zipfile.ZIP_DEFLATED) as archive:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, text in files.items():
             entry = zipfile.ZipInfo(f"aff-support/{name}", (1980, 1, 1, 0, 0, 0))
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o600 << 16
             archive.writestr(entry, text.encode())
-    return found.getvalue()
+    return packed.getvalue()
 
 
 def _json(said: Any) -> str:
@@ -103,7 +109,7 @@ def _json(said: Any) -> str:
 
 
 def _printing(said: Any) -> Any:
-    """Return plain values whose texts print."""
+    """Return the same values with every text made printable."""
     if isinstance(said, str):
         return printable(said, 1000)
     if isinstance(said, Mapping):

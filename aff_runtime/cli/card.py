@@ -102,9 +102,9 @@ def _new(options: argparse.Namespace) -> int:
     from aff_runtime.app.card import work  # noqa: PLC0415 - numpy is for the card alone
     from aff_runtime.app.commission import sources  # noqa: PLC0415
 
-    record = sources.record_of(options.site, options.state_dir)
-    newest = work.begin(options.folder, options.site, record)
-    say(f"{options.folder}: a card of {record.site.line.name}, {newest[:12]}")
+    parameters = sources.parameters_of(options.site, options.state_dir)
+    newest = work.begin(options.folder, options.site, parameters)
+    say(f"{options.folder}: a card of {parameters.site.line.name}, {newest[:12]}")
     return 0
 
 
@@ -140,7 +140,7 @@ def _step(options: argparse.Namespace) -> int:
             found = sources.after_search(where, found, values, say)
         with bounded_effort("card", ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
             kept = work.measure(card, options.number, found, values, by)
-    work.keep_site(options.card, found.record)
+    work.keep_site(options.card, found.parameters)
     for line in lines.measured_lines(kept):
         say(line)
     return EXIT_FAILED if kept.verdict == "fail" else 0

@@ -48,19 +48,19 @@ class Report:
         return 0 if self.ok else SiteFileError.exit_code
 
     def lines(self, *, brief: bool = False) -> list[str]:
-        """Return the report as text, one line each: what follows, the findings, the verdict.
+        """Return the report as text, one line each: what follows, the findings, the result.
 
-        ``brief`` : findings and verdict only.
+        ``brief`` : findings and result only.
         """
         lines = [] if brief or self.facts is None else [*_fact_lines(self.facts, self.bus)]
         if lines:
             lines += [*(f"drive  {text}" for text in self.drives), ""]
         lines += [f"warning  {finding}" for finding in self.warnings]
         lines += [f"error    {finding}" for finding in self.errors]
-        lines.append(f"{self.file}: {self._verdict()}")
+        lines.append(f"{self.file}: {self._result()}")
         return lines
 
-    def _verdict(self) -> str:
+    def _result(self) -> str:
         warnings = _counted(len(self.warnings), "warning")
         if self.ok:
             return f"ok, {warnings}"

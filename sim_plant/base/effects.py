@@ -127,8 +127,8 @@ class Effect:
         all), the web, zones.
     accepts : every parameter; the keys are the only ones a declaration may give.
     traced : the parameters tracing fits; others keep their default or one of their ``tries``.
-    traced_per_place : more of them where a location names several places, ``{k}`` standing for
-        the number of each but the first.
+    traced_per_place : more of them where a location names several places (an S-wrap, ``all``),
+        ``{k}`` standing for the number of each but the first.
     apply : returns arrays with the effect added at the index of its place; the arrays given may
         be changed in place.
     text : one sentence for a process engineer.

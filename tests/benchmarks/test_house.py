@@ -41,6 +41,22 @@ def test_functions_and_untyped_mappings_are_counted(tree):
     assert outer.longest == ("app:g", 3)
 
 
+def test_another_name_for_an_untyped_mapping_counts_where_it_is_used(tmp_path):
+    house = tmp_path / "aff_runtime"
+    house.mkdir()
+    (house / "__init__.py").write_text("", encoding="utf-8")
+    (house / "words.py").write_text(
+        "from typing import Any\n\nAsked = dict[str, Any]\nTold = Asked\n", encoding="utf-8"
+    )
+    (house / "uses.py").write_text(
+        "from aff_runtime.words import Told\n\n\ndef f(told: Told) -> Told:\n    return told\n",
+        encoding="utf-8",
+    )
+    found = read_modules(tmp_path, ["aff_runtime"])
+    assert found["aff_runtime.words"].untyped == 2
+    assert found["aff_runtime.uses"].untyped == 2
+
+
 def test_rooms_of_a_circle_share_a_floor():
     names = ["a", "b", "c", "d"]
     arrows = frozenset({("a", "b"), ("b", "c"), ("c", "b"), ("c", "d")})

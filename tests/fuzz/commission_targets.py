@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from aff_runtime.app.commission.messages import TABLE, AskedError, read_asked
+from aff_runtime.app.commission.messages import TABLE, RequestError, read_request
 from tests.fuzz.source import Source
 
 PERSON = {"key": "k" * 43, "place": "panel"}
@@ -31,14 +31,16 @@ def request(data: bytes) -> str:
     kind = source.below(len(LINES) + 1)
     said = source.take(9000) if kind == len(LINES) else source.spoilt(LINES[kind])
     try:
-        found = read_asked(said)
-    except AskedError as error:
+        found = read_request(said)
+    except RequestError as error:
         why = str(error)
         assert why
         assert why.isprintable()
         return "refused"
-    assert set(found) == {"do", *TABLE[found["do"]]}
-    assert read_asked(json.dumps(found).encode()) == found
+    names = ("do", *TABLE[found.do])
+    assert set(found.to_json()) <= set(names)
+    again = {name: getattr(found, name) for name in names}
+    assert read_request(json.dumps(again).encode()) == found
     return "ok"
 
 

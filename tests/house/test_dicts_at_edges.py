@@ -7,11 +7,12 @@ from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
+OTHER_NAME = re.compile(r"^\w+(: TypeAlias)? = (dict|Mapping)\[(str, Any|str, object|Any)", re.M)
 ANYTHING = re.compile(r"(dict|Mapping)\[str, (Any|object)\]|dict\[Any")
-MOST = 41
+MOST = 40
 EDGES = {
-    "aff_runtime/app/check/verdict.py": "JSON of the check",
-    "aff_runtime/app/commission/messages.py": "JSON of the commissioner",
+    "aff_runtime/app/check/result.py": "JSON of the check",
+    "aff_runtime/app/commission/messages.py": "JSON of the commissioner, called Told",
     "aff_runtime/app/link/answers.py": "JSON of the request socket",
     "aff_runtime/app/link/parameter_record.py": "JSON of the check and the link",
     "aff_runtime/app/link/request_client.py": "JSON of the request socket",
@@ -57,3 +58,8 @@ def test_a_dict_of_anything_is_an_edge() -> None:
 
 def test_there_are_few() -> None:
     assert found().total() <= MOST
+
+
+def test_one_file_alone_has_another_name_for_it() -> None:
+    files = {file for file in found() if OTHER_NAME.search((ROOT / file).read_text("utf-8"))}
+    assert files == {"aff_runtime/app/commission/messages.py"}

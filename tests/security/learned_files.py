@@ -8,8 +8,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from aff_runtime.app.check.validate import verdict
-from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.check.result import CheckResult
+from aff_runtime.app.check.validate import check_result
 from aff_runtime.app.link.messages import Message, Parameters, Reply
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.supervisor import edit_session
@@ -43,7 +43,7 @@ def response(actuator: str, turned_rad: float = 0.0) -> str:
 
 
 def checked(site: Path) -> ParameterRecord:
-    return verdict(site).checked()
+    return check_result(site).checked()
 
 
 def site_in(folder: Path) -> Path:
@@ -71,7 +71,7 @@ class House:
         self._pending = Pending(VirtualClock())
         monkeypatch.setattr(edit_session, "Validation", CheckInProcess)
         self.edits = EditSession(
-            self, self._pending, site, Verdict(record=self.record, findings=())
+            self, self._pending, site, CheckResult(record=self.record, findings=())
         )
 
     def note(self, name: str, text: str) -> None:
@@ -112,8 +112,8 @@ class CheckInProcess:
     def __init__(self, site: Path, *_: object) -> None:
         self._site = site
 
-    def verdict(self, **_: object) -> Verdict:
-        return verdict(self._site)
+    def result(self, **_: object) -> CheckResult:
+        return check_result(self._site)
 
     def abandon(self) -> None:
         pass

@@ -11,7 +11,7 @@ from typing import cast
 import pytest
 
 from aff_runtime.app.check.limits import MEMORY_BYTES, PATIENCE_S, PROCESSOR_S
-from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.runtime_directory import runtime_paths
 from aff_runtime.app.supervisor import edit_session, supervisor, validation
@@ -40,11 +40,12 @@ SITE = ROOT / "config" / "euclid.yaml"
 BOUND = """
 import resource, sys
 from aff_runtime.app.check import limits, validate
-from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.check.result import CheckResult
 """
 HUNGRY = {
     "memory": (
-        BOUND + "validate.verdict = lambda *_: bytearray(2 << 30)\nvalidate.main(sys.argv[1:])\n",
+        BOUND
+        + "validate.check_result = lambda *_: bytearray(2 << 30)\nvalidate.main(sys.argv[1:])\n",
         "the check needs more than 1 GB of memory. A file that it names is too large",
     ),
     "processor time": (
@@ -89,12 +90,12 @@ def test_the_check_bounds_itself_before_it_reads(
 def look(*_):
     said = [str(resource.getrlimit(kind)[0]) for kind in (resource.RLIMIT_AS, resource.RLIMIT_CPU)]
     with open("/proc/self/oom_score_adj") as file:
-        return Verdict(record=None, findings=(*said, file.read().strip()))
-validate.verdict = look
+        return CheckResult(record=None, findings=(*said, file.read().strip()))
+validate.check_result = look
 validate.main(sys.argv[1:])
 """
     instead(monkeypatch, BOUND + look)
-    found = Validation(tmp_path / "site.yaml").verdict(wait_s=PATIENCE_S)
+    found = Validation(tmp_path / "site.yaml").result(wait_s=PATIENCE_S)
     assert found is not None
     assert found.findings == (str(MEMORY_BYTES), str(PROCESSOR_S), "1000")
 
@@ -105,15 +106,15 @@ def test_every_shipped_site_is_checked_well_within_the_bounds(name: str) -> None
     assert load_record(ROOT / "config" / name).record is not None
 
 
-def test_a_check_that_hangs_is_ended_after_its_patience_and_that_is_the_verdict() -> None:
+def test_a_check_that_hangs_is_ended_after_its_patience_and_that_is_the_result() -> None:
     clock = VirtualClock()
     check = Validation(SITE, clock=clock)
     os.kill(check.pid, signal.SIGSTOP)
-    assert check.verdict() is None
+    assert check.result() is None
     clock.advance_ns(int(PATIENCE_S * 1e9) - 1)
-    assert check.verdict() is None
+    assert check.result() is None
     clock.advance_ns(1)
-    said = check.verdict()
+    said = check.result()
     assert said is not None
     assert said.record is None
     assert said.findings[0].startswith(
@@ -206,7 +207,7 @@ def test_the_service_looks_at_its_file_before_the_check_reads_it(
     path = edited(tmp_path)
     real = supervisor.load_record
 
-    def slow(site: Path, state: Path) -> Verdict:
+    def slow(site: Path, state: Path) -> CheckResult:
         found = real(site, state)
         site.write_text(site.read_text() + "# saved while the check ran\n")
         return found
@@ -225,7 +226,7 @@ def test_the_service_looks_at_its_file_before_the_check_reads_it(
 def test_thousands_of_findings_do_not_fill_log_record_and_status(tmp_path: Path) -> None:
     path = edited(tmp_path)
     path.write_text(path.read_text() + "".join(f"k{i}: 1\n" for i in range(5000)))
-    found = Validation(path).verdict(wait_s=PATIENCE_S)
+    found = Validation(path).result(wait_s=PATIENCE_S)
     assert found is not None
     assert found.record is None
     assert len(found.findings) == MAX_FINDINGS + 1
@@ -237,6 +238,6 @@ def test_a_finding_that_quotes_without_end_is_cut(
 ) -> None:
     said = "import json\nprint(json.dumps({'record': None, 'findings': ['x' * 100000]}))\n"
     instead(monkeypatch, said)
-    found = Validation(tmp_path / "site.yaml").verdict(wait_s=PATIENCE_S)
+    found = Validation(tmp_path / "site.yaml").result(wait_s=PATIENCE_S)
     assert found is not None
     assert len(found.findings[0]) == MAX_FINDING_LENGTH

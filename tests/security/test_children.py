@@ -226,10 +226,10 @@ def test_of_all_children_the_control_process_alone_can_speak_to_systemd(
     seen = environment(check.pid)
     assert not told.keys() & seen.keys()
     assert seen["PATH"] == os.environ["PATH"]
-    verdict = check.verdict(wait_s=60.0)
-    assert verdict is not None
-    assert verdict.record is not None
-    with both(verdict.record, tmp_path) as (control, recorder):
+    result = check.result(wait_s=60.0)
+    assert result is not None
+    assert result.record is not None
+    with both(result.record, tmp_path) as (control, recorder):
         assert environment(control.pid)["NOTIFY_SOCKET"] == "/run/none"
         assert not told.keys() & environment(recorder.pid).keys()
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from aff_runtime.app.check.validate import verdict
+from aff_runtime.app.check.validate import check_result
 from tests.security.learned_files import learned, response, site_in
 
 
@@ -64,7 +64,7 @@ RESPONSES = {
 @pytest.mark.parametrize("raw", RESPONSES.values(), ids=RESPONSES.keys())
 def test_a_response_file_that_is_none_is_refused_in_one_sentence(site: Path, raw: bytes) -> None:
     learned(site).write_bytes(raw)
-    said = verdict(site)
+    said = check_result(site)
     assert said.record is None
     (finding,) = said.findings
     assert finding.isprintable()
@@ -83,7 +83,7 @@ def test_what_is_no_file_in_place_of_a_response_is_refused_at_once(site: Path, k
         path.symlink_to(path.name)
     else:
         path.symlink_to("/dev/zero")
-    said = verdict(site)
+    said = check_result(site)
     assert said.record is None
     (finding,) = said.findings
     assert str(path) in finding

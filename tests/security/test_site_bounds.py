@@ -12,7 +12,7 @@ from typing import Any, cast
 
 import pytest
 
-from aff_runtime.app.check.validate import parameter_record, verdict
+from aff_runtime.app.check.validate import check_result, parameter_record
 from aff_runtime.app.wiring.shape_file import MAX_FILE_BYTES, read_shapes
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.check import check_site
@@ -213,7 +213,7 @@ def test_what_does_not_end_is_refused_wherever_the_site_names_it(
         _too_large(folder / name, size)
     else:
         NO_FILES[kind](folder / name)
-    said = verdict(folder / site)
+    said = check_result(folder / site)
     assert said.record is None
     (finding,) = [line for line in said.findings if f"  {key}" in line]
     assert re.match(rf"{folder / site}:\d+:\d+  ", finding)

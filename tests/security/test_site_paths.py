@@ -7,7 +7,7 @@ from typing import cast
 
 import pytest
 
-from aff_runtime.app.check.validate import verdict
+from aff_runtime.app.check.validate import check_result
 from aff_runtime.app.link.runtime_directory import runtime_paths
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.validation import load_record
@@ -88,7 +88,7 @@ def test_a_name_that_leads_out_is_refused_and_not_read(folder: Path, key: str, w
     said = refused(path, key)
     assert said.startswith(f"{path}:")
     assert f"{new} leads to {target}, which is not below {folder}" in said
-    everything = "\n".join(verdict(path).findings)
+    everything = "\n".join(check_result(path).findings)
     assert "root:" not in everything
     assert "20228" not in everything
 
@@ -104,7 +104,7 @@ def test_a_link_in_the_place_of_the_learned_shape_is_refused_too(folder: Path) -
 def test_odd_names_of_a_response_are_no_crash(folder: Path, name: str) -> None:
     path = folder / "euclid_can.yaml"
     path.write_text(path.read_text().replace("learned/euclid_can_unwind.json", name))
-    said = verdict(path)
+    said = check_result(path)
     assert said.record is None
     assert any("actuators.unwind.response: " in line for line in said.findings)
 

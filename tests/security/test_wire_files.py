@@ -10,8 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from aff_runtime.app.check.validate import verdict
-from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.check.result import CheckResult
+from aff_runtime.app.check.validate import check_result
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.edit_session import EditSession
@@ -32,7 +32,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def checked(site: Path) -> ParameterRecord:
-    return verdict(site).checked()
+    return check_result(site).checked()
 
 
 def turn_tension_round(dbc: Path) -> None:
@@ -78,7 +78,7 @@ class House:
         self.live = True
         self.control = SimpleNamespace(link=SimpleNamespace(send=lambda _: True))
         self.probed = ResponseLedger(lambda _: None)
-        found = Verdict(record=self.record)
+        found = CheckResult(record=self.record)
         self.edits = EditSession(self, None, site, found)  # type: ignore[arg-type]
 
     def note(self, name: str, text: str) -> None:

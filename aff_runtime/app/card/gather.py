@@ -39,14 +39,14 @@ class Sources:
 
     Attributes
     ----------
-    record : of the site file as it lies there now. ``checked`` : what the check says of it.
+    parameters : of the site file as it lies there now. ``checked`` : what the check says of it.
     answer : how the running service stands; None: none answers.
     windows : of records that were named; none: the newest of the running service.
     machine : this one. ``plc`` : version of the PLC's program, typed.
     tries : settings that were tried, for the search.
     """
 
-    record: ParameterRecord
+    parameters: ParameterRecord
     checked: CheckedSite
     answer: StatusAnswer | None = None
     windows: tuple[RunWindow, ...] = ()
@@ -72,13 +72,13 @@ def inputs_of(sources: Sources, windows: Sequence[Window] = ()) -> Inputs:
     RefusedError
         The service runs on something else than the site file says.
     """
-    record, answer = sources.record, sources.answer
-    config_hash, roll_id = record.config_hash, ""
+    parameters, answer = sources.parameters, sources.answer
+    config_hash, roll_id = parameters.config_hash, ""
     if answer is not None:
-        if answer.site_hash != record.site_hash:
+        if answer.site_hash != parameters.site_hash:
             raise RefusedError(
                 f"the service runs on other settings ({answer.site_hash[:SHORT]}) than the site "
-                f"file says ({record.site_hash[:SHORT]}); see `aff-runtime status`"
+                f"file says ({parameters.site_hash[:SHORT]}); see `aff-runtime status`"
             )
         if answer.trying:
             raise RefusedError("other settings are being tried; keep or undo them first")
@@ -88,11 +88,11 @@ def inputs_of(sources: Sources, windows: Sequence[Window] = ()) -> Inputs:
     elif windows and "roll_id" in windows[-1].table.columns:
         roll_id = _whole(float(windows[-1].table.columns["roll_id"][-1]))
     return Inputs(
-        site_hash=record.site_hash,
+        site_hash=parameters.site_hash,
         config_hash=config_hash,
         plc=sources.plc,
         roll_id=roll_id,
-        responses={name: file_digest(text) for name, text in record.responses.items()},
+        responses={name: file_digest(text) for name, text in parameters.responses.items()},
     )
 
 
@@ -120,7 +120,9 @@ def gather(
         machine=sources.machine if sources.answer is not None else None,
         state=sources.answer.state if sources.answer is not None else "",
         blocks=sources.answer.blocks if sources.answer is not None else (),
-        responses={n: Response.from_json(text) for n, text in sources.record.responses.items()},
+        responses={
+            n: Response.from_json(text) for n, text in sources.parameters.responses.items()
+        },
         probed_here=frozenset(_probed_here(sources)),
         tries=sources.tries,
         former=former,
@@ -176,10 +178,10 @@ def _check_settings(window: Window, sources: Sources) -> None:
     if recorder is not None and os.path.realpath(recorder.folder) == os.path.realpath(folder):
         return  # the service itself says what it runs on
     found = revision_hash(load_recorded_site(window.table.site_text, f"{folder}/site.yaml"))
-    if found != sources.record.site_hash:
+    if found != sources.parameters.site_hash:
         raise RefusedError(
             f"{window.table.window}: recorded on other settings ({found[:SHORT]}) than the site "
-            f"file says now ({sources.record.site_hash[:SHORT]})"
+            f"file says now ({sources.parameters.site_hash[:SHORT]})"
         )
 
 
@@ -202,7 +204,7 @@ def _rights(sources: Sources, windows: Sequence[Window]) -> tuple[Right, ...]:
 def _probed_here(sources: Sources) -> Iterator[str]:
     """Yield actuators of whose response the service says that its own probe wrote it."""
     said = sources.answer.learned if sources.answer is not None else ()
-    for name, text in sources.record.responses.items():
+    for name, text in sources.parameters.responses.items():
         beginning = f"{name}: response {file_digest(text)[:SHORT]} (probed here)"
         if any(sentence.startswith(beginning) for sentence in said):
             yield name

@@ -103,7 +103,7 @@ class CardFile:
         return next(one for one in self.card(now).steps if one.step is step)
 
 
-def begin(folder: Path, site: Path, record: ParameterRecord) -> str:
+def begin(folder: Path, site: Path, parameters: ParameterRecord) -> str:
     """Begin a card; return the hash of its first entry.
 
     Raises
@@ -112,15 +112,15 @@ def begin(folder: Path, site: Path, record: ParameterRecord) -> str:
         There is one already, or the folder cannot be written.
     """
     begun = Begun(
-        line=printable(record.site.line.name),
+        line=printable(parameters.site.line.name),
         site=str(site.absolute()),
-        site_sha256=file_digest(record.site_text),
-        site_hash=record.site_hash,
+        site_sha256=file_digest(parameters.site_text),
+        site_hash=parameters.site_hash,
         release=release_text(),
         machine=" ".join((os.uname().sysname, os.uname().release, os.uname().machine)),
     )
     newest = CardBook(folder).begin(BEGUN, as_plain(begun))
-    keep_site(folder, record)
+    keep_site(folder, parameters)
     return newest
 
 
@@ -224,12 +224,12 @@ def _cut(sentences: Sequence[str]) -> tuple[str, ...]:
     return tuple(printable(one, LONGEST_SENTENCE) for one in few(sentences))
 
 
-def keep_site(folder: Path, record: ParameterRecord) -> None:
+def keep_site(folder: Path, parameters: ParameterRecord) -> None:
     """Keep the text of the site file beside the card, by its revision."""
-    path = folder / f"site-{record.site_hash[:SHORT]}.yaml"
+    path = folder / f"site-{parameters.site_hash[:SHORT]}.yaml"
     if not path.exists():
         try:
-            replace_text(path, record.site_text)
+            replace_text(path, parameters.site_text)
         except OSError as error:
             raise RefusedError(f"{path}: {error.strerror}") from None
 

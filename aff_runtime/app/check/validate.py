@@ -1,9 +1,9 @@
-"""``python -m aff_runtime.app.check.validate SITE.yaml STATE [-]``: one verdict as JSON.
+"""``python -m aff_runtime.app.check.validate SITE.yaml STATE [-]``: one result as JSON.
 
 Runs in its own short and bounded process because parsing would hold up anything that shares its
 interpreter. What the file names lies below its own folder or below STATE. With ``-`` the text on
 standard input is judged as if SITE.yaml said it. On standard output, with
-exit code 0 whatever the verdict: ``{"record": {...} or null, "findings": [...]}``.
+exit code 0 whatever the result: ``{"record": {...} or null, "findings": [...]}``.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from pathlib import Path
 
 from aff_runtime import __version__
 from aff_runtime.app.check.limits import TOO_LARGE, bound_this_process
-from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.wiring.assemble import controller_of
@@ -43,7 +43,9 @@ MAX_RESPONSE_BYTES = 16 * MAX_RECORD_BYTES  # shorter ones hold what passes in o
 SAME_CYCLE_S = 1e-6
 
 
-def verdict(path: Path, state: Path = STATE_DIRECTORY, text: bytes | None = None) -> Verdict:
+def check_result(
+    path: Path, state: Path = STATE_DIRECTORY, text: bytes | None = None
+) -> CheckResult:
     """Return the parameter record of the file at ``path``, or what is wrong with it.
 
     Parameters
@@ -55,9 +57,9 @@ def verdict(path: Path, state: Path = STATE_DIRECTORY, text: bytes | None = None
         reading = read_site(path, state, text)
         record = parameter_record(path, reading)
     except AffError as error:
-        return Verdict(record=None, findings=tuple(str(error).splitlines()))
+        return CheckResult(record=None, findings=tuple(str(error).splitlines()))
     findings = [str(warning) for warning in reading.warnings]
-    return Verdict(record=record, findings=(*findings, *_outdated(reading, record)))
+    return CheckResult(record=record, findings=(*findings, *_outdated(reading, record)))
 
 
 def parameter_record(path: Path, reading: Reading) -> ParameterRecord:
@@ -186,14 +188,14 @@ def _versions() -> dict[str, str]:
 
 
 def main(arguments: list[str]) -> int:
-    """Print the verdict on one file, at less than it may cost."""
+    """Print the result on one file, at less than it may cost."""
     bound_this_process()
     site, state = (Path(argument) for argument in arguments[:2])
     said = None
     with contextlib.suppress(MemoryError):  # what held the memory is freed below
         text = sys.stdin.buffer.read(MAX_BYTES + 1) if arguments[2:] else None
-        said = verdict(site, state, text)
-    too_large = Verdict(record=None, findings=(f"{site}:1:1  {TOO_LARGE}",))
+        said = check_result(site, state, text)
+    too_large = CheckResult(record=None, findings=(f"{site}:1:1  {TOO_LARGE}",))
     json.dump((said or too_large).to_json(), sys.stdout)
     return 0
 

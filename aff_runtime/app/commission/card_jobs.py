@@ -6,12 +6,12 @@ from aff_runtime.app.card import page, steps, work
 from aff_runtime.app.card.typed_values import typed
 from aff_runtime.app.card.verify import verify
 from aff_runtime.app.commission.card_view import card_view
-from aff_runtime.app.commission.messages import Asked, Refusal, Told, Why
+from aff_runtime.app.commission.messages import Refusal, Request, Told, Why
 from aff_runtime.app.commission.sources import (
     Where,
     after_search,
     inputs_of,
-    record_of,
+    parameters_of,
     said_of,
     sources,
 )
@@ -23,7 +23,7 @@ LONGEST_S = 600.0
 MEMORY_BYTES = 4 << 30
 
 
-def card(where: Where, asked: Asked, talk: Talk) -> Told:
+def card(where: Where, asked: Request, talk: Talk) -> Told:
     """Return the card as it stands, compared with what holds now as far as that is known."""
     found = work.CardFile.of(where.card)
     try:
@@ -35,52 +35,50 @@ def card(where: Where, asked: Asked, talk: Talk) -> Told:
     return {"card": card_view(found.card(now), at.checked, at.answer, said_of(at))}
 
 
-def printed(where: Where, asked: Asked, talk: Talk) -> Told:
+def printed(where: Where, asked: Request, talk: Talk) -> Told:
     """Return the page that prints."""
     found = work.CardFile.of(where.card)
     try:
         now = inputs_of(sources(where, found))
     except AffError:
         now = None
-    return {"html": page.page(found.card(now), asked["paper"])}
+    return {"html": page.page(found.card(now), asked.paper)}
 
 
-def begin(where: Where, asked: Asked, talk: Talk) -> Told:
+def begin(where: Where, asked: Request, talk: Talk) -> Told:
     """Begin a card."""
-    newest = work.begin(where.card, where.site, record_of(where.site, where.state))
+    newest = work.begin(where.card, where.site, parameters_of(where.site, where.state))
     return {"text": f"a card is begun, {newest[:12]}"}
 
 
-def step(where: Where, asked: Asked, talk: Talk) -> Told:
+def step(where: Where, asked: Request, talk: Talk) -> Told:
     """Measure a step, or put on the card that it does not apply."""
-    found, number, by = work.CardFile.of(where.card), asked["step"], asked["by"]
-    at = sources(where, found, plc=asked["plc"].strip())
-    if asked["leave_out"].strip():
-        kept = work.leave_out(found, number, asked["leave_out"], inputs_of(at), by)
+    found, number, by = work.CardFile.of(where.card), asked.step, asked.by
+    at = sources(where, found, plc=asked.plc.strip())
+    if asked.leave_out.strip():
+        kept = work.leave_out(found, number, asked.leave_out, inputs_of(at), by)
     else:
-        values = tuple(typed(line) for line in asked["typed"].splitlines() if line.strip())
+        values = tuple(typed(line) for line in asked.typed.splitlines() if line.strip())
         if number == steps.SEARCH:
             at = after_search(where, at, values, talk.say)
         with bounded_effort("card", ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
             kept = work.measure(found, number, at, values, by)
-    work.keep_site(where.card, at.record)
+    work.keep_site(where.card, at.parameters)
     return {"text": f"step {number}: {kept.verdict}", "verdict": str(kept.verdict)}
 
 
-def sign(where: Where, asked: Asked, talk: Talk) -> Told:
+def sign(where: Where, asked: Request, talk: Talk) -> Told:
     """Sign the measurement that the person has seen, and no other."""
-    found, number = work.CardFile.of(where.card), asked["step"]
+    found, number = work.CardFile.of(where.card), asked.step
     now = inputs_of(sources(where, found))
     last = found.standing(number, now).last
-    if last is None or last.sha256 != asked["measured"]:
+    if last is None or last.sha256 != asked.measured:
         return Refusal(why=Why.CHANGED).told
-    kept = work.sign(
-        found, number, now, name=asked["account"], reason=asked["reason"], by=asked["by"]
-    )
+    kept = work.sign(found, number, now, name=asked.account, reason=asked.reason, by=asked.by)
     return {"text": f"step {kept.step} signed as {kept.name}"}
 
 
-def verified(where: Where, asked: Asked, talk: Talk) -> Told:
+def verified(where: Where, asked: Request, talk: Talk) -> Told:
     """Return whether card and records are what was written."""
     found = verify(where.card, records=True)
     if found.wrong:

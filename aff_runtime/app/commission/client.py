@@ -6,7 +6,7 @@ import asyncio
 import json
 from pathlib import Path
 
-from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Asked, Refusal, Told, Why
+from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Refusal, Told, Why
 from aff_runtime.app.link.packet_client import connected
 from aff_runtime.base.errors import AffError
 
@@ -14,7 +14,7 @@ NOBODY = "no commissioner answers ({error}); start it with `aff-runtime commissi
 PATIENCE_S = 20.0
 
 
-async def ask(path: Path, said: Asked, patience_s: float = PATIENCE_S) -> Told:
+async def ask(path: Path, said: Told, patience_s: float = PATIENCE_S) -> Told:
     """Return the answer to a request; a refusal that says so where none comes."""
     try:
         end = connected(path, NOBODY)

@@ -11,9 +11,9 @@ import asyncio
 from dataclasses import dataclass, replace
 
 from aff_runtime.app.card.book import NAME as CARD
+from aff_runtime.app.commission.audit_lines import AuditLines
 from aff_runtime.app.commission.looking import Looking
-from aff_runtime.app.commission.messages import LOOKS, PROTOCOL, Asked, Refusal, Told, Why
-from aff_runtime.app.commission.on_record import OnRecord
+from aff_runtime.app.commission.messages import LOOKS, PROTOCOL, Refusal, Request, Told, Why
 from aff_runtime.app.commission.people import Holder, People
 from aff_runtime.app.commission.sources import Where, by_whom
 from aff_runtime.app.commission.worker import CUT, KEEPS, STOPPED, Worker
@@ -51,14 +51,14 @@ class Commissioner:
         self, where: Where, accounts: Accounts, audit: Audit, clock: Clock, farthest: Place
     ) -> None:
         self._where = where
-        self._record = OnRecord(audit, clock)
+        self._audit = AuditLines(audit, clock)
         self._people = People(accounts, clock, farthest)
         self._worker: Worker | None = None
         self._running: asyncio.Task[Told] | None = None
         self._last: Last | None = None
         self.looking = Looking(where, clock)
 
-    async def answer(self, asked: Asked, peer: Peer) -> Told:
+    async def answer(self, asked: Request, peer: Peer) -> Told:
         """Return the answer to a request that was checked."""
         try:
             return await self._answer(asked, peer)
@@ -71,117 +71,114 @@ class Commissioner:
             self._tend()
             await asyncio.sleep(LOOK_S)
 
-    async def _answer(self, asked: Asked, peer: Peer) -> Told:
-        do = asked["do"]
+    async def _answer(self, asked: Request, peer: Peer) -> Told:
+        do = asked.do
         if do == "state":
             return self._state()
         if do in LOOKS:
             return await self.looking.look(asked)
         if do == "open":
             return await self._open(asked, peer)
-        held = self._people.by_key(asked["key"], Place(asked["place"]))
+        held = self._people.by_key(asked.key, Place(asked.place))
         return Refusal(why=Why.CLOSED).told if held is None else await self._do(asked, held, peer)
 
-    async def _do(self, asked: Asked, held: Holder, peer: Peer) -> Told:
+    async def _do(self, asked: Request, held: Holder, peer: Peer) -> Told:
         """Do what the person asks who is in."""
-        if asked["do"] == "close":
-            self._record.write(_entry(asked, held, peer), "done")
+        if asked.do == "close":
+            self._audit.write(_entry(asked, held, peer), "done")
             self._people.close()
             return {"ok": True}
-        if asked["do"] in ("answer", "stop"):
+        if asked.do in ("answer", "stop"):
             return self._steer(asked, held, peer)
         return await self._start(asked, held, peer)
 
     def _tend(self) -> None:
         """Say what was not written; end a job that waits for somebody who is not in any more."""
-        self._record.tend()
+        self._audit.tend()
         worker, held = self._worker, self._people.holder
         if worker is None or worker.question is None:
             return
-        account = worker.asked["account"]
+        account = worker.asked.account
         if held is None or held.account != account:
-            said = Entry(
-                what=f"commissioning: {_called(worker.asked)}", result="", account=account
-            )
-            self._record.write(said, "noted", "stopped: it waits for somebody who is not in")
+            said = Entry(what=f"commissioning: {worker.asked.called}", result="", account=account)
+            self._audit.write(said, "noted", "stopped: it waits for somebody who is not in")
             worker.stop()
 
     def close(self) -> None:
         """End what runs."""
         if self._worker is not None:
             self._worker.stop()
-        self._record.close()
+        self._audit.close()
 
     # --- who ----------------------------------------------------------------------------------
 
-    async def _open(self, asked: Asked, peer: Peer) -> Told:
+    async def _open(self, asked: Request, peer: Peer) -> Told:
         found = await self._people.open(
-            asked["account"], asked["password"], Place(asked["place"]), over=asked["over"]
+            asked.account, asked.password, Place(asked.place), over=asked.over
         )
         said = Entry(
             what="commissioning opened",
             result="done",
-            account=asked["account"],
-            place=asked["place"],
+            account=asked.account,
+            place=asked.place,
             peer=str(peer),
         )
         if isinstance(found, Refusal):
-            self._record.refuse(said, found.why)
+            self._audit.refuse(said, found.why)
             return found.told
-        if not self._record.write(said, "done"):
+        if not self._audit.write(said, "done"):
             self._people.close()
             return Refusal(why=Why.UNRECORDED).told
         return {"ok": True, "key": found.key}
 
     # --- jobs ---------------------------------------------------------------------------------
 
-    def _steer(self, asked: Asked, held: Holder, peer: Peer) -> Told:
+    def _steer(self, asked: Request, held: Holder, peer: Peer) -> Told:
         """Pass an answer on to the job that waits for one, or end the job."""
         if self._worker is None:
             return Refusal(why=Why.CHANGED).told
-        if asked["do"] == "stop":
-            if self._worker.asked["do"] in AWAITED:
-                self._record.refuse(_entry(asked, held, peer), Why.RUNNING)
-                return Refusal(why=Why.RUNNING, name=_called(self._worker.asked)).told
-            self._record.write(_entry(asked, held, peer), "done")
+        if asked.do == "stop":
+            if self._worker.asked.do in AWAITED:
+                self._audit.refuse(_entry(asked, held, peer), Why.RUNNING)
+                return Refusal(why=Why.RUNNING, name=self._worker.asked.called).told
+            self._audit.write(_entry(asked, held, peer), "done")
             self._worker.stop()
             return {"ok": True}
         return self._pass_on(self._worker, asked, held, peer)
 
-    def _pass_on(self, worker: Worker, asked: Asked, held: Holder, peer: Peer) -> Told:
+    def _pass_on(self, worker: Worker, asked: Request, held: Holder, peer: Peer) -> Told:
         """Pass an answer on, once its question stands in the audit; the answer does not."""
         entry = _entry(asked, held, peer)
-        if worker.asked["account"] != held.account:
-            self._record.refuse(entry, Why.RUNNING)
-            return Refusal(why=Why.RUNNING, name=_called(worker.asked)).told
+        if worker.asked.account != held.account:
+            self._audit.refuse(entry, Why.RUNNING)
+            return Refusal(why=Why.RUNNING, name=worker.asked.called).told
         question = worker.question
-        if question is None or question["number"] != asked["number"]:
+        if question is None or question["number"] != asked.number:
             return Refusal(why=Why.CHANGED).told
         entry = replace(entry, what=f"{entry.what} {question['name']}")
-        if not self._record.write(entry, "done"):
+        if not self._audit.write(entry, "done"):
             return Refusal(why=Why.UNRECORDED).told
-        worker.answer(asked["number"], asked["text"])
+        worker.answer(asked.number, asked.text)
         return {"ok": True}
 
-    async def _start(self, asked: Asked, held: Holder, peer: Peer) -> Told:
+    async def _start(self, asked: Request, held: Holder, peer: Peer) -> Told:
         """Begin a job, once it stands in the audit."""
         how = "at the screen, opened by password"
-        if asked["do"] == "sign":
-            against = await self._people.against(held.account, asked["password"])
+        if asked.do == "sign":
+            against = await self._people.against(held.account, asked.password)
             if against is not None:
-                self._record.refuse(_entry(asked, held, peer), against.why)
+                self._audit.refuse(_entry(asked, held, peer), against.why)
                 return against.told
             how = "password given for this signature"
         if self._worker is not None:
-            return Refusal(why=Why.RUNNING, name=_called(self._worker.asked)).told
+            return Refusal(why=Why.RUNNING, name=self._worker.asked.called).told
         entry = _entry(asked, held, peer)
-        if not self._record.write(entry, "asked"):
+        if not self._audit.write(entry, "asked"):
             return Refusal(why=Why.UNRECORDED).told
-        job = {name: value for name, value in asked.items() if name not in ("key", "password")}
         by = f"{by_whom()}; {held.account}, {how}"
-        self._worker = Worker({**job, "account": held.account, "by": by}, self._where)
+        self._worker = Worker(asked.for_job(account=held.account, by=by), self._where)
         self._running = asyncio.create_task(self._run(self._worker, entry))
-        if asked["do"] in AWAITED:
+        if asked.do in AWAITED:
             return await asyncio.shield(self._running)
         return {"ok": True}
 
@@ -191,16 +188,14 @@ class Commissioner:
         except OSError as error:
             found = Refusal(why=Why.REFUSED, name=str(error)).told
         except asyncio.CancelledError:
-            self._record.write(entry, "noted", CUT if worker.asked["do"] in KEEPS else STOPPED)
+            self._audit.write(entry, "noted", CUT if worker.asked.do in KEEPS else STOPPED)
             raise
         finally:
             self._worker = None
         is_done, text = found["ok"] is True, str(found.get("text", found.get("name", "")))
         result = "done" if is_done else "noted" if worker.is_unsure else "refused"
-        self._record.write(entry, result, text)
-        self._last = Last(
-            do=worker.asked["do"], step=worker.asked.get("step", -1), ok=is_done, text=text
-        )
+        self._audit.write(entry, result, text)
+        self._last = Last(do=worker.asked.do, step=worker.asked.step, ok=is_done, text=text)
         return found
 
     # --- how it stands ------------------------------------------------------------------------
@@ -222,21 +217,16 @@ class Commissioner:
 def _shown(worker: Worker) -> Told:
     said = [{"kind": kind, "text": text} for kind, text in worker.said]
     asked = worker.asked
-    step = asked.get("step", -1)
-    return {"do": asked["do"], "step": step, "said": said, "ask": worker.question}
+    return {"do": asked.do, "step": asked.step, "said": said, "ask": worker.question}
 
 
-def _called(asked: Asked) -> str:
-    return f"{asked['do']} {asked['step']}" if "step" in asked else str(asked["do"])
-
-
-def _entry(asked: Asked, held: Holder, peer: Peer) -> Entry:
+def _entry(asked: Request, held: Holder, peer: Peer) -> Entry:
     return Entry(
-        what=f"commissioning: {_called(asked)}",
+        what=f"commissioning: {asked.called}",
         result="asked",
         account=held.account,
         role=Role.COMMISSION.word,
         place=held.place,
         peer=str(peer),
-        id=str(asked.get("measured", ""))[:64],
+        id=asked.measured,
     )

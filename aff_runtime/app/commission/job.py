@@ -16,12 +16,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from aff_runtime.app.commission import card_jobs, line_view, settings_jobs, setup_jobs
-from aff_runtime.app.commission.messages import Asked, Told
+from aff_runtime.app.commission.messages import Request, Told
 from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.base.errors import AffError
 
-Job = Callable[[Where, Asked, Talk], Told]
+Job = Callable[[Where, Request, Talk], Told]
 JOBS: dict[str, Job] = {
     "card": card_jobs.card,
     "page": card_jobs.printed,
@@ -47,12 +47,13 @@ def main() -> int:
     said = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # whatever a library prints is no line of ours
     talk = Talk(sys.stdin, said)
-    asked = json.loads(sys.stdin.readline())
-    if os.getppid() != asked.pop("parent"):  # it had ended before we asked to end with it
+    first = json.loads(sys.stdin.readline())
+    if os.getppid() != first.pop("parent"):  # it had ended before we asked to end with it
         return 1
-    where = Where(**{name: Path(path) for name, path in asked.pop("where").items()})
+    where = Where(**{name: Path(path) for name, path in first.pop("where").items()})
+    asked = Request.from_json(first)
     try:
-        talk.tell({"done": JOBS[asked["do"]](where, asked, talk)})
+        talk.tell({"done": JOBS[asked.do](where, asked, talk)})
     except AffError as error:
         talk.tell({"refused": str(error)})
     except EOFError:

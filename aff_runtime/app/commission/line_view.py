@@ -7,7 +7,7 @@ import math
 from dataclasses import fields
 
 from aff_runtime.app.commission.card_view import proof_times
-from aff_runtime.app.commission.messages import Asked, Told
+from aff_runtime.app.commission.messages import Request, Told
 from aff_runtime.app.commission.sources import Where, standing_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.base.effort import bounded_effort
@@ -21,7 +21,7 @@ from aff_runtime.core.response import Response
 MOST_LINES = 60
 
 
-def line(where: Where, asked: Asked, talk: Talk) -> Told:
+def line(where: Where, asked: Request, talk: Talk) -> Told:
     """Return what there is to know of the line before it is probed, and after."""
     with bounded_effort(str(where.site), ConfigError):
         report = check_site(where.site, (), where.state)

@@ -11,12 +11,12 @@ from pathlib import Path
 from aff_runtime.app.commission.messages import (
     MAX_ASKED_BYTES,
     NAME,
-    Asked,
-    AskedError,
     Refusal,
+    Request,
+    RequestError,
     Told,
     Why,
-    read_asked,
+    read_request,
 )
 from aff_runtime.app.link.peer import Peer, peer_of, uids_with
 from aff_runtime.app.supervisor.packet_listener import SCREEN_USER, listening
@@ -26,7 +26,7 @@ MOST = 16
 PATIENCE_S, LONGEST_S = 5.0, 900.0
 PACKET_BYTES = 1 << 15
 ANOTHER = "name another folder with --dir"
-Answering = Callable[[Asked, Peer], Awaitable[Told]]
+Answering = Callable[[Request, Peer], Awaitable[Told]]
 
 
 class Listener:
@@ -77,8 +77,8 @@ class Listener:
                 line = await loop.sock_recv(end, MAX_ASKED_BYTES + 1)
             try:
                 async with asyncio.timeout(LONGEST_S):
-                    told = await self._answer(read_asked(line), peer)
-            except AskedError:
+                    told = await self._answer(read_request(line), peer)
+            except RequestError:
                 told = Refusal(why=Why.NO_SENSE).told
             said = json.dumps(told).encode()
             async with asyncio.timeout(PATIENCE_S):

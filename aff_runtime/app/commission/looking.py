@@ -7,7 +7,7 @@ import contextlib
 from pathlib import Path
 
 from aff_runtime.app.card.book import NAME as CARD
-from aff_runtime.app.commission.messages import Asked, Refusal, Told, Why
+from aff_runtime.app.commission.messages import Refusal, Request, Told, Why
 from aff_runtime.app.commission.sources import Where, standing_of
 from aff_runtime.app.commission.worker import Worker
 from aff_runtime.app.report.status_answer import StatusAnswer
@@ -77,13 +77,13 @@ class Looking:
             "learned": list(now.learned),
         }
 
-    async def look(self, asked: Asked) -> Told:
+    async def look(self, asked: Request) -> Told:
         """Return the card or the line for a screen, or the page that prints."""
-        if asked["do"] == "line" and not self._where.site.exists():
+        if asked.do == "line" and not self._where.site.exists():
             return Refusal(why=Why.REFUSED, name=NO_SITE).told
-        if asked["do"] != "line" and not (self._where.card / CARD).exists():
+        if asked.do != "line" and not (self._where.card / CARD).exists():
             return Refusal(why=Why.REFUSED, name=NO_CARD).told
-        key = f"{asked['do']} {asked.get('paper', '')}"
+        key = f"{asked.do} {asked.paper}"
         async with self._one:
             stamp, now_ns = self._stamp(), self._clock.now_ns()
             kept = self._made.get(key)
@@ -91,7 +91,7 @@ class Looking:
                 is_same = kept[0] == stamp and kept[2]["ok"]
                 if is_same or now_ns - kept[1] < LEAST_NS:
                     return kept[2]
-            found = await Worker(dict(asked), self._where).run()
+            found = await Worker(asked, self._where).run()
             self._made[key] = (stamp, self._clock.now_ns(), found)
             return found
 

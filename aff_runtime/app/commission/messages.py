@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from enum import StrEnum
 from typing import Any, TypeAlias
 
@@ -21,8 +21,8 @@ NAME = "commission.sock"
 MAX_ASKED_BYTES = 8192
 MAX_TOLD_BYTES = 8 << 20
 LONGEST_TEXT = 2000
-Asked: TypeAlias = dict[str, Any]
-Told: TypeAlias = Asked
+Told: TypeAlias = dict[str, Any]
+"""A JSON object: an answer, a line of a job, or a part of one."""
 Keys: TypeAlias = Mapping[str, Callable[[Any], bool]]
 
 
@@ -59,8 +59,63 @@ WORDS = {
 }
 
 
-class AskedError(ValueError):
+class RequestError(ValueError):
     """What was asked is no request of this release."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Request:
+    """What is asked, by the row of ``TABLE`` that ``do`` names; other fields are as by default.
+
+    Attributes
+    ----------
+    key, place, account, password, over : who asks, from where; whether to take it over.
+    step, measured : number of the card's step, and the hash of its measurement that was shown.
+    typed, plc, leave_out : values of displays, one a line; name of the PLC; why a step does not
+        apply.
+    seconds, reason : how long to try something, and why something is done.
+    again, number, text : question to be asked once more; which question, and its answer.
+    paper : of a page that prints.
+    by : who has a job done, in words; said by the commissioner alone.
+    """
+
+    do: str
+    key: str = ""
+    place: str = ""
+    account: str = ""
+    password: str = ""
+    over: bool = False
+    step: int = -1
+    measured: str = ""
+    typed: str = ""
+    plc: str = ""
+    leave_out: str = ""
+    seconds: int = 0
+    reason: str = ""
+    again: str = ""
+    number: int = 0
+    text: str = ""
+    paper: str = ""
+    by: str = ""
+
+    @property
+    def called(self) -> str:
+        """What is asked in a word or two, for people."""
+        return f"{self.do} {self.step}" if self.step >= 0 else self.do
+
+    def for_job(self, *, account: str, by: str) -> Request:
+        """Return what a job is told: who has it done, and no secret."""
+        return replace(self, key="", password="", account=account, by=by)
+
+    def to_json(self) -> Told:
+        """Return plain values; what is as by default is left out."""
+        rows = ((one.name, getattr(self, one.name), one.default) for one in fields(self))
+        return {name: value for name, value, default in rows if value != default}
+
+    @classmethod
+    def from_json(cls, said: Told) -> Request:
+        """Read ``to_json``'s values back; they are this release's own."""
+        return cls(**said)
 
 
 def _text(value: Any) -> bool:
@@ -144,12 +199,12 @@ class Refusal:
         return {"ok": False, "why": self.why.value, "name": self.name}
 
 
-def read_asked(line: bytes) -> Asked:
+def read_request(line: bytes) -> Request:
     """Return a request.
 
     Raises
     ------
-    AskedError
+    RequestError
         When it is none of this release, or any part of it is not what it must be.
     """
     said: Any
@@ -159,11 +214,11 @@ def read_asked(line: bytes) -> Asked:
         said = None
     do = said.get("do") if isinstance(said, dict) else None
     if said is None or not isinstance(do, str) or do not in TABLE:
-        raise AskedError(f"one of {', '.join(TABLE)} is needed, {MAX_ASKED_BYTES} bytes at most")
+        raise RequestError(f"one of {', '.join(TABLE)} is needed, {MAX_ASKED_BYTES} bytes at most")
     wanted = TABLE[do]
     if set(said) != {"do", *wanted}:
-        raise AskedError(f"{do}: needs {', '.join(sorted(wanted)) or 'nothing'}")
+        raise RequestError(f"{do}: needs {', '.join(sorted(wanted)) or 'nothing'}")
     for key, is_right in wanted.items():
         if not is_right(said[key]):
-            raise AskedError(f"{do}: {key} is not what it must be")
-    return dict(said)
+            raise RequestError(f"{do}: {key} is not what it must be")
+    return Request(**said)

@@ -40,7 +40,7 @@ class Tried:
 
 def search(
     actuator: str,
-    record: ParameterRecord,
+    parameters: ParameterRecord,
     checked: CheckedSite,
     ask: Ask,
     clock: Clock,
@@ -60,13 +60,13 @@ def search(
     """
     found, windows, table = list[Try](), list[RunWindow](), list[Candidate]()
     while (factor := next_factor(table)) is not None:
-        settle_s, look_s = _times_s(record, actuator, factor, read_answer(ask("status")))
+        settle_s, look_s = _times_s(parameters, actuator, factor, read_answer(ask("status")))
         say(f"{factor:g} of the present setting: {settle_s + look_s:.0f} s")
         if factor < 1.0:
             values = {path: factor * v for path, v in values_of(checked.site, actuator).items()}
             seconds = settle_s + look_s + 4.0 * WRITTEN_S
             why = f"card, step 9: {actuator} at {factor:g} of its setting"
-            text = text_with(record.site_text, values)
+            text = text_with(parameters.site_text, values)
             ask("settings", act="try", text=text, seconds=seconds, why=why)
         ended, window = _watch(ask, clock, settle_s, look_s, tried=factor < 1.0)
         if factor < 1.0 and not ended:
@@ -80,12 +80,12 @@ def search(
 
 
 def _times_s(
-    record: ParameterRecord, actuator: str, factor: float, answer: StatusAnswer
+    parameters: ParameterRecord, actuator: str, factor: float, answer: StatusAnswer
 ) -> tuple[float, float]:
     """Return how long a candidate settles, and how long it is looked at."""
     if answer.state != State.ACTIVE.name or answer.live is None:
         raise RefusedError(f"the correction is not on: the service is {answer.state}; arm it")
-    site = record.site
+    site = parameters.site
     speed = abs(answer.live.tick.number(site.line.speed))
     given = site.actuators[actuator]
     rolls = [site.rolls[block.roll] for block in given.blocks]

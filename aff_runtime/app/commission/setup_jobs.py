@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from aff_runtime.app.commission.messages import Asked, Told
+from aff_runtime.app.commission.messages import Request, Told
 from aff_runtime.app.commission.sources import Where, standing_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.setup.dialogue import Dialogue, LeftError
@@ -54,7 +54,7 @@ class Screen:
         self._talk.complain(line)
 
 
-def words(where: Where, asked: Asked, talk: Talk) -> Told:
+def words(where: Where, asked: Request, talk: Talk) -> Told:
     """Find the PLC's words and write the site file.
 
     Raises
@@ -67,7 +67,7 @@ def words(where: Where, asked: Asked, talk: Talk) -> Told:
         raise RefusedError("a correction goes out; bypass first")
     kept_in = where.site.with_suffix(".setup.json")
     draft = read_draft(kept_in)
-    for name in asked["again"].split():
+    for name in asked.again.split():
         draft = draft.without(name)
     dialogue = Dialogue(draft, kept_in, Screen(talk))
     before = content_of(where.site)

@@ -32,7 +32,7 @@ __all__ = [
     "by_whom",
     "inputs_now",
     "inputs_of",
-    "record_of",
+    "parameters_of",
     "said_of",
     "sources",
     "standing_of",
@@ -55,7 +55,7 @@ class Where:
     card: Path
 
 
-def record_of(site: Path, state: Path) -> ParameterRecord:
+def parameters_of(site: Path, state: Path) -> ParameterRecord:
     """Return what a site file says, checked.
 
     Raises
@@ -77,13 +77,14 @@ def sources(
         The site file is not good, or a service is there and does not answer.
     """
     site = where.site
-    record = record_of(site, where.state)
+    parameters = parameters_of(site, where.state)
     with bounded_effort(str(site), ConfigError):
         report = check_site(site, (), where.state)
-    if report.site is None or report.facts is None or report.facts.revision != record.site_hash:
+    revision = report.facts.revision if report.facts is not None else ""
+    if report.site is None or report.facts is None or revision != parameters.site_hash:
         raise RefusedError(f"{site}: somebody has saved it meanwhile; do it again")
     return Sources(
-        record=record,
+        parameters=parameters,
         checked=CheckedSite(
             site=report.site,
             warnings=tuple(str(finding) for finding in report.warnings),
@@ -113,7 +114,7 @@ def after_search(
         return client.ask(do, timeout_s=PATIENCE_S + 5.0, **arguments)
 
     try:
-        tried = search(named, found.record, found.checked, ask, MonotonicClock(), say)
+        tried = search(named, found.parameters, found.checked, ask, MonotonicClock(), say)
         answer = read_answer(client.ask("status"))
     finally:
         client.close()

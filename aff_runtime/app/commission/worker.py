@@ -9,7 +9,7 @@ import os
 from collections import deque
 
 from aff_runtime.app.check.limits import ONE_THREAD
-from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Asked, Refusal, Told, Why
+from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Refusal, Request, Told, Why
 from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.supervisor.child_environment import without_service_manager
 from aff_runtime.base.python_child import talking_child
@@ -18,7 +18,7 @@ JOB = "aff_runtime.app.commission.job"
 KEPT_LINES = 40
 DIED = "its process ended without an answer; see the log of the commissioner"
 STOPPED = "stopped"
-CUT = "stopped; look at the card"
+CUT = "stopped; look at the card"  # of a job that may have kept something
 KEEPS = ("begin", "step", "sign", "keep", "undo")
 """Jobs that may have put something on disk before they said so."""
 
@@ -28,12 +28,12 @@ class Worker:
 
     Attributes
     ----------
-    asked : what it does. ``said`` : its newest lines, each with its kind.
+    asked : what it does. ``said`` : its newest lines, each with its kind, ``say`` or ``complain``.
     question : what it waits for; None where it waits for nothing.
     is_unsure : it was ended without an answer, and may have kept something.
     """
 
-    def __init__(self, asked: Asked, where: Where) -> None:
+    def __init__(self, asked: Request, where: Where) -> None:
         self.asked = asked
         self.said: deque[tuple[str, str]] = deque(maxlen=KEPT_LINES)
         self.question: Told | None = None
@@ -43,11 +43,11 @@ class Worker:
         self._is_stopped = False
 
     async def run(self) -> Told:
-        """Return what became of it; an answer that was heard counts, also after a stop."""
+        """Return the job's answer, or a refusal; an answer counts that was heard before a stop."""
         environment = without_service_manager() | ONE_THREAD
         self._process = process = await talking_child(JOB, environment, MAX_TOLD_BYTES)
         where = {name: os.fspath(getattr(self._where, name)) for name in Where.__slots__}
-        self._write({**self.asked, "where": where, "parent": os.getpid()})
+        self._write({**self.asked.to_json(), "where": where, "parent": os.getpid()})
         found: Told | None = None
         if self._is_stopped:
             process.kill()
@@ -57,7 +57,7 @@ class Worker:
                 while line := await process.stdout.readline():
                     found = self._hear(json.loads(line)) or found
         finally:
-            self.is_unsure = found is None and self.asked["do"] in KEEPS
+            self.is_unsure = found is None and self.asked.do in KEEPS
             if process.returncode is None and not self._is_stopped:
                 process.kill()
             await process.wait()
@@ -65,7 +65,7 @@ class Worker:
         return found or Refusal(why=Why.REFUSED, name=self._unanswered()).told
 
     def answer(self, number: int, text: str) -> bool:
-        """Pass an answer on; False when another question stands."""
+        """Give a person's answer to the job; False when it waits for another question or none."""
         if self.question is None or self.question["number"] != number:
             return False
         self.question = None
@@ -73,7 +73,7 @@ class Worker:
         return True
 
     def stop(self) -> None:
-        """End it."""
+        """Kill the job; ``run`` then returns."""
         self._is_stopped = True
         self.question = None
         if self._process is not None and self._process.returncode is None:

@@ -20,11 +20,11 @@ class Answer(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Done:
-    """Yes or no; what is left open is left out of the JSON.
+    """Yes or no to a request, also the no of a refusal; empty fields are left out of the JSON.
 
     Attributes
     ----------
-    message : why not. ``exit_code`` : what a command ends with.
+    message : why not. ``exit_code`` : what a command ends with; None leaves it to the command.
     state : of the guard. ``duration_s`` : how long it will take.
     """
 
@@ -36,20 +36,17 @@ class Done:
 
     def to_json(self) -> dict[str, Any]:
         """Return plain values for JSON."""
-        said: dict[str, Any] = {"ok": self.ok}
-        if self.message:
-            said["message"] = self.message
-        if self.state:
-            said["state"] = self.state
-        if self.duration_s is not None:
-            said["duration_s"] = self.duration_s
-        if self.exit_code is not None:
-            said["exit_code"] = self.exit_code
-        return said
+        optional = {
+            "message": self.message or None,
+            "state": self.state or None,
+            "duration_s": self.duration_s,
+            "exit_code": self.exit_code,
+        }
+        return {"ok": self.ok, **{k: v for k, v in optional.items() if v is not None}}
 
     @classmethod
     def from_json(cls, said: Any) -> Done:
-        """Read ``to_json``'s values back; what is not said is as by default."""
+        """Read ``to_json``'s values back; a key that is missing is its default, ``ok`` a no."""
         code = said.get("exit_code")
         return cls(
             ok=said.get("ok") is True,
@@ -72,7 +69,10 @@ def as_answer(reply: Reply) -> Done:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeptResponse:
-    """One measured response and the file that it is kept in."""
+    """One measured response and the file that it is kept in.
+
+    The JSON has the response as its own file has it, so that a reader needs one format.
+    """
 
     result: ProbeResult
     file: Path

@@ -85,8 +85,9 @@ def _conditions(draft: Draft) -> dict[str, bool]:
 
 def _places(draft: Draft, file: str) -> Mapping[str, str]:
     answers = draft.answers
-    number = {key: str(register_number(draft, int(answers[key])))
-              for key in ("heartbeat", "roll_id")}  # fmt: skip
+    number = {
+        key: str(register_number(draft, int(answers[key]))) for key in ("heartbeat", "roll_id")
+    }
     echo = answers.get("echo", NONE)
     stem = re.sub(r"[^A-Za-z0-9_-]", "_", file) or "site"
     kept = ("wire", "port", "device_id", "function", "law", "second", "speed_max", "radius_min",
@@ -123,8 +124,14 @@ def _hold_after_ms(scan_ms: str) -> float:
 def _written(draft: Draft) -> dict[str, str]:
     """Return the numbers of the written words, in the order of the gateway block."""
     first = int(draft.answers["write"])
-    offsets = {"aff_heartbeat": 0, "state": 1, "echo": 2, "alarm": 5, "limit": 6,
-               "config_revision": 7}  # fmt: skip
+    offsets = {
+        "aff_heartbeat": 0,
+        "state": 1,
+        "echo": 2,
+        "alarm": 5,
+        "limit": 6,
+        "config_revision": 7,
+    }
     return {
         f"write_{name}": str(register_number(draft, first + offset))
         for name, offset in offsets.items()

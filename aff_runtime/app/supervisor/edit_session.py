@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.link.answers import Done, as_answer
 from aff_runtime.app.link.messages import ConfigDiffers, Parameters, Reply
 from aff_runtime.app.link.parameter_record import ParameterRecord
@@ -26,7 +26,7 @@ class EditSession:
 
     Parameters
     ----------
-    verdict : of the file that runs.
+    result : of the file that runs.
     watch : looked at the site file before that check read it: what was saved meanwhile is an edit.
 
     Attributes
@@ -43,7 +43,7 @@ class EditSession:
         processes: Processes,
         pending: Pending,
         site: Path,
-        verdict: Verdict,
+        result: CheckResult,
         state: Path = STATE_DIRECTORY,
         watch: FileWatch | None = None,
     ) -> None:
@@ -54,9 +54,9 @@ class EditSession:
         self._watch = watch or FileWatch([site])
         self._watch.watch(_watched(site, processes.record))
         self._check: Validation | None = None
-        self._waiting: Verdict | None = None
+        self._waiting: CheckResult | None = None
         self._handing_over = False
-        self.findings = verdict.findings
+        self.findings = result.findings
         self.differs: tuple[str, ...] = ()
         self.held = self.saved_meanwhile = False
         self.accepted: Callable[[ParameterRecord], None] = _nobody_listens
@@ -67,15 +67,15 @@ class EditSession:
         return self._check is not None or self._handing_over
 
     def step(self) -> None:
-        """Look at the file; take the verdict of a check that has ended."""
+        """Look at the file; take the result of a check that has ended."""
         if self._watch.changed():
             if self.held:
                 self.saved_meanwhile = True
             else:
                 self.look_again()
-        if self._check is not None and (verdict := self._check.verdict()) is not None:
+        if self._check is not None and (result := self._check.result()) is not None:
             self._check = None
-            self._judge(verdict)
+            self._judge(result)
         elif self._waiting is not None and not self.held and not self._processes.is_live():
             self._judge(self._waiting)
 
@@ -95,12 +95,12 @@ class EditSession:
             self._check.abandon()
             self._check = None
 
-    def _judge(self, verdict: Verdict) -> None:
+    def _judge(self, result: CheckResult) -> None:
         """Apply, restart idle or let wait, whichever the edit allows."""
         self._waiting = None
-        record, running = verdict.record, self._processes.record
+        record, running = result.record, self._processes.record
         if record is None:
-            self._refuse(verdict.findings)
+            self._refuse(result.findings)
             return
         found = diff_sites(running.site, record.site)
         exchanged = exchanged_responses(running, record, self._processes.probed)
@@ -116,7 +116,7 @@ class EditSession:
         if self._processes.control is None:
             self._accept(record)  # the next start takes it
         elif waits and self._processes.is_live():
-            self._waiting = verdict
+            self._waiting = result
             self._refuse(f"{what}; waits for bypass" for what in waits)
         elif may_apply_while_active(found) and not wire:
             if found or exchanged:
@@ -124,7 +124,7 @@ class EditSession:
             else:
                 self.differs = ()
         else:
-            for finding in verdict.findings:
+            for finding in result.findings:
                 self._processes.note("CONFIG_WARNING", finding)
             self.restart_on(record)
 

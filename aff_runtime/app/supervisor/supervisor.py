@@ -69,7 +69,7 @@ class Supervisor:
 
     def __init__(self, options: RunOptions) -> None:
         watch = FileWatch([options.site])  # before the check: it may take its time
-        verdict = load_record(options.site, options.state_directory)
+        result = load_record(options.site, options.state_directory)
         requests = RequestSocket(options.paths.socket)
         self._clock = MonotonicClock()
         self._notifier = ServiceNotifier(os.environ, every_ticks=1)
@@ -86,13 +86,13 @@ class Supervisor:
             requests, self._selector, self._serve_request, self._pending.forget
         )
         self._processes = Processes(
-            options, verdict.checked(), self._clock, on_change=self._watch_link
+            options, result.checked(), self._clock, on_change=self._watch_link
         )
         self._states = StateLog()
         self._forecast = CrossingForecast()
         self._link_fd: int | None = None
         self._edits = EditSession(
-            self._processes, self._pending, options.site, verdict, options.state_directory, watch
+            self._processes, self._pending, options.site, result, options.state_directory, watch
         )
         self._settings = SettingsDesk(self._processes, self._edits, options, self._clock)
         self._probes = Probes(self._processes, self._pending, self._edits, self._settings)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import IO
 
 from aff_runtime.app.check.limits import ONE_THREAD, PATIENCE_S, TOO_LONG, TOO_SLOW
-from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.supervisor.child_environment import without_service_manager
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
@@ -65,10 +65,10 @@ class Validation:
         """Process id."""
         return self._process.pid
 
-    def verdict(self, *, wait_s: float = 0.0) -> Verdict | None:
-        """Return the verdict, or None while the check still runs after ``wait_s``.
+    def result(self, *, wait_s: float = 0.0) -> CheckResult | None:
+        """Return the result, or None while the check still runs after ``wait_s``.
 
-        A check that takes longer than `PATIENCE_S` is ended, and that is the verdict.
+        A check that takes longer than `PATIENCE_S` is ended, and that is the result.
         """
         try:
             self._process.wait(wait_s)
@@ -85,7 +85,7 @@ class Validation:
         except ValueError:
             return self._refused(_how_it_died(self._process.returncode))
         try:
-            found = Verdict.from_json(said)
+            found = CheckResult.from_json(said)
         except (ValueError, KeyError, TypeError):
             return self._refused(OTHER_RELEASE)
         return replace(found, findings=self._told(found.findings))
@@ -103,8 +103,8 @@ class Validation:
             told.append(f"{self._site}:1:1  {more} more; `aff-runtime check` names every one")
         return tuple(told)
 
-    def _refused(self, why: str) -> Verdict:
-        return Verdict(record=None, findings=(f"{self._site}:1:1  {why}",))
+    def _refused(self, why: str) -> CheckResult:
+        return CheckResult(record=None, findings=(f"{self._site}:1:1  {why}",))
 
 
 @contextlib.contextmanager
@@ -120,7 +120,7 @@ def _read_from(text: str | None) -> Iterator[IO[bytes] | int]:
 
 
 def _how_it_died(code: int) -> str:
-    """Return in a sentence why a check gave no verdict."""
+    """Return in a sentence why a check gave no result."""
     if code == -signal.SIGXCPU:
         return TOO_LONG
     if code < 0:
@@ -131,8 +131,8 @@ def _how_it_died(code: int) -> str:
     return f"the check itself failed (exit {code}); the log has its own words."
 
 
-def load_record(site: Path, state: Path = STATE_DIRECTORY) -> Verdict:
-    """Check ``site`` and return its verdict.
+def load_record(site: Path, state: Path = STATE_DIRECTORY) -> CheckResult:
+    """Check ``site`` and return its result.
 
     Parameters
     ----------
@@ -151,8 +151,8 @@ def load_record(site: Path, state: Path = STATE_DIRECTORY) -> Verdict:
             f"{site}:1:1  cannot be checked: {said}. Free a folder for temporary files, or name "
             "one in TMPDIR."
         ) from None
-    verdict = check.verdict(wait_s=PATIENCE_S)
-    if verdict is None:
+    result = check.result(wait_s=PATIENCE_S)
+    if result is None:
         raise ConfigError(f"{site}:1:1  {TOO_SLOW}")
-    verdict.checked()
-    return verdict
+    result.checked()
+    return result

@@ -1,4 +1,4 @@
-"""A law together with what the record needs to know of it: which one is stepping now."""
+"""The place in the cycle where a law works: the site's controller, or a probe before it."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from aff_runtime.core.controller import Controller
 from aff_runtime.core.probe.probe import Probe
 
 BRIDGED_S = 0.1
+"""A permission that is away for no longer is taken by a probe as if it had stayed."""
 PROBE_COLUMNS = ("probe.stage", "probe.progress")
 
 
@@ -16,13 +17,17 @@ class LawSlot:
     """Steps a controller, and a probe in its place while there is one.
 
     Columns of telemetry change with the orders, the cycle's do not; so the cycle learns of no
-    columns and ``Outside`` asks ``law_telemetry`` instead.
+    columns, and its ``loop.seams.Outside`` asks for ``law_telemetry`` instead.
 
     Parameters
     ----------
     controller : the law of the site file.
     adopt_from : the law before it; its weights and angles are taken over in the first step.
     probe : measures the response; the controller follows the angles meanwhile and adapts nothing.
+
+    Attributes
+    ----------
+    is_stepping : the cycle has stepped it, so what is recorded from now on are its columns.
     """
 
     __slots__ = (

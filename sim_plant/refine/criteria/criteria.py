@@ -14,7 +14,8 @@ from sim_plant.refine.criteria.search import SearchCriteria
 class Criteria:
     """Every threshold that decides something, by section.
 
-    Iteration counts and grids of a solver are not here: they stand in the solver's file.
+    Iteration counts, steps and grids of a solver are not here, nor limits of size, nor what only
+    reads a run of the service: they stand in the file that uses them.
     """
 
     records: RecordCriteria = field(default_factory=RecordCriteria)

@@ -105,6 +105,12 @@ class SpectraCriteria:
     same_frequency_share: float = criterion(
         0.003, "1", "the same for a line in time whose frequency is known", NOT_RECORDED
     )
+    whole_order_reach: float = criterion(
+        0.1,
+        "of an order",
+        "a line further off a whole order proposes none",
+        "lines of other rollers lie anywhere between whole orders",
+    )
     least_speed_spread: float = criterion(
         1e-3,
         "of the mean speed",

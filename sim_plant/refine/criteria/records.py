@@ -41,7 +41,10 @@ class RecordCriteria:
         NOT_RECORDED,
     )
     stuck_share: float = criterion(
-        0.05, "1", "a column longer than this at one end of its range is said", NOT_RECORDED
+        0.05,
+        "of the rows",
+        "a column that stands at one end of its range for more is said",
+        NOT_RECORDED,
     )
     stuck_levels: int = criterion(
         20, "levels", "a column of no more levels is not said to be stuck", NOT_RECORDED
@@ -59,7 +62,7 @@ class MatchCriteria:
     """Whether a record belongs to a line; refused where not."""
 
     sample_time_share: float = criterion(
-        1e-3, "1", "sample times of record and line differ by less", NOT_RECORDED
+        1e-3, "1", "sample times of record and line differ by no more", NOT_RECORDED
     )
     speed_mismatch: float = criterion(
         0.2,
@@ -84,7 +87,7 @@ class MatchCriteria:
         0.1, "of the fastest speed", "the line runs where it is faster", NOT_RECORDED
     )
     least_running_share: float = criterion(
-        0.1, "rows", "share of the rows in which the line has to run", NOT_RECORDED
+        0.1, "of the rows", "in fewer the line does not run enough", NOT_RECORDED
     )
     one_speed_share: float = criterion(
         0.02,
@@ -96,7 +99,7 @@ class MatchCriteria:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelCriteria:
-    """What is taken for known of a declared line, and of the profiles that are tried on it."""
+    """How well a declared number is known, and from where on a number is at its bound."""
 
     default_tolerance: Mapping[str, float] = criterion(
         {

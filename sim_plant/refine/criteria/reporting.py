@@ -108,6 +108,30 @@ class GeneralCriteria:
     shift_reach: int = criterion(
         200, "samples", "channels are not shifted by more", "2 s at 10 ms; and never the taps"
     )
+    least_delay_samples: float = criterion(
+        0.05, "samples", "a shorter mean shift between channels is no delay", NOT_RECORDED
+    )
+    least_side_share: float = criterion(
+        0.02,
+        "of the samples",
+        "a state on one side of zero for less has no two signs, and no friction by sign",
+        NOT_RECORDED,
+    )
+    soft_sign_share: float = criterion(
+        0.002,
+        "of the rms of a state",
+        "closer to zero than this the sign counts for less",
+        "there it is the sign of noise",
+    )
+    slow_state_s: float = criterion(
+        0.4, "s", "mean over which a gain's state is taken", "what is faster is the input itself"
+    )
+    standardised: float = criterion(
+        1e-6,
+        "unit of the input",
+        "a mean and a standard deviation this close to 0 and 1 were made so",
+        NOT_RECORDED,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,7 +146,7 @@ class WithoutLineCriteria:
         NOT_RECORDED,
     )
     onward_share: float = criterion(
-        0.9, "rows", "share of the rows in which a travel speed is above 0", NOT_RECORDED
+        0.9, "of the rows", "a travel speed is above 0 in at least as many", NOT_RECORDED
     )
     sample_time_share: float = criterion(
         0.02, "1", "sample times of record and declaration differ by less", NOT_RECORDED

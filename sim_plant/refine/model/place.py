@@ -1,4 +1,4 @@
-"""Where an effect sits: what a search claims, a verdict names and a report says."""
+"""An effect with its location: what a search claims, a verdict names and a report says."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """One effect at one location, both as in a declaration."""
+    """One effect at one location, both by their names in a declaration."""
 
     effect: str
     location: str
@@ -18,7 +18,7 @@ class Place:
 
     @classmethod
     def parse(cls, text: str) -> Place:
-        """Return the place that a version 1 verdict names so.
+        """Return the effect and location that a version 1 verdict writes so.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""From what the search found, and what it is worth, to the verdict."""
+"""From the selection of the search, and its error on the record judged, to the verdict."""
 
 from __future__ import annotations
 
@@ -23,7 +23,13 @@ from sim_plant.refine.search.selection import AcceptedEffect, Selection
 
 
 def verdict_of(selection: Selection, evaluation: Evaluation | None, holdout: str) -> Verdict:
-    """Return the whole verdict; ``holdout`` is the path of the record judged."""
+    """Return the whole verdict.
+
+    Parameters
+    ----------
+    evaluation : on the record judged; None where there is none.
+    holdout : path of that record, the first held out or else the first fitted.
+    """
     return Verdict(
         answer=_answer(selection),
         effects=effect_findings(selection),

@@ -22,7 +22,8 @@ class EffectFinding:
 
     Attributes
     ----------
-    place : what and where; an effect unknown to version 1 goes by its name in the catalogue.
+    place : effect and location; an effect that version 1 (keys and words of ``verdict.json``) does
+        not know goes by its name in the catalogue.
     parameters : as a declaration takes them; a cosine and a sine part also as amplitude and angle.
     interval95 : low and high of the fitted ones, 95 %.
     score, margin : chi-square less the penalty of the numbers, and by how much the next is behind.

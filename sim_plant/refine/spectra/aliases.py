@@ -12,8 +12,6 @@ from sim_plant.refine.spectra.coordinates import Travel, line_at_body
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
 SPECTRA = CRITERIA.spectra
-MOST_OFF_WHOLE = 0.1
-"""Of an order: lines of other rollers lie anywhere between whole orders."""
 
 
 def with_aliases(
@@ -104,7 +102,7 @@ def whole_orders(
         order, bin_width = known
         reach = max(2.0 * bin_width, SPECTRA.same_coordinate_share * order)
         whole = round(order)
-        if whole >= 1 and abs(order - whole) <= min(reach, MOST_OFF_WHOLE):
+        if whole >= 1 and abs(order - whole) <= min(reach, SPECTRA.whole_order_reach):
             orders.append(whole)
     return list(dict.fromkeys(orders))
 

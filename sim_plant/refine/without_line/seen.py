@@ -25,7 +25,7 @@ SOME_RECORDS = "some records"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
-    """Where a spectral line is.
+    """In which records and at which speeds a spectral line is.
 
     Attributes
     ----------

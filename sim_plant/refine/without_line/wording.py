@@ -5,39 +5,44 @@ from __future__ import annotations
 from sim_plant.refine.report.wording import coordinate_text
 from sim_plant.refine.without_line.free_spectral_lines import SpectralLine
 from sim_plant.refine.without_line.general.findings import Finding
-from sim_plant.refine.without_line.seen import EVERY_RECORD, EVERY_SPEED, ONE_RECORD, ONE_SPEED
+from sim_plant.refine.without_line.seen import (
+    EVERY_RECORD,
+    EVERY_SPEED,
+    ONE_RECORD,
+    ONE_SPEED,
+    Seen,
+)
 
 
 def line_text(spectral: SpectralLine) -> str:
     """Return what a spectral line is and where it was seen, without a stop."""
-    where = spectral.seen
-    if where is None:
+    seen = spectral.seen
+    if seen is None:
         return coordinate_text(spectral.kind, spectral.where)
     if spectral.kind == "time":
         text = f"something that repeats in time, {spectral.coordinate:.4g} Hz"
     else:
         text = coordinate_text(spectral.kind, spectral.where)
-    if where.order:
-        text += f", order {where.order} of what repeats every {1e3 / where.fundamental:.4g} mm"
-    return f"{text}, {_seen_text(spectral)}"
+    if seen.order:
+        text += f", order {seen.order} of what repeats every {1e3 / seen.fundamental:.4g} mm"
+    return f"{text}, {_seen_text(spectral, seen)}"
 
 
-def _seen_text(spectral: SpectralLine) -> str:
-    where = spectral.seen
-    assert where is not None
-    count = f"{sum(where.present)} of {len(where.present)} records"
-    speeds = " and ".join(f"{v:.3g}" for v in where.speeds_m_s)
-    if where.scope == EVERY_SPEED:
+def _seen_text(spectral: SpectralLine, seen: Seen) -> str:
+    """Return in which records and at which speeds it was seen."""
+    count = f"{sum(seen.present)} of {len(seen.present)} records"
+    speeds = " and ".join(f"{v:.3g}" for v in seen.speeds_m_s)
+    if seen.scope == EVERY_SPEED:
         return f"at every speed ({speeds} m/s)"
-    if where.scope == EVERY_RECORD:
+    if seen.scope == EVERY_RECORD:
         return "in every record"
-    if where.scope == ONE_SPEED:
-        text = f"seen at one speed only, {where.speeds_m_s[0]:.3g} m/s ({count})"
-        if where.other and not where.order:
+    if seen.scope == ONE_SPEED:  # so it may as well be constant in the other kind
+        text = f"seen at one speed only, {seen.speeds_m_s[0]:.3g} m/s ({count})"
+        if seen.other and not seen.order:
             unit = "1/m" if spectral.kind == "time" else "Hz"
-            text += f"; at another it may be {where.other:.4g} {unit} that stays"
+            text += f"; at another it may be {seen.other:.4g} {unit} that stays"
         return text
-    if where.scope == ONE_RECORD:
+    if seen.scope == ONE_RECORD:
         return f"seen in one record only ({count})"
     return f"seen in {count}" + (f", at {speeds} m/s" if speeds else "")
 

@@ -6,8 +6,8 @@ import shutil
 import numpy as np
 import pytest
 
-from aff_runtime.app.check.validate import verdict
-from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.check.result import CheckResult
+from aff_runtime.app.check.validate import check_result
 from aff_runtime.app.commission import sources
 from aff_runtime.app.supervisor.validation import load_record
 from aff_runtime.cli.main import main
@@ -18,7 +18,7 @@ WHY = "checked on the drive"
 
 def judged_here(site, state):
     """Return what the check's process answers, by the same function in this process."""
-    found = Verdict.from_json(json.loads(json.dumps(verdict(site, state).to_json())))
+    found = CheckResult.from_json(json.loads(json.dumps(check_result(site, state).to_json())))
     found.checked()
     return found
 

@@ -21,11 +21,11 @@ def test_a_good_file_passes_the_check(capsys: pytest.CaptureFixture[str]) -> Non
     assert "ok" in capsys.readouterr().out.splitlines()[-1]
 
 
-def test_check_brief_shows_findings_and_verdict_alone(capsys: pytest.CaptureFixture[str]) -> None:
+def test_check_brief_shows_findings_and_result_alone(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", str(SITE), "--brief"]) == 0
-    *findings, verdict = capsys.readouterr().out.splitlines()
+    *findings, result = capsys.readouterr().out.splitlines()
     assert all(line.startswith("warning  ") for line in findings)
-    assert verdict.startswith(f"{SITE}: ok, ")
+    assert result.startswith(f"{SITE}: ok, ")
 
 
 def test_a_bad_file_is_refused_with_its_place(

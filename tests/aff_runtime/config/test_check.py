@@ -29,15 +29,15 @@ def test_bad_file_gives_every_finding_and_exit_code_2(tmp_path):
     )
 
 
-def test_findings_and_verdict_come_last_and_brief_leaves_the_rest_out():
+def test_findings_and_result_come_last_and_brief_leaves_the_rest_out():
     report = check_site(EUCLID)
     assert len(report.warnings) == 2
-    *facts, gap, wire, warning, verdict = report.lines()
+    *facts, gap, wire, warning, result = report.lines()
     assert len(facts) > 60
     assert not any(line.startswith(("warning", "error")) for line in facts)
     assert gap == ""
     assert [wire, warning] == [f"warning  {finding}" for finding in report.warnings]
-    assert report.lines(brief=True) == [wire, warning, verdict]
+    assert report.lines(brief=True) == [wire, warning, result]
 
 
 def test_frequencies_are_those_of_the_source():

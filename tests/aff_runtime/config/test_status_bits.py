@@ -24,8 +24,9 @@ def with_bits(folder: Path, bits: str) -> Path:
 
 def test_bits_have_their_place_their_word_and_their_polarity(tmp_path: Path) -> None:
     words = register_map(load_site(with_bits(tmp_path, OWN)))
-    places = {place.means: (place.address, place.bit, place.inverted)
-              for place in words.status_places}  # fmt: skip
+    places = {
+        place.means: (place.address, place.bit, place.inverted) for place in words.status_places
+    }
     assert places == {
         Status.LINE_RUN: (1, 4, False),
         Status.TENSION_VALID: (1, 5, False),

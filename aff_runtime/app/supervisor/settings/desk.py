@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.link.answers import Done
 from aff_runtime.app.link.messages import Reply
 from aff_runtime.app.link.parameter_record import ParameterRecord
@@ -32,7 +32,7 @@ from aff_runtime.config.diff import Change, diff_sites
 from aff_runtime.config.plain_file import read_plain
 
 BUSY = "settings are being tried; keep or undo them first"
-Checked = Callable[[Asked, Verdict], None]
+Checked = Callable[[Asked, CheckResult], None]
 
 
 class SettingsDesk:
@@ -101,9 +101,9 @@ class SettingsDesk:
         hear(self._processes.ring, self._processes.record.site, self._ripple)
         if self._check is not None:
             asked, check, then = self._check
-            if (verdict := check.verdict()) is not None:
+            if (result := check.result()) is not None:
                 self._check = None
-                self._judge(asked, verdict, then)
+                self._judge(asked, result, then)
         if (tried := self._tried) is not None:
             if not self._was_saved(tried):
                 tried.step(latest)
@@ -137,31 +137,31 @@ class SettingsDesk:
             raise RefusedError(f"cannot be checked now: {error.strerror}; try again") from None
         self._check = (asked, check, then)
 
-    def _judge(self, asked: Asked, verdict: Verdict, then: Checked) -> None:
+    def _judge(self, asked: Asked, result: CheckResult, then: Checked) -> None:
         try:
-            verdict.checked()
-            then(asked, verdict)
+            result.checked()
+            then(asked, result)
         except (ConfigError, RefusedError) as error:
             asked.refuse(error)
 
     def _changes(self, record: ParameterRecord) -> tuple[Change, ...]:
         return diff_sites(self._processes.record.site, record.site)
 
-    def _new_remarks(self, verdict: Verdict) -> tuple[str, ...]:
+    def _new_remarks(self, result: CheckResult) -> tuple[str, ...]:
         """Return the warnings that what runs did not have when the service began."""
         known = {finding.partition("  ")[2] for finding in self._edits.findings}
-        return tuple(one for one in verdict.findings if one.partition("  ")[2] not in known)
+        return tuple(one for one in result.findings if one.partition("  ")[2] not in known)
 
-    def _tell_diff(self, asked: Asked, verdict: Verdict) -> None:
-        changes = self._changes(verdict.checked())
+    def _tell_diff(self, asked: Asked, result: CheckResult) -> None:
+        changes = self._changes(result.checked())
         asked.answer(
-            self._answer(changes=tuple(map(str, changes)), remarks=self._new_remarks(verdict))
+            self._answer(changes=tuple(map(str, changes)), remarks=self._new_remarks(result))
         )
 
     # --- try, keep, undo ----------------------------------------------------------------------
 
-    def _try(self, asked: Asked, verdict: Verdict) -> None:
-        record, request = verdict.checked(), asked.request.settings
+    def _try(self, asked: Asked, result: CheckResult) -> None:
+        record, request = result.checked(), asked.request.settings
         assert request is not None
         changes = self._changes(record)
         if not changes:
@@ -182,7 +182,7 @@ class SettingsDesk:
             plan, self._processes, self._edits, self._clock, self._ripple, ended=self._ended
         )
         self._tried = tried
-        told = self._answer(changes=tuple(map(str, changes)), remarks=self._new_remarks(verdict))
+        told = self._answer(changes=tuple(map(str, changes)), remarks=self._new_remarks(result))
 
         def taken(reply: Reply) -> None:
             if not reply.ok:

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.ndimage import shift as spline_shift
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 
 Stage = Literal["filter", "shift", "own", "raw", "driven", "term", "past"]
 """Where an effect acts: the filter's lags, the time between channels, numbers of one record alone,
@@ -19,8 +20,7 @@ an input as read, an input as it enters the filter, a term beside the filter, pa
 LATER = 32
 """Shifted inputs that are kept: a fit asks for the same again as it moves one number at a time."""
 
-STANDARD = 1e-6
-"""Mean and standard deviation of an input this close to 0 and 1 were made so."""
+GENERAL = CRITERIA.without_line.general
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,8 +66,8 @@ class View:
     def standardised(self) -> bool:
         """Whether every input has mean 0 and variance 1: no zero and no unit of it is left."""
         return bool(self.inputs) and all(
-            abs(float(np.mean(x))) < STANDARD
-            and min(abs(float(np.std(x, ddof=k)) - 1.0) for k in (0, 1)) < STANDARD
+            abs(float(np.mean(x))) < GENERAL.standardised
+            and min(abs(float(np.std(x, ddof=k)) - 1.0) for k in (0, 1)) < GENERAL.standardised
             for x in self.inputs.values()
         )
 

@@ -22,7 +22,6 @@ from sim_plant.refine.without_line.general.search import (
 )
 
 Interval = tuple[float, float]
-LEAST_DELAY_SAMPLES = 0.05
 SHIFT = "channel_shift"
 
 
@@ -233,7 +232,7 @@ def _shift(
     for place, name in enumerate(views[0].inputs if delays else ()):
         samples, sd = float(e.numbers[place]), float(e.number_sd[place])
         low, high = _between(samples, sd, e.blocks)
-        if low * high > 0.0 and abs(samples) > LEAST_DELAY_SAMPLES:
+        if low * high > 0.0 and abs(samples) > CRITERIA.without_line.general.least_delay_samples:
             values[f"delay_s behind {name}"] = (samples * step_s, sd * step_s)
     if not values:
         return []

@@ -7,12 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, Number, View
 
-LEAST_SHARE = 0.02
-"""A state is on either side of zero for at least this share of the record."""
-SOFT_SHARE = 0.002
-"""Of its rms: closer to zero than this the sign is that of noise, and counts for less."""
+GENERAL = CRITERIA.without_line.general
 
 
 def columns(view: View, chosen: Chosen) -> Array:
@@ -28,8 +26,9 @@ def starts(views: Sequence[View]) -> list[Chosen]:
     for name in views[0].states():
         state = np.concatenate([v.states()[name] for v in views])
         positive = float(np.mean(state > 0.0))
-        if LEAST_SHARE < positive < 1.0 - LEAST_SHARE and np.mean(state < 0.0) > LEAST_SHARE:
-            soft = SOFT_SHARE * float(np.sqrt(np.mean(state**2)))
+        least = GENERAL.least_side_share
+        if least < positive < 1.0 - least and np.mean(state < 0.0) > least:
+            soft = GENERAL.soft_sign_share * float(np.sqrt(np.mean(state**2)))
             found.append(Chosen(effect=EFFECT.name, place=name, constants=(soft,)))
     return found
 

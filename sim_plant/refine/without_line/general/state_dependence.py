@@ -8,10 +8,10 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, Number, View
 
-SLOW_S = 0.4
-"""The state is a mean over this long: what is faster is the input itself."""
+GENERAL = CRITERIA.without_line.general
 SPEED = "travel speed"
 BY = " by "
 SHARES = (-0.3, 0.3)
@@ -21,7 +21,7 @@ def state_of(view: View, name: str) -> Array:
     """Return a slow state (samples,)."""
     speed = view.speed_m_s if name == SPEED else view.inputs[name]
     values: Array = uniform_filter1d(
-        np.asarray(speed), max(1, round(SLOW_S / view.step_s)), mode="nearest"
+        np.asarray(speed), max(1, round(GENERAL.slow_state_s / view.step_s)), mode="nearest"
     )
     return values
 

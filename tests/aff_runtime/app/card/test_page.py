@@ -22,10 +22,17 @@ POINTS = Sample(
     rows=((0.5, 90.0, -3.0, 0.05, 0.99), (4.0, 20.0, 2.5, 0.1, 0.9)),
 )
 DECIBELS = [
-    Figure(name=f"order {n}", value=10.0 * n, unit="dB", low=10.0 * n - 1, high=10.0 * n + 1,
-           limit="does not rise", good=True)
+    Figure(
+        name=f"order {n}",
+        value=10.0 * n,
+        unit="dB",
+        low=10.0 * n - 1,
+        high=10.0 * n + 1,
+        limit="does not rise",
+        good=True,
+    )
     for n in (1, 2)
-]  # fmt: skip
+]
 
 
 class Outline(HTMLParser):

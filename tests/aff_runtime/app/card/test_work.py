@@ -22,7 +22,7 @@ WHY = "seen on the drive"
 
 def sources(warnings=(), **more):
     checked = CheckedSite(site=SITE, warnings=tuple(warnings), limits=facts_of(SITE).limits)
-    return Sources(record=RECORD, checked=checked, **more)
+    return Sources(parameters=RECORD, checked=checked, **more)
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def test_a_step_with_far_too_much_to_say_is_cut_and_read_back(begun):
     record = replace_responses()
     typed_values = tuple(map(typed, ["unwind=1", "swrap_follower=1", "warnings_understood=5000"]))
     found = work.measure(
-        work.CardFile.of(begun), 3, replace(sources(many), record=record), typed_values, "root"
+        work.CardFile.of(begun), 3, replace(sources(many), parameters=record), typed_values, "root"
     )
     assert found.verdict is Verdict.PASS
     kept = work.CardFile.of(begun).card().steps[3].measured

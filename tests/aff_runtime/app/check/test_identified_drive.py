@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.app.check.validate import verdict
+from aff_runtime.app.check.validate import check_result
 from aff_runtime.config.check import check_site
 from aff_runtime.core.identified import IdentifiedDrive
 from aff_runtime.core.response import Provenance, Response
@@ -36,7 +36,7 @@ def site_with(folder: Path, found: IdentifiedDrive | None) -> Path:
 
 
 def test_the_record_has_the_whole_drive_and_says_where_it_is_from(tmp_path):
-    record = verdict(site_with(tmp_path, drive()), tmp_path).checked()
+    record = check_result(site_with(tmp_path, drive()), tmp_path).checked()
     assert record.site.actuators["unwind"].uses_shape
     assert "unwind" in record.loops
     assert record.shape_files.keys() == {"unwind"}
@@ -48,14 +48,14 @@ def test_the_record_has_the_whole_drive_and_says_where_it_is_from(tmp_path):
 def test_the_site_files_own_hash_is_that_of_the_file(tmp_path):
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
-    with_drive = verdict(site_with(tmp_path / "a", drive()), tmp_path).checked()
-    without = verdict(site_with(tmp_path / "b", None), tmp_path).checked()
+    with_drive = check_result(site_with(tmp_path / "a", drive()), tmp_path).checked()
+    without = check_result(site_with(tmp_path / "b", None), tmp_path).checked()
     assert with_drive.site_hash == without.site_hash
     assert with_drive.config_hash != without.config_hash
 
 
 def test_without_an_identified_drive_the_plain_blocks_stand_in_as_before(tmp_path):
-    record = verdict(site_with(tmp_path, None), tmp_path).checked()
+    record = check_result(site_with(tmp_path, None), tmp_path).checked()
     assert record.site.actuators["unwind"].law_that_runs == "blocks"
     assert record.drives[0].startswith("unwind: plain blocks stand in: ")
 
@@ -64,4 +64,4 @@ def test_without_an_identified_drive_the_plain_blocks_stand_in_as_before(tmp_pat
 def test_the_command_check_says_the_same(tmp_path, found):
     site = site_with(tmp_path, found)
     said = [line for line in check_site(site, (), tmp_path).lines() if line.startswith("drive  ")]
-    assert said == [f"drive  {text}" for text in verdict(site, tmp_path).checked().drives]
+    assert said == [f"drive  {text}" for text in check_result(site, tmp_path).checked().drives]

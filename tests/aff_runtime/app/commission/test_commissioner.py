@@ -11,6 +11,7 @@ from aff_runtime.app.card.work import CardFile
 from aff_runtime.app.commission.client import ask
 from aff_runtime.app.commission.commissioner import Commissioner
 from aff_runtime.app.commission.listening import Listener
+from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.people import IDLE_NS
 from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.hand import accounts
@@ -54,7 +55,7 @@ class Line:
         )
 
     async def ask(self, do, **said):
-        return await self.commissioner.answer({"do": do, **said}, PEER)
+        return await self.commissioner.answer(Request(do=do, **said), PEER)
 
     async def open(self, account="carl", *, over=False):
         said = {"account": account, "password": PASSWORD, "over": over}

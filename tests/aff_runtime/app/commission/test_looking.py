@@ -6,6 +6,7 @@ import pytest
 
 from aff_runtime.app.commission import looking
 from aff_runtime.app.commission.looking import LEAST_NS, Looking
+from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.sources import Where
 from tests.doubles.virtual_clock import VirtualClock
 
@@ -33,7 +34,7 @@ def look(tmp_path, monkeypatch):
 
     def after(wait_ns):
         clock.advance_ns(wait_ns)
-        return asyncio.run(found.look({"do": "line"}))
+        return asyncio.run(found.look(Request(do="line")))
 
     return after, answers
 

@@ -3,6 +3,7 @@
 import pytest
 
 from aff_runtime.app.commission import setup_jobs
+from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.setup_jobs import words
 from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.report.status_answer import StatusAnswer
@@ -64,10 +65,12 @@ def where(tmp_path):
 def test_a_screen_finds_the_words_of_the_shipped_site_file_leaves_and_goes_on(plc, where):
     answers = ANSWERS | PICKS | {"port": str(plc.port)}
     first = Talk(answers, leaves_at="line_speed_m_s.pick")
-    assert words(where, {"again": ""}, first) == {"text": "left; what was answered is kept"}
+    assert words(where, Request(do="words", again=""), first) == {
+        "text": "left; what was answered is kept"
+    }
     assert not where.site.exists()
     second = Talk(answers)
-    assert words(where, {"again": ""}, second)["text"] == f"wrote {where.site}"
+    assert words(where, Request(do="words", again=""), second)["text"] == f"wrote {where.site}"
     assert second.asked[0] == "line_speed_m_s.display"
     choices, rows = second.rows["line_speed_m_s.pick"]
     assert choices == ("again",)
@@ -83,7 +86,7 @@ def test_a_screen_finds_the_words_of_the_shipped_site_file_leaves_and_goes_on(pl
     third = Talk(answers | {"name": "Other", "replace": "yes"})
     third.before = lambda name: where.site.write_text("of somebody") if name == "replace" else None
     with pytest.raises(RefusedError, match="somebody has saved it meanwhile"):
-        words(where, {"again": "name"}, third)
+        words(where, Request(do="words", again="name"), third)
     assert third.asked == ["name", "replace"]
     assert where.site.read_text() == "of somebody"
 
@@ -92,9 +95,9 @@ def test_while_a_correction_goes_out_nobody_else_speaks_to_the_plc(where, monkey
     standing = StatusAnswer(line="Euclid", state="ACTIVE")
     monkeypatch.setattr(setup_jobs, "standing_of", lambda socket: standing)
     with pytest.raises(RefusedError, match="bypass first"):
-        words(where, {"again": ""}, Talk({}))
+        words(where, Request(do="words", again=""), Talk({}))
 
 
 def test_a_wire_that_needs_no_search_ends_with_what_to_do(where):
     with pytest.raises(ConfigError, match="DBC"):
-        words(where, {"again": ""}, Talk({"wire": "can"}))
+        words(where, Request(do="words", again=""), Talk({"wire": "can"}))

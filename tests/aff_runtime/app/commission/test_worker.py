@@ -4,6 +4,7 @@ import asyncio
 
 import pytest
 
+from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.commission.worker import CUT, DIED, STOPPED, Worker
 from tests.aff_runtime.app.commission import made_jobs
@@ -19,7 +20,7 @@ def where(tmp_path):
 
 def stopped_after_words(where, do):
     """Return what became of a job that is stopped once it has said something, and its worker."""
-    found = Worker({"do": do}, where)
+    found = Worker(Request(do=do), where)
 
     async def played():
         running = asyncio.create_task(found.run())
@@ -55,5 +56,5 @@ def test_a_stopped_look_is_stopped(where, monkeypatch):
 
 def test_a_job_that_talks_no_sense_is_ended_and_has_not_answered(where, monkeypatch):
     made_jobs.play(monkeypatch, "print('no JSON', flush=True)\n" + NEVER)
-    found = Worker({"do": "verify"}, where)
+    found = Worker(Request(do="verify"), where)
     assert asyncio.run(found.run())["name"] == DIED

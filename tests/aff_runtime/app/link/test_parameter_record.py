@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.app.check.validate import verdict
-from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.check.result import CheckResult
+from aff_runtime.app.check.validate import check_result
 from aff_runtime.app.link.messages import Parameters, Start, decode, encode
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from tests.parameter_records import CONFIG, EUCLID, record_of
@@ -34,13 +34,13 @@ SITES = ("euclid.yaml", "euclid_blocks.yaml", "euclid_can.yaml", "euclid_canopen
 
 
 @pytest.mark.parametrize("name", SITES)
-def test_the_verdict_on_a_shipped_site_comes_back_as_it_was_said(name: str) -> None:
-    found = verdict(CONFIG / name)
-    assert Verdict.from_json(json.loads(json.dumps(found.to_json()))) == found
+def test_the_result_on_a_shipped_site_comes_back_as_it_was_said(name: str) -> None:
+    found = check_result(CONFIG / name)
+    assert CheckResult.from_json(json.loads(json.dumps(found.to_json()))) == found
 
 
 def test_the_layout_of_a_record_is_that_of_the_check() -> None:
-    said = verdict(CONFIG / "euclid.yaml").checked().to_json()
+    said = check_result(CONFIG / "euclid.yaml").checked().to_json()
     assert list(said) == LAYOUT
     assert said["site"] == EUCLID.model_dump(mode="json", by_alias=True)
     assert said["site_text"] == (CONFIG / "euclid.yaml").read_text()

@@ -60,9 +60,7 @@ def test_the_default_block_is_read_off_one_value_each(
 
 
 def test_two_words_with_one_speed_are_both_offered_first() -> None:
-    rows = candidates(
-        [observed(euclid(), "200 FPM", "m/s")], "m/s", signed=True, moves=True
-    )  # fmt: skip
+    rows = candidates([observed(euclid(), "200 FPM", "m/s")], "m/s", signed=True, moves=True)
     assert {one.decoding.address for one in rows[:2]} == {5, 7}
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from aff_runtime.app.check.validate import MAX_RESPONSE_BYTES, verdict
+from aff_runtime.app.check.validate import MAX_RESPONSE_BYTES, check_result
 from aff_runtime.app.link.messages import Parameters, encode
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES
 from aff_runtime.app.supervisor.validation import load_record
@@ -31,7 +31,7 @@ def checked(path: Path) -> dict[str, Any]:
     ConfigError
         As ``load_record``: the file is not good.
     """
-    said: dict[str, Any] = json.loads(json.dumps(verdict(path).to_json()))
+    said: dict[str, Any] = json.loads(json.dumps(check_result(path).to_json()))
     if said["record"] is None:
         raise ConfigError("\n".join(said["findings"]))
     return said
@@ -50,8 +50,8 @@ def test_the_process_of_the_check_says_what_the_check_says(tmp_path: Path) -> No
 
 
 def test_the_record_of_a_good_file_carries_the_whole_site() -> None:
-    verdict = load_record(SITE)
-    record = verdict.record
+    result = load_record(SITE)
+    record = result.record
     assert record is not None
     assert record.site == load_site(SITE)
     assert record.site_text == SITE.read_text()

@@ -25,11 +25,15 @@ def test_units_and_uses_that_a_site_may_have():
     for old, new in (
         ("#transport_ms: 15", "transport_ms: 12 ms"),
         ("#speed_reference: line_speed_ref_m_s", "speed_reference: line_speed_m_s"),
-        ("line_speed_m_s: { register: 5, type: i16, scale: 0.001 }",
-         "line_speed_m_s: { register: 5, type: i16, scale: 0.06 m/min }"),
-        ("unwind_angle_rad: { register: 11, type: i32, scale: 4096 counts/turn",
-         "unwind_angle_rad: { register: 11, type: i32, scale: -0.5 deg"),
-    ):  # fmt: skip
+        (
+            "line_speed_m_s: { register: 5, type: i16, scale: 0.001 }",
+            "line_speed_m_s: { register: 5, type: i16, scale: 0.06 m/min }",
+        ),
+        (
+            "unwind_angle_rad: { register: 11, type: i32, scale: 4096 counts/turn",
+            "unwind_angle_rad: { register: 11, type: i32, scale: -0.5 deg",
+        ),
+    ):
         assert old in text, old
         text = text.replace(old, new)
     site = run_site(text, "site.yaml")

@@ -60,8 +60,11 @@ def parts(pattern):
 def test_the_last_four_count_and_each_on_settles_first():
     four = proof.abab(parts([False, True, False, True, False, True]), 30.0)
     assert [(p.from_s, p.to_s) for p in four] == [
-        (200.0, 290.0), (330.0, 390.0), (400.0, 490.0), (530.0, 590.0),
-    ]  # fmt: skip
+        (200.0, 290.0),
+        (330.0, 390.0),
+        (400.0, 490.0),
+        (530.0, 590.0),
+    ]
     assert proof.abab(parts([False, True, False]), 30.0) == []
     assert proof.abab(parts([False, True, False, True]), 95.0) == []
 

@@ -23,10 +23,15 @@ SHAPE_FILE = CONFIG / "euclid.yaml"
 
 def tried(ripples, value=16.0, half=0.1, ended=""):
     return [
-        Candidate(factor=0.5**k, value=value * 0.5**k, ripple=r, half=half,
-                  ended=ended if k == len(ripples) - 1 else "")
+        Candidate(
+            factor=0.5**k,
+            value=value * 0.5**k,
+            ripple=r,
+            half=half,
+            ended=ended if k == len(ripples) - 1 else "",
+        )
         for k, r in enumerate(ripples)
-    ]  # fmt: skip
+    ]
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.check import validate
-from aff_runtime.app.check.verdict import Verdict
+from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.link.answers import Answer, refusal
 from aff_runtime.app.link.messages import Parameters, Reply
 from aff_runtime.app.link.parameter_record import ParameterRecord
@@ -36,8 +36,8 @@ class AtOnce:
     def __init__(self, site: Path, state: Path, text: str | None = None) -> None:
         self._given = (site, state, None if text is None else text.encode())
 
-    def verdict(self) -> Verdict:
-        return validate.verdict(*self._given)
+    def result(self) -> CheckResult:
+        return validate.check_result(*self._given)
 
     def abandon(self) -> None:
         pass
@@ -156,7 +156,7 @@ class Rig:
         self.former = (CONFIG / "euclid_blocks.yaml").read_text()
         self.site.write_text(self.former)
         self.clock = VirtualClock(1)
-        found = validate.verdict(self.site)
+        found = validate.check_result(self.site)
         self.pending = Pending(self.clock)
         self.running = Running(found.checked(), self.clock, self.pending)
         state = folder / "state"

@@ -10,7 +10,7 @@ from aff_runtime.base.errors import ConfigError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class CheckResult:
     """What the check says of one site file.
 
     Attributes
@@ -40,13 +40,13 @@ class Verdict:
         return {"record": record, "findings": list(self.findings)}
 
     @classmethod
-    def from_json(cls, said: Any) -> Verdict:
+    def from_json(cls, said: Any) -> CheckResult:
         """Read ``to_json``'s values back.
 
         Raises
         ------
         KeyError, TypeError, ValueError
-            When they are no verdict of this release.
+            When they are no result of this release.
         """
         record = said["record"]
         return cls(

@@ -1,4 +1,4 @@
-"""What the commissioner puts on record: in its audit, and in its log."""
+"""What the commissioner writes into its audit, and into its log."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from aff_runtime.base.ports import Clock
 LOG = logging.getLogger("aff_runtime")
 
 
-class OnRecord:
+class AuditLines:
     """Writes lines; of a flood of refusals the count, so that it pushes nothing else out."""
 
     def __init__(self, audit: Audit, clock: Clock) -> None:
@@ -23,7 +23,7 @@ class OnRecord:
         self._ails = ""
 
     def write(self, entry: Entry, result: str, why: str = "") -> bool:
-        """Put a line on record; False when it cannot be."""
+        """Write a line; False when it cannot be."""
         try:
             number = self._audit.add(replace(entry, result=result, why=why))
         except RefusedError as error:
@@ -39,7 +39,7 @@ class OnRecord:
         return True
 
     def refuse(self, entry: Entry, why: str) -> None:
-        """Put a refusal on record, or count it where there were too many."""
+        """Write a refusal, or count it where there were too many."""
         if self._unwritten == 0 and self._lines.take():
             self.write(entry, "refused", why)
         else:
