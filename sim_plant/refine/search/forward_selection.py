@@ -265,21 +265,22 @@ def _second_of_pair(
 ) -> Extension | None:
     """Return the effect that, given ``half``, leaves nothing of its spectral line.
 
-    One that is not periodic, or the same at another place: hum on two cells is one spectral
-    line in time.
+    One that is not periodic, or the same at another place (hum on two cells is one spectral line
+    in time), or another at the same place: a motor's ripple stands on the orders of its roll.
     """
-    name = half.hypothesis.effect.name
+    name, body = half.hypothesis.effect.name, half.hypothesis.location
     progress(f"trying a second effect beside {name}")
     after = remaining_spectra(objective, half.fit, selection.travels)
     with_half = replace(selection, fit=half.fit, after=after)
-    for group in (others, [h for h in periodic if h.effect.name == name]):
+    alike = [h for h in periodic if h.effect.name == name]
+    beside = [h for h in periodic if h.effect.name != name and h.location == body]
+    for group in (others, alike, beside):
         second = best_of(objective, with_half, group, progress)
         if second is None:
             continue
         fit = profile_reinitialised(objective, second.fit)
         if _explains_own_lines(objective, selection, fit):
-            of_one_name = second.hypothesis.effect.name == name
-            if of_one_name and leaves_much(objective, selection.fit, fit):
+            if group is not others and leaves_much(objective, selection.fit, fit):
                 progress("  two of them leave too much: not accepted")
                 continue
             return replace(second, fit=fit)

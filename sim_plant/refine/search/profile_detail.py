@@ -82,10 +82,45 @@ def with_profile_details(objective: Objective, fit: Fit) -> Fit:
     than none, and when they pay their price: those that a roll is looked for by, then the finer.
     """
     for at in named_profiles(fit):
+        fit = without_unpaid_orders(objective, fit, at)
         fit = with_formation_radius(objective, fit, at)
         for some in stages_of_orders(fit.hypotheses[at].effect):
             fit = with_paying_numbers(objective, fit, at, some)
     return fit
+
+
+def without_unpaid_orders(objective: Objective, fit: Fit, at: int) -> Fit:
+    """Return the fit with the profile alone, where the orders beside it do not pay their price.
+
+    They may stand for what a profile is itself (an ellipse is its second order): a share of
+    either then has no size of its own.
+    """
+    old = fit.hypotheses[at]
+    orders = {name for pair in old.effect.quadratures for name in (pair.cos, pair.sin)}
+    profiles = old.effect.profiles
+    if profiles is None or orders.isdisjoint(old.names):
+        return fit
+    line = objective.pool.twins[0].declaration
+    radius_m = line.rollers[line.body(old.location)].radius_m
+    found = dict(zip(old.names, fit.values[at], strict=True))
+    whole = profiles.orders(radius_m, {**dict(old.fixed), **found}, len(old.effect.quadratures))
+    nearest = profiles.nearest(radius_m, whole)
+    plain = [name for name in old.names if name not in orders]
+    started = [
+        (old.fixed, {name: found[name] for name in plain}),
+        (nearest.choice, dict(zip(nearest.names, nearest.start, strict=True))),
+    ]
+    best = fit
+    for choice, start in started:
+        h = hypothesis(old.effect, old.location, choice, tuple(start), line)
+        there = fit.with_effect_at(at, h, [start[name] for name in h.names])
+        shifts = synchronising_shifts(objective, fit.shifts, there.hypotheses, there.values)
+        alone = gauss_newton_fit(
+            objective, there.hypotheses, there.values, shifts, rounds=6, quick=False
+        )
+        price = bic_penalty(objective, len(old.names) - len(h.names)) if best is fit else 0.0
+        best = alone if alone.cost < best.cost + price else best
+    return best
 
 
 def stages_of_orders(effect: Effect) -> list[tuple[str, ...]]:
