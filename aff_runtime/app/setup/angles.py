@@ -74,6 +74,7 @@ def angle_candidates(
     radius_m: float,
     taken: frozenset[int] = frozenset(),
     order: str = "",
+    does: Mapping[int, Behaviour] | None = None,
 ) -> list[AngleCandidate]:
     """Return the words that can be the angle of a roll, best first.
 
@@ -81,19 +82,20 @@ def angle_candidates(
     ----------
     speeds_m_s : of the web at each reading; ``radius_m`` : of the roll, above 0.
     order : word order of the PLC where it is known.
+    does : the words' behaviours, where they are known.
     """
     found = []
-    for address, does in behaviours(seen).items():
-        if address in taken or does.kind not in (Kind.COUNTER, Kind.RAMP):
+    for address, did in (does or behaviours(seen)).items():
+        if address in taken or did.kind not in (Kind.COUNTER, Kind.RAMP):
             continue
-        path = way_of(seen.words[address], does.restarts_at)
+        path = way_of(seen.words[address], did.restarts_at)
         measured = counts_per_turn(seen.times_s, path, speeds_m_s, radius_m)
         if measured is None:
             continue
         for counts in _usual(measured):
             signed = round(math.copysign(counts, measured.counts))
             off = abs(counts / abs(measured.counts) - 1.0)
-            for decoding, score, why in _decodings(address, does, seen, taken, order):
+            for decoding, score, why in _decodings(address, did, seen, taken, order):
                 found.append(
                     AngleCandidate(
                         decoding=decoding,
@@ -102,7 +104,7 @@ def angle_candidates(
                         low_word=address,
                         why=(*_said(measured, counts), *why),
                         score=score + _usualness(counts) - 0.5 * (off / 0.01) ** 2,
-                        usable=not does.restarts_at,
+                        usable=not did.restarts_at,
                     )
                 )
     return _sorted(found)
@@ -144,9 +146,9 @@ def _said(measured: CountsPerTurn, counts: int) -> tuple[str, ...]:
     )
     said = "measured {} counts/turn ({} to {})".format(*numbers)
     if measured.turns < 1.0:
-        return (f"{said}, in less than one turn",)
+        return (said, "in less than one turn")
     if not measured.holds(counts):
-        return (f"{said}: not this number, where radius and line speed are right",)
+        return (said, "not this number if radius and line speed are right")
     return (said,)
 
 

@@ -185,6 +185,12 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
         Question(name="radius_min", text="Radius of the empty core", read=number("m", 0.005, 3.0)),
         Question(name="radius_max", text="Radius of the full roll", read=number("m", 0.005, 3.0)),
         Question(
+            name="output",
+            text="Which reference of the drive takes the correction? velocity, torque",
+            read=_velocity,
+            default="velocity",
+        ),
+        Question(
             name="limit",
             text="Largest correction that the PLC allows at the unwind",
             read=number("m/s", 0.0, 1.0),
@@ -219,6 +225,18 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
         ),
     ]
     return tuple(asked)
+
+
+def _velocity(text: str) -> str:
+    """Take a reference that setup writes a site file for."""
+    if one_of("velocity", "torque")(text) == "torque":
+        raise AnswerError(
+            "setup writes site files for a speed reference alone, and a probe finds a drive only "
+            "behind one. Let the PLC add the correction to the speed reference behind its ramp; "
+            "or copy config/euclid_blocks.yaml, write output: torque_reference there, and limits "
+            "and correction in N m (docs/config-reference.md)."
+        )
+    return "velocity"
 
 
 def drive_questions() -> tuple[Question, ...]:

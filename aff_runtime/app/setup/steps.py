@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from aff_runtime.app.setup.angles import (
     LONGEST_S,
@@ -12,20 +12,20 @@ from aff_runtime.app.setup.angles import (
     beside,
     is_sure,
 )
-from aff_runtime.app.setup.behaviour import Kind, behaviours, heartbeats
+from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours, heartbeats
 from aff_runtime.app.setup.candidates import SHOWN_BEST, Candidate, Observation, candidates
 from aff_runtime.app.setup.decoding import side_by_side
-from aff_runtime.app.setup.display import shown_value
+from aff_runtime.app.setup.display import is_place, shown_value
 from aff_runtime.app.setup.floats import float_hints
 from aff_runtime.app.setup.interview import YES_NO, owned_bits, quantity_value, roll_names
 from aff_runtime.app.setup.look import SKIP, Look
 from aff_runtime.app.setup.plc import mean_si, readings_si
 from aff_runtime.app.setup.quantities import UNWIND, Quantity
-from aff_runtime.app.setup.questions import NONE, Question, one_of, whole
+from aff_runtime.app.setup.questions import NONE, AnswerError, Question, one_of, whole
 from aff_runtime.app.setup.reading import Block, Watched
 from aff_runtime.app.setup.status_bits import changed_bits
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.base.units import plain
+from aff_runtime.base.units import UnitError, plain
 
 LOOK_S = 3.0
 VALUE_S = 2.0
@@ -33,6 +33,11 @@ BIT_S = 1.5
 SLOWEST_M_S = 0.02
 WHOLE_TURNS = 3.0
 AGAIN = "again"
+NO_TENSION = (
+    "Where a dancer stands is no tension: AFF takes ripple out of a tension that is measured. "
+    "Type what a load cell between the unwind and the next driven roller shows; a line without "
+    "one has nothing that AFF could listen to."
+)
 
 
 def _score(one: Candidate) -> float:
@@ -118,7 +123,14 @@ class Steps(Look):
         others = f", or {SKIP}" if wanted.optional else ""
 
         def read(text: str) -> str:
-            return SKIP if others and text == SKIP else shown_value(text, wanted.unit).text
+            if others and text == SKIP:
+                return SKIP
+            try:
+                return shown_value(text, wanted.unit).text
+            except UnitError as error:
+                if wanted.unit == "N" and is_place(text):
+                    raise AnswerError(f"{error} {NO_TENSION}") from None
+                raise
 
         return self.dialogue.ask_anew(
             Question(
@@ -204,16 +216,19 @@ class Steps(Look):
 
     def _angles(self, wanted: Quantity, seen: Watched) -> list[AngleCandidate]:
         """Return what can be this roll's angle, beside the rolls that are still looked for."""
-        rows = self._angles_of(wanted.roll, seen)
+        does = behaviours(seen)
+        rows = self._angles_of(wanted.roll, seen, does)
         draft = self.dialogue.draft
         for roll in roll_names(draft):
             name = f"{roll}_angle_rad"
             if roll == wanted.roll or name in draft.words or f"{name}.display" in draft.answers:
                 continue
-            rows = beside(rows, self._angles_of(roll, seen), roll)
+            rows = beside(rows, self._angles_of(roll, seen, does), roll)
         return rows
 
-    def _angles_of(self, roll: str, seen: Watched) -> list[AngleCandidate]:
+    def _angles_of(
+        self, roll: str, seen: Watched, does: Mapping[int, Behaviour]
+    ) -> list[AngleCandidate]:
         draft = self.dialogue.draft
         speeds_m_s = readings_si(draft.words["line_speed_m_s"], "m/s", seen)
         if roll == UNWIND:
@@ -228,6 +243,7 @@ class Steps(Look):
             radius_m=radius_m,
             taken=frozenset(draft.owners),
             order=draft.order,
+            does=does,
         )
 
     def _shows_all(self, wanted: Quantity, seen: Watched) -> bool:

@@ -127,7 +127,7 @@ def test_less_than_a_turn_is_said_and_decides_nothing_between_neighbours() -> No
     assert rows[0].measured.off == UNSEEN
     assert {one.counts_per_turn for one in rows if one.is_held} >= {4000, 4096}
     assert not is_sure(rows)
-    assert "in less than one turn" in rows[0].why[0]
+    assert "in less than one turn" in rows[0].why
 
 
 def test_a_radius_that_is_off_is_said_and_nothing_is_taken_unasked() -> None:
@@ -136,7 +136,7 @@ def test_a_radius_that_is_off_is_said_and_nothing_is_taken_unasked() -> None:
     assert rows[0].counts_per_turn == 4096
     assert not rows[0].is_held
     assert not is_sure(rows)
-    assert "not this number, where radius and line speed are right" in rows[0].why[0]
+    assert "not this number if radius and line speed are right" in rows[0].why
 
 
 def test_speed_that_wanders_while_it_is_watched_changes_nothing() -> None:
