@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
 from aff_runtime.app.setup.draft import Draft
@@ -39,6 +40,12 @@ BITS = (
 )
 """Name, meaning, and whether a correction usually waits for it."""
 NEEDED = ("LINE_RUN", "WEB_INTACT", "TENSION_VALID", "ESTOP_OK")
+NO_TORQUE = (
+    "setup writes site files for a speed reference alone, and a probe finds a drive only behind "
+    "one. Let the PLC add the correction to the speed reference behind its ramp; or copy "
+    "config/euclid_blocks.yaml, write output: torque_reference there, and limits and correction "
+    "in N m (docs/config-reference.md)."
+)
 Known = Callable[[int], str]
 
 
@@ -187,7 +194,7 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
         Question(
             name="output",
             text="Which reference of the drive takes the correction? velocity, torque",
-            read=_velocity,
+            read=_Output(),
             default="velocity",
         ),
         Question(
@@ -227,16 +234,18 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
     return tuple(asked)
 
 
-def _velocity(text: str) -> str:
-    """Take a reference that setup writes a site file for."""
-    if one_of("velocity", "torque")(text) == "torque":
-        raise AnswerError(
-            "setup writes site files for a speed reference alone, and a probe finds a drive only "
-            "behind one. Let the PLC add the correction to the speed reference behind its ramp; "
-            "or copy config/euclid_blocks.yaml, write output: torque_reference there, and limits "
-            "and correction in N m (docs/config-reference.md)."
-        )
-    return "velocity"
+@dataclass(frozen=True, slots=True)
+class _Output:
+    """Takes a reference that setup writes a site file for, and says what to do for the other."""
+
+    words: tuple[str, ...] = ("velocity", "torque")
+
+    def __call__(self, text: str) -> str:
+        """Return the reference."""
+        chosen = one_of(*self.words)(text)
+        if chosen == "torque":
+            raise AnswerError(NO_TORQUE)
+        return chosen
 
 
 def drive_questions() -> tuple[Question, ...]:
