@@ -9,7 +9,8 @@
 # --dry-run     say what would be done, do nothing
 # --can         CAN, CANopen or a serial line: their packages, and the service's right to use them
 # --records     Parquet: aff-runtime watch and export
-# --hmi         the screen too: a user, an environment and a unit of its own; updated ever after
+# --hmi         the screen too: a user, an environment and a unit of its own; updated ever after.
+#               And the unit of the commissioner, which nothing starts
 # --remove-hmi  take the screen away again and nothing else; what lies in /etc/aff-hmi stays
 # --line        one more line on this gateway: a service aff-runtime@NAME with a site file, folders
 #               and a processor of its own; may stand more than once
@@ -62,7 +63,7 @@ while [ $# -gt 0 ]; do
         --wheels) wheels=$2; shift ;;
         --unlocked) locked=no ;;
         --product) product=$2; shift ;;
-        -h | --help) sed -n '2,27s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        -h | --help) sed -n '2,26s/^# \{0,1\}//p' "$0"; exit 0 ;;
         *) echo "install.sh: unknown option $1" >&2; exit 2 ;;
     esac
     shift
@@ -228,11 +229,12 @@ fi
 if [ "$hmi" = remove ]; then
     if [ -z "$prefix" ]; then
         run systemctl disable --now aff-hmi.service || true
+        run systemctl stop aff-commission.service || true
     fi
     # The service's door goes with its next start; until then nobody comes through it.
-    run rm -f "$units/aff-runtime.service.d/hmi.conf" "$units/aff-hmi.service" \
-        "$units/system-affview.slice"
-    run rm -rf "$units/aff-hmi.service.d" "$hmi_opt"
+    run rm -f "$units/aff-runtime.service.d/hmi.conf" "$units/aff-runtime.service.d/screen.conf" \
+        "$units/aff-hmi.service" "$units/aff-commission.service" "$units/system-affview.slice"
+    run rm -rf "$units/aff-hmi.service.d" "$units/aff-commission.service.d" "$hmi_opt"
     if [ -d "$hmi_etc" ]; then
         run rmdir --ignore-fail-on-non-empty "$hmi_etc"
     fi
@@ -354,21 +356,33 @@ if [ "$hmi" = yes ]; then
     run cp "$source_dir/deploy/aff-hmi.service" "$units/aff-hmi.service"
     run cp "$source_dir/deploy/system-affview.slice" "$units/system-affview.slice"
     run cp "$source_dir/deploy/aff-runtime.hmi.conf" "$units/aff-runtime.service.d/hmi.conf"
-    # The technician's file.
+    # The commissioner: brought, and started by nobody but a person.
+    run cp "$source_dir/deploy/aff-commission.service" "$units/aff-commission.service"
+    run mkdir -p "$units/aff-commission.service.d"
+    # What one may reach, the other may.
+    run ln -sfn ../aff-runtime.service.d/plc.conf "$units/aff-commission.service.d/plc.conf"
+    # The technician's files.
     [ -e "$units/aff-hmi.service.d/listen.conf" ] ||
         run cp "$source_dir/deploy/aff-hmi.listen.conf" "$units/aff-hmi.service.d/listen.conf"
-    name_interpreter "$units/aff-hmi.service.d"
+    [ -e "$units/aff-runtime.service.d/screen.conf" ] ||
+        run cp "$source_dir/deploy/aff-runtime.screen.conf" \
+            "$units/aff-runtime.service.d/screen.conf"
     # The control process ticks on the last processor.
     last=$(($(nproc --all) - 1))
-    if [ "$last" -gt 0 ]; then
-        put "$units/aff-hmi.service.d/cpu.conf" "CPUAffinity=0-$((last - 1))"
-    else
-        run rm -f "$units/aff-hmi.service.d/cpu.conf"
-    fi
+    for unit in aff-hmi aff-commission; do
+        name_interpreter "$units/$unit.service.d"
+        if [ "$last" -gt 0 ]; then
+            put "$units/$unit.service.d/cpu.conf" "CPUAffinity=0-$((last - 1))"
+        else
+            run rm -f "$units/$unit.service.d/cpu.conf"
+        fi
+    done
     run mkdir -p "$hmi_etc"
     run chmod 0750 "$hmi_etc"
     if [ -z "$prefix" ]; then
-        run chown root:aff-hmi "$hmi_etc"
+        # Screen and commissioner read the accounts; a key of group aff-hmi the screen alone.
+        run chown root:aff-door "$hmi_etc"
+        [ ! -e "$hmi_etc/accounts" ] || run chgrp aff-door "$hmi_etc/accounts"
         run ln -sf /opt/aff-hmi/venv/bin/aff-hmi /usr/local/bin/aff-hmi
         run systemctl daemon-reload
     fi
@@ -395,4 +409,5 @@ done
 The screen: restart aff-runtime as above (it opens its door), then
   systemctl enable aff-hmi && systemctl restart aff-hmi
 and look at http://127.0.0.1:8480/ ; from a network: $units/aff-hmi.service.d/listen.conf
+To bypass, arm or commission there: $units/aff-runtime.service.d/screen.conf
 DONE

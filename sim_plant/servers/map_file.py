@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Status
@@ -20,12 +21,19 @@ _MAX_READ = 125
 _MAX_WRITE = 121
 
 
+def _not_zero(scale: float) -> float:
+    if not (scale and math.isfinite(scale)):
+        raise ValueError("write the SI units in one count; below 0 where it counts the other way")
+    return scale
+
+
 class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
 _Address = Annotated[int, Field(ge=0, le=65536)]
 _Scale = Annotated[float, Field(gt=0.0)]
+_SignedScale = Annotated[float, Field(), AfterValidator(_not_zero)]
 
 
 class _WordRow(_Strict):
@@ -35,7 +43,7 @@ class _WordRow(_Strict):
 class _ChannelRow(_Strict):
     address: _Address
     type: WordType
-    scale: _Scale = 1.0
+    scale: _SignedScale = 1.0
     wraps: bool = False
 
 
@@ -93,6 +101,7 @@ class _MapFile(_Strict):
     version: Annotated[int, Field(ge=1, le=1)]
     address_base: Annotated[int, Field(ge=0, le=1)]
     word_order: Annotated[str, Field(pattern="^(high_first|low_first)$")]
+    scan_ms: Annotated[float, Field(gt=0.0, le=1000.0)] | None = None
     read: _ReadRows
     write: _WriteRows
     safety: _SafetyRows = _SafetyRows()
@@ -172,6 +181,7 @@ def _build(rows: _MapFile) -> PlcMap:
         fade_s=rows.safety.fade_ms * 1e-3,
         permissives=permissives,
         applied=applied,
+        scan_s=rows.scan_ms * 1e-3 if rows.scan_ms is not None else 0.0,
     )
 
 

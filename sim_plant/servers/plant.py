@@ -63,6 +63,7 @@ class Plant:
         self._dropped = Status(0)
         self._rolls_due_s = math.inf
         self._ran = False  # LINE_RUN is to come back with full rolls
+        self._samples_a_scan = max(1, round(plc.map.scan_s / line.sample_time_s))
         names = [row.item.name for row in plc.map.corrections]
         self.applied_m_s: Mapping[str, float] = dict.fromkeys(names, 0.0)
         self._history: deque[tuple[float, tuple[float, ...]]] = deque(maxlen=_HISTORY_SCANS)
@@ -155,7 +156,9 @@ class Plant:
             self.registers.write_third(THIRD_M_S)
         self._distort(measured)
         self.measured = measured
-        self._scan()
+        if (self.scans - 1) % self._samples_a_scan == 0:
+            self._scan()
+        self._history.append((self.time_s, tuple(self.applied_m_s.values())))
         for edge in edges:
             for edge_observer in self.edge_observers:
                 edge_observer(edge)
@@ -188,7 +191,6 @@ class Plant:
         for name, value in scan.corrections_m_s.items():
             self._inputs[f"aff_{name}_m_s"] = value
             self.max_abs_applied_m_s[name] = max(self.max_abs_applied_m_s[name], abs(value))
-        self._history.append((self.time_s, tuple(scan.corrections_m_s.values())))
         if not self.faults.active(Fault.FREEZE):
             words = self._by_turns(scan.read_words)
             self.registers.publish(

@@ -33,6 +33,7 @@ class PlcMap:
         off it; the correction is zero ``fade_s`` after the trip.
     fade_s : time of the ramp to zero.
     permissives : status bits that must all be set for a correction to count.
+    scan_s : time of a scan; 0: the sample time of the line.
     """
 
     read: Mapping[str, int]
@@ -49,6 +50,7 @@ class PlcMap:
     fade_s: float
     permissives: Status
     applied: tuple[RegisterItem, ...] = ()
+    scan_s: float = 0.0
 
     def encode_read(
         self,

@@ -35,11 +35,10 @@ from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plc import Plc
 from tests.doubles.virtual_clock import VirtualClock
-from tests.lockstep.known_response import CYCLE_S, LINE, ROOT, SPEED_M_S
+from tests.lockstep.known_response import LINE, ROOT, SPEED_M_S
 
 SITE = ROOT / "config" / "euclid_blocks.yaml"
 PLC_MAP = ROOT / "config" / "plc" / "gateway_block.yaml"
-PERIOD_NS = round(CYCLE_S * 1e9)
 SEED = 7
 
 
@@ -59,7 +58,7 @@ class Setup:
 
 
 @cache
-def _settled(line: Path, line_speed_m_s: float) -> LineSimulation:
+def settled(line: Path, line_speed_m_s: float) -> LineSimulation:
     """Return the line at rest; building the hull of its roll is the slow part of a test."""
     return open_line(line, seed=SEED, speed_m_s=line_speed_m_s)
 
@@ -134,10 +133,11 @@ class Bench:
     def __init__(self, setup: Setup) -> None:
         site = load_site(setup.site)
         self.channels = len(site.gateway.read.channels)
+        self.period_ns = round(site.cycle_s * 1e9)
         params = guard_params(site)
         soft = tuple(replace(a, soft_start_s=setup.soft_start_s) for a in params.actuators)
         self.params = replace(params, actuators=soft)
-        line = deepcopy(_settled(setup.line, setup.line_speed_m_s))
+        line = deepcopy(settled(setup.line, setup.line_speed_m_s))
         self.clock = VirtualClock()
         self.wire = LockstepPlant(line, Plc(load_plc_map(setup.plc_map)))
         self.plant = self.wire.plant
@@ -151,7 +151,7 @@ class Bench:
     def _cycle(self, gateway: WordGateway) -> Cycle:
         return Cycle(
             settings=CycleSettings(
-                period_ns=PERIOD_NS,
+                period_ns=self.period_ns,
                 io_budget_ns=3_000_000,
                 fade_s=self.params.fade_s,
                 channel_count=self.channels,
@@ -170,7 +170,7 @@ class Bench:
     def run(self, seconds: float) -> None:
         """Let runtime and plant live."""
         end_ns = self.clock.now_ns() + round(seconds * 1e9)
-        while self.clock.now_ns() < end_ns - PERIOD_NS // 2 and self.cycle.tick():
+        while self.clock.now_ns() < end_ns - self.period_ns // 2 and self.cycle.tick():
             pass
         assert not self.outside.faults, self.outside.faults
 

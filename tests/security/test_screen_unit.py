@@ -24,7 +24,7 @@ SCREEN = settings("aff-hmi.service")
 SERVICE = settings("aff-runtime.service")
 DOOR = settings("aff-runtime.hmi.conf")
 SLICE = "system-affview.slice"
-OF_SCREEN = ("aff-hmi", "aff-door", "affview", "[hmi]")
+OF_SCREEN = ("aff-hmi", "aff-door", "affview", "[hmi]", "aff-commission", "screen.conf")
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_the_technicians_file_changes_nothing_as_it_comes_and_two_lines_name_a_n
     text = (DEPLOY / "aff-hmi.listen.conf").read_text()
     assert settings("aff-hmi.listen.conf") == {}
     keys = re.findall(r"(?m)^#(\w+)=", text)
-    assert keys == ["Environment", "IPAddressAllow"]
+    assert keys == ["Environment", "IPAddressAllow", "Environment"]
     assert all(f"--{option}" in text for option in ("listen", "host", "certificate"))
     assert "$AFF_HMI_OPTIONS" in SCREEN["ExecStart"][0].split()
 
@@ -118,7 +118,8 @@ def test_the_technicians_file_changes_nothing_as_it_comes_and_two_lines_name_a_n
 def test_the_door_is_the_services_own_start_and_a_folder_for_one_group() -> None:
     clear, start = DOOR["ExecStart"]
     assert clear == ""
-    assert start == f"{SERVICE['ExecStart'][0]} --door-dir {INSTALLED_DOOR.parent}"
+    own = SERVICE["ExecStart"][0].replace("/etc/aff-runtime/site.yaml", "${AFF_SITE}")
+    assert start == f"{own} --door-dir {INSTALLED_DOOR.parent} $AFF_RUN_OPTIONS"
     (made,) = DOOR["ExecStartPre"]
     _, *words = made.split()
     assert made.startswith("+")
@@ -308,7 +309,8 @@ def test_what_was_brought_is_taken_away_to_the_last_file(tmp_path: Path, stub: s
     with_screen = tree(root)
     assert before.items() <= with_screen.items()
     added = set(with_screen) - set(before)
-    assert all("hmi" in name or "affview" in name for name in added)
+    known = ("hmi", "affview", "aff-commission", "aff-runtime.service.d/screen.conf")
+    assert all(any(word in name for word in known) for name in added)
     assert (root / "etc/aff-hmi").stat().st_mode & 0o777 == 0o750
     done = install(root, "--remove-hmi", python=stub)
     assert done.returncode == 0, done.stderr

@@ -1,15 +1,16 @@
-"""Which words are a roll's angle: their rate against line speed over radius, their wrap."""
+"""Which words are a roll's angle: counts in a turn by line speed and radius, and their wrap."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours
+from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours, way_of
 from aff_runtime.app.setup.decoding import HIGH_FIRST, LOW_FIRST, Decoding
 from aff_runtime.app.setup.reading import Watched
+from aff_runtime.app.setup.turns import CountsPerTurn, counts_per_turn
 from aff_runtime.base.units import plain
 
 USUAL_COUNTS = tuple(
@@ -22,9 +23,10 @@ USUAL_COUNTS = tuple(
         | {20000, 36000, 100000, 131072, 360000, 1000000}
     )
 )  # fmt: skip
-FAR = 0.05  # share by which radius and line speed may be off together
+FAR = 0.05  # share by which radius and line speed may be off together, where somebody says so
 LONGEST_S = 45.0
 _FULL = 1 << 16
+_ALONE = 8.0  # of the score; a carry counts 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,70 +36,126 @@ class AngleCandidate:
     Attributes
     ----------
     counts_per_turn : a usual number; negative when it counts against the web.
-    measured : what rate, radius and line speed say.
+    measured : what the count, line speed and radius say over whole turns, with its interval.
+    low_word : wire address of the word that moves.
     why : reasons; ``usable`` : False for a count that starts over within the word.
+    leaves_none : another roll that no other word can be then; empty where there is none.
     """
 
     decoding: Decoding
     counts_per_turn: int
-    measured: float
+    measured: CountsPerTurn
+    low_word: int
     why: tuple[str, ...]
     score: float
     usable: bool = True
+    leaves_none: str = ""
 
     @property
     def scale_text(self) -> str:
         """Return the scale as the site file writes it."""
         return f"{self.counts_per_turn} counts/turn"
 
+    @property
+    def is_held(self) -> bool:
+        """Return whether the interval holds this number."""
+        return self.measured.holds(self.counts_per_turn)
+
+    def without(self, roll: str) -> AngleCandidate:
+        """Return it as one that leaves no word for another roll."""
+        why = (*self.why, f"then no word is left that can be {roll}")
+        return replace(self, leaves_none=roll, why=why, score=self.score - _ALONE)
+
 
 def angle_candidates(
     seen: Watched,
     *,
-    speed_m_s: float,
+    speeds_m_s: Sequence[float],
     radius_m: float,
     taken: frozenset[int] = frozenset(),
     order: str = "",
+    does: Mapping[int, Behaviour] | None = None,
 ) -> list[AngleCandidate]:
     """Return the words that can be the angle of a roll, best first.
 
     Parameters
     ----------
-    speed_m_s, radius_m : of the web and of the roll while the words were watched, above 0.
+    speeds_m_s : of the web at each reading; ``radius_m`` : of the roll, above 0.
     order : word order of the PLC where it is known.
+    does : the words' behaviours, where they are known.
     """
     found = []
-    for address, does in behaviours(seen).items():
-        if address in taken or does.kind not in (Kind.COUNTER, Kind.RAMP):
+    for address, did in (does or behaviours(seen)).items():
+        if address in taken or did.kind not in (Kind.COUNTER, Kind.RAMP):
             continue
-        measured = does.rate_per_s * 2.0 * math.pi * radius_m / speed_m_s
-        for counts in _usual(abs(measured)):
-            off = abs(counts / abs(measured) - 1.0)
-            signed = round(math.copysign(counts, measured))
-            for decoding, score, why in _decodings(address, does, seen, taken, order):
-                reasons = (f"measured {plain(float(f'{measured:.5g}'))} counts/turn", *why)
+        path = way_of(seen.words[address], did.restarts_at)
+        measured = counts_per_turn(seen.times_s, path, speeds_m_s, radius_m)
+        if measured is None:
+            continue
+        for counts in _usual(measured):
+            signed = round(math.copysign(counts, measured.counts))
+            off = abs(counts / abs(measured.counts) - 1.0)
+            for decoding, score, why in _decodings(address, did, seen, taken, order):
                 found.append(
                     AngleCandidate(
                         decoding=decoding,
                         counts_per_turn=signed,
                         measured=measured,
-                        why=reasons,
+                        low_word=address,
+                        why=(*_said(measured, counts), *why),
                         score=score + _usualness(counts) - 0.5 * (off / 0.01) ** 2,
-                        usable=not does.restarts_at,
+                        usable=not did.restarts_at,
                     )
                 )
-    return sorted(found, key=lambda one: -one.score)
+    return _sorted(found)
 
 
-def has_wrapped(addresses: Sequence[int], seen: Watched) -> bool:
-    """Return whether each of these words went through its end, which shows where the rest is."""
-    does = behaviours(seen)
-    return all(does[address].wraps > 0 for address in addresses if address in does)
+def beside(
+    rows: Sequence[AngleCandidate], other: Sequence[AngleCandidate], roll: str
+) -> list[AngleCandidate]:
+    """Return candidates of one roll, those behind that leave no word for ``roll``.
+
+    Two rollers that are nearly as large can each be read as the other one, with another usual
+    number of counts; both together often cannot.
+
+    Parameters
+    ----------
+    other : candidates of ``roll`` among the same words.
+    """
+    free = {one.low_word for one in other if one.is_held and one.usable}
+    if not any(one.is_held and free - {one.low_word} for one in rows):
+        return list(rows)  # it may have no encoder
+    return _sorted([one if free - {one.low_word} else one.without(roll) for one in rows])
 
 
-def _usual(measured: float) -> list[int]:
-    near = [one for one in USUAL_COUNTS if abs(one / measured - 1.0) < FAR] if measured else []
-    return sorted(near, key=lambda one: abs(one - measured))[:3]
+def is_sure(rows: Sequence[AngleCandidate]) -> bool:
+    """Return whether the best row stands alone: no other word and no other number can be it."""
+    can_be = {
+        (one.low_word, one.counts_per_turn) for one in rows if one.is_held and not one.leaves_none
+    }
+    return len(can_be) == 1 and (rows[0].low_word, rows[0].counts_per_turn) in can_be
+
+
+def _sorted(rows: Iterable[AngleCandidate]) -> list[AngleCandidate]:
+    return sorted(rows, key=lambda one: -one.score)
+
+
+def _said(measured: CountsPerTurn, counts: int) -> tuple[str, ...]:
+    numbers = (
+        plain(float(f"{one:.5g}")) for one in (abs(measured.counts), measured.low, measured.high)
+    )
+    said = "measured {} counts/turn ({} to {})".format(*numbers)
+    if measured.turns < 1.0:
+        return (said, "in less than one turn")
+    if not measured.holds(counts):
+        return (said, "not this number if radius and line speed are right")
+    return (said,)
+
+
+def _usual(measured: CountsPerTurn) -> list[int]:
+    size = abs(measured.counts)
+    near = [one for one in USUAL_COUNTS if measured.holds(one) or abs(one - size) < FAR * size]
+    return sorted(near, key=lambda one: abs(one - size))[:3]
 
 
 def _usualness(counts: int) -> float:

@@ -6,7 +6,7 @@ import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 from aff_runtime.app.setup.reading import Watched
 
@@ -114,11 +114,7 @@ def _moving(base: Behaviour, times_s: Sequence[float], series: Sequence[int]) ->
     if back:
         largest = max(series) + 1
         restarts_at = largest if min(series) < 8 * abs(usual) + 1 else round(min(spans))
-        steps = [step + (restarts_at if usual > 0 else -restarts_at) if step in back else step
-                 for step in steps]  # fmt: skip
-    path = [0]
-    for step in steps:
-        path.append(path[-1] + step)
+    path = way_of(series, restarts_at)
     rate, evenness = _line(times_s, path)
     way = abs(path[-1])
     if way < _LEAST_WAY or evenness > _CROOKED * way + 1.0:
@@ -134,6 +130,21 @@ def _moving(base: Behaviour, times_s: Sequence[float], series: Sequence[int]) ->
         wraps=sum(abs(b - a) > _FULL // 2 for a, b in pairwise(series)),
         restarts_at=restarts_at,
         evenness=evenness,
+    )
+
+
+def way_of(series: Sequence[int], restarts_at: int = 0) -> list[int]:
+    """Return how far a counter or ramp has come at each reading, through its ends.
+
+    Parameters
+    ----------
+    restarts_at : counts after which it starts over, where that is not 65536; 0 where it is.
+    """
+    steps = [_short_way(b - a) for a, b in pairwise(series)]
+    usual = statistics.median([step for step in steps if step] or [0])
+    onward = restarts_at if usual > 0 else -restarts_at
+    return list(
+        accumulate((step + onward if step * usual < 0 else step for step in steps), initial=0)
     )
 
 

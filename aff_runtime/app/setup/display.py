@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from aff_runtime.base.units import UnitError, accepted_units, read_number, to_si, unit_info
 
+_PLACES = ("length", "angle", "ratio")
 _SHOWN = re.compile(r"\s*[-+]?\d*\.?(?P<decimals>(?<=\.)\d*)?\s*(?P<unit>\S.*?)?\s*")
 
 
@@ -56,3 +57,12 @@ def shown_value(text: str, si_unit: str) -> Shown:
         unit=info.symbol,
         si_per_unit=info.si_per_unit,
     )
+
+
+def is_place(text: str) -> bool:
+    """Return whether this is where a dancer stands: a length, an angle, per cent, its name."""
+    if text.strip().lower() == "dancer":
+        return True
+    match = _SHOWN.fullmatch(text)
+    unit = unit_info(match["unit"]) if match is not None and match["unit"] else None
+    return unit is not None and unit.dimension in _PLACES

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
 from aff_runtime.app.setup.dialogue import Dialogue
+from aff_runtime.app.setup.draft import Draft
 from aff_runtime.app.setup.interview import (
     BITS,
     YES_NO,
@@ -21,6 +23,7 @@ from aff_runtime.app.setup.interview import (
 from aff_runtime.app.setup.plc import instead_of, polled, reader_of
 from aff_runtime.app.setup.quantities import angles, quantities
 from aff_runtime.app.setup.questions import NONE, Question, one_of
+from aff_runtime.app.setup.reading import WordReader
 from aff_runtime.app.setup.site_text import site_text
 from aff_runtime.app.setup.steps import Steps
 from aff_runtime.base.clock import MonotonicClock
@@ -30,9 +33,15 @@ from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.yaml_marks import MAX_BYTES
 from aff_runtime.fieldbus.modbus.registers import MAX_READ_WORDS
 
+Reach = Callable[[Draft], WordReader]
 
-def interview(dialogue: Dialogue) -> None:
+
+def interview(dialogue: Dialogue, reach: Reach | None = None) -> None:
     """Ask and look until everything is known.
+
+    Parameters
+    ----------
+    reach : makes the reader of the PLC that the answers name; by itself on a socket of its own.
 
     Raises
     ------
@@ -46,11 +55,15 @@ def interview(dialogue: Dialogue) -> None:
         if instead_of(kind):
             dialogue.keep(dialogue.draft.without("wire"))
             raise ConfigError(instead_of(kind))
-    reader = reader_of(dialogue.draft, MonotonicClock())
+    reader = (reach or _on_its_wire)(dialogue.draft)
     try:
         _look(dialogue, Steps(dialogue, reader))
     finally:
         reader.close()
+
+
+def _on_its_wire(draft: Draft) -> WordReader:
+    return reader_of(draft, MonotonicClock())
 
 
 def _look(dialogue: Dialogue, steps: Steps) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
 from aff_runtime.app.setup.draft import Draft
@@ -39,6 +40,12 @@ BITS = (
 )
 """Name, meaning, and whether a correction usually waits for it."""
 NEEDED = ("LINE_RUN", "WEB_INTACT", "TENSION_VALID", "ESTOP_OK")
+NO_TORQUE = (
+    "setup writes site files for a speed reference alone, and a probe finds a drive only behind "
+    "one. Let the PLC add the correction to the speed reference behind its ramp; or copy "
+    "config/euclid_blocks.yaml, write output: torque_reference there, and limits and correction "
+    "in N m (docs/config-reference.md)."
+)
 Known = Callable[[int], str]
 
 
@@ -185,6 +192,12 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
         Question(name="radius_min", text="Radius of the empty core", read=number("m", 0.005, 3.0)),
         Question(name="radius_max", text="Radius of the full roll", read=number("m", 0.005, 3.0)),
         Question(
+            name="output",
+            text="Which reference of the drive takes the correction? velocity, torque",
+            read=_Output(),
+            default="velocity",
+        ),
+        Question(
             name="limit",
             text="Largest correction that the PLC allows at the unwind",
             read=number("m/s", 0.0, 1.0),
@@ -219,6 +232,20 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
         ),
     ]
     return tuple(asked)
+
+
+@dataclass(frozen=True, slots=True)
+class _Output:
+    """Takes a reference that setup writes a site file for, and says what to do for the other."""
+
+    words: tuple[str, ...] = ("velocity", "torque")
+
+    def __call__(self, text: str) -> str:
+        """Return the reference."""
+        chosen = one_of(*self.words)(text)
+        if chosen == "torque":
+            raise AnswerError(NO_TORQUE)
+        return chosen
 
 
 def drive_questions() -> tuple[Question, ...]:

@@ -47,9 +47,15 @@ def instead_of(kind: str) -> str:
     return _INSTEAD.get(kind, "")
 
 
+def readings_si(word: FoundWord, unit: str, seen: Watched) -> list[float]:
+    """Return the readings of a found quantity while it was watched, SI."""
+    scale = scale_of(word.scale, unit)
+    return [scale * count for count in values(word.decoding, seen)]
+
+
 def mean_si(word: FoundWord, unit: str, seen: Watched) -> float:
     """Return the mean of a found quantity while it was watched, SI."""
-    return scale_of(word.scale, unit) * statistics.fmean(values(word.decoding, seen))
+    return statistics.fmean(readings_si(word, unit, seen))
 
 
 def scale_of(text: str, unit: str) -> float:

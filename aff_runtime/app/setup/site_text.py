@@ -17,6 +17,7 @@ TEMPLATE = "site.template"
 _PLACE = re.compile(r"@([a-z_]+)@")
 _LARGEST_SHORT = 9998  # of 40001..49999
 _LEAST_COUNTS = 5.0
+USUAL_CYCLE_MS = 5
 
 
 def site_text(draft: Draft, *, file: str) -> str:
@@ -101,7 +102,7 @@ def _places(draft: Draft, file: str) -> Mapping[str, str]:
         "name": json.dumps(answers["name"], ensure_ascii=False),
         "host": json.dumps(answers["host"], ensure_ascii=False),
         "file": stem,
-        "cycle_ms": "5",
+        "cycle_ms": str(_cycle_ms(answers.get("scan_ms", ""))),
         "base": "1" if style_of(draft) else "0",
         "order": draft.order or "high_first",
         "status": str(register_number(draft, int(answers["status.word"]))),
@@ -117,8 +118,19 @@ def _places(draft: Draft, file: str) -> Mapping[str, str]:
 
 def _hold_after_ms(scan_ms: str) -> float:
     """Return how long a heartbeat may stand: three scans, as far as the scan is known."""
-    scan = float(scan_ms) if re.fullmatch(r"[0-9]{1,4}(\.[0-9]{1,6})?", scan_ms) else 0.0
-    return min(75.0, max(15.0, 3.0 * round(scan)))
+    return min(75.0, max(15.0, 3.0 * round(_scan_ms(scan_ms))))
+
+
+def _cycle_ms(scan_ms: str) -> int:
+    """Return the period of the control cycle: no shorter than the PLC's scan.
+
+    Of a PLC that shows each reading twice every second tick is not new, and a probe needs more.
+    """
+    return min(100, max(USUAL_CYCLE_MS, round(_scan_ms(scan_ms))))
+
+
+def _scan_ms(kept: str) -> float:
+    return float(kept) if re.fullmatch(r"[0-9]{1,4}(\.[0-9]{1,6})?", kept) else 0.0
 
 
 def _written(draft: Draft) -> dict[str, str]:

@@ -2,29 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import statistics
+from collections.abc import Mapping, Sequence
 
-from aff_runtime.app.setup.angles import LONGEST_S, AngleCandidate, angle_candidates
-from aff_runtime.app.setup.behaviour import Kind, behaviours, heartbeats
+from aff_runtime.app.setup.angles import (
+    LONGEST_S,
+    AngleCandidate,
+    angle_candidates,
+    beside,
+    is_sure,
+)
+from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours, heartbeats
 from aff_runtime.app.setup.candidates import SHOWN_BEST, Candidate, Observation, candidates
 from aff_runtime.app.setup.decoding import side_by_side
-from aff_runtime.app.setup.display import shown_value
+from aff_runtime.app.setup.display import is_place, shown_value
 from aff_runtime.app.setup.floats import float_hints
-from aff_runtime.app.setup.interview import YES_NO, owned_bits, quantity_value
+from aff_runtime.app.setup.interview import YES_NO, owned_bits, quantity_value, roll_names
 from aff_runtime.app.setup.look import SKIP, Look
-from aff_runtime.app.setup.plc import mean_si
+from aff_runtime.app.setup.plc import mean_si, readings_si
 from aff_runtime.app.setup.quantities import UNWIND, Quantity
-from aff_runtime.app.setup.questions import NONE, Question, one_of, whole
+from aff_runtime.app.setup.questions import NONE, AnswerError, Question, one_of, whole
 from aff_runtime.app.setup.reading import Block, Watched
 from aff_runtime.app.setup.status_bits import changed_bits
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.base.units import plain
+from aff_runtime.base.units import UnitError, plain
 
 LOOK_S = 3.0
 VALUE_S = 2.0
 BIT_S = 1.5
 SLOWEST_M_S = 0.02
+WHOLE_TURNS = 3.0
 AGAIN = "again"
+NO_TENSION = (
+    "Where a dancer stands is no tension: AFF takes ripple out of a tension that is measured. "
+    "Type what a load cell between the unwind and the next driven roller shows; a line without "
+    "one has nothing that AFF could listen to."
+)
 
 
 def _score(one: Candidate) -> float:
@@ -110,7 +123,14 @@ class Steps(Look):
         others = f", or {SKIP}" if wanted.optional else ""
 
         def read(text: str) -> str:
-            return SKIP if others and text == SKIP else shown_value(text, wanted.unit).text
+            if others and text == SKIP:
+                return SKIP
+            try:
+                return shown_value(text, wanted.unit).text
+            except UnitError as error:
+                if wanted.unit == "N" and is_place(text):
+                    raise AnswerError(f"{error} {NO_TENSION}") from None
+                raise
 
         return self.dialogue.ask_anew(
             Question(
@@ -175,7 +195,14 @@ class Steps(Look):
                 for n, one in enumerate(rows, 1)
             }
             if rows:
-                pick = self.pick(f"{wanted.channel}.pick", "Which one?", shown, AGAIN)
+                pick = self.pick(
+                    f"{wanted.channel}.pick",
+                    "Which one?",
+                    shown,
+                    AGAIN,
+                    at={n: one.decoding.address for n, one in enumerate(rows, 1)},
+                    surely=is_sure(rows),
+                )
                 if pick != AGAIN and rows[int(pick) - 1].usable:
                     one = rows[int(pick) - 1]
                     self.keep_word(wanted.channel, one.decoding, one.scale_text)
@@ -188,30 +215,51 @@ class Steps(Look):
                 raise ConfigError(f"{wanted.channel}: no word of the window can be it")
 
     def _angles(self, wanted: Quantity, seen: Watched) -> list[AngleCandidate]:
+        """Return what can be this roll's angle, beside the rolls that are still looked for."""
+        does = behaviours(seen)
+        rows = self._angles_of(wanted.roll, seen, does)
         draft = self.dialogue.draft
-        speed_m_s = abs(mean_si(draft.words["line_speed_m_s"], "m/s", seen))
-        if wanted.roll == UNWIND:
+        for roll in roll_names(draft):
+            name = f"{roll}_angle_rad"
+            if roll == wanted.roll or name in draft.words or f"{name}.display" in draft.answers:
+                continue
+            rows = beside(rows, self._angles_of(roll, seen, does), roll)
+        return rows
+
+    def _angles_of(
+        self, roll: str, seen: Watched, does: Mapping[int, Behaviour]
+    ) -> list[AngleCandidate]:
+        draft = self.dialogue.draft
+        speeds_m_s = readings_si(draft.words["line_speed_m_s"], "m/s", seen)
+        if roll == UNWIND:
             radius_m = mean_si(draft.words["unwind_radius_m"], "m", seen)
         else:
             radius_m = quantity_value(draft, "second_radius", "m")
-        if speed_m_s < SLOWEST_M_S or not radius_m > 0.0:
+        if abs(statistics.fmean(speeds_m_s)) < SLOWEST_M_S or not radius_m > 0.0:
             return []
         return angle_candidates(
             seen,
-            speed_m_s=speed_m_s,
+            speeds_m_s=speeds_m_s,
             radius_m=radius_m,
             taken=frozenset(draft.owners),
             order=draft.order,
+            does=does,
         )
 
     def _shows_all(self, wanted: Quantity, seen: Watched) -> bool:
-        """Return whether longer watching shows no more: the best word went through its end."""
+        """Return whether longer watching shows no more.
+
+        That is so when some whole turns were seen, and the best word has gone through its end or
+        will not do so.
+        """
         if seen.duration_s < LOOK_S:
             return False
         rows = self._angles(wanted, seen)
         does = behaviours(seen)
         if not rows:
             return seen.duration_s > 2.0 * LOOK_S
+        if rows[0].measured.turns < WHOLE_TURNS:
+            return False
         low = [does[place] for place in rows[0].decoding.addresses if does[place].rate_per_s]
         too_slow = all(65536.0 / abs(one.rate_per_s) > LONGEST_S for one in low)
         return too_slow or any(one.wraps or one.restarts_at for one in low)

@@ -217,7 +217,12 @@ class Probe:
         for angle in angles:
             keep &= np.isfinite(angle)
         if keep.sum() < MIN_GOOD_SHARE * planned:
-            raise RefusedError(f"{name}: too few good samples for a fit; probe again")
+            used = keep.sum() / max(planned, 1)
+            raise RefusedError(
+                f"{name}: {used:.0%} of readings can be used, {MIN_GOOD_SHARE:.0%} are needed. "
+                f"Does the PLC scan more slowly than every {1e3 * self._site.cycle_s:g} ms "
+                "(cycle_ms)? Else the wire loses them; probe again"
+            )
         tones = [self._sent(i, keep) for i in range(len(self._probed))]
         foreign = [tone for i, group in enumerate(tones) if i != j for tone in group]
         columns = 2 * (len(tones[j]) + len(foreign))

@@ -24,6 +24,10 @@ _STALE_WINDOW: Final = 8
 _MOST_WAITING: Final = 64  # frames between two ticks, of which none was asked for
 _BUFFER_BYTES: Final = 1024
 _NO_WORDS: Final[list[int]] = []
+_NO_SUCH_FUNCTION: Final = 1
+_WITHOUT_FC23: Final = (
+    "the PLC does not know function 23 (exception 1): write function: fc3_fc16 into the site file"
+)
 
 
 class _Link(IntEnum):
@@ -141,7 +145,8 @@ class ModbusTransport:
                 self._why = f"no reply within {self._silence_ns * 1e-9:g} s"
                 self._drop()
         elif outcome is Outcome.EXCEPTION:
-            self._why = ""
+            unknown = self.last_exception_code == _NO_SUCH_FUNCTION
+            self._why = _WITHOUT_FC23 if unknown and self._function is WireFunction.FC23 else ""
         else:
             broken = outcome is Outcome.BAD_REPLY
             why = "a reply broke the protocol" if broken else "closed by the other side"

@@ -111,9 +111,18 @@ def test_what_the_engine_says_is_said_in_german(text: str) -> None:
             "Wort 0: zählt alle 5.00 ms, ein Zyklus von 5 ms",
         ),
         (
-            "word 13 i32 high_first: 4096 counts/turn; measured 4096.1 counts/turn, one word",
+            "word 13 i32 high_first: 4096 counts/turn; measured 4096.1 counts/turn (4038 to "
+            "4153.9), in less than one turn, one word",
             "Wort 13 i32 high_first: 4096 counts/turn; gemessen 4096.1 Zählschritte je "
-            "Umdrehung, ein Wort",
+            "Umdrehung (4038 bis 4153.9), in weniger als einer Umdrehung, ein Wort",
+        ),
+        (
+            "word 13 i32 high_first: 4000 counts/turn; measured 4160 counts/turn (4101 to 4219), "
+            "not this number if radius and line speed are right, one word, then no word is left "
+            "that can be swrap_follower",
+            "Wort 13 i32 high_first: 4000 counts/turn; gemessen 4160 Zählschritte je Umdrehung "
+            "(4101 bis 4219), nicht diese Zahl, wenn Radius und Geschwindigkeit stimmen, ein "
+            "Wort, dann bleibt kein Wort, das swrap_follower sein kann",
         ),
     ],
 )

@@ -45,23 +45,30 @@ class ServiceRun(Operator):
         self.notified = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self.notified.bind(str(folder / "notify"))
         self.notified.setblocking(False)
-        with self.log.open("w") as log:
+        self._arguments, self._patience_s = arguments, patience_s
+        self.start_again()
+
+    def start_again(self) -> None:
+        """Start the service, once more after it was killed; the PLC lives on."""
+        with self.log.open("a") as log:
             self.process = subprocess.Popen(
                 [
                     *(sys.executable, "-m", "aff_runtime.cli.main", "run", str(self.site)),
-                    *("--runtime-dir", str(self.runtime_dir), *arguments),
+                    *("--runtime-dir", str(self.runtime_dir), *self._arguments),
                 ],
                 stderr=log,
                 cwd=ROOT,
-                env={**os.environ, "NOTIFY_SOCKET": str(folder / "notify")},
+                env={**os.environ, "NOTIFY_SOCKET": str(self.folder / "notify")},
             )
         try:
             until(
                 "the service has signals",
                 lambda: self.status().get("signals") is not None,
-                patience_s,
+                self._patience_s,
             )
-            until("the service sees the PLC", lambda: self.status()["comm"] == "OK", patience_s)
+            until(
+                "the service sees the PLC", lambda: self.status()["comm"] == "OK", self._patience_s
+            )
         except BaseException:
             self.close()
             raise

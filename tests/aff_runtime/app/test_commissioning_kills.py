@@ -1,0 +1,106 @@
+"""Kills in the middle of a probe and of a try, between real processes: nothing of either is kept.
+
+A signature that is killed at each of its steps is in ``card/test_book.py``, a control process that
+dies in a try in ``test_settings.py``; the plant's side in ``tests/lockstep/test_probe_kills.py``.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from aff_runtime.base.errors import AffError
+from tests.aff_runtime.app.service_run import ServiceRun
+from tests.processes import is_running, kill, until
+
+pytestmark = [pytest.mark.wire, pytest.mark.timeout(240)]
+OLD, NEW = "settle_s: 6,", "settle_s: 12,"
+CORRECTIONS = (3, 8)
+
+
+@pytest.fixture
+def service(tmp_path: Path) -> Iterator[ServiceRun]:
+    run = ServiceRun(tmp_path, "--state-dir", "/nowhere")
+    yield run
+    run.close()
+
+
+class Asked:
+    """A probe that somebody waits for."""
+
+    def __init__(self, service: ServiceRun) -> None:
+        self.said: list[str] = []
+        self._service = service
+        self._thread = threading.Thread(target=self._ask)
+        self._thread.start()
+        until("the excitation is on the wire", lambda: any(on_the_wire(service)))
+
+    def _ask(self) -> None:
+        try:
+            self._service.ask("probe", actuators=["unwind"])
+            self.said.append("done")
+        except (AffError, OSError) as error:
+            self.said.append(str(error))
+
+    def answer(self) -> str:
+        self._thread.join(60.0)
+        assert not self._thread.is_alive()
+        return self.said[0]
+
+
+def on_the_wire(service: ServiceRun) -> list[int]:
+    words = service.tell_plc("words")
+    return [words[place] for place in CORRECTIONS]
+
+
+def learned(service: ServiceRun) -> list[str]:
+    return sorted(path.name for path in (service.folder / "learned").glob("*.json"))
+
+
+def test_a_control_process_killed_in_the_middle_of_a_probe_keeps_nothing(
+    service: ServiceRun,
+) -> None:
+    asked = Asked(service)
+    control = service.status()["control_pid"]
+    kill(control)
+    until("another one", lambda: service.status().get("control_pid", 0) not in (0, control))
+    until("zero on the wire", lambda: not any(on_the_wire(service)))
+    until("the service sees the PLC", lambda: service.status().get("comm") == "OK")
+    assert asked.answer() != "done"
+    assert service.status()["state"] == "FAULT"
+    assert learned(service) == []
+
+
+def test_a_supervisor_killed_in_the_middle_of_a_probe_takes_it_to_zero(
+    service: ServiceRun,
+) -> None:
+    asked = Asked(service)
+    control = service.status()["control_pid"]
+    kill(service.process.pid)
+    service.process.wait()
+    until("the control process ends by itself", lambda: not is_running(control))
+    assert on_the_wire(service) == [0, 0]
+    assert asked.answer() != "done"
+    assert learned(service) == []
+
+
+def test_a_supervisor_killed_in_the_middle_of_a_try_starts_on_the_site_file(
+    service: ServiceRun, tmp_path: Path
+) -> None:
+    text, before = service.site.read_bytes(), service.status()["site_hash"]
+    changed = text.replace(OLD.encode(), NEW.encode(), 1).decode()
+    assert service.ask("settings", act="try", text=changed, seconds=600.0, why="hunting at 1x")
+    assert service.status()["site_hash"] != before
+    control = service.status()["control_pid"]
+    kill(service.process.pid)
+    service.process.wait()
+    until("the control process ends by itself", lambda: not is_running(control))
+    assert on_the_wire(service) == [0, 0]
+    assert service.site.read_bytes() == text
+    service.start_again()
+    assert service.status()["site_hash"] == before
+    assert service.status()["trying"] == ""
+    assert service.status()["state"] == "FAULT"
