@@ -10,7 +10,7 @@ from annotated_types import MaxLen
 from aff_runtime.config.models.words import Applied, ReadBlock, WriteBlock
 from aff_runtime.config.quantity import Few, Milliseconds, Name, Section, Text, Whole, key
 
-WIRES = ("modbus_tcp", "modbus_rtu", "modbus_udp", "can_dbc", "canopen_402")
+WIRES = ("modbus_tcp", "modbus_rtu", "modbus_udp", "modbus_rtu_tcp", "can_dbc", "canopen_402")
 CanInterface = Literal["socketcan", "slcan_tty", "frame_socket", "udp_multicast"]
 Node = Annotated[int, Whole("node id")]
 INTERFACE = (
@@ -136,6 +136,29 @@ class ModbusUdp(Section):
     function: Literal["fc23", "fc3_fc16"] = key(FUNCTION, default="fc23")
 
 
+class ModbusRtuTcp(Section):
+    """How a device on a serial line is reached through a device server that passes bytes on."""
+
+    host: Text = key("Address of the device server, in its raw (transparent) TCP mode.")
+    port: Annotated[int, Whole("TCP port")] = key(
+        "TCP port of the serial line at the device server; makers begin at 4001 or 10001.",
+        default=4001,
+        ge=1,
+        le=65535,
+    )
+    device_id: Annotated[int, Whole("unit identifier")] = key(
+        "Number of the device on the line.", default=1, ge=1, le=247
+    )
+    deadline_ms: Milliseconds = key(
+        "Longest wait for the reply of one tick: the line's own time and the server's. It must "
+        "stay below cycle_ms.",
+        default=8.0,
+        ge=0.5,
+        le=90,
+    )
+    function: Literal["fc23", "fc3_fc16"] = key(FUNCTION, default="fc23")
+
+
 class CanDbc(Section):
     """How the PLC is reached on CAN; the DBC file says where every signal sits."""
 
@@ -207,12 +230,18 @@ class Canopen402(Section):
     deadline_ms: Milliseconds = key(CAN_DEADLINE, default=3.0, ge=0.5, le=50)
 
 
+ModbusWay = ModbusTcp | ModbusRtu | ModbusUdp | ModbusRtuTcp
+
+
 class Gateway(Section):
     """The connection to the PLC and the register map."""
 
     modbus_tcp: ModbusTcp | None = key("PLC on Modbus TCP. Give exactly one.", default=None)
     modbus_rtu: ModbusRtu | None = key("Device on Modbus RTU, a serial line.", default=None)
     modbus_udp: ModbusUdp | None = key("PLC on Modbus over UDP datagrams.", default=None)
+    modbus_rtu_tcp: ModbusRtuTcp | None = key(
+        "Device on Modbus RTU behind a serial device server.", default=None
+    )
     can_dbc: CanDbc | None = key("PLC on CAN, described by a DBC file.", default=None)
     canopen_402: Canopen402 | None = key("PLC and drives on CANopen (CiA 402).", default=None)
     address_base: Annotated[Literal[0, 1], Whole("number of the first register")] | None = key(
@@ -240,14 +269,14 @@ class Gateway(Section):
         return next((name for name in WIRES if getattr(self, name) is not None), "")
 
     @property
-    def way(self) -> ModbusTcp | ModbusRtu | ModbusUdp | CanDbc | Canopen402 | None:
+    def way(self) -> ModbusWay | CanDbc | Canopen402 | None:
         """Return the section of the way in use."""
         return self.modbus or self.can
 
     @property
-    def modbus(self) -> ModbusTcp | ModbusRtu | ModbusUdp | None:
+    def modbus(self) -> ModbusWay | None:
         """Return the Modbus section in use, if any."""
-        return self.modbus_tcp or self.modbus_rtu or self.modbus_udp
+        return self.modbus_tcp or self.modbus_rtu or self.modbus_udp or self.modbus_rtu_tcp
 
     @property
     def can(self) -> CanDbc | Canopen402 | None:

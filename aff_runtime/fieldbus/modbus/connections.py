@@ -11,6 +11,7 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
 from aff_runtime.fieldbus.modbus.registers import RegisterMap
+from aff_runtime.fieldbus.modbus.rtu_tcp_wire import RtuTcpWire
 from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire, Wire
 from aff_runtime.fieldbus.modbus.tls_wire import TlsWire, client_context
 from aff_runtime.fieldbus.modbus.transport import ModbusTransport
@@ -139,5 +140,9 @@ CONNECTIONS: Mapping[str, Connection] = {
     "modbus_udp": Connection(
         text="Modbus over UDP, one frame in one datagram",
         wire=lambda udp, _folder: UdpWire(udp.host, udp.port),
+    ),
+    "modbus_rtu_tcp": Connection(
+        text="Modbus RTU frames over TCP, through a serial device server",
+        wire=lambda server, _folder: RtuTcpWire(server.host, server.port),
     ),
 }

@@ -1,8 +1,7 @@
-"""Modbus RTU under the TCP transport: MBAP frames become serial ones and back.
+"""Modbus RTU on a serial line, under the TCP transport.
 
-The transport's rules stay as they are (one request in flight, hard deadline, strict replies); a
-serial line has no transaction id, so whatever lies in its buffer when a request leaves is thrown
-away, and a reply is given the id of the one request in flight.
+The transport's rules stay as they are (one request in flight, hard deadline, strict replies);
+whatever lies in the line's buffer when a request leaves is thrown away (`rtu_frames`).
 """
 
 from __future__ import annotations
@@ -11,38 +10,10 @@ from typing import Final
 
 import serial
 
+from aff_runtime.fieldbus.modbus.rtu_frames import MOST_BYTES, RtuFraming
 from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, Connecting
 
-_MOST_BYTES: Final = 256
 _FAULTS: Final = (serial.SerialException, OSError, ValueError)
-
-
-def crc16(data: bytes) -> int:
-    """Return the CRC of Modbus over Serial Line V1.02, 6.2.2 (polynomial 0xA001, start 0xFFFF)."""
-    crc = 0xFFFF
-    for byte in data:
-        crc ^= byte
-        for _ in range(8):
-            crc = crc >> 1 ^ 0xA001 if crc & 1 else crc >> 1
-    return crc
-
-
-def rtu_of(frame: bytes) -> bytes:
-    """Return the serial frame of an MBAP frame."""
-    body = frame[6:]
-    return body + crc16(body).to_bytes(2, "little")
-
-
-def reply_length(buffer: bytes) -> int:
-    """Return the length of the reply at the head of ``buffer``; 0 too early, -1 no reply."""
-    if len(buffer) < 3:
-        return 0
-    function = buffer[1]
-    if function & 0x80:
-        return 5
-    if function in (3, 23):
-        return 5 + buffer[2]
-    return 8 if function == 16 else -1
 
 
 class RtuWire:
@@ -60,8 +31,7 @@ class RtuWire:
         self._device = device
         self._settings = {"baudrate": baud, "parity": parity, "stopbits": stop_bits}
         self._line: serial.Serial | None = None
-        self._head = b""
-        self._buffer = b""
+        self._framing = RtuFraming()
         self.why_closed = ""
 
     def start_connect(self) -> bool:
@@ -88,9 +58,7 @@ class RtuWire:
             return False
         try:
             line.reset_input_buffer()
-            self._buffer = b""
-            self._head = frame[:4]
-            request = rtu_of(frame)
+            request = self._framing.request(frame)
             return bool(line.write(request) == len(request))
         except _FAULTS:
             return False
@@ -102,38 +70,18 @@ class RtuWire:
             return CLOSED
         try:
             line.timeout = max(0, wait_ns) * 1e-9
-            wanted = max(1, reply_length(self._buffer) - len(self._buffer))
-            self._buffer += line.read(wanted if wait_ns > 0 else _MOST_BYTES)
+            more = line.read(self._framing.wanted if wait_ns > 0 else MOST_BYTES)
         except _FAULTS:
             return CLOSED
-        if not self._head:
-            self._buffer = b""  # nobody asked
-            return 0
-        length = reply_length(self._buffer)
-        if length < 0 or len(self._buffer) > _MOST_BYTES:
-            return CLOSED
-        if length == 0 or len(self._buffer) < length:
-            return 0
-        return self._deliver(self._buffer[:length], into)
+        return self._framing.deliver(more, into)
 
     def close(self, *, abort: bool) -> None:
         """Close the line."""
         del abort
         line, self._line = self._line, None
-        self._buffer = b""
-        self._head = b""
+        self._framing.clear()
         if line is not None:
             try:
                 line.close()
             except _FAULTS:
                 return
-
-    def _deliver(self, reply: bytes, into: memoryview) -> int:
-        self._buffer = b""
-        body = reply[:-2]
-        if crc16(body) != int.from_bytes(reply[-2:], "little"):
-            return 0
-        frame = self._head + len(body).to_bytes(2, "big") + body
-        self._head = b""
-        into[: len(frame)] = frame
-        return len(frame)

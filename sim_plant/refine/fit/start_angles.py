@@ -92,7 +92,7 @@ def turned_effect(effect: Added, angle_rad: float) -> Added:
     return replace(effect, parameters=tuple(values.items()))
 
 
-def _with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) -> tuple[Added, ...]:
+def with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) -> tuple[Added, ...]:
     """Return the effects, those with an angle at ``location`` turned: one body, one angle."""
     return tuple(
         turned_effect(e, angle_rad) if e.location == location and phased(e) else e for e in effects
@@ -136,7 +136,7 @@ def costs_of(
 
 def _turns(case: Case, location: str, tries: Array) -> list[Case]:
     """Return the case with the effects at ``location`` turned by each try."""
-    return [replace(case, effects=_with_turned(case.effects, location, float(a))) for a in tries]
+    return [replace(case, effects=with_turned(case.effects, location, float(a))) for a in tries]
 
 
 def start_angles(
@@ -163,7 +163,7 @@ def start_angles(
             best = _lowest(grid, costs_of(pool, measured, model, _turns(case, location, grid)))
             width *= NARROWING
         angles[location] = math.remainder(best, 2.0 * math.pi)
-        case = replace(case, effects=_with_turned(case.effects, location, best))
+        case = replace(case, effects=with_turned(case.effects, location, best))
     return case.effects, angles
 
 

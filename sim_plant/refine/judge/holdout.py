@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.fit.start_angles import costs_of, start_angles, turned_effect
+from sim_plant.refine.fit.start_angles import costs_of, start_angles, with_turned
 from sim_plant.refine.judge.moments import with_moments
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
@@ -125,26 +125,30 @@ def with_unwound_lengths(
     for effect in case.effects:
         profiles = BY_NAME[effect.effect].profiles
         if profiles is not None and profiles.age in dict(effect.parameters):
-            best = _with_best_age(pool, measured, case, model, effect, profiles.age)
-            found[effect.location] = float(dict(best.parameters)[profiles.age])
-            case = replace(case, effects=tuple(best if e is effect else e for e in case.effects))
+            at = case.effects.index(effect)
+            case = _with_best_age(pool, measured, case, model, at, profiles.age)
+            found[effect.location] = float(dict(case.effects[at].parameters)[profiles.age])
     return case.effects, found
 
 
 def _with_best_age(
-    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, effect: Added, age: str
-) -> Added:
-    """Return a profile with the angle and the ``age`` (rad, cm) that fit best."""
-    others = tuple(e for e in case.effects if e is not effect)
-    values = dict(effect.parameters)
+    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, at: int, age: str
+) -> Case:
+    """Return the case with the ``age`` of profile ``at`` and its body's angle (cm, rad) at best.
 
-    def moved(x: Array) -> Added:
-        more = {**values, age: 0.01 * float(x[1])}
-        return turned_effect(replace(effect, parameters=tuple(more.items())), float(x[0]))
+    Whatever else is on that body turns with it.
+    """
+    effect = case.effects[at]
+    values, row = dict(effect.parameters), BY_NAME[effect.effect].accepts[age]
+
+    def moved(x: Array) -> Case:
+        known = {**values, age: min(max(0.01 * float(x[1]), row.low), row.high)}
+        new = replace(effect, parameters=tuple(known.items()))
+        effects = (*case.effects[:at], new, *case.effects[at + 1 :])
+        return replace(case, effects=with_turned(effects, effect.location, float(x[0])))
 
     def cost(x: Array) -> float:
-        there = replace(case, effects=(*others, moved(x)))
-        return float(costs_of(pool, measured, model, [there])[0])
+        return float(costs_of(pool, measured, model, [moved(x)])[0])
 
     start = np.array([0.0, 100.0 * float(values[age])])
     options = {**SIMPLEX_ENDS, "initial_simplex": start + np.array(SIMPLEX)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -155,7 +156,20 @@ def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
                 objective, there.hypotheses, there.values, shifts, rounds=8, quick=False
             )
         )
-    return likeliest_age(fit, aged, sure_excess(objective))
+    best = likeliest_age(fit, aged, sure_excess(objective))
+    return best if best is fit or knows(best, at, profiles.age) else fit
+
+
+def knows(fit: Fit, at: int, name: str) -> bool:
+    """Return whether a fit knows a number of effect ``at`` better than that it is within bounds.
+
+    What a profile without corners was formed at, an ellipse, hardly shows.
+    """
+    h = fit.hypotheses[at]
+    number = h.names.index(name)
+    row = sum(len(v) for v in fit.values[:at]) + number
+    variance = float(fit.covariance[row, row]) if fit.covariance.size else np.inf
+    return 2.0 * 1.96 * math.sqrt(max(variance, 0.0)) < h.high[number] - h.low[number]
 
 
 def formation_starts(objective: Objective, fit: Fit, at: int, profiles: Profiles) -> list[Fit]:

@@ -13,7 +13,7 @@ from aff_runtime.fieldbus.modbus.codec import WordCodec
 from aff_runtime.fieldbus.modbus.connections import modbus, rtu_wire
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
-from aff_runtime.fieldbus.modbus.rtu_wire import crc16, reply_length, rtu_of
+from aff_runtime.fieldbus.modbus.rtu_frames import crc16, reply_length, rtu_of
 from aff_runtime.fieldbus.modbus.serial_time import transaction_ms
 from tests.aff_runtime.fieldbus.euclid_map import euclid_map
 from tests.aff_runtime.fieldbus.rtu_slave import Slave

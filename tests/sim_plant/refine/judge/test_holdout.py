@@ -44,3 +44,17 @@ def test_the_roll_of_the_held_out_record_is_taken_as_it_is():
 def test_a_profile_without_that_number_stays_as_fitted():
     case = Case(effects=(profile(),))
     assert with_unwound_lengths(pool(), tension(0.42, 0.013), case, MODEL) == (case.effects, {})
+
+
+def test_what_else_is_on_the_roll_turns_with_it():
+    """Two effects of one body have one angle between them, whatever the body's start is."""
+    ripple = Added("torque_ripple", "unwind", (("amplitude_N_m", 0.4), ("angle_rad", 1.0)))
+    cell = Added("mains_hum", "R9", (("amplitude_N", 0.4), ("phase_rad", 1.0)))
+    measured = tension(0.42, 0.013) + NOISE
+    effects = (ripple, cell, profile(unwound_m=0.006))
+    found, _ = with_unwound_lengths(pool(), measured, Case(effects=effects), MODEL)
+    turned = dict(found[2].parameters)["angle_rad"] - 0.4
+    assert abs(turned) > 0.01
+    now = dict(found[0].parameters)
+    assert now["angle_rad"] - 1.0 == pytest.approx(turned)
+    assert found[1] == cell

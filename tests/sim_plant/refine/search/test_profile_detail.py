@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from sim_plant.refine.model.twin import Case
 from sim_plant.refine.search.profile_detail import (
     formation_starts,
     improves_cross_validation,
+    knows,
     likeliest_age,
     with_formation_radius,
 )
@@ -117,3 +120,13 @@ def test_a_roll_that_winds_up_was_smaller_when_its_profile_was_formed(roll, sign
         for there in formation_starts(objective, fit, 0, profile(roll).effect.profiles)
     ]
     assert [sign * m for m in starts] == [0.006, 0.012]
+
+
+@pytest.mark.parametrize(("sigma_m", "known"), [(0.002, True), (0.02, False)])
+def test_an_age_that_may_be_any_is_no_number(sigma_m, known):
+    """Possible are 0 to 50 mm: an interval as wide says nothing."""
+    h = hypothesis(
+        BY_NAME["out_of_round_roll"], "unwind", (), ("size_m", "unwound_m"), line_with()
+    )
+    fit = replace(fit_of(h, values=((0.01, 0.005),)), covariance=np.diag([1e-8, sigma_m**2]))
+    assert knows(fit, 0, "unwound_m") == known
