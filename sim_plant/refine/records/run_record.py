@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +31,7 @@ from sim_plant.refine.records.run_grid import (
 from sim_plant.refine.records.run_phases import Phases, phases_of
 from sim_plant.refine.records.run_site import DEFAULT_SPEED, RunSite, run_site
 from sim_plant.refine.records.sanity import oddities, unwrapped
+from sim_plant.refine.records.word_steps import counts_of
 
 LONGEST_S = 300.0
 """To read a run that somebody sent: thousands of segments can be small and long to read."""
@@ -87,7 +88,9 @@ def read_run_record(path: Path) -> Recording:
         scans = scans_of(table.columns, channels)
     except PlantError as error:
         raise PlantError(f"{path}: {error}") from error
-    readings, counted = unwrapped({n: table.columns[n][scans.rows] for n in channels})
+    read = {n: table.columns[n][scans.rows] for n in channels}
+    site = replace(site, steps=counts_of(read, site.steps))
+    readings, counted = unwrapped(read)
     pieces, breaks = _pieces(table.columns, scans, readings)
     piece = max((p for p in pieces if p.running), key=lambda p: p.length_s, default=None)
     if piece is None or piece.length_s < SHORTEST_S:
