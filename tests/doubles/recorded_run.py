@@ -86,6 +86,7 @@ class RecordedRun:
     Attributes
     ----------
     bench : plant and runtime; ``run``, ``arm`` and ``inject`` as there.
+    recording : whether rows are written.
     folder : writes the run; with ``law_too`` what the law says of its orders as well; with
         ``can_map`` plant and runtime speak CAN by DBC; ``start_utc`` : what its head says.
     """
@@ -121,6 +122,7 @@ class RecordedRun:
             RunContext(name="Euclid", site_text=made.site.read_text(), segment_s=segment_s),
         )
         self._rows: list[tuple[float, ...]] = []
+        self.recording = True
         self._last: deque[tuple[float, ...]] = deque(maxlen=40)
         self.bench.outside.watchers.append(self._take)
 
@@ -152,6 +154,8 @@ class RecordedRun:
         return self.path
 
     def _take(self, row: Sequence[float]) -> None:
+        if not self.recording:
+            return
         self._rows.append((*row, *self._of_law()))
         self._last.append(self._rows[-1])
         if len(self._rows) >= 50:  # the recorder looks four times a second
