@@ -11,7 +11,7 @@ SECONDS ?= 130
 CASES  ?= 600
 EFFECT ?= eccentric_roller
 SEED   ?= 1
-.PHONY: audit lock release release-tools site campaign chromium demo demo-loop demo-refine hmi house picture plc refine-cases refine-pairs refine-records test test-hmi test-long check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
+.PHONY: audit lock release release-tools site campaign chromium demo demo-loop demo-refine hmi house picture plc refine-cases refine-pairs refine-records refine-runs test test-hmi test-long check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch] sim_plant/lanes/*.[ch])
@@ -56,6 +56,11 @@ refine-pairs: setup
 # (EXTRA="--part check --only case01" for some of them)
 refine-cases: setup
 	nice -n 19 $(BIN)/python -m benchmarks.cases --docs docs/results $(if $(SCHEDULER),--scheduler $(SCHEDULER)) $(EXTRA)
+
+# ten drawn cases: verdicts from the service's own records beside those from clean ones; some eighty
+# minutes of one core, goes on where it was stopped (out/refine-runs), writes docs/results/refine-runs.md
+refine-runs: setup
+	nice -n 19 $(BIN)/python -m tests.sim_plant.refine.run_cases --docs $(EXTRA)
 
 # the measured records without a line (shared/data), each held out from the other; minutes
 refine-records: setup

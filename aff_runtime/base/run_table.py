@@ -98,7 +98,7 @@ def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> 
     held, to_s = 0, min(window.to_s, LONGEST_RUN_S)
     for path in _within(segments, names, window):
         rows, said = _rows(path, names, wanted)
-        torn += said
+        torn += [*said, *_odd_times(path, rows[:, 0])]
         inside = rows[(rows[:, 0] >= window.from_s) & (rows[:, 0] < to_s)]
         inside[~(np.abs(inside) < LARGEST_NUMBER)] = np.nan
         held += inside.size
@@ -166,6 +166,8 @@ def few(sentences: Sequence[str]) -> list[str]:
 def _about(folder: Path) -> Section:
     try:
         about = yaml_values(text_of(folder / MARK, _LARGEST_YAML))
+        if not isinstance(about, Mapping):
+            raise TypeError(_why_none(folder))
         names = about["columns"]
         if not isinstance(names, list) or not names or names[0] != "time_s":
             raise ValueError("its columns do not begin with time_s")
@@ -184,9 +186,22 @@ def _about(folder: Path) -> Section:
     return Section(dict(about))
 
 
+def _why_none(folder: Path) -> str:
+    """Return why a folder has no ``run.yaml`` that can be read, and what was meant perhaps."""
+    named, at, _ = folder.name.rpartition("@")
+    if at and (folder.parent / named).is_dir():
+        return "times of a run are written RUN@FROM..TO, such as RUN@2:00..12:00"
+    if not folder.exists():
+        return "it is not there"
+    if not folder.is_dir():
+        return "it is a file"
+    runs = any((path / MARK).exists() for path in itertools.islice(folder.iterdir(), MOST_SAID))
+    return "a folder of runs, name one of them" if runs else f"it has no {MARK}, or an empty one"
+
+
 def _missing(numbers: Sequence[int]) -> Iterator[str]:
     """Yield a sentence about every gap in the numbers of segments."""
-    for before, number in zip((0, *numbers[:-1]), numbers, strict=True):
+    for before, number in itertools.pairwise((0, *numbers)):
         if number - before > 1:
             which = f"{before + 1}" if number - before == 2 else f"{before + 1} to {number - 1}"
             yield f"segment {which}: not there"
@@ -268,6 +283,17 @@ def _rows(
         rows, bad = _good_rows(body, names, wanted)
         said.append(f"{path.name}: {bad} rows cannot be read; left out")
     return rows, said
+
+
+def _odd_times(path: Path, time_s: NDArray[np.float64]) -> Iterator[str]:
+    """Yield what is odd about the times of a segment: no window takes rows before the first."""
+    early = int(np.sum(time_s < 0.0))
+    if early:
+        yield f"{path.name}: {early} rows are of a time before 0 s; left out"
+    back = np.flatnonzero(np.diff(time_s) <= 0.0)
+    if back.size:
+        at_s, to_s = (float(time_s[back[0] + k]) for k in (0, 1))
+        yield f"{path.name}: its clock goes back, from {at_s:.2f} s to {to_s:.2f} s"
 
 
 def _parsed(body: bytes, wanted: Sequence[int]) -> NDArray[np.float64]:

@@ -78,12 +78,15 @@ def add_runs(options: argparse.Namespace) -> int:
                 with bounded_effort(
                     shown, ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES
                 ):
-                    taken = store.add(run_hours.run_hours(folder))
+                    run = run_hours.run_hours(folder)
+                    taken = store.add(run)
             except AffError as error:
                 refused += 1
                 complain(f"left out: {error}")
                 continue
             say(f"{shown}: {sentences.taken(taken)}")
+            for lost in run.lost if taken.new else ():
+                say(f"{shown}: {lost}")
             if taken.new:
                 stores.save_store(options.store, store)
         if store.line:
@@ -128,6 +131,12 @@ def exchange(options: argparse.Namespace) -> int:
 def _runs(given: list[Path]) -> Iterator[Path]:
     """Yield the runs that are named, those of a folder of runs in the order of their names."""
     for path in given:
+        if names_a_run(path) and not path.is_dir():
+            folder = str(path).rpartition("@")[0]
+            raise ConfigError(
+                f"{printable(str(path))}: a part of a run; watch looks for the steady stretches "
+                f"of each hour itself: give {printable(folder)}"
+            )
         try:
             inside = sorted(p for p in path.iterdir() if names_a_run(p)) if path.is_dir() else []
         except OSError as error:

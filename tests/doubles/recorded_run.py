@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,6 +17,7 @@ from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.run_folder import RunFolder
 from tests.aff_runtime.telemetry.heads import head_of
 from tests.lockstep.bench import Bench, Setup
+from tests.lockstep.can_bench import CanBench
 from tests.lockstep.known_response import ROOT, known_responses
 
 LINE_FILE = ROOT / "config/lines/euclid.yaml"
@@ -84,7 +86,9 @@ class RecordedRun:
     Attributes
     ----------
     bench : plant and runtime; ``run``, ``arm`` and ``inject`` as there.
-    folder : writes the run; with ``law_too`` what the law says of its orders as well.
+    recording : whether rows are written.
+    folder : writes the run; with ``law_too`` what the law says of its orders as well; with
+        ``can_map`` plant and runtime speak CAN by DBC; ``start_utc`` : what its head says.
     """
 
     def __init__(
@@ -95,28 +99,31 @@ class RecordedRun:
         line_speed_m_s: float = 1.0,
         segment_s: float = 20.0,
         law_too: bool = False,
+        can_map: Path | None = None,
+        start_utc: str = UTC,
     ) -> None:
         site = load_site(made.site)
-        self.bench = Bench(
-            Setup(
-                line=made.line,
-                site=made.site,
-                plc_map=made.plc_map,
-                line_speed_m_s=line_speed_m_s,
-                responses=known_responses(line_speed_m_s),
-                soft_start_s=1.5,
-            )
+        setup = Setup(
+            line=made.line,
+            site=made.site,
+            plc_map=made.plc_map,
+            line_speed_m_s=line_speed_m_s,
+            responses=known_responses(line_speed_m_s),
+            soft_start_s=1.5,
         )
+        self.bench = Bench(setup) if can_map is None else CanBench(setup, can_map)
         outputs = [f"{name}_m_s" for name in site.actuators]
         law = self.bench.law.telemetry_names() if law_too else ()
         self._of_law = self.bench.law.telemetry if law_too else tuple
         columns = record_columns(tuple(site.gateway.read.channels), outputs, law)
         self.folder = RunFolder(
             runs,
-            replace(head_of(RunMeta(), UTC), columns=tuple(columns)),
+            replace(head_of(RunMeta(), start_utc), columns=tuple(columns)),
             RunContext(name="Euclid", site_text=made.site.read_text(), segment_s=segment_s),
         )
         self._rows: list[tuple[float, ...]] = []
+        self.recording = True
+        self._last: deque[tuple[float, ...]] = deque(maxlen=40)
         self.bench.outside.watchers.append(self._take)
 
     @property
@@ -134,6 +141,12 @@ class RecordedRun:
             plant.set_reference(SPEED_REF, start_m_s + share * (target_m_s - start_m_s))
             self.bench.run(0.05)
 
+    def goes_on_until(self, time_s: float) -> None:
+        """Write the last rows again, as those of a later time; what lies between is not there."""
+        self._write()
+        later_s = time_s - self._last[-1][0]
+        self.folder.add([(row[0] + later_s, *row[1:]) for row in self._last])
+
     def end(self) -> Path:
         """Write what is left and the summary; return the folder."""
         self._write()
@@ -141,7 +154,10 @@ class RecordedRun:
         return self.path
 
     def _take(self, row: Sequence[float]) -> None:
+        if not self.recording:
+            return
         self._rows.append((*row, *self._of_law()))
+        self._last.append(self._rows[-1])
         if len(self._rows) >= 50:  # the recorder looks four times a second
             self._write()
 

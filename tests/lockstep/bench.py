@@ -12,9 +12,10 @@ from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.app.wiring.site_to_law import site_params
 from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.base.events import BY_CODE
-from aff_runtime.base.ports import Law
+from aff_runtime.base.ports import Gateway, Law
 from aff_runtime.base.signals import Outcome, State
 from aff_runtime.config.loader import load_site
+from aff_runtime.config.models.site import Site
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.law import LawBuilder
 from aff_runtime.core.laws import LAWS
@@ -142,13 +143,16 @@ class Bench:
         self.wire = LockstepPlant(line, Plc(load_plc_map(setup.plc_map)))
         self.plant = self.wire.plant
         self._transport = _Transport(self.clock, self.wire)
-        words = setup.words or register_map(site)
         self.guard = Guard(self.params)
         self.law = Controller(setup.law or site_params(site), setup.responses, laws=setup.laws)
         self.outside = Outside(self.guard)
-        self.cycle = self._cycle(WordGateway(self._transport, WordCodec(words), self.clock))
+        self.cycle = self._cycle(self._gateway(site, setup))
 
-    def _cycle(self, gateway: WordGateway) -> Cycle:
+    def _gateway(self, site: Site, setup: Setup) -> Gateway:
+        words = setup.words or register_map(site)
+        return WordGateway(self._transport, WordCodec(words), self.clock)
+
+    def _cycle(self, gateway: Gateway) -> Cycle:
         return Cycle(
             settings=CycleSettings(
                 period_ns=self.period_ns,

@@ -10,7 +10,7 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_window import names_a_run
+from aff_runtime.base.run_window import MARK, names_a_run
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import read_plain
 from sim_plant.refine.criteria.criteria import CRITERIA
@@ -86,8 +86,19 @@ def kind_of(path: Path) -> str:
     for endings, kind in KINDS.items():
         if path.name.lower().endswith(endings):
             return kind
+    folder, at, _ = str(path).rpartition("@")
+    if path.is_dir():
+        raise PlantError(
+            f"{shown(path)}: a folder without {MARK}; name one run, a folder that has it"
+        )
+    if at and Path(folder).is_dir():
+        raise PlantError(
+            f"{shown(path)}: is a part of a run meant? Its times are written RUN_DIR@FROM..TO, "
+            "such as RUN_DIR@2:00..12:00, of a folder that has run.yaml"
+        )
+    what = "unknown kind of file" if path.exists() else "is not there"
     raise PlantError(
-        f"{shown(path)}: unknown kind of file; give .csv, .csv.gz, .parquet, .mf4 or "
+        f"{shown(path)}: {what}; give .csv, .csv.gz, .parquet, .mf4 or "
         ".mdf, or the folder of a run (RUN_DIR or RUN_DIR@FROM..TO)"
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +31,7 @@ from sim_plant.refine.records.run_grid import (
 from sim_plant.refine.records.run_phases import Phases, phases_of
 from sim_plant.refine.records.run_site import DEFAULT_SPEED, RunSite, run_site
 from sim_plant.refine.records.sanity import oddities, unwrapped
+from sim_plant.refine.records.word_steps import counts_of
 
 LONGEST_S = 300.0
 """To read a run that somebody sent: thousands of segments can be small and long to read."""
@@ -87,17 +88,19 @@ def read_run_record(path: Path) -> Recording:
         scans = scans_of(table.columns, channels)
     except PlantError as error:
         raise PlantError(f"{path}: {error}") from error
-    readings, counted = unwrapped({n: table.columns[n][scans.rows] for n in channels})
+    read = {n: table.columns[n][scans.rows] for n in channels}
+    site = replace(site, steps=counts_of(read, site.steps))
+    readings, counted = unwrapped(read)
     pieces, breaks = _pieces(table.columns, scans, readings)
     piece = max((p for p in pieces if p.running), key=lambda p: p.length_s, default=None)
     if piece is None or piece.length_s < SHORTEST_S:
         raise PlantError(
             f"{path}: no {SHORTEST_S:g} s of the running line without a break: "
-            f"{'; '.join(breaks[:6]) or 'the window is too short'}; give another window"
+            f"{'; '.join([*table.lost[:6], *breaks[:6]]) or 'the window is too short'}; "
+            "give another window"
         )
     found = _on_grid(table, site, scans, piece, readings)
-    silent = [n for n in site.steps if n in table.columns and n not in channels]
-    said = [f"{name} was never read" for name in silent]
+    said = [_unread(name, table.columns) for name in site.steps if name not in channels]
     said += [*table.lost, *few(_edits(table)), *scans.findings, *few(breaks), *counted]
     if len(pieces) > 1:
         others = ", ".join(few([str(p) for p in pieces if p is not piece]))
@@ -202,6 +205,13 @@ def _on_grid(
 def _is_read(columns: Mapping[str, Array], name: str) -> bool:
     """Return whether a channel is recorded and has readings in half of the rows at least."""
     return name in columns and float(np.mean(np.isfinite(columns[name]))) > 0.5
+
+
+def _unread(name: str, columns: Mapping[str, Array]) -> str:
+    """Return what is said of a channel of the site file without readings."""
+    if name in columns:
+        return f"{name} was never read"
+    return f"{name}: its site.yaml maps it, the run has no such column: is it of another run?"
 
 
 def _of_service(name: str) -> bool:

@@ -12,6 +12,7 @@ from aff_runtime.base.run_files import yaml_values
 from aff_runtime.base.units import UnitError, read_scale
 
 DEFAULT_SPEED = "line_speed_m_s"
+FLOAT = "f32"
 UNITS = {"velocity_reference": ("m/s", "m_s"), "torque_reference": ("N m", "N_m")}
 """What an actuator's output is counted in: symbol, and end of its columns' names."""
 
@@ -47,7 +48,8 @@ class RunSite:
     speed : channel of the line speed; ``speed_reference`` that of its set point, or empty.
     rolls : per roll its channels by use (``angle``, ``speed``, ``radius``).
     actuators : by name.
-    steps : per channel one count of its word, SI.
+    steps : per channel one count of its word, SI; where the scale is a factor of what a DBC gives,
+        or of a float, that factor: see ``word_steps.one_count``.
     """
 
     name: str
@@ -106,7 +108,8 @@ def _actuator(given: Mapping[str, Any], written: Mapping[str, Any]) -> RunActuat
         suffix=suffix,
         signal=word(given["error"]["signal"]),
         reference=word(given["error"].get("reference")),
-        count=_number(written.get("scale"), unit, 0.0),
+        # a float comes as it was sent: its scale is a factor, not a count
+        count=0.0 if written.get("type") == FLOAT else _number(written.get("scale"), unit, 0.0),
         roll=word(drive.get("roll")),
         transport_s=None if transport is None else 1e-3 * _number(transport, "ms", 0.0),
     )

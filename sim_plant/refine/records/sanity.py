@@ -16,6 +16,8 @@ from sim_plant.refine.records.limits import shown
 from sim_plant.refine.records.units import suffix_of
 
 RECORDS = CRITERIA.records
+SAME_LEVEL_SHARE = 1e-9
+"""Two readings that differ by less of the largest are one level, interpolated or rounded."""
 
 Flags = npt.NDArray[np.bool_]
 
@@ -116,7 +118,7 @@ def oddities(columns: Mapping[str, Array]) -> list[str]:
             found.append(f"{name} stands still at {values[0]:g}")
             continue
         levels, unit = np.unique(values), suffix_of(name).replace("_s", "/s")
-        smallest = float(np.min(np.diff(levels))) if levels.size > 1 else 0.0
+        smallest = _smallest_step(levels)
         if (
             levels.size < RECORDS.coarse_levels_share * values.size
             and smallest > 0.0
@@ -135,6 +137,13 @@ def oddities(columns: Mapping[str, Array]) -> list[str]:
         if spikes:
             found.append(f"{name} has {spikes} spike{'s' * (spikes > 1)}")
     return found
+
+
+def _smallest_step(levels: Array) -> float:
+    """Return the smallest step between sorted levels; a last digit of theirs is none, 0 then."""
+    steps = np.diff(levels)
+    steps = steps[steps > SAME_LEVEL_SHARE * float(np.max(np.abs(levels)))]
+    return float(np.min(steps)) if steps.size else 0.0
 
 
 def count_spikes(values: Array, count: float = 0.0) -> int:

@@ -132,3 +132,44 @@ def test_a_folder_that_is_no_run_is_refused(run, text):
     (run / "run.yaml").write_text(text)
     with pytest.raises(AffError, match="not a run folder"):
         read(run)
+
+
+def test_what_was_meant_is_said_of_a_folder_that_is_no_run(run):
+    (run.parent / "empty").mkdir()
+    for name, said in (
+        ("nowhere", "it is not there"),
+        (".", "a folder of runs, name one of them"),
+        (f"{run.name}@20", r"times of a run are written RUN@FROM\.\.TO"),
+        ("empty", "it has no run.yaml"),
+    ):
+        with pytest.raises(AffError, match=said):
+            read_table(run_window(run.parent / name))
+
+
+def test_a_run_without_any_segment_is_refused(run):
+    for segment in run.glob("signals-*"):
+        segment.unlink()
+    with pytest.raises(AffError, match="holds no row; no segment of the run holds a row"):
+        read(run)
+
+
+@pytest.mark.parametrize(
+    ("back_s", "said"),
+    [
+        (0.8, ("signals-0002.csv.gz: its clock goes back, from 1.49 s to 0.70 s",)),
+        (
+            50.0,
+            (
+                "signals-0002.csv.gz: 50 rows are of a time before 0 s; left out",
+                "signals-0002.csv.gz: its clock goes back, from 1.49 s to -48.50 s",
+            ),
+        ),
+    ],
+)
+def test_a_clock_that_goes_back_is_named_with_what_is_left_out(run, back_s, said):
+    segment = run / "signals-0002.csv.gz"
+    head, *rows = gzip.decompress(segment.read_bytes()).decode().splitlines()
+    times = [float(row.partition(",")[0]) - back_s * (k >= 50) for k, row in enumerate(rows)]
+    rows = [f"{at:.10g},{row.partition(',')[2]}" for at, row in zip(times, rows, strict=True)]
+    segment.write_bytes(gzip.compress("\n".join([head, *rows, ""]).encode()))
+    assert read(run).lost == said

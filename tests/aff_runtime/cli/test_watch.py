@@ -141,3 +141,25 @@ def test_duckdb_and_pandas_read_an_exported_run_with_its_units(runs, tmp_path, c
 )
 def test_a_columns_unit_is_what_its_name_ends_with(name, unit):
     assert unit_of_column(name) == unit
+
+
+def test_what_a_run_lost_is_said_once_with_what_is_taken_of_it(runs, tmp_path, capsys):
+    run = tmp_path / "run"
+    shutil.copytree(min(runs.iterdir()), run)
+    (run / "summary.json").unlink()
+    site = run / "site.yaml"
+    site.write_text(site.read_text().replace("unwind_tension_N:", "web_tension_N:"))
+    assert main(["watch", "add", str(tmp_path / "s"), str(run)]) == 0
+    said = capsys.readouterr().out
+    assert f"{run}: no summary.json: the recorder did not end by itself" in said
+    assert f"{run}: its site.yaml maps web_tension_N, the run has no such column" in said
+    assert main(["watch", "add", str(tmp_path / "s"), str(run)]) == 0
+    assert "summary.json" not in capsys.readouterr().out
+
+
+def test_a_part_of_a_run_is_refused_with_what_to_give(runs, tmp_path, capsys):
+    run = min(runs.iterdir())
+    assert main(["watch", "add", str(tmp_path / "s"), f"{run}@5..30"]) == 2
+    assert f"watch looks for the steady stretches of each hour itself: give {run}" in (
+        capsys.readouterr().err
+    )

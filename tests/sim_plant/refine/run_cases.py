@@ -1,16 +1,18 @@
 """Drawn cases from the service's own records and from clean ones of the same line, as one table.
 
-python -m tests.sim_plant.refine.run_cases [--cases N] [--effect NAME] [--out DIR]
+python -m tests.sim_plant.refine.run_cases [--cases N] [--effect NAME] [--out DIR] [--docs]
 
 Every case is a seed of ``make demo-loop``: a roll that is not round, and one effect at a drawn
 place. The service's records are of plant, PLC and runtime in virtual time: AFF on in the one that
 is fitted, off in the one held out. A clean record is the plant's own under the same references,
-with all channels that the line declares, without service and wire. Ends with 1 where fewer than
-nine in ten verdicts are alike. Some four minutes of one core a case.
-Results are kept in DIR, one folder a case; what is there is not made again.
+with all channels that the line declares, without service and wire.
+Ends with 1 where fewer than nine in ten verdicts are alike, or an error held out is above 1.10 of
+the floor. Some eight minutes of one core a case. Verdicts are kept
+in DIR, one folder a case: what is there is not made again, what was stopped is begun anew.
 """
 
 import argparse
+import shutil
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +29,10 @@ from tests.doubles.recorded_run import Files, RecordedRun
 FAST_M_S, SLOW_M_S, STEP_N = 0.85, 0.62, 95.0
 RAMP_S, OFF_S = 3.0, 35.0
 ALIKE_SHARE = 0.9
+MOST_OF_FLOOR = 1.10
+KINDS = ("service", "clean")
+JUDGED = "unwind_tension_N"
+PAGE = Path("docs/results/refine-runs.md")
 
 
 @dataclass(frozen=True)
@@ -88,16 +94,25 @@ def _clean(plant, channels, references, path, seed):
 
 def verdicts(case, out):
     """Return what refine says of the service's records, and of the clean ones."""
+    return [verdict(case, out, kind) for kind in ("service", "clean")]
+
+
+def verdict(case, out, kind):
+    """Return what refine says of the ``service``'s records, or of ``clean`` ones."""
     folder = out / f"{case.effect}-{case.seed}"
-    paths = [folder / name / "verdict.json" for name in ("service", "clean")]
-    if not all(path.exists() for path in paths):
-        folder.mkdir(parents=True, exist_ok=True)
-        files = write_files(folder, drawn(case.effect, case.seed))
-        made = service_records(files, folder), clean_records(files, folder, case.seed)
-        for path, (fit, held) in zip(paths, made, strict=True):
-            records = [str(files.line), str(fit), "--holdout", str(held)]
-            assert sim_plant(["refine", *records, "--out", str(path.parent)]) == 0
-    return [Verdict.from_json(path.read_text(encoding="utf-8")) for path in paths]
+    said = folder / kind / "verdict.json"
+    if not said.exists():
+        made = folder / f"{kind}-records"
+        shutil.rmtree(made, ignore_errors=True)
+        made.mkdir(parents=True)
+        files = write_files(made, drawn(case.effect, case.seed))
+        if kind == "service":
+            fit, held = service_records(files, made)
+        else:
+            fit, held = clean_records(files, made, case.seed)
+        records = [str(files.line), str(fit), "--holdout", str(held), "--workers", "1"]
+        assert sim_plant(["refine", *records, "--out", str(said.parent)]) == 0
+    return Verdict.from_json(said.read_text(encoding="utf-8"))
 
 
 def alike(one, other):
@@ -120,43 +135,121 @@ def size_error(case, verdict):
     return float(numbers[sizes[0]]) / float(given[sizes[0]]) - 1.0 if sizes else None
 
 
+def of_floor(verdict):
+    """Return the error held out over what noise alone leaves, in the tension that is corrected."""
+    tension = verdict.residual_rms[JUDGED]
+    return tension.after / tension.noise_floor
+
+
 def row(case, service, clean):
     """Return one line of the table."""
-    tension = service.residual_rms["unwind_tension_N"]
     cells = [f"{case.seed}", "; ".join(f"{name} at {at}" for name, at in case.hidden)]
     for verdict in (service, clean):
         error = size_error(case, verdict)
-        told = ", ".join(str(e.place) for e in verdict.effects) or "-"
-        told += "".join(f"; unknown: {u.kind}" for u in verdict.unknown)
-        cells += [f"{verdict.answer}: {told}", "-" if error is None else f"{100 * error:+.1f} %"]
-    cells += [f"{tension.after / tension.noise_floor:.2f}"]
-    cells += ["yes" if alike(service, clean) else "no"]
+        cells += [_said(verdict), "-" if error is None else f"{100 * error:+.1f} %"]
+    cells += [f"{of_floor(service):.2f}", "yes" if alike(service, clean) else "no"]
     return f"| {' | '.join(cells)} |"
+
+
+def _said(verdict):
+    told = ", ".join(str(e.place) for e in verdict.effects) or "-"
+    told += "".join(f"; unknown: {u.kind}" for u in verdict.unknown)
+    for a in verdict.ambiguous:
+        told += f"; or {', '.join(str(place) for place in a.alternatives)}"
+    return f"{verdict.answer}: {told}"
 
 
 HEAD = (
     *("seed", "the plant has", "from the service's records", "size", "from clean ones", "size"),
-    *("tension held out over floor", "alike"),
+    *("error held out over floor", "alike"),
 )
 
 
-def table(cases, out):
-    """Return the table, and how many verdicts are alike."""
-    rows, same = [f"| {' | '.join(HEAD)} |", "|---" * len(HEAD) + "|"], 0
+@dataclass(frozen=True)
+class Table:
+    """The table, and what was counted in it.
+
+    Attributes
+    ----------
+    alike : verdicts of service and clean records.
+    within : errors held out that are at most ``MOST_OF_FLOOR`` of the floor.
+    """
+
+    text: str
+    cases: int
+    alike: int
+    within: int
+
+    @property
+    def summary(self):
+        """Return the counts as a sentence."""
+        return (
+            f"{self.alike} of {self.cases} verdicts alike (nine in ten asked); error held out at "
+            f"most {MOST_OF_FLOOR:.2f} of the floor in {self.within} of {self.cases}."
+        )
+
+    @property
+    def holds(self):
+        """Return whether the targets were met."""
+        return self.alike >= ALIKE_SHARE * self.cases and self.within == self.cases
+
+
+def table(cases, out, *, only_made=False):
+    """Return the table of cases; ``only_made``: of those that have been refined already."""
+    rows = [f"| {' | '.join(HEAD)} |", "|---" * len(HEAD) + "|"]
+    count = same = within = 0
     for case in cases:
+        folder = out / f"{case.effect}-{case.seed}"
+        if only_made and not all((folder / k / "verdict.json").exists() for k in KINDS):
+            continue
         service, clean = verdicts(case, out)
         rows.append(row(case, service, clean))
-        same += alike(service, clean)
-    return "\n".join(rows) + "\n", same
+        count, same = count + 1, same + alike(service, clean)
+        within += of_floor(service) <= MOST_OF_FLOOR
+    return Table("\n".join(rows) + "\n", count, same, within)
 
 
-if __name__ == "__main__":
+def page(found):
+    """Return the page of results."""
+    return TEXT.format(table=found.text, summary=found.summary)
+
+
+TEXT = """# Verdicts from the service's records and from clean ones
+
+Repeat: `make refine-runs`; some eighty minutes of one core, a stopped run goes on. Each case is a
+seed of `make demo-loop`. The service's records are of plant, PLC and runtime in virtual time, AFF
+on in the one that is fitted and off in the one held out; clean records are the plant's own with
+every channel that the line file declares. Two verdicts are alike when answer, effects and places
+are the same.
+
+{table}
+{summary}
+
+R1, R2 and R3 have one radius and stand in one zone: of an effect on one of them the service's
+records name the neighbour as well (`not_identifiable`), with the experiment that tells. The clean
+records have the load cell on R3, which the service does not map; whether that alone is what tells
+them there was not tested.
+"""
+
+
+def main():
+    """Refine the cases that are missing, print the table; 1 where a target is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=10)
     parser.add_argument("--effect", default=IDLER)
     parser.add_argument("--out", type=Path, default=Path("out/refine-runs"))
+    parser.add_argument("--docs", action="store_true", help=f"write {PAGE}")
+    parser.add_argument(
+        "--only-made", action="store_true", help="table of what is refined already"
+    )
     given = parser.parse_args()
-    drawn_cases = [Case(given.effect, seed) for seed in range(1, given.cases + 1)]
-    text, count = table(drawn_cases, given.out)
-    print(f"{text}\n{count} of {given.cases} alike")
-    sys.exit(0 if count >= ALIKE_SHARE * given.cases else 1)
+    cases = [Case(given.effect, seed) for seed in range(1, given.cases + 1)]
+    found = table(cases, given.out, only_made=given.only_made)
+    print(f"{found.text}\n{found.summary}")
+    if given.docs:
+        PAGE.write_text(page(found), encoding="utf-8")
+    return 0 if found.holds else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

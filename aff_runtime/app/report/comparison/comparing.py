@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -293,6 +294,25 @@ def _unlike(pair: tuple[Window, Window], facts: tuple[Facts, Facts]) -> Iterator
         first_run.from_s < last_run.to_s and last_run.from_s < first_run.to_s
     ):
         yield "the two windows overlap: what they share does not count twice"
+    if _is_later(*pair):
+        yield "the window before is later than the one after: were they swapped?"
+
+
+def _is_later(one: Window, other: Window) -> bool:
+    """Return whether a window began when another had ended: in one run, or in two, one by one."""
+    first, last = one.table.window.folder.resolve(), other.table.window.folder.resolve()
+    if first == last:
+        return float(one.table.columns["time_s"][0]) > float(other.table.columns["time_s"][-1])
+    return _start_s(one) > _start_s(other)  # a folder ends where the next begins
+
+
+def _start_s(window: Window) -> float:
+    """Return when a run's folder was begun, s of wall time; NaN where it does not say."""
+    try:
+        start = datetime.fromisoformat(word(window.table.about.get("start_utc")))
+    except ValueError:
+        return math.nan
+    return (start if start.tzinfo else start.replace(tzinfo=UTC)).timestamp()
 
 
 def _apart(first: float, last: float) -> float:

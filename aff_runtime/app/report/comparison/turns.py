@@ -60,6 +60,8 @@ def order_per_turn(
     trapezoid rule on the samples' own angles. A turn with a sample that is not ``good`` is left
     out, as are the broken ones at both ends; ``angle_rad`` rises.
     """
+    if angle_rad.size < 2:
+        return np.empty((0, len(orders)), dtype=np.complex128), np.empty(0)
     turn = np.floor((angle_rad - angle_rad[0]) / math.tau).astype(np.int64)
     starts = np.flatnonzero(np.diff(turn, prepend=turn[0] - 1))
     width = np.gradient(angle_rad)
@@ -186,6 +188,8 @@ def change(before: Estimate, after: Estimate) -> Change:
     if not there and not here:
         return Change(value_dB=math.nan, low_dB=math.nan, high_dB=math.nan, bound="none")
     first, last = (e.amplitude if e.stands_out else e.floor for e in (before, after))
+    if math.isnan(first) or math.isnan(last):  # too few turns for a floor
+        return Change(value_dB=math.nan, low_dB=math.nan, high_dB=math.nan, bound="none")
     value = 20.0 * (_log10(last) - _log10(first))
     if not there or not here:
         bound = "at_most" if there else "at_least"

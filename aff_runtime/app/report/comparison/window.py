@@ -24,6 +24,7 @@ SPEED_CHANGES_SHARE = 0.02
 EXCITING = 2.0
 PROBE = "probe.stage"
 LARGEST_WORD = 2.0**32
+FEWEST_READINGS = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -147,6 +148,17 @@ def _odd(window: Window) -> list[str]:
     columns, said = window.table.columns, []
     if not window.site:
         said.append("its site file cannot be read: rolls and orders are not known")
+    mapped = [
+        str(n) for n, _ in window.section("gateway").section("read").section("channels").items()
+    ]
+    missing = [name for name in mapped if name not in columns]
+    if missing:
+        named = printable(", ".join(missing), 200)
+        said.append(
+            f"its site.yaml maps {named}, the run has no such column: is it of another run?"
+        )
+    if window.time_s.size < FEWEST_READINGS:
+        said.append(f"{window.time_s.size} rows show readings: nothing can be told")
     if np.any(np.diff(columns["time_s"]) <= 0.0):
         said.append("its clock goes back: turns across that are left out")
     stage = columns.get(PROBE)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from hashlib import sha256
@@ -20,7 +20,7 @@ from aff_runtime.app.report.watching.tables import HourRow, OrderRow
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_files import text_of, yaml_values
-from aff_runtime.base.run_table import LONGEST_RUN_S, FirstRow, first_rows, read_table
+from aff_runtime.base.run_table import LONGEST_RUN_S, FirstRow, few, first_rows, read_table
 from aff_runtime.base.run_window import MARK, RunWindow
 from aff_runtime.base.yaml_section import Section
 
@@ -73,6 +73,7 @@ class RunHours:
     line : name of the line. ``start_utc`` : wall time of the row at time ``start_s``.
     hours : that have rows.
     times_s, lengths_m : (points,) of the run's clock, and how much web ran until there.
+    lost : sentences about what the run no longer has, or never had.
     """
 
     folder: Path
@@ -85,6 +86,7 @@ class RunHours:
     hours: tuple[RecordedHour, ...]
     times_s: Array
     lengths_m: Array
+    lost: tuple[str, ...] = ()
 
     def utc(self, time_s: float) -> np.datetime64:
         """Return the wall time of a row."""
@@ -150,7 +152,7 @@ def run_hours(folder: Path) -> RunHours:
     if not begins:
         raise AffError(f"{shown}: no segment of the run holds a row")
     site = _site(folder)
-    times, speeds = _speeds(folder, begins, _speed_name(site))
+    times, speeds, lost = _speeds(folder, begins, _speed_name(site))
     segment_s = _segment_s(about)
     text = text_of(folder / MARK, _LARGEST)
     return RunHours(
@@ -164,7 +166,30 @@ def run_hours(folder: Path) -> RunHours:
         hours=_hours([one.values["time_s"] for one in begins], segment_s, float(times[-1])),
         times_s=times,
         lengths_m=_lengths(times, speeds),
+        lost=(*lost, *few(list(_odd(rows, begins))), *_unmapped(site, begins[0])),
     )
+
+
+def _odd(rows: tuple[FirstRow, ...], begins: list[FirstRow]) -> Iterator[str]:
+    """Yield segments whose time does not go on."""
+    taken = {one.number for one in begins}
+    for one in rows:
+        if one.number not in taken:
+            at_s = one.values["time_s"]
+            yield f"segment {one.number}: its clock goes back, to {at_s:.4g} s; left out"
+
+
+def _unmapped(site: Section, row: FirstRow) -> Iterator[str]:
+    """Yield why a run's rolls or channels are not known."""
+    if not site:
+        yield "its site.yaml cannot be read: no roller of it is known"
+    mapped = [
+        str(n) for n, _ in site.section("gateway").section("read").section("channels").items()
+    ]
+    missing = [name for name in mapped if name not in row.values]
+    if missing:
+        named = printable(", ".join(missing), 200)
+        yield f"its site.yaml maps {named}, the run has no such column: is it of another run?"
 
 
 def _rising(rows: tuple[FirstRow, ...]) -> list[FirstRow]:
@@ -224,19 +249,22 @@ def _start(shown: str, about: Section) -> datetime:
         ) from None
 
 
-def _speeds(folder: Path, begins: list[FirstRow], name: str) -> tuple[Array, Array]:
-    """Return times that rise, and the line speed there: where segments begin, and in the last."""
+def _speeds(
+    folder: Path, begins: list[FirstRow], name: str
+) -> tuple[Array, Array, tuple[str, ...]]:
+    """Return times that rise, the line speed there (segments' begins, the last), what is lost."""
     points = [(one.values["time_s"], one.values.get(name, 0.0)) for one in begins]
     window = RunWindow(folder=folder, from_s=points[-1][0])
     keep: Callable[[str], bool] = name.__eq__
-    last = read_table(window, keep=keep).columns
+    table = read_table(window, keep=keep)
+    last = table.columns
     every = max(1, last["time_s"].size // 100)
     tail = last.get(name, np.zeros_like(last["time_s"]))
     points += list(zip(last["time_s"][::every], tail[::every], strict=True))
     points.append((last["time_s"][-1], tail[-1]))
     time_s, speed = np.array(points).T
     rising = time_s > np.maximum.accumulate(np.concatenate([[-math.inf], time_s[:-1]]))
-    return time_s[rising], np.abs(np.nan_to_num(speed[rising]))
+    return time_s[rising], np.abs(np.nan_to_num(speed[rising])), table.lost
 
 
 def _lengths(times_s: Array, speeds_m_s: Array) -> Array:

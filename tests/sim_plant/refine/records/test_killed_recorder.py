@@ -9,8 +9,9 @@ from aff_runtime.base.run_window import run_window
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.ring import RingReader, RingWriter
+from sim_plant.demo.loop.drawn import IDLER, drawn, write_files
 from sim_plant.refine.records.read import read_record
-from tests.doubles.recorded_run import RecordedRun, files
+from tests.doubles.recorded_run import PLC_FILE, Files, RecordedRun, files
 from tests.processes import kill, until
 
 pytestmark = [pytest.mark.processes, pytest.mark.timeout(300)]
@@ -19,11 +20,16 @@ KEPT_ROWS, LOST_ROWS = 4096, 600
 """Rows that the ring keeps for a recorder that comes later, and those that it cannot keep."""
 
 
-@pytest.fixture(scope="module")
-def run(tmp_path_factory):
-    """A whole run of the plant in virtual time: armed, a tension step."""
+@pytest.fixture(scope="module", params=("modbus", "can"))
+def run(request, tmp_path_factory):
+    """A whole run in virtual time, on Modbus and on CAN by DBC: armed, a tension step."""
     folder = tmp_path_factory.mktemp("whole")
-    run = RecordedRun(files(folder), folder / "runs")
+    made, can_map = files(folder), None
+    if request.param == "can":
+        on_can = write_files(folder, drawn(IDLER, 1), "can")
+        made = Files(line=on_can.plant, site=on_can.site, plc_map=PLC_FILE)
+        can_map = on_can.plc
+    run = RecordedRun(made, folder / "runs", can_map=can_map)
     run.bench.run(8.0)
     run.bench.arm(10.0)
     run.bench.plant.set_reference("tension_ref_N", 95.0)

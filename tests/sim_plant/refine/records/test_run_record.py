@@ -160,6 +160,53 @@ def test_a_window_that_is_too_short_says_so(run):
         read_record(f"{run}@3..9")
 
 
+def test_a_refusal_says_which_segments_are_gone(run):
+    first, *others = sorted(run.glob("signals-*"))
+    others[0].unlink()
+    for segment in others[1:]:
+        segment.write_bytes(b"")
+    with pytest.raises(PlantError, match=r"segment 2: not there; signals-0003.csv.gz: holds no"):
+        read_record(f"{run}@1..")
+    first.unlink()
+    with pytest.raises(PlantError, match="no segment of the run holds a row"):
+        read_record(run)
+
+
+def test_a_clock_that_is_set_back_in_the_middle_is_named(run):
+    segment = sorted(run.glob("signals-*"))[1]
+    head, *rows = gzip.decompress(segment.read_bytes()).decode().splitlines()
+    for k in range(2000, len(rows)):
+        at, _, rest = rows[k].partition(",")
+        rows[k] = f"{float(at) - 100.0:.10g},{rest}"
+    segment.write_bytes(gzip.compress("\n".join([head, *rows, ""]).encode()))
+    record = read_record(run)
+    assert said_of(record, "its clock goes back, from 30.00 s to -70.00 s")
+    assert said_of(record, "2000 rows are of a time before 0 s; left out")
+
+
+def test_a_site_file_of_another_run_is_named_by_the_channel_that_is_not_there(run):
+    site = run / "site.yaml"
+    site.write_text(site.read_text().replace("pullroll_tension_N", "other_tension_N"))
+    assert said_of(read_record(run), "other_tension_N: its site.yaml maps it, the run has no such")
+
+
+def test_what_is_no_record_is_refused_with_what_was_meant(run):
+    for name, said in (
+        (f"{run}@20", r"its times are written RUN_DIR@FROM\.\.TO"),
+        (run.parent, r"a folder without run\.yaml; name one run"),
+        (run / "nowhere", "is not there; give"),
+        (run / "run.yaml", "unknown kind of file"),
+    ):
+        with pytest.raises(PlantError, match=f"(?i){said}"):
+            read_record(name)
+
+
+def test_no_last_digit_of_a_filled_hole_is_said_to_be_a_resolution(run):
+    cut(run, 1, 1000, 1600)
+    for said in said_of(read_record(f"{run}@3..45"), "is read in steps of"):
+        assert "e-1" not in said
+
+
 def rename(run, column, other):
     """Rename a column in run.yaml and all segments."""
     about = run / "run.yaml"

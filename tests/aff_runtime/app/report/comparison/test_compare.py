@@ -197,3 +197,30 @@ def test_a_roll_that_only_the_later_site_file_has_is_compared_by_it(made, run):
         follower = row(of(f"{made[0]}{OFF}", f"{made[0]}{ON}"))
         assert found.before.amplitude == pytest.approx(follower.before.amplitude, rel=0.05)
         assert found.change.value_dB < -10.0
+
+
+def test_windows_that_were_swapped_are_named(made, run):
+    assert "the window before is later than the one after: were they swapped?" in (
+        of(f"{run}{ON}", f"{run}{OFF}").labels
+    )
+    about = run / "run.yaml"
+    about.write_text(about.read_text().replace("start_utc: '2026", "start_utc: '2027"))
+    assert not any("swapped" in text for text in of(f"{made[0]}{ON}", f"{run}{OFF}").labels)
+    assert any("swapped" in text for text in of(f"{run}{OFF}", f"{made[0]}{ON}").labels)
+
+
+def test_a_hole_that_leaves_a_row_or_none_is_named_and_nothing_told(made, run):
+    for segment in sorted(run.glob("signals-*"))[1:]:
+        segment.write_bytes(b"")
+    found = of(f"{run}@20..75", f"{made[0]}{ON}")
+    assert "1 rows show readings: nothing can be told" in found.windows[0].labels
+    assert any("holds no whole row" in text for text in found.windows[0].labels)
+    assert {r.change.bound for r in found.rows} == {"none"}
+    assert json.dumps(as_json(found), allow_nan=False)
+
+
+def test_a_site_file_of_another_run_is_named_by_the_channel_that_is_not_there(made, run):
+    site = run / "site.yaml"
+    site.write_text(site.read_text().replace("unwind_tension_N", "web_tension_N"))
+    said = "its site.yaml maps web_tension_N, the run has no such column: is it of another run?"
+    assert said in of(f"{made[0]}{OFF}", f"{run}{ON}").windows[1].labels

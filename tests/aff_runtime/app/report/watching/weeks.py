@@ -1,0 +1,229 @@
+"""Six weeks of runs of the simulated line, and what watch says of them against what the plant had.
+
+python -m tests.aff_runtime.app.report.watching.weeks [--docs] [--out DIR]
+
+Every day plant, PLC and runtime run in virtual time, AFF on with a block for idler R6, and the
+recorder's own folder is written: 23 s after R6 was learned and a few rows from the end of ten
+hours, as the bound on the disk leaves it. R6's eccentricity grows with the web that ran, differs
+from day to day, and is another one from the day of the exchange on. Every evening the store takes
+the run. Runs are kept in DIR: a command that was stopped goes on. Ten seconds of one core a day.
+"""
+
+import argparse
+import math
+import shutil
+import sys
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+
+from aff_runtime.app.report.watching.findings import findings
+from aff_runtime.app.report.watching.run_hours import run_hours
+from aff_runtime.app.report.watching.sentences import notes
+from aff_runtime.app.report.watching.store import Store
+from tests.doubles.recorded_run import RecordedRun, files
+
+COMMAND = "python -m tests.aff_runtime.app.report.watching.weeks --docs"
+PAGE = Path("docs/results/watch-weeks.md")
+BEGAN = datetime(2026, 1, 5, 6, tzinfo=UTC)
+DAYS, EXCHANGED = 42, 28
+DAY_S, OFF_S, LEARNS_S, ON_S = 36_000.0, 1.0, 14.0, 23.0
+KM_A_DAY = 1e-3 * DAY_S
+"""At 1 m/s."""
+FIRST_M, NEXT_M, GROWS_M_KM, SCATTER_M = 1e-4, 6e-5, 8e-9, 1e-6
+"""Eccentricity of the one idler and the next, its growth, and how days differ (sd)."""
+LIMIT_SHARE = 1.15
+"""The limit that is asked about: so many times the first evening's stroke."""
+SEED = 1
+
+
+@dataclass(frozen=True)
+class Evening:
+    """What was said on the evening of a day."""
+
+    day: int
+    found: list
+    said: list
+
+
+def eccentricities_m():
+    """Return what the plant has, day by day; the mean of a day, and that with its scatter."""
+    off = SCATTER_M * np.random.default_rng(SEED).standard_normal(DAYS)
+    days = np.arange(DAYS)
+    since = np.where(days < EXCHANGED, days, days - EXCHANGED)
+    mean = np.where(days < EXCHANGED, FIRST_M, NEXT_M) + GROWS_M_KM * KM_A_DAY * since
+    return mean, mean + off
+
+
+def angle_rad(day):
+    """Return where the eccentricity stands when a day begins: anywhere."""
+    return float(np.random.default_rng([SEED, day]).uniform(0.0, math.tau))
+
+
+def write_day(folder, day, size_m):
+    """Write the run of a day; what is there is not made again."""
+    runs, shape = (
+        folder / f"day-{day:02d}",
+        {"eccentricity_m": float(size_m), "angle_rad": angle_rad(day)},
+    )
+    done = sorted(runs.glob("*/summary.json"))
+    if done:
+        return done[0].parent
+    shutil.rmtree(runs, ignore_errors=True)
+    runs.mkdir(parents=True)
+    effect = {"effect": "eccentric_roller", "location": "R6", "parameters": shape}
+    begun = (BEGAN + timedelta(days=day)).isoformat()
+    run = RecordedRun(files(runs, [effect]), runs, law_too=True, segment_s=60.0, start_utc=begun)
+    run.recording = False
+    run.bench.run(OFF_S)
+    run.bench.arm(LEARNS_S)
+    run.recording = True
+    run.bench.run(ON_S)
+    run.goes_on_until(DAY_S)
+    return run.end()
+
+
+def stroke_of(found):
+    """Return the finding about R6's stroke."""
+    return next(
+        f for f in found if (f.readings.roll, f.readings.quantity.name) == ("r6", "stroke_m")
+    )
+
+
+def evenings(folder):
+    """Return the store, and every evening."""
+    store, found, limit = Store(), [], {}
+    for day, size_m in enumerate(eccentricities_m()[1]):
+        store.add(run_hours(write_day(folder, day, size_m)))
+        now = findings(store, limit)
+        if not limit:
+            limit = {"r6": (LIMIT_SHARE * float(stroke_of(now).readings.size[0]), "m")}
+            now = findings(store, limit)
+        found.append(Evening(day, now, list(notes(now))))
+        print(
+            f"day {day}: R6 {1e6 * size_m:.1f} um; {'; '.join(found[-1].said) or '-'}", flush=True
+        )
+    return store, found, limit
+
+
+def expected_day():
+    """Return the first day on which 4 sigma of a slope through the days are below the growth."""
+    for count in range(8, DAYS):
+        days = np.arange(count)
+        error = SCATTER_M / math.sqrt(float(np.sum((days - days.mean()) ** 2)))
+        sigma = 4.0 + (4.0**3 + 4.0) / (4.0 * (count - 2))  # Student's, first order
+        if sigma * error < GROWS_M_KM * KM_A_DAY:
+            return count - 1
+    return DAYS
+
+
+def report(folder):
+    """Return the page, and whether everything held."""
+    store, all_, limit = evenings(folder)
+    mean_m, had_m = eccentricities_m()
+    last = stroke_of(all_[EXCHANGED - 1].found)
+    ratio = last.readings.size / had_m[:EXCHANGED]
+    gain, spread = float(np.mean(ratio)), float(np.std(ratio, ddof=1) / np.mean(ratio))
+    line = last.per_km
+    own = GROWS_M_KM * gain  # what the plant's growth is as a stroke
+    told = next((e.day for e in all_ if any("r6 1x stroke grows" in s for s in e.said)), None)
+    asked = next((e.day for e in all_ if any("jumped" in s for s in e.said)), None)
+    true_weeks = (limit["r6"][0] / gain - mean_m[EXCHANGED - 1]) / (GROWS_M_KM * KM_A_DAY) / 7.0
+    weeks = last.weeks or (math.nan,) * 3
+    others = sorted({s for e in all_ for s in e.said if not s.startswith("r6 ")})
+    store.exchange("r6", BEGAN.replace(hour=0) + timedelta(days=EXCHANGED), "worn")
+    new = stroke_of(findings(store, limit))
+    um = 1e9  # m a km as um per 1000 km
+    rows = [
+        (
+            f"growth on the evening of day {EXCHANGED - 1}, stroke in um per 1000 km",
+            f"{um * own:.2f}",
+            _interval(um, line),
+            line.low <= own <= line.high,
+        ),
+        (
+            "first evening that tells it",
+            f"day {expected_day()} by 4 sigma",
+            f"day {told}",
+            told is not None and abs(told - expected_day()) <= 6,
+        ),
+        (
+            f"weeks from there to {1e6 * limit['r6'][0]:.0f} um of stroke",
+            f"{true_weeks:.1f}",
+            f"{weeks[0]:.1f} ({weeks[1]:.1f} to {weeks[2]:.1f})",
+            weeks[1] <= true_weeks <= weeks[2],
+        ),
+        (
+            "exchange asked about",
+            f"on day {EXCHANGED}",
+            f"on the evening of day {asked}",
+            asked is not None and 0 <= asked - EXCHANGED <= 5,
+        ),
+        (
+            f"growth of the new one after {DAYS - EXCHANGED} days, um per 1000 km",
+            f"{um * own:.2f}",
+            _interval(um, new.per_km),
+            new.per_km.low <= own <= new.per_km.high,
+        ),
+        ("notes about other rollers, response or drive", "0", f"{len(others)}", not others),
+    ]
+    table = "\n".join(f"| {a} | {b} | {c} | {'yes' if ok else 'no'} |" for a, b, c, ok in rows)
+    sentence = {
+        "told": next((s for e in all_ if e.day == told for s in e.said if "grows" in s), "-"),
+        "before": next((s for s in all_[EXCHANGED - 1].said if "grows" in s), "-"),
+        "asked": next((s for e in all_ if e.day == asked for s in e.said if "jumped" in s), "-"),
+    }
+    text = HEAD.format(command=COMMAND, gain=gain, spread=100 * spread, table=table, **sentence)
+    text += "".join(f"- {one}\n" for one in others)
+    return text, all(ok for *_, ok in rows)
+
+
+def _interval(um, line):
+    return f"{um * line.value:.2f} ({um * line.low:.2f} to {um * line.high:.2f})"
+
+
+HEAD = f"""# Six weeks of runs, and what `watch` says of them
+
+Repeat: `{{command}}`.
+Plant, PLC and runtime in virtual time, a run folder a day for {DAYS} days, AFF on all along with a
+block for idler R6. The plant's R6 begins at {1e6 * FIRST_M:.0f} um off centre and grows by
+{1e9 * GROWS_M_KM:.0f} um per 1000 km of web ({KM_A_DAY:.0f} km a day); from day to day it differs
+by {1e6 * SCATTER_M:.0f} um (sd); on day {EXCHANGED} another of {1e6 * NEXT_M:.0f} um is put in.
+The service knows none of this. Its readings are strokes, {{gain:.2f}} times the eccentricity at
+this speed (the readings of {EXCHANGED} days keep to that within {{spread:.1f}} %, 1 sigma); what
+the plant had is shown times that. Days count from 0.
+
+| what | the plant | `watch` | holds |
+|---|---|---|---|
+{{table}}
+
+What it said on the first evening, on the last before the exchange, and after it:
+
+```text
+{{told}}
+{{before}}
+{{asked}}
+```
+
+How often growth is told where there is none: `python -m benchmarks.watch`
+([watching over weeks](../technician/watch.md)).
+"""
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=Path("out/watch-weeks"))
+    parser.add_argument("--make", type=int, nargs=2, metavar="DAY", help="only write these days")
+    parser.add_argument("--docs", action="store_true", help=f"write {PAGE}")
+    given = parser.parse_args()
+    for wanted in range(*(given.make or (0, 0))):
+        write_day(given.out, wanted, eccentricities_m()[1][wanted])
+    if given.make:
+        sys.exit(0)
+    page, held = report(given.out)
+    print(page)
+    if given.docs:
+        PAGE.write_text(page, encoding="utf-8")
+    sys.exit(0 if held else 1)
