@@ -41,6 +41,14 @@ class Happened:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Coming:
+    """Orders that will meet; ``{radius}`` in the text stands for ``radius_mm``."""
+
+    text: str
+    radius_mm: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class View:
     """Everything that changes on the overview.
 
@@ -69,7 +77,7 @@ class View:
     config: str = ""
     values: dict[str, float | None] = field(default_factory=dict)
     notes: dict[str, str] = field(default_factory=dict)
-    coming: tuple[str, ...] = ()
+    coming: tuple[Coming, ...] = ()
     alarms: tuple[Notice, ...] = ()
     events: tuple[Happened, ...] = ()
 
@@ -245,9 +253,9 @@ def _notes(
             )
 
 
-def _coming(meeting: Meeting, say: Say) -> str:
-    return say(
-        N_("{actuator}: {roll} {order}x meets {other} {other_order}x in {time}, at {radius} mm")
+def _coming(meeting: Meeting, say: Say) -> Coming:
+    text = say(
+        N_("{actuator}: {roll} {order}x meets {other} {other_order}x in {time}, at {radius}")
     ).format(
         actuator=printable(meeting.actuator, 60),
         roll=printable(meeting.roll, 60),
@@ -255,8 +263,9 @@ def _coming(meeting: Meeting, say: Say) -> str:
         other=printable(meeting.other_roll, 60),
         other_order=meeting.other_order,
         time=_duration(meeting.time_s),
-        radius=round(1e3 * meeting.radius_m),
+        radius="{radius}",
     )
+    return Coming(text=text, radius_mm=round(1e3 * meeting.radius_m))
 
 
 def _duration(time_s: float) -> str:

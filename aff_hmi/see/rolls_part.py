@@ -66,7 +66,8 @@ class RollPart:
     Attributes
     ----------
     outline_mm : deviation of the moment arm every ``step_deg``, from 0 deg on; empty while no
-        shape is known. ``zero`` : where 0 deg is. ``extremes`` : the outline in words.
+        shape is known. ``zero`` : where 0 deg is. ``extremes`` : the outline in words, in which
+        ``{high}`` and ``{low}`` stand for ``high_mm`` and ``low_mm``.
     crossings : by radius, the largest first.
     """
 
@@ -79,6 +80,8 @@ class RollPart:
     step_deg: int
     zero: str
     extremes: str
+    high_mm: float | None
+    low_mm: float | None
     orders: tuple[OrderLine, ...]
     crossings: tuple[CrossingLine, ...]
 
@@ -139,6 +142,8 @@ def _roll(
         step_deg=STEP_DEG,
         zero=encoder if has_zero else count,
         extremes=_extremes(outline, say),
+        high_mm=_known(max(outline, default=math.nan), 4),
+        low_mm=_known(min(outline, default=math.nan), 4),
         orders=tuple(lines),
         crossings=tuple(_crossings(row, site, facts, orders, others, say)),
     )
@@ -176,13 +181,9 @@ def _extremes(outline: Sequence[float], say: Say) -> str:
     if not outline:
         return say(N_("no shape is known in mm: the law learns none, or was not armed yet"))
     high, low = max(outline), min(outline)
-    words = say(N_("highest {high} mm at {high_deg}°, lowest {low} mm at {low_deg}°"))
-    return words.format(
-        high=f"{high:+.2f}",
-        high_deg=STEP_DEG * outline.index(high),
-        low=f"{low:+.2f}",
-        low_deg=STEP_DEG * outline.index(low),
-    )
+    words = say(N_("highest {high} at {high_deg}°, lowest {low} at {low_deg}°"))
+    at = {"high_deg": STEP_DEG * outline.index(high), "low_deg": STEP_DEG * outline.index(low)}
+    return words.format(high="{high}", low="{low}", **at)
 
 
 def _order(

@@ -1,5 +1,7 @@
 // Fills the overview from whole frames. Text goes in as text, never as markup.
+import { isOpen, isText, openBox } from "/static/box.js";
 import { broken, isDead, judge } from "/static/freshness.js";
+import { digitsOf, inUnit, otherUnits, unitName } from "/static/units.js";
 
 const LOOK_MS = 100;
 const RETRY_MS = [250, 500, 1000, 2000];
@@ -37,6 +39,11 @@ function age(ms) {
   return s < 100 ? `${number(s, s < 10 ? 1 : 0)} s` : `${number(s / 60, 0)} min`;
 }
 
+/** A number of a place of the page, in the reader's unit. */
+function inPlace({ digits, unit = "" }, value) {
+  return number(inUnit(value, unit), digitsOf(Number(digits), unit));
+}
+
 function put(element, text) {
   if (element && element.textContent !== text) element.textContent = text;
 }
@@ -45,7 +52,7 @@ function put(element, text) {
 
 function showFrame() {
   for (const slot of document.querySelectorAll("[data-slot]")) {
-    put(slot, number(frame.values[slot.dataset.slot], Number(slot.dataset.digits)));
+    put(slot, inPlace(slot.dataset, frame.values[slot.dataset.slot]));
   }
   for (const note of document.querySelectorAll("[data-note]")) {
     put(note, frame.notes[note.dataset.note] ?? "");
@@ -61,7 +68,7 @@ function showFrame() {
   root.dataset.state = frame.state;
   root.dataset.urgent = String(frame.alarms[0]?.rank ?? "");
   fill("alarms", frame.alarms, alarmItem, words.noAlarm);
-  fill("coming", frame.coming, (text) => item([["span", "", text]]), words.nothing);
+  fill("coming", frame.coming, comingItem, words.nothing);
 }
 
 function fill(name, entries, make, empty) {
@@ -83,6 +90,11 @@ function item(parts) {
     line.append(part, " ");
   }
   return line;
+}
+
+function comingItem({ text, radius_mm }) {
+  const radius = `${number(inUnit(radius_mm, "mm"), digitsOf(0, "mm"))} ${unitName("mm")}`;
+  return item([["span", "", text.replace("{radius}", radius)]]);
 }
 
 function alarmItem(alarm) {
@@ -235,28 +247,30 @@ function otherTheme() {
 
 const actions = {
   t: otherTheme,
+  u: otherUnits,
   l: () => byId("language").click(),
   a: () => {
     const list = [byId("book"), byId("alarms")].find((one) => one?.offsetParent) ?? byId("main");
     list.tabIndex = -1;
     list.focus();
   },
-  "?": () => byId("help").showModal(),
+  "?": () => openBox(byId("help")),
 };
 document.addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.altKey || event.metaKey) return;
+  if (event.ctrlKey || event.altKey || event.metaKey || isText(event)) return;
   const action = actions[event.key];
-  if (action && !byId("help").open) {
+  if (action && !isOpen()) {
     event.preventDefault();
     action();
   }
 });
 byId("theme").onclick = otherTheme;
+byId("units").onclick = otherUnits;
 byId("keys").onclick = actions["?"];
 byId("close").onclick = () => byId("help").close();
 if (["light", "dark"].includes(kept("theme"))) root.dataset.theme = kept("theme");
 for (const limit of document.querySelectorAll(".limit")) {
-  put(limit, number(Number(limit.dataset.number), Number(limit.dataset.digits)));
+  put(limit, inPlace(limit.dataset, Number(limit.dataset.number)));
 }
 
 blank();

@@ -107,7 +107,9 @@ def test_no_service_is_said_with_what_to_do() -> None:
 
 
 def test_what_comes_next_is_said_in_minutes() -> None:
-    assert shown(seen()).coming == ("unwind: unwind 4x meets swrap 1x in 12 min, at 154 mm",)
+    (coming,) = shown(seen()).coming
+    assert coming.text == "unwind: unwind 4x meets swrap 1x in 12 min, at {radius}"
+    assert coming.radius_mm == 154
 
 
 @pytest.mark.parametrize("event", TABLE, ids=lambda e: e.name)
