@@ -137,8 +137,9 @@ size:
 	done | sed "s#$$folder/venv/lib/##" | sort -rn | head -8; \
 	echo "aff-runtime without extras: $$(du -sm --apparent-size "$$folder/venv" | cut -f1) MB (empty environment $$empty MB)"
 
-# the screen beside a running line: its cost as ratios of one run, its pages in a Chromium; 25 minutes on a
-# quiet machine, writes docs/results/screen.md (EXTRA=--quick for a look of a few minutes)
+# the screen beside a running line: its cost as ratios of one run, its pages in a Chromium; half an hour on a
+# quiet machine, writes docs/results/screen.md. What was measured is kept in out/bench-screen/kept: a stopped
+# run goes on (EXTRA=--quick for a look of a few minutes)
 bench-screen: setup
 	$(BIN)/python -m benchmarks.screen $(EXTRA)
 
