@@ -9,6 +9,7 @@ import re
 import socket
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from tests.processes import PATIENCE_S, Operator, until
@@ -17,9 +18,20 @@ ROOT = Path(__file__).parents[3]
 
 
 class ServiceRun(Operator):
-    """PLC and service in processes of their own below ``folder``."""
+    """PLC and service in processes of their own below ``folder``.
 
-    def __init__(self, folder: Path, *arguments: str, patience_s: float = PATIENCE_S) -> None:
+    Parameters
+    ----------
+    run_as : words before the service's command: who runs it.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *arguments: str,
+        patience_s: float = PATIENCE_S,
+        run_as: Sequence[str] = (),
+    ) -> None:
         super().__init__(folder / "rt")
         self.folder = folder
         self.plc = subprocess.Popen(
@@ -48,7 +60,8 @@ class ServiceRun(Operator):
         with self.log.open("w") as log:
             self.process = subprocess.Popen(
                 [
-                    *(sys.executable, "-m", "aff_runtime.cli.main", "run", str(self.site)),
+                    *(*run_as, sys.executable, "-m", "aff_runtime.cli.main"),
+                    *("run", str(self.site)),
                     *("--runtime-dir", str(self.runtime_dir), *arguments),
                 ],
                 stderr=log,
