@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from aff_hmi.layout import label_of
 from aff_hmi.notices import why_it_rests
+from aff_hmi.view import GOES_OUT
 from aff_hmi.watch import Seen
 from aff_hmi.words import N_, Say
 from aff_runtime.app.report.block_status import N_M_PER_MM, SHAPE, WORDS, at_encoder_zero_deg
@@ -197,7 +198,9 @@ def _order(
     elif unit == "m/s":
         size, unit = 1e3 * size, "mm/s"
     share = 1.0 if math.isnan(order.share) else order.share
-    before, now = order.ripple_before, order.ripple
+    # of what a law says it would be without, nothing is known while nothing goes out
+    goes_out = row.state in GOES_OUT
+    before, now = order.ripple_before if goes_out else math.nan, order.ripple
     is_both = before > 0.0 and now > 0.0
     why = why_it_rests(order)
     return OrderLine(

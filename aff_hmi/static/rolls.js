@@ -101,11 +101,10 @@ function orderRow(order, unit) {
   const sized = (value, of) => part("td", "figure", value === null ? "—" : said(value, 3, of));
   const gain = figure(order.change_dB, 0, " dB");
   if (order.change_dB !== null) gain.append(" ", bar(order.change_dB));
-  const state = part("td", "why", order.state);
-  if (order.why) state.textContent = `▲ ${words.rests}, ${order.state}: ${order.why}`;
+  const state = order.why ? `▲ ${words.rests}, ${order.state}` : order.state;
   row.append(
     part("td", "name", order.name),
-    state, // second: on a phone it is seen without a push to the side
+    part("td", "stands", state), // second: on a phone it is seen without a push to the side
     figure(order.frequency_Hz, 2, " Hz"),
     sized(order.size, order.unit === "mm" ? SHAPE : order.unit),
     figure(order.deg, 0, "°"),
@@ -115,7 +114,12 @@ function orderRow(order, unit) {
     gain,
     figure(order.ratio, 2, ""),
   );
-  return row;
+  if (!order.why) return [row];
+  const because = part("tr", "because");
+  const why = part("td", "", order.why);
+  why.colSpan = row.cells.length - 1;
+  because.append(part("td"), why);
+  return [row, because];
 }
 
 function orders(roll) {
@@ -127,7 +131,7 @@ function orders(roll) {
   box.tabIndex = 0;
   box.setAttribute("role", "region");
   box.setAttribute("aria-label", `${words.order}: ${roll.roll}`);
-  const rows = roll.orders.map((order) => orderRow(order, roll.signal_unit));
+  const rows = roll.orders.flatMap((order) => orderRow(order, roll.signal_unit));
   box.append(table("wide", heads, rows));
   return box;
 }
