@@ -34,11 +34,13 @@ from sim_plant.demo.session import (
     service_command,
 )
 from sim_plant.demo.wires import free_port
+from sim_plant.servers.control_client import ask
 
 ROOT = Path(__file__).resolve().parents[2]
 ACCOUNT, PASSWORD = "anna", "tension, 90 N"
 LOOK_S = 0.25
 SETTLE_S = 3.0
+SMALL_M, SPLICE_S = 0.14, 2.0
 PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 CLOCK = MonotonicClock()
@@ -160,6 +162,7 @@ class Rig:
         """
         wanted = {"ACTIVE"} if is_at_work else {"ARMED", "ACTIVE"}
         try:
+            self._change_roll()
             if not self._has_response:
                 probe(self.bench, print)
                 self._has_response = True
@@ -170,6 +173,14 @@ class Rig:
             print(error)
             return False
         return True
+
+    def _change_roll(self) -> None:
+        """Put in a new roll before the one at work is at its core: that is eight minutes."""
+        signals = json.loads(runtime_command(self.bench, "status", "--json"))["signals"]
+        if (signals.get("unwind_radius_m") or 1.0) > SMALL_M:
+            return
+        ask(self.bench.plant_socket, "roll")
+        pause(SPLICE_S + SETTLE_S)
 
     @property
     def control_pid(self) -> int:
