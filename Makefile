@@ -127,7 +127,7 @@ fuzz: setup
 bench: setup
 	$(BIN)/python -m benchmarks.runtime
 
-# what the gateway's own install (no extras) takes on disk, in an environment of its own
+# what the gateway's own install takes on disk, in an environment of its own, and the screen beside it
 size:
 	@set -e; folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	$(PYTHON) -m venv --without-pip "$$folder/venv"; \
@@ -140,10 +140,17 @@ size:
 	for package in "$$folder"/venv/lib/python*/site-packages/*/; do \
 		case "$$package" in *.dist-info/) ;; *) du -sm --apparent-size "$$package" ;; esac; \
 	done | sed "s#$$folder/venv/lib/##" | sort -rn | head -8; \
-	echo "aff-runtime without extras: $$(du -sm --apparent-size "$$folder/venv" | cut -f1) MB (empty environment $$empty MB)"
+	without=$$(du -sk --apparent-size "$$folder/venv" | cut -f1); \
+	echo "aff-runtime without extras: $$(du -sm --apparent-size "$$folder/venv" | cut -f1) MB (empty environment $$empty MB)"; \
+	$(PYTHON) -m pip --python "$$folder/venv/bin/python" install --quiet \
+		--disable-pip-version-check --no-cache-dir "$$folder/source[hmi]"; \
+	"$$folder/venv/bin/aff-hmi" --help >/dev/null; \
+	with=$$(du -sk --apparent-size "$$folder/venv" | cut -f1); \
+	echo "the extra hmi: $$(( (with - without + 512) / 1024 )) MB more ($$((with - without)) kB)"
 
-# the screen beside a running line: its cost as ratios of one run, its pages in a Chromium; 25 minutes on a
-# quiet machine, writes docs/results/screen.md (EXTRA=--quick for a look of a few minutes)
+# the screen beside a running line: its cost as ratios of one run, its pages in a Chromium; half an hour on a
+# quiet machine, writes docs/results/screen.md. What was measured is kept in out/bench-screen/kept: a stopped
+# run goes on (EXTRA=--quick for a look of a few minutes)
 bench-screen: setup
 	$(BIN)/python -m benchmarks.screen $(EXTRA)
 

@@ -73,7 +73,9 @@ class Pages:
             routes += [Route(path, self.commissioned) for path in COMMISSIONED]
             data = CommissionData(self._hub.commission, self.presses.session_of, self._say_of)
             routes += data.routes()
-        return Starlette(routes=routes)
+        app = Starlette(routes=routes)
+        app.router.redirect_slashes = False  # a path that is in no table is 404, and no other path
+        return app
 
     async def overview(self, request: Request) -> Response:
         """Return the page; numbers come by the socket."""

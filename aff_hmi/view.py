@@ -7,6 +7,7 @@ a number to be shown is decided where it is shown, for there the last link ends.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import groupby
@@ -29,6 +30,10 @@ SHOWN_EVENTS = 6
 TURNS = 2.0  # over which a law listens to one order
 GONE = "GONE"
 GOES_OUT = (State.ACTIVE, State.FADING)
+DOUBT = N_("the service does not believe it: stuck, no number, or out of range")
+_IMPLAUSIBLE = re.compile(
+    r"(TENSION_IMPLAUSIBLE|SIGNAL_IMPLAUSIBLE|RADIUS_JUMP) \((?P<channel>\w+)"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,6 +43,14 @@ class Happened:
     name: str
     text: str
     ago_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coming:
+    """Orders that will meet; ``{radius}`` in the text stands for ``radius_mm``."""
+
+    text: str
+    radius_mm: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +65,7 @@ class View:
     state, word, shape, why, to_do : the guard's state, in words; ``word`` is translated.
     heart : heartbeat value of the PLC; what moves on the screen moves by it.
     values : numbers by slot. ``notes`` : words beside numbers, by slot.
+    doubted : slots of what the guard does not believe now; they are not shown as alive.
     """
 
     layout: str
@@ -69,7 +83,8 @@ class View:
     config: str = ""
     values: dict[str, float | None] = field(default_factory=dict)
     notes: dict[str, str] = field(default_factory=dict)
-    coming: tuple[str, ...] = ()
+    doubted: tuple[str, ...] = ()
+    coming: tuple[Coming, ...] = ()
     alarms: tuple[Notice, ...] = ()
     events: tuple[Happened, ...] = ()
 
@@ -88,9 +103,11 @@ def view_of(seen: Seen, layout: Layout, say: Say) -> View:
     why, to_do = _why(seen, state, blocked, say)
     notes: dict[str, str] = {}
     values: dict[str, float | None] = {}
+    doubted = tuple(_doubted(seen, layout, blocked))
     if row is not None:
         values = {slot: _known(value) for slot, value in values_of(seen, row, layout)}
         notes = dict(_notes(seen, row, layout, values, say))
+        notes |= {slot: say(DOUBT) for slot in doubted if slot in notes}
     return View(
         layout=layout.ident,
         plc_age_s=_known(row.number("age_s")) if row is not None else None,
@@ -107,6 +124,7 @@ def view_of(seen: Seen, layout: Layout, say: Say) -> View:
         config=facts.status.config_hash[:8] if facts is not None else "",
         values=values,
         notes=notes,
+        doubted=doubted,
         coming=tuple(_coming(one, say) for one in facts.status.meetings) if facts else (),
         alarms=notices_of(seen, state, say),
         events=tuple(_events(seen, say)),
@@ -132,6 +150,24 @@ def state_of(seen: Seen) -> str:
     if seen.row is not None and seen.writer_lives:
         return seen.row.state.name
     return STARTING if seen.facts is not None and not seen.trouble else GONE
+
+
+def _doubted(seen: Seen, layout: Layout, blocked: str) -> Iterator[str]:
+    """Yield the slots of what comes from a signal that the guard names as not to be believed."""
+    found = _IMPLAUSIBLE.match(blocked)
+    if found is None:
+        return
+    channel = found["channel"]
+    yield from (f"{slot}:{channel}" for slot in ("tension", "rms"))
+    facts = seen.facts.status.facts if seen.facts is not None else None
+    for output in facts.outputs if facts is not None else ():
+        if channel == output.signal:
+            yield from (f"{one}:{output.actuator}" for one in ("now", "without", "reduction"))
+    for roll in facts.rolls if facts is not None else ():
+        if channel == roll.radius_channel:
+            yield f"radius:{roll.name}"
+    if channel == layout.speed:
+        yield "speed"
 
 
 def _why(seen: Seen, state: str, blocked: str, say: Say) -> tuple[str, str]:
@@ -245,9 +281,9 @@ def _notes(
             )
 
 
-def _coming(meeting: Meeting, say: Say) -> str:
-    return say(
-        N_("{actuator}: {roll} {order}x meets {other} {other_order}x in {time}, at {radius} mm")
+def _coming(meeting: Meeting, say: Say) -> Coming:
+    text = say(
+        N_("{actuator}: {roll} {order}x meets {other} {other_order}x in {time}, at {radius}")
     ).format(
         actuator=printable(meeting.actuator, 60),
         roll=printable(meeting.roll, 60),
@@ -255,8 +291,9 @@ def _coming(meeting: Meeting, say: Say) -> str:
         other=printable(meeting.other_roll, 60),
         other_order=meeting.other_order,
         time=_duration(meeting.time_s),
-        radius=round(1e3 * meeting.radius_m),
+        radius="{radius}",
     )
+    return Coming(text=text, radius_mm=round(1e3 * meeting.radius_m))
 
 
 def _duration(time_s: float) -> str:

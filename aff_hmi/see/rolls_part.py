@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from aff_hmi.layout import label_of
 from aff_hmi.notices import why_it_rests
+from aff_hmi.view import GOES_OUT
 from aff_hmi.watch import Seen
 from aff_hmi.words import N_, Say
 from aff_runtime.app.report.block_status import N_M_PER_MM, SHAPE, WORDS, at_encoder_zero_deg
@@ -66,7 +67,8 @@ class RollPart:
     Attributes
     ----------
     outline_mm : deviation of the moment arm every ``step_deg``, from 0 deg on; empty while no
-        shape is known. ``zero`` : where 0 deg is. ``extremes`` : the outline in words.
+        shape is known. ``zero`` : where 0 deg is. ``extremes`` : the outline in words, in which
+        ``{high}`` and ``{low}`` stand for ``high_mm`` and ``low_mm``.
     crossings : by radius, the largest first.
     """
 
@@ -79,6 +81,8 @@ class RollPart:
     step_deg: int
     zero: str
     extremes: str
+    high_mm: float | None
+    low_mm: float | None
     orders: tuple[OrderLine, ...]
     crossings: tuple[CrossingLine, ...]
 
@@ -139,6 +143,8 @@ def _roll(
         step_deg=STEP_DEG,
         zero=encoder if has_zero else count,
         extremes=_extremes(outline, say),
+        high_mm=_known(max(outline, default=math.nan), 4),
+        low_mm=_known(min(outline, default=math.nan), 4),
         orders=tuple(lines),
         crossings=tuple(_crossings(row, site, facts, orders, others, say)),
     )
@@ -176,13 +182,9 @@ def _extremes(outline: Sequence[float], say: Say) -> str:
     if not outline:
         return say(N_("no shape is known in mm: the law learns none, or was not armed yet"))
     high, low = max(outline), min(outline)
-    words = say(N_("highest {high} mm at {high_deg}°, lowest {low} mm at {low_deg}°"))
-    return words.format(
-        high=f"{high:+.2f}",
-        high_deg=STEP_DEG * outline.index(high),
-        low=f"{low:+.2f}",
-        low_deg=STEP_DEG * outline.index(low),
-    )
+    words = say(N_("highest {high} at {high_deg}°, lowest {low} at {low_deg}°"))
+    at = {"high_deg": STEP_DEG * outline.index(high), "low_deg": STEP_DEG * outline.index(low)}
+    return words.format(high="{high}", low="{low}", **at)
 
 
 def _order(
@@ -196,7 +198,9 @@ def _order(
     elif unit == "m/s":
         size, unit = 1e3 * size, "mm/s"
     share = 1.0 if math.isnan(order.share) else order.share
-    before, now = order.ripple_before, order.ripple
+    # of what a law says it would be without, nothing is known while nothing goes out
+    goes_out = row.state in GOES_OUT
+    before, now = order.ripple_before if goes_out else math.nan, order.ripple
     is_both = before > 0.0 and now > 0.0
     why = why_it_rests(order)
     return OrderLine(

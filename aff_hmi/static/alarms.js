@@ -1,4 +1,5 @@
 // Alarms with their life, and the events behind them.
+import { openBox } from "/static/box.js";
 import { ask, at, byId, number, onPart, part, press, put, words } from "/static/see.js";
 
 const MARKS = ["■", "▲", "●"];
@@ -68,7 +69,7 @@ function askWhy(one) {
     const minutes = Number(byId("minutes").value);
     send("/shelve", { key: one.key, minutes, reason: byId("reason").value });
   };
-  box.showModal();
+  openBox(box);
 }
 
 byId("shelve-close").onclick = () => byId("shelve").close();

@@ -1,7 +1,10 @@
 // Fills the overview from whole frames. Text goes in as text, never as markup.
+import { isOpen, isText, openBox } from "/static/box.js";
 import { broken, isDead, judge } from "/static/freshness.js";
+import { digitsOf, inUnit, otherUnits, unitName } from "/static/units.js";
 
-const LOOK_MS = 100;
+const LOOK_MS = 50;
+const UNSEEN_MS = 130; // every frame looks; where none comes, the clock does
 const RETRY_MS = [250, 500, 1000, 2000];
 const SILENT_MS = 3000;
 const root = document.documentElement;
@@ -12,11 +15,12 @@ const line = document.title;
 
 let frame = null;
 let arrived_ms = 0;
-let lost_ms = null;
+const heard_ms = {}; // when a link was last known not to be dead
 let socket = null;
 let tries = 0;
 let beat = 0;
 let opened_ms = 0;
+let looked_ms = 0;
 const shownLists = new Map();
 
 // --- numbers and ages --------------------------------------------------------------------------
@@ -37,6 +41,11 @@ function age(ms) {
   return s < 100 ? `${number(s, s < 10 ? 1 : 0)} s` : `${number(s / 60, 0)} min`;
 }
 
+/** A number of a place of the page, in the reader's unit. */
+function inPlace({ digits, unit = "" }, value) {
+  return number(inUnit(value, unit), digitsOf(Number(digits), unit));
+}
+
 function put(element, text) {
   if (element && element.textContent !== text) element.textContent = text;
 }
@@ -45,10 +54,12 @@ function put(element, text) {
 
 function showFrame() {
   for (const slot of document.querySelectorAll("[data-slot]")) {
-    put(slot, number(frame.values[slot.dataset.slot], Number(slot.dataset.digits)));
+    put(slot, inPlace(slot.dataset, frame.values[slot.dataset.slot]));
+    slot.closest("p").classList.toggle("doubted", frame.doubted.includes(slot.dataset.slot));
   }
   for (const note of document.querySelectorAll("[data-note]")) {
     put(note, frame.notes[note.dataset.note] ?? "");
+    note.classList.toggle("doubt", frame.doubted.includes(note.dataset.note));
   }
   for (const bar of document.querySelectorAll("[data-bar]")) {
     const share = Math.min(1, frame.values[bar.dataset.bar] ?? 0);
@@ -61,7 +72,7 @@ function showFrame() {
   root.dataset.state = frame.state;
   root.dataset.urgent = String(frame.alarms[0]?.rank ?? "");
   fill("alarms", frame.alarms, alarmItem, words.noAlarm);
-  fill("coming", frame.coming, (text) => item([["span", "", text]]), words.nothing);
+  fill("coming", frame.coming, comingItem, words.nothing);
 }
 
 function fill(name, entries, make, empty) {
@@ -83,6 +94,11 @@ function item(parts) {
     line.append(part, " ");
   }
   return line;
+}
+
+function comingItem({ text, radius_mm }) {
+  const radius = `${number(inUnit(radius_mm, "mm"), digitsOf(0, "mm"))} ${unitName("mm")}`;
+  return item([["span", "", text.replace("{radius}", radius)]]);
 }
 
 function alarmItem(alarm) {
@@ -107,11 +123,15 @@ function showEvents(since_ms) {
 
 function look() {
   const now_ms = performance.now();
+  looked_ms = now_ms;
   const links = judge(frame, arrived_ms, now_ms);
   for (const node of document.querySelectorAll("[data-node]")) {
     const link = links[node.dataset.node];
     node.dataset.quality = link.quality;
     put(node.querySelector(".age"), age(link.age_ms));
+  }
+  for (const [of, { quality, age_ms }] of Object.entries(links)) {
+    if (quality === "good" || quality === "worn") heard_ms[of] = now_ms - age_ms;
   }
   const name = frame === null ? "" : broken(links);
   const since_ms = now_ms - arrived_ms;
@@ -142,11 +162,7 @@ function look() {
 /** How long ago the link stopped; a service that was gone from the start has no age. */
 function ageOf(name, links, now_ms) {
   const known_ms = name === "hmi" ? links.browser.age_ms : links[name].age_ms;
-  if (known_ms !== null) {
-    lost_ms = now_ms - known_ms;
-    return known_ms;
-  }
-  return lost_ms === null ? null : now_ms - lost_ms;
+  return known_ms ?? (name in heard_ms ? now_ms - heard_ms[name] : null);
 }
 
 // --- the socket --------------------------------------------------------------------------------
@@ -187,7 +203,7 @@ function connect() {
 /** Nothing that was shown before a pause is shown after it. */
 function blank() {
   frame = null;
-  lost_ms = null;
+  for (const link of Object.keys(heard_ms)) delete heard_ms[link];
   document.dispatchEvent(new CustomEvent("frame", { detail: null }));
   for (const slot of document.querySelectorAll("[data-slot]")) put(slot, words.none);
   for (const name of ["alarms", "coming", "events"]) {
@@ -235,30 +251,32 @@ function otherTheme() {
 
 const actions = {
   t: otherTheme,
+  u: otherUnits,
   l: () => byId("language").click(),
   a: () => {
     const list = [byId("book"), byId("alarms")].find((one) => one?.offsetParent) ?? byId("main");
     list.tabIndex = -1;
     list.focus();
   },
-  "?": () => byId("help").showModal(),
+  "?": () => openBox(byId("help")),
 };
 document.addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.altKey || event.metaKey) return;
+  if (event.ctrlKey || event.altKey || event.metaKey || isText(event)) return;
   const action = actions[event.key];
-  if (action && !byId("help").open) {
+  if (action && !isOpen()) {
     event.preventDefault();
     action();
   }
 });
 byId("theme").onclick = otherTheme;
+byId("units").onclick = otherUnits;
 byId("keys").onclick = actions["?"];
 byId("close").onclick = () => byId("help").close();
 if (["light", "dark"].includes(kept("theme"))) root.dataset.theme = kept("theme");
 for (const limit of document.querySelectorAll(".limit")) {
-  put(limit, number(Number(limit.dataset.number), Number(limit.dataset.digits)));
+  put(limit, inPlace(limit.dataset, Number(limit.dataset.number)));
 }
 
 blank();
-setInterval(look, LOOK_MS);
+setInterval(() => performance.now() - looked_ms > UNSEEN_MS && look(), LOOK_MS);
 connect();

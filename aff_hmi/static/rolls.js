@@ -1,11 +1,29 @@
 // Rolls as pictures in mm, with the orders behind them.
 import { byId, number, onPart, part, put, words } from "/static/see.js";
+import { digitsOf, inUnit, unitName } from "/static/units.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const SIDE = 320;
 const ROUND = 78; // radius of the round roll, and the room that the largest deviation has: pixels
 const ROOM = 42;
 const MIDDLE = SIDE / 2;
+
+const SHAPE = "mm of shape";
+
+/** A number with its unit, in the reader's. */
+function said(value, digits, unit) {
+  return `${number(inUnit(value, unit), digitsOf(digits, unit))} ${unitName(unit)}`;
+}
+
+function signed(mm) {
+  return `${mm > 0 ? "+" : ""}${said(mm, 2, SHAPE)}`;
+}
+
+/** Highest and lowest place in words. */
+function extremes(roll) {
+  const [high, low] = [signed(roll.high_mm ?? 0), signed(roll.low_mm ?? 0)];
+  return roll.extremes.replace("{high}", high).replace("{low}", low);
+}
 
 function shape(tag, attributes, text) {
   const made = document.createElementNS(SVG, tag);
@@ -23,7 +41,7 @@ function polar(roll) {
     const turn = (Math.PI * deg) / 180;
     return [MIDDLE + radius * Math.cos(turn), MIDDLE - radius * Math.sin(turn)];
   };
-  const label = `${words.shape} ${roll.roll}: ${roll.extremes}`;
+  const label = `${words.shape} ${roll.roll}: ${extremes(roll)}`;
   const picture = shape("svg", {
     viewBox: `-16 0 ${SIDE + 32} ${SIDE}`,
     role: "img",
@@ -34,9 +52,7 @@ function polar(roll) {
     const radius = ROUND + ROOM * share;
     const kind = share ? "ring" : "round";
     picture.append(shape("circle", { cx: MIDDLE, cy: MIDDLE, r: radius, class: kind }));
-    const sign = share > 0 ? "+" : "";
-    const text = `${sign}${number(share * size, 2)} mm`;
-    picture.append(shape("text", { x: MIDDLE + 4, y: MIDDLE - radius - 3 }, text));
+    picture.append(shape("text", { x: MIDDLE + 4, y: MIDDLE - radius - 3 }, signed(share * size)));
   }
   for (const deg of [0, 90, 180, 270]) {
     const [x, y] = place(deg, 1.75 * size);
@@ -82,23 +98,28 @@ function orderRow(order, unit) {
   const row = part("tr", order.why ? "rests" : "");
   const figure = (value, digits, after) =>
     part("td", "figure", value === null ? "—" : `${number(value, digits)}${after}`);
+  const sized = (value, of) => part("td", "figure", value === null ? "—" : said(value, 3, of));
   const gain = figure(order.change_dB, 0, " dB");
   if (order.change_dB !== null) gain.append(" ", bar(order.change_dB));
-  const state = part("td", "why", order.state);
-  if (order.why) state.textContent = `▲ ${words.rests}, ${order.state}: ${order.why}`;
+  const state = order.why ? `▲ ${words.rests}, ${order.state}` : order.state;
   row.append(
     part("td", "name", order.name),
-    state, // second: on a phone it is seen without a push to the side
+    part("td", "stands", state), // second: on a phone it is seen without a push to the side
     figure(order.frequency_Hz, 2, " Hz"),
-    figure(order.size, 3, ` ${order.unit}`),
+    sized(order.size, order.unit === "mm" ? SHAPE : order.unit),
     figure(order.deg, 0, "°"),
     figure(order.out_percent, 0, " %"),
-    figure(order.without, 3, ` ${unit}`),
-    figure(order.now, 3, ` ${unit}`),
+    sized(order.without, unit),
+    sized(order.now, unit),
     gain,
     figure(order.ratio, 2, ""),
   );
-  return row;
+  if (!order.why) return [row];
+  const because = part("tr", "because");
+  const why = part("td", "", order.why);
+  why.colSpan = row.cells.length - 1;
+  because.append(part("td"), why);
+  return [row, because];
 }
 
 function orders(roll) {
@@ -110,7 +131,7 @@ function orders(roll) {
   box.tabIndex = 0;
   box.setAttribute("role", "region");
   box.setAttribute("aria-label", `${words.order}: ${roll.roll}`);
-  const rows = roll.orders.map((order) => orderRow(order, roll.signal_unit));
+  const rows = roll.orders.flatMap((order) => orderRow(order, roll.signal_unit));
   box.append(table("wide", heads, rows));
   return box;
 }
@@ -123,7 +144,7 @@ function outlineTable(roll) {
   for (let n = 0; n < roll.outline_mm.length; n += 30 / roll.step_deg) {
     const row = part("tr");
     row.append(part("td", "figure", `${n * roll.step_deg}°`));
-    row.append(part("td", "figure", `${number(roll.outline_mm[n], 3)} mm`));
+    row.append(part("td", "figure", said(roll.outline_mm[n], 3, SHAPE)));
     rows.push(row);
   }
   box.append(table("", [words.angle, words.deviation], rows));
@@ -135,13 +156,13 @@ function crossings(roll) {
   let isAbove = true;
   for (const one of roll.crossings) {
     if (isAbove && roll.radius_mm !== null && one.radius_mm < roll.radius_mm) {
-      list.append(part("li", "here", `▶ ${number(roll.radius_mm, 1)} mm ${words.here}`));
+      list.append(part("li", "here", `▶ ${said(roll.radius_mm, 1, "mm")} ${words.here}`));
       isAbove = false;
     }
-    list.append(part("li", "", `${number(one.radius_mm, 1)} mm  ${one.text}`));
+    list.append(part("li", "", `${said(one.radius_mm, 1, "mm")}  ${one.text}`));
   }
   if (isAbove && roll.radius_mm !== null) {
-    list.append(part("li", "here", `▶ ${number(roll.radius_mm, 1)} mm ${words.here}`));
+    list.append(part("li", "here", `▶ ${said(roll.radius_mm, 1, "mm")} ${words.here}`));
   }
   return [part("h4", "", words.crossings), list];
 }
@@ -152,9 +173,9 @@ function section(roll) {
   box.append(part("h2", "", title));
   const side = part("div", "side");
   if (roll.outline_mm.length) side.append(polar(roll));
-  const notes = [roll.extremes];
+  const notes = [extremes(roll)];
   if (roll.outline_mm.length) notes.push(enlarged(roll), roll.zero);
-  if (roll.radius_mm !== null) notes.unshift(`${words.radius} ${number(roll.radius_mm, 1)} mm`);
+  if (roll.radius_mm !== null) notes.unshift(`${words.radius} ${said(roll.radius_mm, 1, "mm")}`);
   side.append(part("p", "note", notes.join(" · ")));
   if (roll.outline_mm.length) side.append(outlineTable(roll));
   if (roll.crossings.length) side.append(...crossings(roll));

@@ -1,6 +1,8 @@
 // Every tick, as it arrives or around a trigger; two cursors; windows that are kept.
+import { openBox } from "/static/box.js";
 import { css, figure, legendLine, look, row, short } from "/static/curves.js";
 import { at, byId, number, part, press, put, words } from "/static/see.js";
+import { factorOf, unitName } from "/static/units.js";
 
 const EVERY_MS = 500;
 const PATIENCE_MS = 4000;
@@ -38,9 +40,15 @@ function query() {
   said.after = after;
   if (LEVELED.includes(on)) {
     said.of = byId("of").value;
-    said.level = byId("level").value.replace(",", ".");
+    said.level = levelOf(byId("level").value.replace(",", "."));
   }
   return said;
+}
+
+/** A level as it was typed, in the unit of the plant; what is no number is told by the server. */
+function levelOf(text) {
+  const factor = factorOf(byId("of").selectedOptions[0]?.dataset.of ?? "");
+  return factor === 1 || text.trim() === "" || Number.isNaN(Number(text)) ? text : String(Number(text) / factor);
 }
 
 async function fetchShot(said) {
@@ -67,7 +75,18 @@ function decode(bytes) {
     columns.push(new Float32Array(bytes, from, head.n));
     from += 4 * head.n;
   }
-  return { head, t, turns: head.turns ? columns.pop() : null, columns };
+  const turns = head.turns ? columns.pop() : null;
+  head.signals.forEach((one, n) => {
+    const factor = factorOf(one.unit);
+    one.unit = unitName(one.unit);
+    if (factor === 1) return;
+    columns[n] = columns[n].map((value) => value * factor);
+    const of = head.orders[n];
+    if (!of) return;
+    of.amplitudes = of.amplitudes.map((size) => size && size * factor);
+    of.floor = of.floor && of.floor * factor;
+  });
+  return { head, t, turns, columns };
 }
 
 async function renew() {
@@ -363,7 +382,7 @@ if (dialog) {
     if (isRunning) stand();
     const { head, t } = shot;
     put(byId("keep-what"), `${at(head.utc_s)}, ${number(t[head.n - 1], 1)} s`);
-    dialog.showModal();
+    openBox(dialog);
   };
   byId("keep-close").onclick = () => dialog.close();
   byId("keep-do").onclick = async () => {
@@ -429,6 +448,9 @@ new MutationObserver(() => shot !== null && show(shot)).observe(root, {
 document.addEventListener("frame", (event) => {
   if (event.detail !== null && isRunning && performance.now() - asked_ms > EVERY_MS) renew();
 });
+for (const one of byId("of").options) {
+  one.textContent = one.textContent.replace(`[${one.dataset.of}]`, `[${unitName(one.dataset.of)}]`);
+}
 for (const box of boxes().slice(0, 2)) box.checked = true;
 controls();
 buttons();

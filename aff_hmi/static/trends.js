@@ -1,6 +1,7 @@
 // Curves over time from what the screen keeps; drawn by uPlot, with a table behind.
 import { css, figure, legendLine, look, short } from "/static/curves.js";
 import { ask, at, byId, number, part, put, words } from "/static/see.js";
+import { factorOf, inUnit, unitName } from "/static/units.js";
 
 const EVERY_MS = { "1min": 2000, "10min": 5000, "1h": 15000, "8h": 60000, "7d": 300000, "1y": 300000 };
 const HIGH = 320;
@@ -119,6 +120,14 @@ function tabulate() {
   byId("table").tBodies[0].replaceChildren(...rows);
 }
 
+/** Bring a curve into the reader's unit. */
+function turn(curve, isShape) {
+  const unit = isShape ? "mm of shape" : curve.unit;
+  curve.unit = unitName(unit);
+  if (factorOf(unit) === 1) return;
+  for (const name of ["least", "mean", "largest"]) curve[name] = curve[name].map((v) => inUnit(v, unit));
+}
+
 async function renew() {
   if (isAsking || document.hidden) return;
   isAsking = true;
@@ -130,6 +139,7 @@ async function renew() {
     renew();
   } else if (found?.ok) {
     answer = found.trend;
+    for (const curve of answer.curves) turn(curve, query.group.startsWith("mm "));
     draw();
   } else {
     put(byId("until"), found?.text ?? words.failed);

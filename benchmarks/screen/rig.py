@@ -8,6 +8,7 @@ import os
 import subprocess
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,18 +18,29 @@ from aff_runtime.app.door.messages import RingPassed
 from aff_runtime.app.hand.accounts import Account, secret_of, write_accounts
 from aff_runtime.app.hand.may import Role
 from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import AffError, PlantError
 from aff_runtime.base.python_child import module_command
+from aff_runtime.base.signals import State
 from aff_runtime.telemetry.ring import RingReader
 from benchmarks.screen.clients import beside_control
 from benchmarks.screen.ticks import Block
 from sim_plant.demo.processes import SCREEN, Child, runtime_command
-from sim_plant.demo.session import Plan, await_state, plant_command, prepare, service_command
+from sim_plant.demo.session import (
+    Plan,
+    await_state,
+    plant_command,
+    prepare,
+    probe,
+    service_command,
+)
 from sim_plant.demo.wires import free_port
+from sim_plant.servers.control_client import ask
 
 ROOT = Path(__file__).resolve().parents[2]
 ACCOUNT, PASSWORD = "anna", "tension, 90 N"
 LOOK_S = 0.25
 SETTLE_S = 3.0
+SMALL_M, SPLICE_S = 0.14, 2.0
 PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 CLOCK = MonotonicClock()
@@ -67,17 +79,24 @@ class Ring:
                 return self._ring
             pause(0.02)
 
-    def ticks(self) -> tuple[list[float], int]:
-        """Return when each new tick ended, us after it was due, and how many were missed."""
+    def ticks(self) -> tuple[list[float], int, int]:
+        """Return when new ticks ended, us after they were due; how many are missing, were idle."""
         ring = self.poll()
         records = ring.signals.read_new()
-        at = {name: ring.columns.index(name) for name in ("wake_us", "tick_us", "missed_count")}
+        names = ("wake_us", "tick_us", "missed_count", "state")
+        at = {name: ring.columns.index(name) for name in names}
         missed = 0
         if records:
             newest = records[-1][at["missed_count"]]
             missed = int(newest - self._missed) if 0.0 <= self._missed <= newest else 0
             self._missed = newest
-        return [row[at["wake_us"]] + row[at["tick_us"]] for row in records], missed
+        idle = sum(row[at["state"]] != State.ACTIVE for row in records)
+        return [row[at["wake_us"]] + row[at["tick_us"]] for row in records], missed, idle
+
+    def rights(self) -> str:
+        """Return which real-time rights the control process was refused."""
+        refused = [one.text for one in self.poll().header.meta.rights if not one.granted]
+        return "; ".join(refused) or "all granted"
 
     def event_ns(self, code: int, patience_s: float = 2.0) -> int | None:
         """Return when the next event of a code took place; None for not in time."""
@@ -132,6 +151,36 @@ class Rig:
         )
         self.ring = Ring(self.bench.runtime_dir / "door.sock")
         stack.callback(self.ring.close)
+        self._has_response = False
+
+    def arm(self, *, is_at_work: bool = False) -> bool:
+        """Have the line armed, its response measured first; False where it cannot be.
+
+        Parameters
+        ----------
+        is_at_work : wait until the correction goes out.
+        """
+        wanted = {"ACTIVE"} if is_at_work else {"ARMED", "ACTIVE"}
+        try:
+            self._change_roll()
+            if not self._has_response:
+                probe(self.bench, print)
+                self._has_response = True
+            if runtime_state(self) not in wanted:
+                runtime_command(self.bench, "arm")
+                await_state(self.bench, self.service, wanted, 10.0)
+        except (AffError, subprocess.TimeoutExpired) as error:
+            print(error)
+            return False
+        return True
+
+    def _change_roll(self) -> None:
+        """Put in a new roll before the one at work is at its core: that is eight minutes."""
+        signals = json.loads(runtime_command(self.bench, "status", "--json"))["signals"]
+        if (signals.get("unwind_radius_m") or 1.0) > SMALL_M:
+            return
+        ask(self.bench.plant_socket, "roll")
+        pause(SPLICE_S + SETTLE_S)
 
     @property
     def control_pid(self) -> int:
@@ -156,21 +205,29 @@ class Rig:
         self.ring.ticks()
         before = [used(pid)[0] for pid in pids]
         ends: list[float] = []
-        missed = 0
+        missed = idle = 0
         start_ns = CLOCK.now_ns()
         while CLOCK.now_ns() < start_ns + int(seconds * 1e9):
             pause(LOOK_S)
-            fresh, lost = self.ring.ticks()
-            ends, missed = ends + fresh, missed + lost
+            fresh, lost, resting = self.ring.ticks()
+            ends, missed, idle = ends + fresh, missed + lost, idle + resting
         passed_s = (CLOCK.now_ns() - start_ns) * 1e-9
-        cores = [(used(pid)[0] - was) / passed_s for pid, was in zip(pids, before, strict=True)]
+        is_there = screen is not None and screen.process.poll() is None
+        ended = [used(pid) for pid in (pids if is_there else pids[:1])]
+        cores = [(now - was) / passed_s for (now, _), was in zip(ended, before, strict=False)]
         return Block(
             end_us=np.asarray(ends),
             missed=missed,
+            idle=idle,
             supervisor_core=cores[0],
-            screen_core=cores[1] if screen is not None else 0.0,
-            screen_MB=used(pids[1])[1] if screen is not None else 0.0,
+            screen_core=cores[1] if is_there else 0.0,
+            screen_MB=ended[1][1] if is_there else 0.0,
         )
+
+
+def runtime_state(rig: Rig) -> str:
+    """Return the guard's state, as the console says it."""
+    return str(json.loads(runtime_command(rig.bench, "status", "--json"))["state"])
 
 
 def clients(kind: str, url: str, seconds: float) -> subprocess.Popen[str]:
@@ -178,3 +235,27 @@ def clients(kind: str, url: str, seconds: float) -> subprocess.Popen[str]:
     command = [*module_command("benchmarks.screen.clients"), kind, url, str(seconds)]
     tree = {**os.environ, "PYTHONPATH": str(ROOT)}  # benchmarks are not installed
     return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=tree)
+
+
+def heard(visitors: subprocess.Popen[str], block: Block, patience_s: float) -> Block:
+    """Return a block with what its visitors saw.
+
+    Raises
+    ------
+    PlantError
+        When they say nothing in time.
+    """
+    try:
+        told, _ = visitors.communicate(timeout=patience_s)
+        seen = json.loads(told)
+    except (subprocess.TimeoutExpired, ValueError) as error:
+        visitors.kill()
+        visitors.communicate()
+        raise PlantError(f"the visitors came to nothing: {error}") from None
+    if not seen["bytes"]:
+        return block
+    return replace(
+        block,
+        frames_per_s=seen["frames"] / seen["clients"] / seen["seconds"],
+        frame_bytes=seen["bytes"] / seen["frames"],
+    )

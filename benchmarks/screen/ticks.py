@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -19,8 +20,10 @@ class Block:
     Attributes
     ----------
     end_us : from the moment when a tick was due to its end, us, one per tick.
-    missed : ticks that did not take place. ``screen_core``, ``supervisor_core`` : processor time
-        of a process as a share of one core. ``screen_MB`` : resident memory at the end.
+    missed : ticks that did not take place. ``idle`` : ticks in which no correction was let out.
+    screen_core, supervisor_core : processor time of a process as a share of one core.
+    screen_MB : resident memory at the end.
+    frames_per_s, frame_bytes : of each of those who looked; NaN where nobody did.
     """
 
     end_us: Floats
@@ -28,6 +31,9 @@ class Block:
     screen_core: float = 0.0
     screen_MB: float = 0.0
     supervisor_core: float = 0.0
+    idle: int = 0
+    frames_per_s: float = math.nan
+    frame_bytes: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -163,7 +163,7 @@ class Browser:
         asyncio.run(self.at.gate(made, receive, send))
         start, *rest = told
         found = {k.decode(): v.decode() for k, v in start["headers"]}
-        text = b"".join(one.get("body", b"") for one in rest).decode()
+        text = b"".join(one.get("body", b"") for one in rest).decode(errors="replace")
         if "set-cookie" in found:
             self.cookie = found["set-cookie"].split(";")[0]
         is_json = found.get("content-type", "").startswith("application/json")

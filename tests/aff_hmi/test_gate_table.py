@@ -153,7 +153,9 @@ def test_arming_needs_role_place_local_and_the_hand(
     assert len(keeping.service.commands) == (reply.status == 200)
 
 
-@pytest.mark.parametrize("path", ["/debug", "/docs", "/openapi.json", "/data", "/data/", "/arm"])
+@pytest.mark.parametrize(
+    "path", ["/debug", "/docs", "/openapi.json", "/data", "/arm", "/act/", "/alarms/", "//"]
+)
 def test_what_is_in_no_table_is_not_there(keeping: Pressed, path: str) -> None:
     browser = keeping.browser("carl")
     assert browser.get(path).status == 404

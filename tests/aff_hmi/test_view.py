@@ -93,6 +93,27 @@ def test_a_number_that_is_not_known_is_none_and_never_zero() -> None:
     assert view.values["radius:unwind"] is None
 
 
+@pytest.mark.parametrize(
+    ("blocked", "doubted"),
+    [
+        ("TENSION_IMPLAUSIBLE (unwind_tension_N)", "tension:unwind_tension_N"),
+        ("SIGNAL_IMPLAUSIBLE (line_speed_m_s)", "speed"),
+        ("RADIUS_JUMP (unwind_radius_m 0.21)", "radius:unwind"),
+    ],
+)
+def test_what_the_guard_does_not_believe_is_not_shown_as_alive(blocked: str, doubted: str) -> None:
+    view = shown(seen(row(State.FAULT), facts=facts(blocked=blocked)))
+    assert doubted in view.doubted
+    if doubted.startswith("tension"):
+        assert "now:unwind" in view.doubted
+        assert view.notes["rms:unwind_tension_N"].startswith("the service does not believe it")
+
+
+@pytest.mark.parametrize("blocked", ["", "WEB_INTACT=0", "PLC_STALE", "TENSION_IMPLAUSIBLE"])
+def test_nothing_else_is_doubted(blocked: str) -> None:
+    assert shown(seen(facts=facts(blocked=blocked))).doubted == ()
+
+
 def test_a_control_process_that_has_died_has_no_age_and_no_state() -> None:
     view = shown(seen(writer_lives=False))
     assert view.tick_age_s is None
@@ -107,7 +128,9 @@ def test_no_service_is_said_with_what_to_do() -> None:
 
 
 def test_what_comes_next_is_said_in_minutes() -> None:
-    assert shown(seen()).coming == ("unwind: unwind 4x meets swrap 1x in 12 min, at 154 mm",)
+    (coming,) = shown(seen()).coming
+    assert coming.text == "unwind: unwind 4x meets swrap 1x in 12 min, at {radius}"
+    assert coming.radius_mm == 154
 
 
 @pytest.mark.parametrize("event", TABLE, ids=lambda e: e.name)

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 BATCH = 500
-INSTRUMENTED = ["aff_runtime", "sim_plant.refine.records", "sim_plant.base"]
+INSTRUMENTED = ["aff_runtime", "aff_hmi", "sim_plant.refine.records", "sim_plant.base"]
 
 
 class Count:

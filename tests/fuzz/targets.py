@@ -13,6 +13,7 @@ from tests.fuzz import (
     hand_targets,
     modbus_targets,
     record_targets,
+    screen_targets,
     socket_targets,
 )
 
@@ -50,4 +51,6 @@ TARGETS = {
     "door_packet": Target(run=door_targets.packet, seeds=door_targets.SEEDS),
     "commission_request": Target(run=commission_targets.request, seeds=commission_targets.SEEDS),
     "hand_packet": Target(run=hand_targets.packet, seeds=hand_targets.SEEDS),
+    "screen_request": Target(run=screen_targets.request, seeds=screen_targets.REQUESTS),
+    "screen_receipt": Target(run=screen_targets.receipt, seeds=screen_targets.RECEIPTS),
 }

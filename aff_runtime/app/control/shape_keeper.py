@@ -278,7 +278,8 @@ class ShapeKeeper:
         for name, law in controller.shape_laws().items():
             removed = [roll for roll in phases.spliced if any(r == roll for r, _ in law.keys)]
             if removed:
-                text = f"roll {phases.roll_id} in the place of roll {before}"
+                now = "an unknown roll" if phases.roll_id is None else f"roll {phases.roll_id}"
+                text = f"{now} in the place of roll {before}"
                 self._tell(name, f"{text}: the shape of {', '.join(removed)} is forgotten")
 
     def close(self, controller: Controller) -> None:

@@ -73,3 +73,49 @@ def test_the_reason_stands_on_the_button_and_the_hand_changes_hands(
     anna.page.wait_for_selector("#hand-of.lost")
     assert anna.page.is_disabled("#arm")
     assert not anna.page.is_disabled("#bypass")
+
+
+def test_what_is_typed_into_a_field_is_text_and_no_command(chromium, with_hand: Screen) -> None:
+    page = logged_in(chromium, with_hand, "anna", locale="en", color_scheme="light")
+    page.page.goto(f"{with_hand.url}scope")
+    page.await_live()
+    page.await_selector("#readout tbody tr")
+    page.page.click("#keep-open")
+    page.page.keyboard.type("at last, little? util")
+    assert page.run("() => document.getElementById('keep-name').value") == "at last, little? util"
+    assert page.run("() => document.documentElement.lang") == "en"
+    assert page.run("() => document.documentElement.dataset.theme") is None
+    page.page.keyboard.press("Escape")
+    assert page.run("() => document.activeElement.id") == "keep-open"
+    page.close()
+
+
+@pytest.mark.parametrize(("path", "opens"), [("", "?"), ("scope", "#keep-open")])
+@pytest.mark.parametrize("width", [360, 1280])
+def test_no_box_stands_before_the_bypass(
+    chromium, with_hand: Screen, path: str, opens: str, width: int
+) -> None:
+    name = "anna" if width == 360 else "bert"  # five logins a minute are heard of one
+    page = logged_in(
+        chromium, with_hand, name, locale="en", viewport={"width": width, "height": 740}
+    )
+    page.page.goto(with_hand.url + path)
+    page.await_live()
+    if opens == "?":
+        page.page.keyboard.press(opens)
+    else:
+        page.await_selector("#readout tbody tr")
+        page.page.click(opens)
+    page.page.wait_for_selector("dialog[open]")
+    box, hand = (
+        page.run(f"() => document.querySelector('{one}').getBoundingClientRect().toJSON()")
+        for one in ("dialog[open]", "#hand")
+    )
+    assert box["bottom"] <= hand["top"] + 1
+    assert box["right"] <= width + 1
+    page.page.click("#bypass", timeout=10_000)
+    page.page.wait_for_function(
+        "() => document.getElementById('hand-said').textContent.includes('seen in the line')"
+    )
+    assert page.run("() => document.querySelector('dialog[open]') !== null")
+    page.close()

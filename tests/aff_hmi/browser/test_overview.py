@@ -56,12 +56,42 @@ def test_every_control_is_reached_by_the_tabulator(chromium, screen) -> None:
     page = Page(chromium, screen.url, locale="en")
     page.await_live()
     reached = []
-    for _ in range(5):
+    for _ in range(6):
         page.page.keyboard.press("Tab")
         reached.append(
             page.run("() => document.activeElement.id || document.activeElement.className")
         )
-    assert reached[:4] == ["skip", "language", "theme", "keys"]
+    assert reached[:5] == ["skip", "language", "theme", "units", "keys"]
+    page.close()
+
+
+def test_units_are_the_readers_choice_and_stay(chromium, screen, pictures: Path) -> None:
+    page = Page(chromium, screen.url, locale="en", viewport={"width": 1280, "height": 800})
+    slot = '[data-slot="tension:unwind_tension_N"]'
+    speed = '[data-slot="speed"]'
+    newton, per_min = (float(text) for text in page.alive([slot, speed]))
+    page.page.keyboard.press("u")
+    page.await_selector("#units [data-unit='N']:text-is('lbf')")
+    pound, feet = (float(text) for text in page.alive([slot, speed]))
+    assert pound == pytest.approx(newton * 0.2248, rel=0.05)
+    assert feet == pytest.approx(per_min * 3.281, rel=0.05)
+    shown = page.run("() => [...document.querySelectorAll('main .unit')].map(e => e.textContent)")
+    assert not [text for text in shown if re.match(r"(N|mm|m/min|mm/s)\b", text)]
+    page.picture(pictures / "units-us.png")
+    page.page.goto(screen.url + "scope")
+    page.await_live()
+    page.await_selector("#readout tbody tr")
+    assert "[lbf]" in page.text("#readout")
+    assert "[N]" not in page.run("() => document.getElementById('of').textContent")
+    page.page.goto(screen.url + "trends")
+    page.await_live()
+    page.page.select_option("#group", "speed")
+    page.page.wait_for_function(
+        "() => document.getElementById('curves').textContent.includes('FPM')"
+    )
+    page.page.keyboard.press("u")
+    page.await_selector("#units [data-unit='N']:text-is('N')")
+    assert page.complaints == []
     page.close()
 
 
@@ -79,7 +109,7 @@ def test_a_hostile_frame_is_text_and_runs_nothing(chromium, screen, pictures: Pa
             frame = json.loads(message)
             frame |= {"why": HOSTILE, "to_do": HOSTILE, "word": HOSTILE, "shape": HOSTILE}
             frame["config"] = HOSTILE
-            frame["coming"] = [HOSTILE]
+            frame["coming"] = [{"text": HOSTILE, "radius_mm": 154}]
             frame["alarms"] = [{"rank": 1, "name": HOSTILE, "text": HOSTILE, "to_do": HOSTILE}]
             frame["events"] = [{"name": HOSTILE, "text": HOSTILE, "ago_s": 1.0}]
             frame["notes"] = dict.fromkeys(frame["notes"], HOSTILE)

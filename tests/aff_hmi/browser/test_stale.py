@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -92,9 +93,34 @@ def test_a_service_that_is_killed_comes_back_idle_and_is_shown_so(
     kill(control)
     figures["service killed"] = stale = page.stale_since(start_ms, "service")
     judge(stale)
+    # from its last tick, and not from a break before that
+    said = re.search(r"silent for ([\d.]+) (s|min)", page.text("#broken"))
+    assert said is None or (said[2] == "s" and float(said[1]) < 10.0)
     page.await_live()
     assert page.text("#state") == "FAULT"
     assert screen.service.status()["control_pid"] != control
+
+
+def test_a_tension_that_stands_still_is_not_shown_as_alive(
+    page: Page, screen, pictures: Path
+) -> None:
+    def spoil(socket) -> None:
+        server = socket.connect_to_server()
+
+        def pass_on(message: str) -> None:
+            frame = json.loads(message)
+            frame["doubted"] = ["tension:unwind_tension_N", "rms:unwind_tension_N"]
+            socket.send(json.dumps(frame))
+
+        server.on_message(pass_on)
+        socket.on_message(server.send)
+
+    page.page.route_web_socket(re.compile("/live"), spoil)
+    page.page.reload()
+    page.await_live()
+    assert page.crossed_out(NUMBER)
+    assert not page.crossed_out('[data-slot="speed"]')
+    page.picture(pictures / "doubted.png")
 
 
 def test_a_screen_server_that_hangs(page: Page, screen, pictures: Path, figures) -> None:

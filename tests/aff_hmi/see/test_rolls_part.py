@@ -48,7 +48,11 @@ def test_an_eccentric_roll_is_drawn_as_a_cosine_with_its_high_place_where_it_is(
     for n, mm in enumerate(roll.outline_mm):
         at = math.radians(n * STEP_DEG)
         assert mm == pytest.approx(0.6 * math.cos(at + math.radians(30.0)), abs=6e-4)
-    assert roll.extremes == "highest +0.60 mm at 330°, lowest -0.60 mm at 150°"
+    assert roll.extremes == "highest {high} at 330°, lowest {low} at 150°"
+    assert (roll.high_mm, roll.low_mm) == (
+        pytest.approx(0.6, abs=0.01),
+        pytest.approx(-0.6, abs=0.01),
+    )
 
 
 def test_orders_add_up_to_one_outline() -> None:

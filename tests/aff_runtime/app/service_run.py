@@ -9,6 +9,7 @@ import re
 import socket
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from tests.processes import PATIENCE_S, Operator, until
@@ -17,9 +18,20 @@ ROOT = Path(__file__).parents[3]
 
 
 class ServiceRun(Operator):
-    """PLC and service in processes of their own below ``folder``."""
+    """PLC and service in processes of their own below ``folder``.
 
-    def __init__(self, folder: Path, *arguments: str, patience_s: float = PATIENCE_S) -> None:
+    Parameters
+    ----------
+    run_as : words before the service's command: who runs it.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *arguments: str,
+        patience_s: float = PATIENCE_S,
+        run_as: Sequence[str] = (),
+    ) -> None:
         super().__init__(folder / "rt")
         self.folder = folder
         self.plc = subprocess.Popen(
@@ -45,7 +57,7 @@ class ServiceRun(Operator):
         self.notified = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self.notified.bind(str(folder / "notify"))
         self.notified.setblocking(False)
-        self._arguments, self._patience_s = arguments, patience_s
+        self._arguments, self._patience_s, self._run_as = arguments, patience_s, run_as
         self.start_again()
 
     def start_again(self) -> None:
@@ -53,7 +65,8 @@ class ServiceRun(Operator):
         with self.log.open("a") as log:
             self.process = subprocess.Popen(
                 [
-                    *(sys.executable, "-m", "aff_runtime.cli.main", "run", str(self.site)),
+                    *(*self._run_as, sys.executable, "-m", "aff_runtime.cli.main"),
+                    *("run", str(self.site)),
                     *("--runtime-dir", str(self.runtime_dir), *self._arguments),
                 ],
                 stderr=log,

@@ -1,0 +1,78 @@
+"""Tabs that are opened and closed for a while: what the screen keeps of them is nothing."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.runtime.facts import Row
+from benchmarks.screen.clients import now_s, opened
+from benchmarks.screen.rig import used
+from sim_plant.demo.processes import Child
+
+EVERY_S = 0.25
+LOOKERS = 9
+WARM = 0.25  # of the time: what is made once is made by then
+
+
+async def _tabs(url: str, screen: Child, seconds: float) -> tuple[int, list[tuple[float, float]]]:
+    """Return how many tabs came and went, and the memory meanwhile: (s, MB)."""
+    begun_s, count, memory = now_s(), 0, []
+    while now_s() < begun_s + seconds:
+        async with opened(url) as socket:
+            await socket.send(json.dumps({"a": 0, "t": 1e3 * now_s()}))
+            await asyncio.wait_for(socket.recv(), 10.0)
+        count += 1
+        memory.append((now_s() - begun_s, used(screen.process.pid)[1]))
+        await asyncio.sleep(EVERY_S)
+    return count, memory
+
+
+async def _looked_at(
+    url: str, screen: Child, seconds: float
+) -> tuple[int, list[tuple[float, float]]]:
+    """As ``_tabs``, while others look all the time."""
+
+    async def look() -> None:
+        async with opened(url) as socket:
+            number = 0
+            while True:
+                await socket.send(json.dumps({"a": number, "t": 1e3 * now_s()}))
+                number = json.loads(await socket.recv())["q"]
+
+    lookers = [asyncio.create_task(look()) for _ in range(LOOKERS)]
+    try:
+        return await _tabs(url, screen, seconds)
+    finally:
+        for one in lookers:
+            one.cancel()
+        await asyncio.gather(*lookers, return_exceptions=True)
+
+
+def churn(url: str, screen: Child, seconds: float) -> list[Row]:
+    """Return P10: memory, descriptors and threads while tabs come and go beside nine that stay."""
+    process = Path(f"/proc/{screen.process.pid}")
+
+    def held() -> tuple[int, int]:
+        return len(list((process / "fd").iterdir())), len(list((process / "task").iterdir()))
+
+    asyncio.run(_looked_at(url, screen, min(5.0, seconds)))
+    before = held()
+    count, memory = asyncio.run(_looked_at(url, screen, seconds))
+    asyncio.run(asyncio.sleep(1.0))
+    after = held()
+    at_s, at_MB = np.asarray([one for one in memory if one[0] >= WARM * seconds]).T
+    slope = np.polyfit(at_s / 3600.0, at_MB, 1)[0] if len(at_s) > 2 else float("nan")
+    value = f"{at_MB.max():.0f} MB, {slope:+.1f} MB/h"
+    held_words = f"descriptors {before[0]} to {after[0]}, threads {before[1]} to {after[1]}"
+    return [
+        Row(
+            name="P10 tabs that come and go",
+            value=f"{value}; {held_words}",
+            remark=f"{count} tabs in {seconds:g} s beside {LOOKERS} that stay, the first quarter "
+            "not counted; target 150 MB, flat",
+        )
+    ]
