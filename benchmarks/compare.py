@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from aff_runtime.app.wiring.site_to_law import site_params
+from aff_runtime.base.python_child import module_command
 from aff_runtime.base.signals import Outcome, State
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.controller import Controller
@@ -90,7 +91,7 @@ def main() -> int:
         folder = Path(made)
         run, columns = write_run(folder)
         windows = [f"{run}@0..{WINDOW_S:g}", f"{run}@{WINDOW_S:g}..{2.0 * WINDOW_S:g}"]
-        command = [sys.executable, "-m", "aff_runtime.cli.main", "compare", *windows]
+        command = [*module_command("aff_runtime.cli.main"), "compare", *windows]
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run([*command, "--out", str(folder / "out")], check=True, capture_output=True)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -191,7 +191,7 @@ def _why_none(folder: Path) -> str:
     named, at, _ = folder.name.rpartition("@")
     if at and (folder.parent / named).is_dir():
         return "times of a run are written RUN@FROM..TO, such as RUN@2:00..12:00"
-    if not folder.exists():
+    if not os.path.exists(folder):  # nor is there a name too long for a folder
         return "it is not there"
     if not folder.is_dir():
         return "it is a file"
@@ -290,7 +290,7 @@ def _odd_times(path: Path, time_s: NDArray[np.float64]) -> Iterator[str]:
     early = int(np.sum(time_s < 0.0))
     if early:
         yield f"{path.name}: {early} rows are of a time before 0 s; left out"
-    back = np.flatnonzero(np.diff(time_s) <= 0.0)
+    back = np.flatnonzero(time_s[1:] <= time_s[:-1])  # true of no time that is none
     if back.size:
         at_s, to_s = (float(time_s[back[0] + k]) for k in (0, 1))
         yield f"{path.name}: its clock goes back, from {at_s:.2f} s to {to_s:.2f} s"

@@ -18,6 +18,7 @@ from functools import partial
 from pathlib import Path
 
 from aff_runtime.base.clock import wall_time_iso
+from aff_runtime.base.python_child import module_command
 from benchmarks.runtime.facts import Row, Section, machine
 from benchmarks.runtime.page import markdown, text
 from benchmarks.screen import pages
@@ -38,15 +39,6 @@ KINDS = {
     "burning": "a screen, and a program that uses all its unit lets it have",
 }
 TARGETS = {kind: 1.10 if kind == "flood" else 1.05 for kind in KINDS if kind != "without"}
-# a process group in a unit with CPUQuota=50%: half of every tenth of a second
-BURNS = """
-import time
-while True:
-    end = time.perf_counter() + 0.05
-    while time.perf_counter() < end:
-        pass
-    time.sleep(0.05)
-"""
 
 
 def main() -> int:
@@ -140,7 +132,7 @@ def _block(rig: Rig, kind: str, block_s: float, settle_s: float) -> Block:
 
 def burning() -> subprocess.Popen[bytes]:
     """Start what uses all that a screen's unit lets it have: quota, niceness, processors."""
-    return subprocess.Popen(["nice", "-n", "10", sys.executable, "-c", BURNS])
+    return subprocess.Popen(["nice", "-n", "10", *module_command("benchmarks.screen.burning")])
 
 
 def of_ticks(blocks: dict[str, list[Block]], block_s: float) -> Section:

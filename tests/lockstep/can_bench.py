@@ -12,7 +12,7 @@ from aff_runtime.fieldbus.can.reader import CanReader
 from aff_runtime.fieldbus.can.writer import CanWriter
 from sim_plant.servers.can_catalogue import can_node
 from tests.doubles.can_lockstep import LockstepBus
-from tests.lockstep.bench import PERIOD_NS, Bench, Setup
+from tests.lockstep.bench import Bench, Setup
 
 
 class CanBench(Bench):
@@ -30,7 +30,7 @@ class CanBench(Bench):
     def run(self, seconds: float) -> None:
         """Let runtime and plant live; the PLC sends its frames by itself, scan by scan."""
         end_ns = self.clock.now_ns() + round(seconds * 1e9)
-        while self.clock.now_ns() < end_ns - PERIOD_NS // 2:
+        while self.clock.now_ns() < end_ns - self.period_ns // 2:
             self._transport.live()
             if not self.cycle.tick():
                 break

@@ -321,7 +321,7 @@ def test_hostile_names_pass_through_the_door_as_text_of_one_line(folder: Path) -
     assert seen.row is not None
     layout = layout_of(said, tuple(one.name for one in seen.row.channels))
     view = view_of(seen, layout, str)
-    shown = [view.why, view.to_do, *view.coming, *(one.text for one in view.alarms)]
+    shown = [view.why, view.to_do, *(one.text for one in (*view.coming, *view.alarms))]
     assert any("<script>" in one for one in shown)  # as text; the page puts it in as text
     assert [one for one in shown if not one.isprintable()] == []
     watch.close()

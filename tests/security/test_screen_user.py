@@ -32,12 +32,29 @@ aff-hmi:x:{SCREEN}:{SCREEN}::/nonexistent:/bin/sh
 """
 GROUP = f"root:x:0:\naff-runtime:x:{SERVICE}:\naff-hmi:x:{SCREEN}:\naff-door:x:{DOOR}:aff-hmi\n"
 BASE = Path(sys.base_prefix)
-# an interpreter in the home of root is shown to others where it is, and nothing else of that home
-CLOSED = next((p for p in reversed(BASE.parents) if not p.stat().st_mode & stat.S_IXOTH), None)
-SHOW = f"""mount --bind {BASE} "$0/python" && mount -t tmpfs -o mode=755 none {CLOSED} &&
-mkdir -p {BASE} && mount --bind "$0/python" {BASE} &&"""
+
+
+def closed_above(path: Path) -> Path | None:
+    """Return the first folder above ``path`` that others may not enter."""
+    return next((p for p in reversed(path.parents) if not p.stat().st_mode & stat.S_IXOTH), None)
+
+
+# an interpreter in the home of root, a checkout in a folder of its owner's alone: they are shown
+# to others where they are, and nothing else of those folders
+SHOWN = {f"$0/{k}": path for k, path in enumerate((BASE, ROOT)) if closed_above(path)}
+SHOW = " && ".join(
+    [
+        *(f'mount --bind {path} "{at}"' for at, path in SHOWN.items()),
+        *(
+            f"mount -t tmpfs -o mode=755 none {closed}"
+            for closed in sorted({str(closed_above(path)) for path in SHOWN.values()})
+        ),
+        *(f'mkdir -p {path} && mount --bind "{at}" {path}' for at, path in SHOWN.items()),
+        "true",
+    ]
+)
 ENTER = f"""mount --bind "$0/passwd" /etc/passwd && mount --bind "$0/group" /etc/group &&
-{SHOW if CLOSED else ""} user=$1 && shift && exec setpriv --reuid "$user" --regid "$user" \\
+{SHOW} && user=$1 && shift && exec setpriv --reuid "$user" --regid "$user" \\
 --init-groups --inh-caps=-all --bounding-set=-all -- "$@"
 """
 
@@ -103,7 +120,8 @@ def installed() -> Iterator[Installed]:
         root.chmod(0o755)
         (root / "passwd").write_text(PASSWD)
         (root / "group").write_text(GROUP)
-        (root / "python").mkdir()
+        for k in range(2):
+            (root / str(k)).mkdir()
         folders = {
             "service": (SERVICE, SERVICE, 0o755),
             "service/state": (SERVICE, SERVICE, 0o750),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -87,16 +88,16 @@ def kind_of(path: Path) -> str:
         if path.name.lower().endswith(endings):
             return kind
     folder, at, _ = str(path).rpartition("@")
-    if path.is_dir():
+    if os.path.isdir(path):
         raise PlantError(
             f"{shown(path)}: a folder without {MARK}; name one run, a folder that has it"
         )
-    if at and Path(folder).is_dir():
+    if at and os.path.isdir(folder):
         raise PlantError(
             f"{shown(path)}: is a part of a run meant? Its times are written RUN_DIR@FROM..TO, "
             "such as RUN_DIR@2:00..12:00, of a folder that has run.yaml"
         )
-    what = "unknown kind of file" if path.exists() else "is not there"
+    what = "unknown kind of file" if os.path.exists(path) else "is not there"
     raise PlantError(
         f"{shown(path)}: {what}; give .csv, .csv.gz, .parquet, .mf4 or "
         ".mdf, or the folder of a run (RUN_DIR or RUN_DIR@FROM..TO)"
