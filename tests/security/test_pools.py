@@ -321,6 +321,7 @@ def test_a_torn_list_of_the_control_bench_is_left_out(tmp_path, capsys):
     assert [row["rows"] for row in json.loads((tmp_path / "runs.json").read_text())] == [3]
 
 
+@pytest.mark.campaign
 def test_a_control_bench_whose_worker_is_killed_has_every_row(tmp_path, hits, capsys):
     jobs = [
         replace(JOB, law=law, case=constant_cases()[at]) for at, law in enumerate(("FxLMS", OWN))

@@ -76,6 +76,7 @@ def test_only_one_module_knows_the_product_and_only_its_command_line():
     assert imported(folder.parent / "rows.py") == {"aff_runtime.base.files"}
 
 
+@pytest.mark.campaign
 def test_a_healthy_line_is_the_same_to_a_tenth_of_the_noise(healthy):
     quiet, other, floor = healthy
     for name in (*short.CELLS, *short.SPEEDS, "unwind_radius_m"):
@@ -151,6 +152,7 @@ CASES = [
 ]
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     ("fault", "parameters"), CASES, ids=[f"{f.effect}-{f.location}-{f.shape:g}" for f, _ in CASES]
 )
