@@ -122,10 +122,9 @@ def with_unwound_lengths(
     Only where the fit has that number. It changes the length of a turn, so the angle goes with it.
     """
     found: dict[str, float] = {}
-    for effect in case.effects:
+    for at, effect in enumerate(case.effects):
         profiles = BY_NAME[effect.effect].profiles
         if profiles is not None and profiles.age in dict(effect.parameters):
-            at = case.effects.index(effect)
             case = _with_best_age(pool, measured, case, model, at, profiles.age)
             found[effect.location] = float(dict(case.effects[at].parameters)[profiles.age])
     return case.effects, found
@@ -134,14 +133,14 @@ def with_unwound_lengths(
 def _with_best_age(
     pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, at: int, age: str
 ) -> Case:
-    """Return the case with the ``age`` of profile ``at`` and its body's angle (cm, rad) at best.
+    """Return the case with the ``age`` of profile ``at`` and the angle of its body at their best.
 
     Whatever else is on that body turns with it.
     """
     effect = case.effects[at]
     values, row = dict(effect.parameters), BY_NAME[effect.effect].accepts[age]
 
-    def moved(x: Array) -> Case:
+    def moved(x: Array) -> Case:  # x: rad, cm
         known = {**values, age: min(max(0.01 * float(x[1]), row.low), row.high)}
         new = replace(effect, parameters=tuple(known.items()))
         effects = (*case.effects[:at], new, *case.effects[at + 1 :])
