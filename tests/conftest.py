@@ -1,7 +1,12 @@
-"""What holds for the whole suite: one thread a process, and the longest files first."""
+"""What holds for the whole suite: one thread a process, and the longest files first.
+
+Ten thousand tests and the modules that they import stay until the end: the collector of garbage
+looks through them neither while they are made nor afterwards.
+"""
 
 from __future__ import annotations
 
+import gc
 import os
 from collections import Counter
 
@@ -10,6 +15,10 @@ import pytest
 # before numpy is there: two workers with two threads each would wait for each other on two cores
 for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMEXPR_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
+# pydantic asks every package installed here for its plugins, in each of hundreds of processes
+os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+
+gc.disable()  # until all tests are collected: else it takes as long as everything else about them
 
 LONGEST_FIRST = (
     "hil/test_faults.py",
@@ -56,3 +65,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if any(item.get_closest_marker(name) for name in REAL_TIME):
             item.add_marker(pytest.mark.flaky(reruns=TRIES_AGAIN, reruns_delay=1))
+
+
+def pytest_collection_finish() -> None:
+    """Collect garbage from here on, of what the tests themselves leave."""
+    gc.freeze()
+    gc.enable()
