@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
@@ -42,7 +42,7 @@ def estimate(
     name: str, value: float, standard_error: float, freedom: float, unit: str
 ) -> Estimate:
     """Return the estimate with Student's interval for ``freedom`` degrees of freedom."""
-    half = float(student.ppf(0.5 + 0.5 * CONFIDENCE, freedom)) * standard_error
+    half = float(stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * standard_error
     return Estimate(name=name, value=value, low=value - half, high=value + half, unit=unit)
 
 

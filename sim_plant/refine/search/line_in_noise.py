@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
@@ -37,8 +37,8 @@ def may_be_noise(
     scale = float(np.var(seen) / (2.0 * np.mean(seen)))
     degrees = float(np.mean(seen)) / scale
     value = float(np.interp(at, spectrum.coordinate, spectrum.chi2_reduction)) / scale
-    alone = chi2.logsf(UNEXPLAINED.periodic, UNEXPLAINED.periodic_degrees)
-    return bool(chi2.logsf(value, degrees) > alone)
+    alone = chdtrc(UNEXPLAINED.periodic_degrees, UNEXPLAINED.periodic)
+    return bool(chdtrc(degrees, max(value, 0.0)) > alone)
 
 
 def noise_spectra(objective: Objective, travels: Sequence[Travel]) -> list[Sequence[LineSpectrum]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import fftconvolve
+from scipy import fft
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
@@ -90,8 +90,9 @@ def onset_scores(white: Array, response: Array, onset: int, window: int) -> Arra
     """
     samples = white.shape[1]
     template = response[:, onset : onset + window]
-    against = fftconvolve(white, template[:, ::-1], mode="full", axes=1).sum(axis=0)
-    against = against[template.shape[1] - 1 :][:samples]
+    size = fft.next_fast_len(samples + template.shape[1] - 1, real=True)
+    turned = fft.rfft(white, size) * fft.rfft(template[:, ::-1], size)
+    against = fft.irfft(turned, size).sum(axis=0)[template.shape[1] - 1 :][:samples]
     energy = np.cumsum(np.einsum("cs,cs->s", template, template))
     left = np.minimum(np.arange(samples, 0, -1), template.shape[1])
     held = energy[left - 1]

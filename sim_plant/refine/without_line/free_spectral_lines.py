@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
@@ -90,7 +90,7 @@ def _spectra(item: Explained, white: Array) -> list[LineSpectrum]:
 def threshold(spectrum: LineSpectrum) -> float:
     """Return the drop that noise exceeds by chance ``false_alarm``, times ``safety``."""
     per_bin = WITHOUT_LINE.false_alarm / max(1, spectrum.coordinate.size)
-    return WITHOUT_LINE.safety * float(chi2.isf(per_bin, spectrum.degrees))
+    return WITHOUT_LINE.safety * float(chdtri(spectrum.degrees, per_bin))
 
 
 def find_spectral_lines(items: Sequence[Explained]) -> list[SpectralLine]:

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.noise.innovations import whitening_filter
@@ -52,7 +51,9 @@ def _fit(item: Explained, rows: Array, spectral: SpectralLine) -> Array:
     columns = []
     for row in rows:
         taps, _ = whitening_filter(row[None, :])
-        white = lfilter(taps, [1.0], np.column_stack([b, row]), axis=0)[taps.size :]
+        white = np.column_stack(
+            [np.convolve(taps, column)[taps.size : row.size] for column in (*b.T, row)]
+        )
         columns.append(np.linalg.lstsq(white[:, :-1], white[:, -1], rcond=None)[0])
     return np.stack(columns, axis=1)
 

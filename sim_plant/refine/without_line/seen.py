@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
@@ -77,7 +77,7 @@ def own_threshold(degrees: int) -> float:
     That is chi-square theory; ``safety`` makes it larger, for residuals are not quite white.
     """
     per_bin = WITHOUT_LINE.false_alarm / WITHOUT_LINE.bins
-    return WITHOUT_LINE.safety * float(chi2.isf(per_bin, degrees))
+    return WITHOUT_LINE.safety * float(chdtri(degrees, per_bin))
 
 
 def seen(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
@@ -51,7 +51,7 @@ class Finding:
 
 
 def _between(value: float, deviation: float, blocks: int) -> Interval:
-    reach = deviation * float(student.ppf(0.5 + 0.5 * CRITERIA.report.confidence, blocks - 1))
+    reach = deviation * float(stdtrit(blocks - 1, 0.5 + 0.5 * CRITERIA.report.confidence))
     return (value - reach, value + reach)
 
 
