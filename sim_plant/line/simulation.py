@@ -53,7 +53,9 @@ class LineSimulation:
         self._rng = None if seed is None else np.random.default_rng(seed)
         self._row = np.zeros(self.log.width)
         self.channels = channels_of(declaration, self.layout, self.arrays)
-        self._names = {r.name: k for k, r in enumerate(declaration.rollers)}
+        driven: list[int] = self.arrays.drives["body"].tolist()
+        names = enumerate(r.name for r in declaration.rollers)
+        self._drive_of = {name: driven.index(body) for body, name in names if body in driven}
         self._theta0 = self.angles().copy()
         self._observe()
 
@@ -190,17 +192,17 @@ class LineSimulation:
 
     def drive_index(self, roller: str) -> int:
         """Return the drive number of ``roller``; PlantError when it is not driven."""
-        body = self._names.get(roller, -1)
-        where = np.flatnonzero(self.arrays.drives["body"] == body)
-        if where.size == 0:
+        drive = self._drive_of.get(roller)
+        if drive is None:
             raise PlantError(f"roller {roller!r} has no drive in this line")
-        return int(where[0])
+        return drive
 
     def readings(self) -> dict[str, float]:
         """Return the channels of the last sample: measured, and ``true_`` twins."""
         found = {"line_speed_ref_m_s": self._speed, "tension_ref_N": float(self._tension[0])}
+        row, theta0, exact = self._row.tolist(), self._theta0.tolist(), self._rng is None
         for channel in self.channels:
-            measured, true = channel_value(channel, self._row, self._theta0, self._rng is None)
+            measured, true = channel_value(channel, row, theta0, exact)
             found[channel.name] = measured
             found["true_" + channel.name] = true
         return found
