@@ -11,7 +11,7 @@ SECONDS ?= 130
 CASES  ?= 600
 EFFECT ?= eccentric_roller
 SEED   ?= 1
-.PHONY: audit lock release release-tools site campaign chromium demo demo-loop demo-refine hmi house picture plc refine-cases refine-pairs refine-records refine-runs test test-hmi test-long check bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
+.PHONY: audit lock release release-tools site campaign chromium demo demo-loop demo-refine hmi house picture plc refine-cases refine-pairs refine-records refine-runs test test-hmi test-long check style types imports compiled bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
 
 setup: $(STAMP)
 $(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch] sim_plant/lanes/*.[ch])
@@ -72,13 +72,19 @@ house: setup
 
 # everything that decides whether a change may land
 test: export PYTHONDONTWRITEBYTECODE =
-test: setup check
-	@echo "compiling the plant's kernel and the tests once, not in every process of the suite"
-	@mkdir -p out && { $(BIN)/python -m pytest --collect-only -q >out/collected.txt & \
-		$(BIN)/python -m sim_plant.cli.main simulate config/lines/euclid.yaml --duration 0.1 \
-		--out out/compiled.csv.gz >/dev/null && wait; }
+test: setup
+	@$(MAKE) --no-print-directory -j 2 check compiled
 	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder \
 		-m "not campaign and not browser"
+
+# the plant's kernel and the tests, once: else every process of the suite compiles them
+compiled: setup
+	@echo "compiling the plant's kernel and the tests"
+	@mkdir -p out
+	@$(BIN)/python -m sim_plant.cli.main simulate config/lines/euclid.yaml --duration 0.1 \
+		--out out/compiled.csv.gz >/dev/null
+	@$(BIN)/python -m pytest --collect-only -q >out/collected.txt \
+		|| { grep -a ERROR out/collected.txt; exit 1; }
 
 # what `make test` leaves out: minutes of simulated line, whole sweeps; half an hour
 test-long: export PYTHONDONTWRITEBYTECODE =
@@ -102,10 +108,16 @@ chromium:
 	fi
 
 # style, types, floors
-check: setup
+check: types style imports
+
+types: setup
+	$(BIN)/mypy
+
+style: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
+
+imports: setup
 	$(BIN)/lint-imports
 
 # every fault on every wire in every state: the reactions, cell by cell
