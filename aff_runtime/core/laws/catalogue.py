@@ -5,14 +5,29 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from aff_runtime.core.blocks.bank import Bank
+from aff_runtime.core.blocks.bank import Bank, BlockKind
+from aff_runtime.core.blocks.block import HarmonicBlock
 from aff_runtime.core.impulse import from_response
 from aff_runtime.core.law import ActuatorLaw, LawBuilder, LawSetup
 from aff_runtime.core.shape.law import ShapeLaw
 
 
-def _blocks(setup: LawSetup) -> ActuatorLaw:
-    return Bank(setup.params, phases=setup.phases, response=setup.response, cycle_s=setup.cycle_s)
+def in_blocks(block: BlockKind) -> LawBuilder:
+    """Return how a law is built that is a bank of this kind of block."""
+
+    def build(setup: LawSetup) -> ActuatorLaw:
+        return Bank(
+            setup.params,
+            phases=setup.phases,
+            response=setup.response,
+            cycle_s=setup.cycle_s,
+            block=block,
+        )
+
+    return build
+
+
+_blocks = in_blocks(HarmonicBlock)
 
 
 def _shape(setup: LawSetup) -> ActuatorLaw:
