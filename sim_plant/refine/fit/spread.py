@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from sim_plant.refine.criteria.criteria import CRITERIA
 
-SPREAD = float(norm.ppf(0.5 + 0.5 * CRITERIA.report.confidence))
+SPREAD = float(ndtri(0.5 + 0.5 * CRITERIA.report.confidence))
 """Standard deviations on either side of a number between which it lies."""
