@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 from weakref import WeakKeyDictionary
 
 from aff_hmi.sessions import Session
+from aff_runtime.app.commission.answers import Answer, Done, Good, Opened
 from aff_runtime.app.commission.client import ask
-from aff_runtime.app.commission.messages import Told
+from aff_runtime.app.commission.messages import Refusal, Request, Why
 
 PATIENCE_S = 90.0
+Shown = TypeVar("Shown", bound=Good)
 
 
 class Commission:
@@ -24,40 +27,47 @@ class Commission:
 
     def __init__(self, socket: Path) -> None:
         self._socket = socket
-        self._looks: dict[tuple[str, ...], asyncio.Task[Told]] = {}
+        self._looks: dict[Request, asyncio.Task[Answer]] = {}
         self._keys: WeakKeyDictionary[Session, str] = WeakKeyDictionary()
 
-    async def look(self, do: str, **said: Any) -> Told:
-        """Return what changes nothing; all who look at one moment are answered by one request."""
-        which = (do, *map(str, said.values()))
-        if which not in self._looks:
-            asked = asyncio.create_task(self._ask({"do": do, **said}, PATIENCE_S))
-            asked.add_done_callback(lambda _: self._looks.pop(which, None))
-            self._looks[which] = asked
-        return dict(await asyncio.shield(self._looks[which]))
+    async def look(self, asked: Request, kind: type[Shown]) -> Shown | Refusal:
+        """Return what changes nothing; all who look at one moment are answered by one request.
 
-    async def open(self, session: Session, password: str, *, over: bool) -> Told:
+        Parameters
+        ----------
+        kind : of the answer that is no refusal.
+        """
+        if asked not in self._looks:
+            task = asyncio.create_task(self._ask(asked))
+            task.add_done_callback(lambda _: self._looks.pop(asked, None))
+            self._looks[asked] = task
+        found = await asyncio.shield(self._looks[asked])
+        return found if isinstance(found, kind | Refusal) else Refusal(why=Why.SILENT)
+
+    async def open(self, session: Session, password: str, *, over: bool) -> Answer:
         """Have a session commission from now on, where its password is right."""
-        said = {
-            "account": session.account.name,
-            "password": password,
-            "place": session.place.value,
-            "over": over,
-        }
-        found = await self._ask({"do": "open", **said}, PATIENCE_S)
-        if found["ok"]:
-            self._keys[session] = str(found.pop("key"))
-        return found
+        found = await self._ask(
+            Request(
+                do="open",
+                account=session.account.name,
+                password=password,
+                place=session.place.value,
+                over=over,
+            )
+        )
+        if not isinstance(found, Opened):
+            return found
+        self._keys[session] = found.key
+        return Done()
 
-    async def press(self, session: Session, do: str, **said: Any) -> Told:
+    async def press(self, session: Session, asked: Request) -> Answer:
         """Ask what needs the key of a session."""
         key = self._keys.get(session, "")
-        asked = {"do": do, "key": key, "place": session.place.value, **said}
-        return await self._ask(asked, PATIENCE_S)
+        return await self._ask(replace(asked, key=key, place=session.place.value))
 
     def is_open(self, session: Session, by: str) -> bool:
         """Return whether this session commissions now; ``by`` : who does, as it was told."""
         return session in self._keys and by == session.account.name
 
-    async def _ask(self, said: Told, patience_s: float) -> Told:
-        return await ask(self._socket, said, patience_s)
+    async def _ask(self, asked: Request) -> Answer:
+        return await ask(self._socket, asked, PATIENCE_S)

@@ -9,20 +9,22 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from functools import partial
 
-from starlette.responses import JSONResponse, Response
+from starlette.responses import Response
 
-from aff_hmi.asked import DONE, Answering, Asked, because, refusal
+from aff_hmi.asked import DONE, Answering, Asked, because, done, refusal
 from aff_hmi.commission.link import Commission
 from aff_hmi.commission.sentences import sentence
 from aff_hmi.commission.told import refusal_in
 from aff_hmi.sessions import Session, Sessions
-from aff_runtime.app.commission.messages import WORDS, Told, Why
+from aff_runtime.app.commission.answers import Answer, Done
+from aff_runtime.app.commission.messages import WORDS, Refusal, Request, Why
 from aff_runtime.app.hand.may import Code, Reason
 
 SEARCH = 9  # the step that tries settings while the correction goes out
 PLAIN = ("begin", "verify", "stop", "close")  # requests with no more than who asks
-NO_HAND: Told = {"ok": False, "why": Why.REFUSED, "name": "take the hand first"}
-Press = Callable[[Commission, Session, Asked], Awaitable[Told]]
+NO_HAND = Refusal(why=Why.REFUSED, name="take the hand first")
+NO_SENSE = Refusal(why=Why.NO_SENSE)
+Press = Callable[[Commission, Session, Asked], Awaitable[Answer]]
 """Takes the way to the commissioner, who pressed, and what; returns the commissioner's answer."""
 
 
@@ -58,50 +60,74 @@ class CommissionPresses:
         if self._commission is None:
             return refusal(409, asked.say(WORDS[Why.SILENT]), Why.SILENT)
         told = await press(self._commission, session, asked)
-        if not told["ok"]:
-            return refusal(409, refusal_in(told, asked.say), str(told["why"]))
-        text = sentence(str(told["text"]), asked.say) if "text" in told else asked.say(DONE)
-        return JSONResponse({"ok": True, "text": text})
+        if isinstance(told, Refusal):
+            return refusal(409, refusal_in(told, asked.say), str(told.why))
+        said = told.text if isinstance(told, Done) else ""
+        return done(sentence(said, asked.say) if said else asked.say(DONE))
 
-    async def _step(self, commission: Commission, session: Session, asked: Asked) -> Told:
-        if asked.said["step"] == SEARCH and not self._has_hand(session):
+    async def _step(self, commission: Commission, session: Session, asked: Asked) -> Answer:
+        said = asked.said
+        if said["step"] == SEARCH and not self._has_hand(session):
             return NO_HAND
-        return await commission.press(session, "step", **asked.said)
+        step = Request(
+            do="step",
+            step=int(said["step"]),
+            typed=str(said["typed"]),
+            plc=str(said["plc"]),
+            leave_out=str(said["leave_out"]),
+        )
+        return await commission.press(session, step)
 
-    async def _settings(self, commission: Commission, session: Session, asked: Asked) -> Told:
+    async def _settings(self, commission: Commission, session: Session, asked: Asked) -> Answer:
         """Try what a step proposes, keep it, or take it back: it changes what goes out."""
-        said = dict(asked.said)
-        do = said.pop("do")
+        said, do, reason = asked.said, str(asked.said["do"]), str(asked.said["reason"])
         if not self._has_hand(session):
             return NO_HAND
         if do == "try":
-            return await commission.press(session, do, **said)
+            tried = Request(
+                do=do,
+                step=int(said["step"]),
+                measured=str(said["measured"]),
+                seconds=int(said["seconds"]),
+                reason=reason,
+            )
+            return await commission.press(session, tried)
         if do in ("keep", "undo"):
-            return await commission.press(session, do, reason=said["reason"])
-        return {"ok": False, "why": Why.NO_SENSE, "name": ""}
+            return await commission.press(session, Request(do=do, reason=reason))
+        return NO_SENSE
 
     def _has_hand(self, session: Session) -> bool:
         held = self._sessions.holder()
         return held is not None and held.session is session
 
 
-async def _open(commission: Commission, session: Session, asked: Asked) -> Told:
+async def _open(commission: Commission, session: Session, asked: Asked) -> Answer:
     over = bool(asked.said["over"])
     return await commission.open(session, str(asked.said["password"]), over=over)
 
 
-async def _do(commission: Commission, session: Session, asked: Asked) -> Told:
+async def _do(commission: Commission, session: Session, asked: Asked) -> Answer:
     do = str(asked.said["do"])
     if do == "words":
-        return await commission.press(session, do, again=asked.said["again"])
+        return await commission.press(session, Request(do=do, again=str(asked.said["again"])))
     if do in PLAIN:
-        return await commission.press(session, do)
-    return {"ok": False, "why": Why.NO_SENSE, "name": ""}
+        return await commission.press(session, Request(do=do))
+    return NO_SENSE
 
 
-async def _reply(commission: Commission, session: Session, asked: Asked) -> Told:
-    return await commission.press(session, "answer", **asked.said)
+async def _reply(commission: Commission, session: Session, asked: Asked) -> Answer:
+    said = asked.said
+    reply = Request(do="answer", number=int(said["number"]), text=str(said["text"]))
+    return await commission.press(session, reply)
 
 
-async def _sign(commission: Commission, session: Session, asked: Asked) -> Told:
-    return await commission.press(session, "sign", **asked.said)
+async def _sign(commission: Commission, session: Session, asked: Asked) -> Answer:
+    said = asked.said
+    signature = Request(
+        do="sign",
+        step=int(said["step"]),
+        measured=str(said["measured"]),
+        reason=str(said["reason"]),
+        password=str(said["password"]),
+    )
+    return await commission.press(session, signature)

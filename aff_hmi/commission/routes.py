@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import asdict
 
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import JSONResponse, Response
@@ -12,6 +13,9 @@ from aff_hmi.commission.link import Commission
 from aff_hmi.commission.told import card_in, line_in, refusal_in, state_in
 from aff_hmi.sessions import Session
 from aff_hmi.words import Say
+from aff_runtime.app.commission.answers import CardShown, LineShown, Printed, State
+from aff_runtime.app.commission.messages import Refusal
+from aff_runtime.app.commission.messages import Request as Asked
 from aff_runtime.app.hand.may import WORDS, Code, Role
 
 FILE = "aff-card.html"
@@ -49,20 +53,20 @@ class CommissionData:
         say = self._say_of(request)
         if self._session_of(request) is None:
             return _stranger(say)
-        found = await self._commission.look("card")
-        if not found["ok"]:
+        found = await self._commission.look(Asked(do="card"), CardShown)
+        if isinstance(found, Refusal):
             return JSONResponse({"ok": False, "text": refusal_in(found, say)})
-        return JSONResponse({"ok": True, "card": card_in(found["card"], say)})
+        return JSONResponse({"ok": True, "card": asdict(card_in(found.card, say))})
 
     async def line(self, request: Request) -> Response:
         """Return the site file as it was checked, the probe's bounds, and what was found."""
         say = self._say_of(request)
         if self._session_of(request) is None:
             return _stranger(say)
-        found = await self._commission.look("line")
-        if not found["ok"]:
+        found = await self._commission.look(Asked(do="line"), LineShown)
+        if isinstance(found, Refusal):
             return JSONResponse({"ok": False, "text": refusal_in(found, say)})
-        return JSONResponse({"ok": True, "line": line_in(found["line"], say)})
+        return JSONResponse({"ok": True, "line": asdict(line_in(found.line, say))})
 
     async def page(self, request: Request) -> Response:
         """Return the card as one page that prints, as a file: it has a style of its own."""
@@ -70,24 +74,23 @@ class CommissionData:
         if self._session_of(request) is None:
             return _stranger(say)
         paper = "letter" if request.query_params.get("paper") == "letter" else "a4"
-        found = await self._commission.look("page", paper=paper)
-        if not found["ok"]:
+        found = await self._commission.look(Asked(do="page", paper=paper), Printed)
+        if isinstance(found, Refusal):
             return JSONResponse({"ok": False, "text": refusal_in(found, say)}, 404)
         head = {"content-disposition": f'attachment; filename="{FILE}"'}
-        return Response(found["html"], media_type="text/html; charset=utf-8", headers=head)
+        return Response(found.html, media_type="text/html; charset=utf-8", headers=head)
 
     async def state(self, request: Request) -> Response:
         """Return how commissioning stands."""
         say, session = self._say_of(request), self._session_of(request)
         if session is None:
             return _stranger(say)
-        found = await self._commission.look("state")
-        if not found["ok"]:
+        found = await self._commission.look(Asked(do="state"), State)
+        if isinstance(found, Refusal):
             return JSONResponse({"ok": False, "text": refusal_in(found, say)})
         sees_all = session.account.role >= Role.COMMISSION
-        shown = state_in(found, say, sees_all=sees_all)
-        is_open = self._commission.is_open(session, found["by"])
-        return JSONResponse(shown | {"is_open": is_open, "may": sees_all})
+        is_open = self._commission.is_open(session, found.by)
+        return JSONResponse(asdict(state_in(found, say, sees_all=sees_all, is_open=is_open)))
 
 
 def _stranger(say: Say) -> Response:

@@ -2,9 +2,31 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from aff_hmi.commission.sentences import sentence
+from aff_hmi.commission.shown import (
+    JobInShort,
+    ShownDriveRow,
+    ShownJob,
+    ShownLast,
+    ShownQuestion,
+    ShownState,
+    ShownStep,
+    SiteInShort,
+)
 from aff_hmi.words import N_, Say
-from aff_runtime.app.commission.messages import WORDS, Told, Why
+from aff_runtime.app.commission.answers import State
+from aff_runtime.app.commission.messages import WORDS, Refusal, Why
+from aff_runtime.app.commission.views import (
+    CardView,
+    DriveRow,
+    JobView,
+    LastJob,
+    LineView,
+    QuestionView,
+    StepView,
+)
 
 STANDS = {
     "not done": ("—", N_("not done")),
@@ -26,28 +48,42 @@ JOBS = {
 }
 
 
-def refusal_in(told: Told, say: Say) -> str:
+def refusal_in(told: Refusal, say: Say) -> str:
     """Return why something was not done."""
-    why = Why(told["why"]) if told.get("why") in tuple(Why) else Why.SILENT
-    name = str(told.get("name", ""))
+    why = Why(told.why) if told.why in tuple(Why) else Why.SILENT
     if why is Why.REFUSED:
-        return sentence(name, say)
-    called = say(JOBS[name.split(" ", maxsplit=1)[0]]) if why is Why.RUNNING else name
+        return sentence(told.name, say)
+    is_job = why is Why.RUNNING
+    called = say(JOBS[told.name.split(" ", maxsplit=1)[0]]) if is_job else told.name
     return say(WORDS[why]).replace("{name}", called)
 
 
-def card_in(card: Told, say: Say) -> Told:
+def card_in(card: CardView, say: Say) -> CardView:
     """Return a card whose steps are told in the reader's language.
 
     Figures, remarks and signatures stay as they are on the card: that is what was signed.
     """
-    return card | {"steps": [_step(one, say) for one in card["steps"]]}
+    return replace(card, steps=tuple(_step(one, say) for one in card.steps))
 
 
-def _step(one: Told, say: Say) -> Told:
-    mark, word = STANDS[one["stand"]]
-    said = {key: say(one[key]) for key in ("title", "measured", "limit")}
-    return one | said | {"mark": mark, "stand_word": say(word)}
+def _step(one: StepView, say: Say) -> ShownStep:
+    mark, word = STANDS[one.stand]
+    return ShownStep(
+        number=one.number,
+        title=say(one.title),
+        measured=say(one.measured),
+        limit=say(one.limit),
+        seconds=one.seconds,
+        stand=one.stand,
+        why=one.why,
+        typed_names=one.typed_names,
+        earlier=one.earlier,
+        can_sign=one.can_sign,
+        entry=one.entry,
+        signed=one.signed,
+        mark=mark,
+        stand_word=say(word),
+    )
 
 
 # what a probe finds of a drive: its words, its unit
@@ -61,46 +97,77 @@ FOUND = {
 }
 
 
-def line_in(line: Told, say: Say) -> Told:
+def line_in(line: LineView, say: Say) -> LineView:
     """Return what is known of a line in the reader's language."""
-    responses = []
-    for one in line["responses"]:
-        drive = [
-            row | {"name": say(FOUND[row["name"]][0]), "unit": FOUND[row["name"]][1]}
-            for row in one["drive"]
-        ]
-        responses.append(one | {"drive": drive})
-    return line | {"responses": responses}
+    return replace(
+        line,
+        responses=tuple(
+            replace(one, drive=tuple(_drive_row(row, say) for row in one.drive))
+            for one in line.responses
+        ),
+    )
 
 
-def state_in(told: Told, say: Say, *, sees_all: bool) -> Told:
+def _drive_row(row: DriveRow, say: Say) -> ShownDriveRow:
+    words, unit = FOUND[row.name]
+    return ShownDriveRow(
+        name=say(words),
+        value=row.value,
+        low=row.low,
+        high=row.high,
+        is_sure=row.is_sure,
+        unit=unit,
+    )
+
+
+def state_in(told: State, say: Say, *, sees_all: bool, is_open: bool) -> ShownState:
     """Return how the commissioner stands, for one reader.
 
     Parameters
     ----------
     sees_all : whether he may commission; others see no answers and no site file.
+    is_open : whether his session does.
     """
-    job, last = told["job"], told["last"]
-    shown = dict(told)
-    if job is not None:
-        shown["job"] = _job(job, say) if sees_all else {"do": job["do"], "said": [], "ask": None}
-        shown["job"]["name"] = say(JOBS[job["do"]])
-    if last is not None:
-        text = sentence(last["text"], say) if sees_all else ""
-        shown["last"] = last | {"name": say(JOBS[last["do"]]), "text": text}
+    return ShownState(
+        protocol=told.protocol,
+        by=told.by,
+        site=told.site if sees_all else SiteInShort(there=told.site.there),
+        service=told.service,
+        card=told.card,
+        job=_job(told.job, say, sees_all=sees_all) if told.job is not None else None,
+        last=_last(told.last, say, sees_all=sees_all) if told.last is not None else None,
+        is_open=is_open,
+        may=sees_all,
+    )
+
+
+def _job(job: JobView, say: Say, *, sees_all: bool) -> ShownJob | JobInShort:
+    name = say(JOBS[job.do])
     if not sees_all:
-        shown["site"] = {"there": told["site"]["there"]}
-    return shown
+        return JobInShort(do=job.do, name=name)
+    return ShownJob(
+        do=job.do,
+        step=job.step,
+        said=tuple(replace(one, text=sentence(one.text, say)) for one in job.said),
+        ask=_question(job.ask, say) if job.ask is not None else None,
+        name=name,
+    )
 
 
-def _job(job: Told, say: Say) -> Told:
-    said = [one | {"text": sentence(one["text"], say)} for one in job["said"]]
-    asked = job["ask"]
-    if asked is not None:
-        rows = [[value, sentence(text, say)] for value, text in asked["rows"]]
-        choices = [[value, say(CHOICES.get(value, value))] for value in asked["choices"]]
-        asked = asked | {"text": sentence(asked["text"], say), "rows": rows, "choices": choices}
-    return job | {"said": said, "ask": asked}
+def _question(asked: QuestionView, say: Say) -> ShownQuestion:
+    return ShownQuestion(
+        number=asked.number,
+        name=asked.name,
+        text=sentence(asked.text, say),
+        default=asked.default,
+        choices=tuple((value, say(CHOICES.get(value, value))) for value in asked.choices),
+        rows=tuple((value, sentence(text, say)) for value, text in asked.rows),
+    )
+
+
+def _last(last: LastJob, say: Say, *, sees_all: bool) -> ShownLast:
+    text = sentence(last.text, say) if sees_all else ""
+    return ShownLast(do=last.do, step=last.step, ok=last.ok, text=text, name=say(JOBS[last.do]))
 
 
 CHOICES = {

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.run_files import open_plain, text_of, yaml_values
-from aff_runtime.base.run_window import MARK, RunWindow
+from aff_runtime.base.run_window import HOW_WRITTEN, MARK, RunWindow
 from aff_runtime.base.yaml_section import Section
 
 LARGEST_VALUES = 60_000_000
@@ -190,7 +190,7 @@ def _why_none(folder: Path) -> str:
     """Return why a folder has no ``run.yaml`` that can be read, and what was meant perhaps."""
     named, at, _ = folder.name.rpartition("@")
     if at and (folder.parent / named).is_dir():
-        return "times of a run are written RUN@FROM..TO, such as RUN@2:00..12:00"
+        return HOW_WRITTEN
     if not os.path.exists(folder):  # nor is there a name too long for a folder
         return "it is not there"
     if not folder.is_dir():

@@ -11,6 +11,7 @@ from aff_runtime.base.errors import AffError
 from aff_runtime.base.printable import printable
 
 MARK = "run.yaml"
+HOW_WRITTEN = "times of a run are written RUN_DIR@FROM..TO, such as RUN_DIR@2:00..12:00"
 _TIME = re.compile(r"(?:(?:(?P<h>\d{1,9}):)?(?P<m>\d{1,9}):)?(?P<s>\d{1,9}(?:\.\d*)?)")
 
 
@@ -88,6 +89,6 @@ def _seconds(whole: str, text: str, absent: float) -> float:
     if match is None:
         raise AffError(
             f"{printable(whole)}: read {printable(text, 20)!r} for a time; write seconds of "
-            "its time_s (120), minutes (2:00) or hours (1:02:00), such as RUN@2:00..12:00"
+            "its time_s (120), minutes (2:00) or hours (1:02:00), such as RUN_DIR@2:00..12:00"
         )
     return 3600.0 * int(match["h"] or 0) + 60.0 * int(match["m"] or 0) + float(match["s"])

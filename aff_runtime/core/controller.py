@@ -9,7 +9,7 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
 from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import Inputs, LawBuilder, LawSetup
-from aff_runtime.core.laws import LAWS
+from aff_runtime.core.laws.catalogue import LAWS
 from aff_runtime.core.monitor import SLOWEST_RAD_S
 from aff_runtime.core.order_status import OrderStatus, order_statuses
 from aff_runtime.core.params import ActuatorParams, SiteParams

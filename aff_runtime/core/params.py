@@ -144,7 +144,7 @@ class ActuatorParams:
     transport_s : time a command needs to act beyond half a cycle; the carrier leads by both.
     speed_scaled : weights in metres that multiply the roll's speed; None: on for velocity outputs.
     mean_tau_s : time constant of the mean that is taken out of the error.
-    law : key of ``core.laws.LAWS``.
+    law : key of ``core.laws.catalogue.LAWS``.
     drive, shape : of the shape law; without a drive the plain blocks stand in.
     turns : roll that the drive turns, where ``drive`` does not say it; "": the first block's.
     """

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.core.law import ActuatorLaw, Inputs, LawBuilder
-from aff_runtime.core.laws import LAWS
+from aff_runtime.core.laws.catalogue import LAWS
 from aff_runtime.core.params import ActuatorParams
 from aff_runtime.core.phase import RollPhase
 

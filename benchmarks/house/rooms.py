@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.house.imports import arrows_between, circles, floors, imported, module_names
+from benchmarks.house.untyped import untyped
 
 PACKAGES = ("aff_runtime", "sim_plant", "aff_hmi", "benchmarks")
 SCREEN = 40  # lines of a function that fits a screen
-UNTYPED = ("dict", "Mapping", "MutableMapping")
 SKIP = "# fmt: " + "skip"
 
 
@@ -22,7 +22,7 @@ class Module:
     Attributes
     ----------
     functions : name and length in lines of every function.
-    untyped : how often ``dict[str, Any]`` or ``Mapping[str, Any]`` stands in it, by any name.
+    untyped : how often a dict of anything stands in it, by any name.
     skips : lines that the formatter is told to leave.
     """
 
@@ -55,15 +55,14 @@ def read_modules(root: Path, packages: Sequence[str] = PACKAGES) -> dict[str, Mo
     known = module_names(root, packages)
     texts = {name: path.read_text(encoding="utf-8") for name, path in known.items()}
     trees = {name: ast.parse(text, str(known[name])) for name, text in texts.items()}
-    own = {name: set(_other_names(tree)) for name, tree in trees.items()}
+    counts = untyped(trees)
     found = {}
     for name, text in texts.items():
         tree = trees[name]
-        other = own[name] | set(_imported_names(tree, own))
         found[name] = Module(
             lines=len(text.splitlines()),
             functions=tuple(_functions(tree)),
-            untyped=sum(_is_untyped(node, other) for node in ast.walk(tree)),
+            untyped=counts[name],
             skips=text.count(SKIP),
             imports=frozenset(imported(name, tree, known)),
         )
@@ -80,37 +79,6 @@ def _functions(tree: ast.AST, place: str = "") -> Iterator[tuple[str, int]]:
             yield from _functions(node, f"{place}{node.name}.")
         else:
             yield from _functions(node, place)
-
-
-def _other_names(tree: ast.Module) -> Iterator[str]:
-    """Yield the names that a module gives to ``dict[str, Any]`` or its like."""
-    given: set[str] = set()
-    for node in tree.body:
-        if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
-            continue
-        target = node.targets[0] if isinstance(node, ast.Assign) else node.target
-        if isinstance(target, ast.Name) and _is_untyped(node.value, given):
-            given.add(target.id)
-            yield target.id
-
-
-def _imported_names(tree: ast.Module, own: Mapping[str, set[str]]) -> Iterator[str]:
-    """Yield such names of other modules, as this module calls them."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom):
-            for one in node.names:
-                if one.name in own.get(node.module or "", ()):
-                    yield one.asname or one.name
-
-
-def _is_untyped(node: ast.AST, other_names: Collection[str]) -> bool:
-    """Return whether a node is ``dict[str, Any]`` or its like, or such a thing's other name."""
-    if isinstance(node, ast.Name):
-        return isinstance(node.ctx, ast.Load) and node.id in other_names
-    if not (isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Tuple)):
-        return False
-    names = [part.id for part in [node.value, *node.slice.elts] if isinstance(part, ast.Name)]
-    return len(names) == 3 and names[0] in UNTYPED and names[1:] == ["str", "Any"]
 
 
 def rooms(modules: Mapping[str, Module]) -> list[Room]:

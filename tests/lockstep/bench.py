@@ -18,7 +18,7 @@ from aff_runtime.config.loader import load_site
 from aff_runtime.config.models.site import Site
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.law import LawBuilder
-from aff_runtime.core.laws import LAWS
+from aff_runtime.core.laws.catalogue import LAWS
 from aff_runtime.core.params import SiteParams
 from aff_runtime.core.response import Response
 from aff_runtime.fieldbus.modbus.codec import WordCodec

@@ -101,7 +101,7 @@ def test_the_code_reference_has_a_page_for_each_package_with_public_modules(tmp_
     (tmp_path / "one.py").write_text("")
     assert offered(init) == ["one"]
     pages = reference_pages(ROOT)
-    assert "::: aff_runtime.core.laws\n" in pages["code/aff_runtime.core.md"]
+    assert "::: aff_runtime.core.laws.catalogue\n" in pages["code/aff_runtime.core.laws.md"]
     assert "aff_runtime.core.md" in pages["code/index.md"]
 
 

@@ -1,3 +1,13 @@
 """The commissioner: what a screen may have done before a line runs; it moves nothing."""
 
-__all__ = ["client", "commissioner", "job", "listening", "messages", "saving", "sources"]
+__all__ = [
+    "answers",
+    "client",
+    "commissioner",
+    "job",
+    "listening",
+    "messages",
+    "saving",
+    "sources",
+    "views",
+]

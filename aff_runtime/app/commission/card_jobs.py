@@ -5,8 +5,9 @@ from __future__ import annotations
 from aff_runtime.app.card import page, steps, work
 from aff_runtime.app.card.typed_values import typed
 from aff_runtime.app.card.verify import verify
+from aff_runtime.app.commission.answers import Answer, CardShown, Done, Printed
 from aff_runtime.app.commission.card_view import card_view
-from aff_runtime.app.commission.messages import Refusal, Request, Told, Why
+from aff_runtime.app.commission.messages import Refusal, Request, Why
 from aff_runtime.app.commission.sources import (
     Where,
     after_search,
@@ -23,7 +24,7 @@ LONGEST_S = 600.0
 MEMORY_BYTES = 4 << 30
 
 
-def card(where: Where, asked: Request, talk: Talk) -> Told:
+def card(where: Where, asked: Request, talk: Talk) -> Answer:
     """Return the card as it stands, compared with what holds now as far as that is known."""
     found = work.CardFile.of(where.card)
     try:
@@ -31,27 +32,27 @@ def card(where: Where, asked: Request, talk: Talk) -> Told:
         now = inputs_of(at)
     except AffError as error:
         remark = f"not compared with what holds now: {error}"
-        return {"card": card_view(found.card(), None, None, [remark])}
-    return {"card": card_view(found.card(now), at.checked, at.answer, said_of(at))}
+        return CardShown(card=card_view(found.card(), None, None, [remark]))
+    return CardShown(card=card_view(found.card(now), at.checked, at.answer, said_of(at)))
 
 
-def printed(where: Where, asked: Request, talk: Talk) -> Told:
+def printed(where: Where, asked: Request, talk: Talk) -> Answer:
     """Return the page that prints."""
     found = work.CardFile.of(where.card)
     try:
         now = inputs_of(sources(where, found))
     except AffError:
         now = None
-    return {"html": page.page(found.card(now), asked.paper)}
+    return Printed(html=page.page(found.card(now), asked.paper))
 
 
-def begin(where: Where, asked: Request, talk: Talk) -> Told:
+def begin(where: Where, asked: Request, talk: Talk) -> Answer:
     """Begin a card."""
     newest = work.begin(where.card, where.site, parameters_of(where.site, where.state))
-    return {"text": f"a card is begun, {newest[:12]}"}
+    return Done(text=f"a card is begun, {newest[:12]}")
 
 
-def step(where: Where, asked: Request, talk: Talk) -> Told:
+def step(where: Where, asked: Request, talk: Talk) -> Answer:
     """Measure a step, or put on the card that it does not apply."""
     found, number, by = work.CardFile.of(where.card), asked.step, asked.by
     at = sources(where, found, plc=asked.plc.strip())
@@ -64,23 +65,23 @@ def step(where: Where, asked: Request, talk: Talk) -> Told:
         with bounded_effort("card", ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
             kept = work.measure(found, number, at, values, by)
     work.keep_site(where.card, at.parameters)
-    return {"text": f"step {number}: {kept.verdict}", "verdict": str(kept.verdict)}
+    return Done(text=f"step {number}: {kept.verdict}")
 
 
-def sign(where: Where, asked: Request, talk: Talk) -> Told:
+def sign(where: Where, asked: Request, talk: Talk) -> Answer:
     """Sign the measurement that the person has seen, and no other."""
     found, number = work.CardFile.of(where.card), asked.step
     now = inputs_of(sources(where, found))
     last = found.standing(number, now).last
     if last is None or last.sha256 != asked.measured:
-        return Refusal(why=Why.CHANGED).told
+        return Refusal(why=Why.CHANGED)
     kept = work.sign(found, number, now, name=asked.account, reason=asked.reason, by=asked.by)
-    return {"text": f"step {kept.step} signed as {kept.name}"}
+    return Done(text=f"step {kept.step} signed as {kept.name}")
 
 
-def verified(where: Where, asked: Request, talk: Talk) -> Told:
+def verified(where: Where, asked: Request, talk: Talk) -> Answer:
     """Return whether card and records are what was written."""
     found = verify(where.card, records=True)
     if found.wrong:
-        return {"text": f"does not hold: {'; '.join(found.wrong[:5])}", "holds": False}
-    return {"text": f"{found.entries} entries, whole; newest {found.newest}", "holds": True}
+        return Done(text=f"does not hold: {'; '.join(found.wrong[:5])}")
+    return Done(text=f"{found.entries} entries, whole; newest {found.newest}")

@@ -1,18 +1,27 @@
-"""A card as plain values, for a screen to show: the words of its page, none of its marks."""
+"""A card for a screen to show: the words of its page, none of its marks."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
-from aff_runtime.app.card.entries import Measured
+from aff_runtime.app.card.entries import Entry, Measured
 from aff_runtime.app.card.evidence import CheckedSite, Evidence
 from aff_runtime.app.card.figures import Figure
 from aff_runtime.app.card.page import span_text, undone, value_text
 from aff_runtime.app.card.standing import SIGNABLE, Card, StepStanding
 from aff_runtime.app.card.steps import Step
 from aff_runtime.app.card.typed_values import TypedValues
-from aff_runtime.app.commission.messages import Told
+from aff_runtime.app.commission.views import (
+    CardView,
+    EntryView,
+    FigureView,
+    ProofTimes,
+    SegmentView,
+    SignatureView,
+    StepView,
+    WindowView,
+)
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.config.models import Site
 
@@ -21,7 +30,7 @@ TURNS, SETTLES, MEMORIES = 20.0, 3.0, 2.0
 
 def card_view(
     card: Card, checked: CheckedSite | None, answer: StatusAnswer | None, remarks: Sequence[str]
-) -> Told:
+) -> CardView:
     """Return everything that a page shows of a card.
 
     Parameters
@@ -30,23 +39,20 @@ def card_view(
     answer : of the running service, None where none answers.
     remarks : what is to be said of the comparison with what holds now.
     """
-    return {
-        "line": card.begun.line,
-        "newest": card.newest,
-        "entries": card.entries,
-        "utc": card.utc,
-        "remarks": list(remarks),
-        "undone": list(undone(card)),
-        "steps": [_step(one, checked) for one in card.steps],
-        "proof": proof_times(checked.site, answer) if checked is not None and answer else None,
-    }
+    return CardView(
+        line=card.begun.line,
+        newest=card.newest,
+        entries=card.entries,
+        utc=card.utc,
+        remarks=tuple(remarks),
+        undone=tuple(undone(card)),
+        steps=tuple(_step(one, checked) for one in card.steps),
+        proof=proof_times(checked.site, answer) if checked is not None and answer else None,
+    )
 
 
-def proof_times(site: Site, answer: StatusAnswer) -> dict[str, float] | None:
-    """Return how long each part of the proof takes at this speed, s; None while it stands.
-
-    ``off_s`` : twenty turns of the largest roll. ``on_s`` : the same, after it has settled.
-    """
+def proof_times(site: Site, answer: StatusAnswer) -> ProofTimes | None:
+    """Return how long each part of the proof takes at this speed; None while it stands."""
     speed = abs(answer.live.tick.number(site.line.speed)) if answer.live is not None else 0.0
     radius_m = max(roll.largest_radius_m for roll in site.rolls.values())
     if not speed > 0.0:
@@ -58,78 +64,82 @@ def proof_times(site: Site, answer: StatusAnswer) -> dict[str, float] | None:
             settles.append(MEMORIES * one.memory_turns * turn_s)
         else:
             settles += [SETTLES * block.settle_s for block in one.blocks]
-    return {"off_s": TURNS * turn_s, "on_s": TURNS * turn_s + max(settles)}
+    return ProofTimes(off_s=TURNS * turn_s, on_s=TURNS * turn_s + max(settles))
 
 
-def _step(one: StepStanding, checked: CheckedSite | None) -> Told:
+def _step(one: StepStanding, checked: CheckedSite | None) -> StepView:
     step, said, entry = one.step, one.measured, one.last
-    view: Told = {
-        "number": step.number,
-        "title": step.title,
-        "measured": step.measured,
-        "limit": step.limit,
-        "seconds": step.seconds,
-        "stand": str(one.stand),
-        "why": list(one.why),
-        "typed_names": _typed_names(step, checked),
-        "earlier": one.earlier,
-        "can_sign": one.stand in SIGNABLE and one.signed is None,
-        "entry": None,
-        "signed": None,
-    }
-    if said is None or entry is None:
-        return view
-    view["entry"] = {
-        "number": entry.number,
-        "utc": entry.utc,
-        "sha256": entry.sha256,
-        "by": said.by,
-        "release": said.release,
-        "reason": said.reason,
-        "figures": [_figure(figure) for figure in said.finding.figures],
-        "missing": list(said.finding.waits_for),
-        "proposals": list(said.finding.proposals),
-        "remarks": list(said.finding.remarks),
-        "typed": [f"{typed.name} = {typed.text}" for typed in said.typed],
-        "windows": _windows(said),
-    }
-    if one.signed is not None and one.signature is not None:
-        view["signed"] = {
-            "name": one.signed.name,
-            "reason": one.signed.reason,
-            "by": one.signed.by,
-            "utc": one.signature.utc,
-            "number": one.signature.number,
-            "sha256": one.signature.sha256,
-        }
-    return view
+    return StepView(
+        number=step.number,
+        title=step.title,
+        measured=step.measured,
+        limit=step.limit,
+        seconds=step.seconds,
+        stand=str(one.stand),
+        why=one.why,
+        typed_names=_typed_names(step, checked),
+        earlier=one.earlier,
+        can_sign=one.stand in SIGNABLE and one.signed is None,
+        entry=_entry(entry, said) if entry is not None and said is not None else None,
+        signed=_signature(one),
+    )
 
 
-def _figure(figure: Figure) -> Told:
-    return {
-        "name": figure.name,
-        "value": value_text(figure),
-        "span": span_text(figure),
-        "limit": figure.limit,
-        "good": figure.good,
-    }
+def _entry(entry: Entry, said: Measured) -> EntryView:
+    return EntryView(
+        number=entry.number,
+        utc=entry.utc,
+        sha256=entry.sha256,
+        by=said.by,
+        release=said.release,
+        reason=said.reason,
+        figures=tuple(_figure(figure) for figure in said.finding.figures),
+        missing=said.finding.waits_for,
+        proposals=said.finding.proposals,
+        remarks=said.finding.remarks,
+        typed=tuple(f"{typed.name} = {typed.text}" for typed in said.typed),
+        windows=_windows(said),
+    )
 
 
-def _windows(said: Measured) -> list[Told]:
-    return [
-        {
-            "folder": one.folder,
-            "from_s": one.from_s,
-            "to_s": one.to_s,
-            "segments": [
-                {"name": s.name, "size": s.size, "sha256": s.sha256} for s in one.segments
-            ],
-        }
+def _signature(one: StepStanding) -> SignatureView | None:
+    if one.signed is None or one.signature is None:
+        return None
+    return SignatureView(
+        name=one.signed.name,
+        reason=one.signed.reason,
+        by=one.signed.by,
+        utc=one.signature.utc,
+        number=one.signature.number,
+        sha256=one.signature.sha256,
+    )
+
+
+def _figure(figure: Figure) -> FigureView:
+    return FigureView(
+        name=figure.name,
+        value=value_text(figure),
+        span=span_text(figure),
+        limit=figure.limit,
+        good=figure.good,
+    )
+
+
+def _windows(said: Measured) -> tuple[WindowView, ...]:
+    return tuple(
+        WindowView(
+            folder=one.folder,
+            from_s=one.from_s,
+            to_s=one.to_s,
+            segments=tuple(
+                SegmentView(name=s.name, size=s.size, sha256=s.sha256) for s in one.segments
+            ),
+        )
         for one in said.windows
-    ]
+    )
 
 
-def _typed_names(step: Step, checked: CheckedSite | None) -> list[str]:
+def _typed_names(step: Step, checked: CheckedSite | None) -> tuple[str, ...]:
     if checked is None:
-        return []
-    return list(step.typed(Evidence(checked=checked, typed=TypedValues(()))))
+        return ()
+    return tuple(step.typed(Evidence(checked=checked, typed=TypedValues(()))))

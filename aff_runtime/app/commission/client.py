@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-import json
 from pathlib import Path
 
-from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Refusal, Told, Why
+from aff_runtime.app.commission.answers import Answer, decode
+from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Refusal, Request, Why, encode
 from aff_runtime.app.link.packet_client import connected
 from aff_runtime.base.errors import AffError
 
@@ -14,25 +14,35 @@ NOBODY = "no commissioner answers ({error}); start it with `aff-runtime commissi
 PATIENCE_S = 20.0
 
 
-async def ask(path: Path, said: Told, patience_s: float = PATIENCE_S) -> Told:
+async def ask(path: Path, asked: Request, patience_s: float = PATIENCE_S) -> Answer:
     """Return the answer to a request; a refusal that says so where none comes."""
     try:
-        end = connected(path, NOBODY)
-    except (AffError, OSError):
-        return Refusal(why=Why.SILENT).told
+        return decode(asked.do, await exchanged(path, encode(asked), patience_s))
+    except (AffError, OSError, ValueError, TimeoutError):
+        return Refusal(why=Why.SILENT)
+
+
+async def exchanged(path: Path, line: bytes, patience_s: float = PATIENCE_S) -> bytes:
+    """Return what is answered to a line.
+
+    Raises
+    ------
+    AffError
+        No commissioner of ours is there.
+    OSError, ValueError, TimeoutError
+        It does not answer to the end, in time, with as much as an answer may hold.
+    """
+    end = connected(path, NOBODY)
     loop = asyncio.get_running_loop()
     try:
         async with asyncio.timeout(patience_s):
-            await loop.sock_sendall(end, json.dumps(said).encode())
+            await loop.sock_sendall(end, line)
             parts, size = [], 0
             while part := await loop.sock_recv(end, 1 << 16):
                 parts.append(part)
                 size += len(part)
                 if size > MAX_TOLD_BYTES:
-                    raise ValueError
-        found = json.loads(b"".join(parts))
-        return found if isinstance(found, dict) else Refusal(why=Why.SILENT).told
-    except (OSError, ValueError, RecursionError, TimeoutError):
-        return Refusal(why=Why.SILENT).told
+                    raise ValueError(f"more than {MAX_TOLD_BYTES} bytes are answered")
+        return b"".join(parts)
     finally:
         end.close()

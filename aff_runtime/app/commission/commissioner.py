@@ -8,14 +8,16 @@ answer. A signature is below what was shown, with a password that is checked her
 from __future__ import annotations
 
 import asyncio
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from aff_runtime.app.card.book import NAME as CARD
+from aff_runtime.app.commission.answers import Answer, Done, Opened, State
 from aff_runtime.app.commission.audit_lines import AuditLines
 from aff_runtime.app.commission.looking import Looking
-from aff_runtime.app.commission.messages import LOOKS, PROTOCOL, Refusal, Request, Told, Why
+from aff_runtime.app.commission.messages import LOOKS, Refusal, Request, Why
 from aff_runtime.app.commission.people import Holder, People
 from aff_runtime.app.commission.sources import Where, by_whom
+from aff_runtime.app.commission.views import JobView, LastJob
 from aff_runtime.app.commission.worker import CUT, KEEPS, STOPPED, Worker
 from aff_runtime.app.hand.accounts import Accounts
 from aff_runtime.app.hand.audit import Audit, Entry
@@ -26,16 +28,6 @@ from aff_runtime.base.ports import Clock
 AWAITED = ("sign",)
 """Jobs whose answer the screen waits for, never stopped; of the others it hears by ``state``."""
 LOOK_S = 1.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Last:
-    """The job that ended last."""
-
-    do: str
-    step: int
-    ok: bool
-    text: str
 
 
 class Commissioner:
@@ -54,11 +46,11 @@ class Commissioner:
         self._audit = AuditLines(audit, clock)
         self._people = People(accounts, clock, farthest)
         self._worker: Worker | None = None
-        self._running: asyncio.Task[Told] | None = None
-        self._last: Last | None = None
+        self._running: asyncio.Task[Answer] | None = None
+        self._last: LastJob | None = None
         self.looking = Looking(where, clock)
 
-    async def answer(self, asked: Request, peer: Peer) -> Told:
+    async def answer(self, asked: Request, peer: Peer) -> Answer:
         """Return the answer to a request that was checked."""
         try:
             return await self._answer(asked, peer)
@@ -71,7 +63,7 @@ class Commissioner:
             self._tend()
             await asyncio.sleep(LOOK_S)
 
-    async def _answer(self, asked: Request, peer: Peer) -> Told:
+    async def _answer(self, asked: Request, peer: Peer) -> Answer:
         do = asked.do
         if do == "state":
             return self._state()
@@ -80,14 +72,14 @@ class Commissioner:
         if do == "open":
             return await self._open(asked, peer)
         held = self._people.by_key(asked.key, Place(asked.place))
-        return Refusal(why=Why.CLOSED).told if held is None else await self._do(asked, held, peer)
+        return Refusal(why=Why.CLOSED) if held is None else await self._do(asked, held, peer)
 
-    async def _do(self, asked: Request, held: Holder, peer: Peer) -> Told:
+    async def _do(self, asked: Request, held: Holder, peer: Peer) -> Answer:
         """Do what the person asks who is in."""
         if asked.do == "close":
             self._audit.write(_entry(asked, held, peer), "done")
             self._people.close()
-            return {"ok": True}
+            return Done()
         if asked.do in ("answer", "stop"):
             return self._steer(asked, held, peer)
         return await self._start(asked, held, peer)
@@ -112,7 +104,7 @@ class Commissioner:
 
     # --- who ----------------------------------------------------------------------------------
 
-    async def _open(self, asked: Request, peer: Peer) -> Told:
+    async def _open(self, asked: Request, peer: Peer) -> Answer:
         found = await self._people.open(
             asked.account, asked.password, Place(asked.place), over=asked.over
         )
@@ -125,99 +117,103 @@ class Commissioner:
         )
         if isinstance(found, Refusal):
             self._audit.refuse(said, found.why)
-            return found.told
+            return found
         if not self._audit.write(said, "done"):
             self._people.close()
-            return Refusal(why=Why.UNRECORDED).told
-        return {"ok": True, "key": found.key}
+            return Refusal(why=Why.UNRECORDED)
+        return Opened(key=found.key)
 
     # --- jobs ---------------------------------------------------------------------------------
 
-    def _steer(self, asked: Request, held: Holder, peer: Peer) -> Told:
+    def _steer(self, asked: Request, held: Holder, peer: Peer) -> Answer:
         """Pass an answer on to the job that waits for one, or end the job."""
         if self._worker is None:
-            return Refusal(why=Why.CHANGED).told
+            return Refusal(why=Why.CHANGED)
         if asked.do == "stop":
             if self._worker.asked.do in AWAITED:
                 self._audit.refuse(_entry(asked, held, peer), Why.RUNNING)
-                return Refusal(why=Why.RUNNING, name=self._worker.asked.called).told
+                return Refusal(why=Why.RUNNING, name=self._worker.asked.called)
             self._audit.write(_entry(asked, held, peer), "done")
             self._worker.stop()
-            return {"ok": True}
+            return Done()
         return self._pass_on(self._worker, asked, held, peer)
 
-    def _pass_on(self, worker: Worker, asked: Request, held: Holder, peer: Peer) -> Told:
+    def _pass_on(self, worker: Worker, asked: Request, held: Holder, peer: Peer) -> Answer:
         """Pass an answer on, once its question stands in the audit; the answer does not."""
         entry = _entry(asked, held, peer)
         if worker.asked.account != held.account:
             self._audit.refuse(entry, Why.RUNNING)
-            return Refusal(why=Why.RUNNING, name=worker.asked.called).told
+            return Refusal(why=Why.RUNNING, name=worker.asked.called)
         question = worker.question
-        if question is None or question["number"] != asked.number:
-            return Refusal(why=Why.CHANGED).told
-        entry = replace(entry, what=f"{entry.what} {question['name']}")
+        if question is None or question.number != asked.number:
+            return Refusal(why=Why.CHANGED)
+        entry = replace(entry, what=f"{entry.what} {question.name}")
         if not self._audit.write(entry, "done"):
-            return Refusal(why=Why.UNRECORDED).told
+            return Refusal(why=Why.UNRECORDED)
         worker.answer(asked.number, asked.text)
-        return {"ok": True}
+        return Done()
 
-    async def _start(self, asked: Request, held: Holder, peer: Peer) -> Told:
+    async def _start(self, asked: Request, held: Holder, peer: Peer) -> Answer:
         """Begin a job, once it stands in the audit."""
         how = "at the screen, opened by password"
         if asked.do == "sign":
             against = await self._people.against(held.account, asked.password)
             if against is not None:
                 self._audit.refuse(_entry(asked, held, peer), against.why)
-                return against.told
+                return against
             how = "password given for this signature"
         if self._worker is not None:
-            return Refusal(why=Why.RUNNING, name=self._worker.asked.called).told
+            return Refusal(why=Why.RUNNING, name=self._worker.asked.called)
         entry = _entry(asked, held, peer)
         if not self._audit.write(entry, "asked"):
-            return Refusal(why=Why.UNRECORDED).told
+            return Refusal(why=Why.UNRECORDED)
         by = f"{by_whom()}; {held.account}, {how}"
         self._worker = Worker(asked.for_job(account=held.account, by=by), self._where)
         self._running = asyncio.create_task(self._run(self._worker, entry))
         if asked.do in AWAITED:
             return await asyncio.shield(self._running)
-        return {"ok": True}
+        return Done()
 
-    async def _run(self, worker: Worker, entry: Entry) -> Told:
+    async def _run(self, worker: Worker, entry: Entry) -> Answer:
         try:
             found = await worker.run()
         except OSError as error:
-            found = Refusal(why=Why.REFUSED, name=str(error)).told
+            found = Refusal(why=Why.REFUSED, name=str(error))
         except asyncio.CancelledError:
             self._audit.write(entry, "noted", CUT if worker.asked.do in KEEPS else STOPPED)
             raise
         finally:
             self._worker = None
-        is_done, text = found["ok"] is True, str(found.get("text", found.get("name", "")))
+        is_done, text = _became(found)
         result = "done" if is_done else "noted" if worker.is_unsure else "refused"
         self._audit.write(entry, result, text)
-        self._last = Last(do=worker.asked.do, step=worker.asked.step, ok=is_done, text=text)
+        self._last = LastJob(do=worker.asked.do, step=worker.asked.step, ok=is_done, text=text)
         return found
 
     # --- how it stands ------------------------------------------------------------------------
 
-    def _state(self) -> Told:
-        held, worker, last = self._people.holder, self._worker, self._last
-        return {
-            "ok": True,
-            "protocol": PROTOCOL,
-            "by": held.account if held is not None else "",
-            "site": self.looking.site(),
-            "service": self.looking.service(),
-            "card": (self._where.card / CARD).exists(),
-            "job": _shown(worker) if worker is not None else None,
-            "last": {name: getattr(last, name) for name in Last.__slots__} if last else None,
-        }
+    def _state(self) -> State:
+        held, worker = self._people.holder, self._worker
+        return State(
+            by=held.account if held is not None else "",
+            site=self.looking.site(),
+            service=self.looking.service(),
+            card=(self._where.card / CARD).exists(),
+            job=_shown(worker) if worker is not None else None,
+            last=self._last,
+        )
 
 
-def _shown(worker: Worker) -> Told:
-    said = [{"kind": kind, "text": text} for kind, text in worker.said]
+def _became(answer: Answer) -> tuple[bool, str]:
+    """Return whether a job is done, and what it has said of it."""
+    if isinstance(answer, Refusal):
+        return False, answer.name
+    return True, answer.text if isinstance(answer, Done) else ""
+
+
+def _shown(worker: Worker) -> JobView:
     asked = worker.asked
-    return {"do": asked.do, "step": asked.step, "said": said, "ask": worker.question}
+    return JobView(do=asked.do, step=asked.step, said=tuple(worker.said), ask=worker.question)
 
 
 def _entry(asked: Request, held: Holder, peer: Peer) -> Entry:

@@ -8,20 +8,20 @@ would take it for ended, and do the same beside it.
 from __future__ import annotations
 
 import ctypes
-import json
 import os
 import signal
 import sys
 from collections.abc import Callable
-from pathlib import Path
 
 from aff_runtime.app.commission import card_jobs, line_view, settings_jobs, setup_jobs
-from aff_runtime.app.commission.messages import Request, Told
+from aff_runtime.app.commission.answers import Answer
+from aff_runtime.app.commission.job_lines import Ended, Refused, read_start
+from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.base.errors import AffError
 
-Job = Callable[[Where, Request, Talk], Told]
+Job = Callable[[Where, Request, Talk], Answer]
 JOBS: dict[str, Job] = {
     "card": card_jobs.card,
     "page": card_jobs.printed,
@@ -47,15 +47,13 @@ def main() -> int:
     said = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # whatever a library prints is no line of ours
     talk = Talk(sys.stdin, said)
-    first = json.loads(sys.stdin.readline())
-    if os.getppid() != first.pop("parent"):  # it had ended before we asked to end with it
+    start = read_start(sys.stdin.readline())
+    if os.getppid() != start.parent:  # it had ended before we asked to end with it
         return 1
-    where = Where(**{name: Path(path) for name, path in first.pop("where").items()})
-    asked = Request.from_json(first)
     try:
-        talk.tell({"done": JOBS[asked.do](where, asked, talk)})
+        talk.tell(Ended(answer=JOBS[start.asked.do](start.where, start.asked, talk)))
     except AffError as error:
-        talk.tell({"refused": str(error)})
+        talk.tell(Refused(text=str(error)))
     except EOFError:
         return 1
     return 0

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import contextlib
 import math
-from dataclasses import fields
+from dataclasses import fields, replace
 
+from aff_runtime.app.commission.answers import LineShown
 from aff_runtime.app.commission.card_view import proof_times
-from aff_runtime.app.commission.messages import Request, Told
+from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.sources import Where, standing_of
 from aff_runtime.app.commission.talk import Talk
+from aff_runtime.app.commission.views import (
+    DriveRow,
+    LineView,
+    PointView,
+    ProbeRow,
+    ProbeView,
+    ResponseView,
+)
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.config.check import MAX_RESPONSE_BYTES, check_site
@@ -21,32 +30,32 @@ from aff_runtime.core.response import Response
 MOST_LINES = 60
 
 
-def line(where: Where, asked: Request, talk: Talk) -> Told:
+def line(where: Where, asked: Request, talk: Talk) -> LineShown:
     """Return what there is to know of the line before it is probed, and after."""
     with bounded_effort(str(where.site), ConfigError):
         report = check_site(where.site, (), where.state)
-    view: Told = {
-        "errors": [str(one) for one in report.errors][:MOST_LINES],
-        "warnings": [str(one) for one in report.warnings][:MOST_LINES],
-        "drives": list(report.drives),
-        "orders": [],
-        "limits": [],
-        "probe": None,
-        "proof": None,
-        "responses": [],
-    }
+    view = LineView(
+        errors=tuple(str(one) for one in report.errors)[:MOST_LINES],
+        warnings=tuple(str(one) for one in report.warnings)[:MOST_LINES],
+        drives=tuple(report.drives),
+    )
     site, facts = report.site, report.facts
     if site is None or facts is None:
-        return {"line": view}
-    view["orders"] = [str(one) for one in (*facts.orders, *facts.shapes)][:MOST_LINES]
-    view["limits"] = [str(one) for one in facts.limits][:MOST_LINES]
+        return LineShown(line=view)
     found = _responses(site, where)
-    view["responses"] = [_response(name, one, site) for name, one in found.items()]
-    view["probe"] = _bounds(site, found)
+    proof = None
     with contextlib.suppress(AffError):
         standing = standing_of(where.socket)
-        view["proof"] = proof_times(site, standing) if standing is not None else None
-    return {"line": view}
+        proof = proof_times(site, standing) if standing is not None else None
+    view = replace(
+        view,
+        orders=tuple(str(one) for one in (*facts.orders, *facts.shapes))[:MOST_LINES],
+        limits=tuple(str(one) for one in facts.limits)[:MOST_LINES],
+        probe=_bounds(site, found),
+        proof=proof,
+        responses=tuple(_response(name, one, site) for name, one in found.items()),
+    )
+    return LineShown(line=view)
 
 
 def _responses(site: Site, where: Where) -> dict[str, Response]:
@@ -59,7 +68,7 @@ def _responses(site: Site, where: Where) -> dict[str, Response]:
     return found
 
 
-def _bounds(site: Site, found: dict[str, Response]) -> Told:
+def _bounds(site: Site, found: dict[str, Response]) -> ProbeView:
     """Return what a probe sends at most, and how large its ripple then was by the last probe."""
     rows = []
     for name, actuator in site.actuators.items():
@@ -67,53 +76,51 @@ def _bounds(site: Site, found: dict[str, Response]) -> Told:
         amplitude = site.probe.amplitude_m_s if of_speed else site.probe.amplitude_N_m
         former = found.get(name)
         gain = max((one.gain for one in former.points), default=math.nan) if former else math.nan
-        ripple = amplitude * gain
         rows.append(
-            {
-                "actuator": name,
-                "amplitude": amplitude,
-                "limit": actuator.limit,
-                "unit": actuator.unit,
-                "signal": actuator.error.signal,
-                "signal_unit": _signal_unit(actuator),
-                "ripple": ripple if math.isfinite(ripple) else None,
-            }
+            ProbeRow(
+                actuator=name,
+                amplitude=amplitude,
+                limit=actuator.limit,
+                unit=actuator.unit,
+                signal=actuator.error.signal,
+                signal_unit=_signal_unit(actuator),
+                ripple=_known(amplitude * gain),
+            )
         )
-    return {"duration_s": site.probe.duration_s, "rows": rows}
+    return ProbeView(duration_s=site.probe.duration_s, rows=tuple(rows))
 
 
-def _response(name: str, found: Response, site: Site) -> Told:
+def _response(name: str, found: Response, site: Site) -> ResponseView:
     about = found.provenance
-    return {
-        "actuator": name,
-        "unit": _gain_unit(site.actuators[name]),
-        "measured_at": about.measured_at,
-        "speed_m_s": _known(about.line_speed_m_s),
-        "radius_m": _known(about.radius_m),
-        "delay_s": found.delay_s,
-        "points": [
-            [
-                one.frequency_Hz,
-                one.gain,
-                math.degrees(one.phase_rad),
-                100.0 * one.relative_error,
-                one.coherence,
-            ]
+    return ResponseView(
+        actuator=name,
+        unit=_gain_unit(site.actuators[name]),
+        measured_at=about.measured_at,
+        speed_m_s=_known(about.line_speed_m_s),
+        radius_m=_known(about.radius_m),
+        delay_s=found.delay_s,
+        points=tuple(
+            PointView(
+                frequency_Hz=one.frequency_Hz,
+                gain=one.gain,
+                phase_deg=math.degrees(one.phase_rad),
+                error_percent=100.0 * one.relative_error,
+                coherence=one.coherence,
+            )
             for one in found.points
-        ],
-        "drive": _drive(found.drive) if found.drive is not None else [],
-    }
+        ),
+        drive=_drive(found.drive) if found.drive is not None else (),
+    )
 
 
-def _drive(found: IdentifiedDrive) -> list[Told]:
+def _drive(found: IdentifiedDrive) -> tuple[DriveRow, ...]:
     """Return every identified number with its interval."""
-    rows: list[Told] = []
-    for one in fields(found):
-        value = getattr(found, one.name)
-        if isinstance(value, Estimate):
-            numbers = {"value": value.value, "low": value.low, "high": value.high}
-            rows.append({"name": one.name, **numbers, "is_sure": value.is_sure})
-    return rows
+    numbers = ((one.name, getattr(found, one.name)) for one in fields(found))
+    return tuple(
+        DriveRow(name=name, value=one.value, low=one.low, high=one.high, is_sure=one.is_sure)
+        for name, one in numbers
+        if isinstance(one, Estimate)
+    )
 
 
 def _signal_unit(actuator: Actuator) -> str:

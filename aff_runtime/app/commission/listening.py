@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import socket
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
+from aff_runtime.app.commission.answers import Answer, encode
 from aff_runtime.app.commission.messages import (
     MAX_ASKED_BYTES,
     NAME,
     Refusal,
     Request,
     RequestError,
-    Told,
     Why,
     read_request,
 )
@@ -26,7 +25,7 @@ MOST = 16
 PATIENCE_S, LONGEST_S = 5.0, 900.0
 PACKET_BYTES = 1 << 15
 ANOTHER = "name another folder with --dir"
-Answering = Callable[[Request, Peer], Awaitable[Told]]
+Answering = Callable[[Request, Peer], Awaitable[Answer]]
 
 
 class Listener:
@@ -79,8 +78,8 @@ class Listener:
                 async with asyncio.timeout(LONGEST_S):
                     told = await self._answer(read_request(line), peer)
             except RequestError:
-                told = Refusal(why=Why.NO_SENSE).told
-            said = json.dumps(told).encode()
+                told = Refusal(why=Why.NO_SENSE)
+            said = encode(told)
             async with asyncio.timeout(PATIENCE_S):
                 for at in range(0, len(said), PACKET_BYTES):
                     await loop.sock_sendall(end, said[at : at + PACKET_BYTES])

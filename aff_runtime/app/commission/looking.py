@@ -7,8 +7,10 @@ import contextlib
 from pathlib import Path
 
 from aff_runtime.app.card.book import NAME as CARD
-from aff_runtime.app.commission.messages import Refusal, Request, Told, Why
+from aff_runtime.app.commission.answers import Answer
+from aff_runtime.app.commission.messages import Refusal, Request, Why
 from aff_runtime.app.commission.sources import Where, standing_of
+from aff_runtime.app.commission.views import NoService, ServiceView, SiteView
 from aff_runtime.app.commission.worker import Worker
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.errors import AffError
@@ -36,7 +38,7 @@ class Looking:
         self._clock = clock
         self._service: StatusAnswer | None = None
         self._trouble = ""
-        self._made: dict[str, tuple[Stamp, int, Told]] = {}
+        self._made: dict[str, tuple[Stamp, int, Answer]] = {}
         self._one = asyncio.Lock()
         self._site: tuple[Stamp, str] = ((), "")
 
@@ -50,7 +52,7 @@ class Looking:
                 self._service, self._trouble = None, str(error)
             await asyncio.sleep(LOOK_S)
 
-    def site(self) -> Told:
+    def site(self) -> SiteView:
         """Return where the site file is, and its digest as far as it can be read."""
         path, stamp = self._where.site, _stamp(self._where.site)
         if stamp != self._site[0]:
@@ -58,37 +60,36 @@ class Looking:
             with contextlib.suppress(OSError, ValueError):
                 digest = file_digest(read_plain(path, MAX_BYTES).decode("utf-8"))
             self._site = (stamp, digest)
-        return {"path": str(path), "there": bool(stamp), "sha256": self._site[1]}
+        return SiteView(path=str(path), there=bool(stamp), sha256=self._site[1])
 
-    def service(self) -> Told:
+    def service(self) -> NoService | ServiceView:
         """Return how the service stands."""
         now = self._service
         if now is None:
-            return {"answers": False, "trouble": self._trouble}
-        return {
-            "answers": True,
-            "state": now.state,
-            "heard": now.live is not None and now.live.comm == "OK",
-            "blocked": now.live.blocked_by if now.live is not None else "",
-            "probing": now.probing,
-            "probed": now.probed,
-            "trying": now.trying,
-            "differs": list(now.config_differs),
-            "learned": list(now.learned),
-        }
+            return NoService(trouble=self._trouble)
+        return ServiceView(
+            state=now.state,
+            heard=now.live is not None and now.live.comm == "OK",
+            blocked=now.live.blocked_by if now.live is not None else "",
+            probing=now.probing,
+            probed=now.probed,
+            trying=now.trying,
+            differs=now.config_differs,
+            learned=now.learned,
+        )
 
-    async def look(self, asked: Request) -> Told:
+    async def look(self, asked: Request) -> Answer:
         """Return the card or the line for a screen, or the page that prints."""
         if asked.do == "line" and not self._where.site.exists():
-            return Refusal(why=Why.REFUSED, name=NO_SITE).told
+            return Refusal(why=Why.REFUSED, name=NO_SITE)
         if asked.do != "line" and not (self._where.card / CARD).exists():
-            return Refusal(why=Why.REFUSED, name=NO_CARD).told
+            return Refusal(why=Why.REFUSED, name=NO_CARD)
         key = f"{asked.do} {asked.paper}"
         async with self._one:
             stamp, now_ns = self._stamp(), self._clock.now_ns()
             kept = self._made.get(key)
             if kept is not None:
-                is_same = kept[0] == stamp and kept[2]["ok"]
+                is_same = kept[0] == stamp and not isinstance(kept[2], Refusal)
                 if is_same or now_ns - kept[1] < LEAST_NS:
                     return kept[2]
             found = await Worker(asked, self._where).run()

@@ -21,8 +21,7 @@ NAME = "commission.sock"
 MAX_ASKED_BYTES = 8192
 MAX_TOLD_BYTES = 8 << 20
 LONGEST_TEXT = 2000
-Told: TypeAlias = dict[str, Any]
-"""A JSON object: an answer, a line of a job, or a part of one."""
+Value: TypeAlias = str | int | bool
 Keys: TypeAlias = Mapping[str, Callable[[Any], bool]]
 
 
@@ -107,15 +106,15 @@ class Request:
         """Return what a job is told: who has it done, and no secret."""
         return replace(self, key="", password="", account=account, by=by)
 
-    def to_json(self) -> Told:
+    def to_json(self) -> dict[str, Value]:
         """Return plain values; what is as by default is left out."""
         rows = ((one.name, getattr(self, one.name), one.default) for one in fields(self))
         return {name: value for name, value, default in rows if value != default}
 
     @classmethod
-    def from_json(cls, said: Told) -> Request:
+    def from_json(cls, said: Mapping[str, Value]) -> Request:
         """Read ``to_json``'s values back; they are this release's own."""
-        return cls(**said)
+        return cls(**said)  # type: ignore[arg-type]
 
 
 def _text(value: Any) -> bool:
@@ -188,15 +187,21 @@ LOOKS = ("state", "card", "page", "line")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Refusal:
-    """Why not; ``name`` is what ``{name}`` of its words stands for."""
+    """Why not.
 
-    why: Why
+    Attributes
+    ----------
+    why : one of ``Why``; another release may have others.
+    name : what ``{name}`` of its words stands for.
+    """
+
+    why: str
     name: str = ""
 
-    @property
-    def told(self) -> Told:
-        """Return it as it is said."""
-        return {"ok": False, "why": self.why.value, "name": self.name}
+
+def encode(asked: Request) -> bytes:
+    """Return a request as one line of JSON: the keys of its row."""
+    return json.dumps({name: getattr(asked, name) for name in ("do", *TABLE[asked.do])}).encode()
 
 
 def read_request(line: bytes) -> Request:

@@ -10,7 +10,8 @@ from typing import Any
 from aff_runtime.app.card.measure.search import text_with
 from aff_runtime.app.card.work import CardFile
 from aff_runtime.app.check.limits import PATIENCE_S
-from aff_runtime.app.commission.messages import Refusal, Request, Told, Why
+from aff_runtime.app.commission.answers import Answer, Done
+from aff_runtime.app.commission.messages import Refusal, Request, Why
 from aff_runtime.app.commission.saving import await_saved, save
 from aff_runtime.app.commission.sources import Where, parameters_of
 from aff_runtime.app.commission.talk import Talk
@@ -43,36 +44,36 @@ def proposed(sentences: Sequence[str]) -> Mapping[Path, float]:
     return found
 
 
-def try_proposed(where: Where, asked: Request, talk: Talk) -> Told:
+def try_proposed(where: Where, asked: Request, talk: Talk) -> Answer:
     """Have the service run what a step proposes for a while; it takes it back by itself."""
     found = CardFile.of(where.card).standing(asked.step, None)
     if found.last is None or found.measured is None or found.last.sha256 != asked.measured:
-        return Refusal(why=Why.CHANGED).told
+        return Refusal(why=Why.CHANGED)
     now = parameters_of(where.site, where.state)
     text = text_with(now.site_text, proposed(found.measured.finding.proposals))
     answer = _ask(where, act="try", text=text, seconds=float(asked.seconds), why=_why(asked))
     for change in (*answer.remarks, *answer.changes):
         talk.say(str(change))
-    return {"text": f"tried for {asked.seconds} s: {'; '.join(map(str, answer.changes))}"}
+    return Done(text=f"tried for {asked.seconds} s: {'; '.join(map(str, answer.changes))}")
 
 
-def keep(where: Where, asked: Request, talk: Talk) -> Told:
+def keep(where: Where, asked: Request, talk: Talk) -> Answer:
     """Save what is tried as the site file."""
     return _end(where, asked, "keep")
 
 
-def undo(where: Where, asked: Request, talk: Talk) -> Told:
+def undo(where: Where, asked: Request, talk: Talk) -> Answer:
     """End a try."""
     return _end(where, asked, "undo")
 
 
-def _end(where: Where, asked: Request, act: str) -> Told:
+def _end(where: Where, asked: Request, act: str) -> Answer:
     answer = _ask(where, act=act, why=_why(asked))
     if not answer.text:
-        return {"text": "undone; the former settings run"}
+        return Done(text="undone; the former settings run")
     save(where.site, answer)
     await_saved(partial(_ask, where, act="state"), answer.text, MonotonicClock())
-    return {"text": "kept; saved as the site file" if act == "keep" else "undone; saved"}
+    return Done(text="kept; saved as the site file" if act == "keep" else "undone; saved")
 
 
 def _why(asked: Request) -> str:

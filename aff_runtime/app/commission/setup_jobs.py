@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from aff_runtime.app.commission.messages import Request, Told
+from aff_runtime.app.commission.answers import Done
+from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.sources import Where, standing_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.setup.dialogue import Dialogue, LeftError
@@ -54,7 +55,7 @@ class Screen:
         self._talk.complain(line)
 
 
-def words(where: Where, asked: Request, talk: Talk) -> Told:
+def words(where: Where, asked: Request, talk: Talk) -> Done:
     """Find the PLC's words and write the site file.
 
     Raises
@@ -75,5 +76,5 @@ def words(where: Where, asked: Request, talk: Talk) -> Told:
         interview(dialogue)
         is_written = write(dialogue, where.site, before)
     except LeftError:
-        return {"text": "left; what was answered is kept"}
-    return {"text": f"wrote {where.site}" if is_written else "the site file stays as it is"}
+        return Done(text="left; what was answered is kept")
+    return Done(text=f"wrote {where.site}" if is_written else "the site file stays as it is")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from typing import TextIO
 
-from aff_runtime.app.commission.messages import Told
+from aff_runtime.app.commission.job_lines import JobLine, encode, read_reply
+from aff_runtime.app.commission.views import QuestionView, SaidLine
 from aff_runtime.base.printable import printable
 
 LONGEST = 600
@@ -27,11 +27,11 @@ class Talk:
 
     def say(self, text: str) -> None:
         """Say how it goes."""
-        self.tell({"say": printable(text, LONGEST)})
+        self.tell(SaidLine(kind="say", text=printable(text, LONGEST)))
 
     def complain(self, text: str) -> None:
         """Say what is wrong."""
-        self.tell({"complain": printable(text.strip(), LONGEST)})
+        self.tell(SaidLine(kind="complain", text=printable(text.strip(), LONGEST)))
 
     def ask(
         self,
@@ -50,15 +50,22 @@ class Talk:
         choices : words that may be answered. ``rows`` : answer and text of what may be picked.
         """
         self._number += 1
-        asked = {"number": self._number, "name": name, "text": text, "default": default}
-        self.tell({"ask": {**asked, "choices": list(choices), "rows": [list(r) for r in rows]}})
+        asked = QuestionView(
+            number=self._number,
+            name=name,
+            text=text,
+            default=default,
+            choices=tuple(choices),
+            rows=tuple(rows),
+        )
+        self.tell(asked)
         while line := self._heard.readline():
-            said = json.loads(line)
-            if said["number"] == self._number:
-                return str(said["text"])
+            said = read_reply(line)
+            if said.number == self._number:
+                return said.text
         raise EOFError
 
-    def tell(self, said: Told) -> None:
+    def tell(self, said: JobLine) -> None:
         """Say one thing."""
-        self._said.write(json.dumps(said) + "\n")
+        self._said.write(encode(said) + "\n")
         self._said.flush()

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import json
 import os
 from collections import deque
 
 from aff_runtime.app.check.limits import ONE_THREAD
-from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Refusal, Request, Told, Why
+from aff_runtime.app.commission.answers import Answer
+from aff_runtime.app.commission.job_lines import Ended, Refused, Reply, Start, encode, read_line
+from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Refusal, Request, Why
 from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.views import QuestionView, SaidLine
 from aff_runtime.app.supervisor.child_environment import without_service_manager
 from aff_runtime.base.python_child import talking_child
 
@@ -28,48 +30,47 @@ class Worker:
 
     Attributes
     ----------
-    asked : what it does. ``said`` : its newest lines, each with its kind, ``say`` or ``complain``.
+    asked : what it does. ``said`` : its newest lines.
     question : what it waits for; None where it waits for nothing.
     is_unsure : it was ended without an answer, and may have kept something.
     """
 
     def __init__(self, asked: Request, where: Where) -> None:
         self.asked = asked
-        self.said: deque[tuple[str, str]] = deque(maxlen=KEPT_LINES)
-        self.question: Told | None = None
+        self.said: deque[SaidLine] = deque(maxlen=KEPT_LINES)
+        self.question: QuestionView | None = None
         self.is_unsure = False
         self._where = where
         self._process: asyncio.subprocess.Process | None = None
         self._is_stopped = False
 
-    async def run(self) -> Told:
+    async def run(self) -> Answer:
         """Return the job's answer, or a refusal; an answer counts that was heard before a stop."""
         environment = without_service_manager() | ONE_THREAD
         self._process = process = await talking_child(JOB, environment, MAX_TOLD_BYTES)
-        where = {name: os.fspath(getattr(self._where, name)) for name in Where.__slots__}
-        self._write({**self.asked.to_json(), "where": where, "parent": os.getpid()})
-        found: Told | None = None
+        self._write(Start(asked=self.asked, where=self._where, parent=os.getpid()))
+        found: Answer | None = None
         if self._is_stopped:
             process.kill()
         assert process.stdout is not None
         try:
             with contextlib.suppress(ValueError):  # no line of ours: it has not answered
                 while line := await process.stdout.readline():
-                    found = self._hear(json.loads(line)) or found
+                    found = self._hear(line) or found
         finally:
             self.is_unsure = found is None and self.asked.do in KEEPS
             if process.returncode is None and not self._is_stopped:
                 process.kill()
             await process.wait()
         self.question = None
-        return found or Refusal(why=Why.REFUSED, name=self._unanswered()).told
+        return found or Refusal(why=Why.REFUSED, name=self._unanswered())
 
     def answer(self, number: int, text: str) -> bool:
         """Give a person's answer to the job; False when it waits for another question or none."""
-        if self.question is None or self.question["number"] != number:
+        if self.question is None or self.question.number != number:
             return False
         self.question = None
-        self._write({"number": number, "text": text})
+        self._write(Reply(number=number, text=text))
         return True
 
     def stop(self) -> None:
@@ -79,23 +80,25 @@ class Worker:
         if self._process is not None and self._process.returncode is None:
             self._process.kill()
 
-    def _hear(self, said: Told) -> Told | None:
+    def _hear(self, line: bytes) -> Answer | None:
         """Take one line; the answer when it is the last one."""
-        for kind in ("say", "complain"):
-            if kind in said:
-                self.said.append((kind, str(said[kind])))
-        if "ask" in said and not self._is_stopped:
-            self.question = said["ask"]
-        if "refused" in said:
-            return Refusal(why=Why.REFUSED, name=str(said["refused"])).told
-        return {"ok": True, **said["done"]} if "done" in said else None
+        match read_line(self.asked.do, line):
+            case SaidLine() as said:
+                self.said.append(said)
+            case QuestionView() as question:
+                self.question = None if self._is_stopped else question
+            case Ended() as ended:
+                return ended.answer
+            case Refused() as refused:
+                return Refusal(why=Why.REFUSED, name=refused.text)
+        return None
 
     def _unanswered(self) -> str:
         if not self._is_stopped:
             return DIED
         return CUT if self.is_unsure else STOPPED
 
-    def _write(self, said: Told) -> None:
+    def _write(self, said: Start | Reply) -> None:
         assert self._process is not None
         assert self._process.stdin is not None
-        self._process.stdin.write(json.dumps(said).encode() + b"\n")
+        self._process.stdin.write(encode(said).encode() + b"\n")

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal, get_type_hints
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.files import replace_bytes
@@ -21,7 +21,7 @@ Kind = Literal["number", "whole", "text", "truth", "moment"]
 Columns = dict[str, NDArray[Any]]
 UNIT = "unit"
 EXTRA = 'pip install "aff-runtime[records]"'
-_DTYPES: Mapping[Kind, Any] = {
+_DTYPES: Mapping[Kind, DTypeLike] = {
     "number": np.float64,
     "whole": np.int64,
     "text": np.object_,

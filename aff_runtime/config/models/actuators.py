@@ -26,7 +26,7 @@ from aff_runtime.config.quantity import (
     Whole,
     key,
 )
-from aff_runtime.core.laws import LAW_ROWS
+from aff_runtime.core.laws.catalogue import LAW_ROWS
 
 if TYPE_CHECKING:
     LawWord = str

@@ -1,3 +1,3 @@
 """The plain law: harmonic blocks in parallel."""
 
-__all__ = ["bank"]
+__all__ = ["bank", "block"]

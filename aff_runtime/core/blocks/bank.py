@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.core.blocks.block import HarmonicBlock
@@ -23,6 +23,8 @@ MIN_OMEGA_RAD_S = 1e-3
 REFRESHED_PER_TICK = 4
 MAX_ELAPSED_S = 0.1
 RATIO_EPS = 1e-9
+BlockKind = Callable[[int, float, float], HarmonicBlock]
+"""Order, settling time (s) and limit of amplitude to a block."""
 
 
 class Slot:
@@ -81,6 +83,11 @@ class Bank:
     A limit in force comes back as ``limit_ratio`` and shortens every weight alike, so a limit
     neither winds up nor clips. P, phase bound and gain share of a few blocks are renewed per tick,
     in turn: frequencies move slowly, and the tick stays short with many blocks.
+
+    Parameters
+    ----------
+    phases : angles of the rolls. ``response`` : measured; None: nothing adapts.
+    block : how each element adapts; it bounds, holds and forgets as ``HarmonicBlock`` does.
     """
 
     def __init__(
@@ -90,6 +97,7 @@ class Bank:
         phases: Mapping[str, RollPhase],
         response: Response | None,
         cycle_s: float,
+        block: BlockKind = HarmonicBlock,
     ) -> None:
         self._p = params
         self._response = response
@@ -100,7 +108,7 @@ class Bank:
         rolls = list(dict.fromkeys(b.roll for b in params.blocks))
         self._rolls = [phases[roll] for roll in rolls]
         self.slots = [
-            Slot(b.roll, rolls.index(b.roll), phases, HarmonicBlock(n, b.settle_s, b.amp_limit))
+            Slot(b.roll, rolls.index(b.roll), phases, block(n, b.settle_s, b.amp_limit))
             for b in params.blocks
             for n in b.orders
         ]

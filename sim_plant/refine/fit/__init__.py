@@ -1,3 +1,10 @@
 """The weighted least-squares objective and its minimum."""
 
-__all__ = ["gauss_newton", "objective", "projection", "roll_synchronisation", "start_angles"]
+__all__ = [
+    "gauss_newton",
+    "objective",
+    "projection",
+    "roll_synchronisation",
+    "spread",
+    "start_angles",
+]

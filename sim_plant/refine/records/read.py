@@ -11,7 +11,7 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_window import MARK, names_a_run
+from aff_runtime.base.run_window import HOW_WRITTEN, MARK, names_a_run
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import read_plain
 from sim_plant.refine.criteria.criteria import CRITERIA
@@ -94,8 +94,8 @@ def kind_of(path: Path) -> str:
         )
     if at and os.path.isdir(folder):
         raise PlantError(
-            f"{shown(path)}: is a part of a run meant? Its times are written RUN_DIR@FROM..TO, "
-            "such as RUN_DIR@2:00..12:00, of a folder that has run.yaml"
+            f"{shown(path)}: is a part of a run meant? The {HOW_WRITTEN}, of a folder that "
+            f"has {MARK}"
         )
     what = "unknown kind of file" if os.path.exists(path) else "is not there"
     raise PlantError(

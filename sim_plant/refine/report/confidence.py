@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import math
 
-from scipy.special import ndtri
-
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
-
-SPREAD = float(ndtri(0.5 + 0.5 * CRITERIA.report.confidence))
-"""Standard deviations on either side of a number between which it lies."""
+from sim_plant.refine.fit.spread import SPREAD
 
 
 def standard_deviations(fit: Fit) -> list[float]:

@@ -15,6 +15,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit, jacobian
 from sim_plant.refine.fit.objective import Objective, relinearised_at, with_free_shapes
 from sim_plant.refine.fit.roll_synchronisation import synchronising_shifts
+from sim_plant.refine.fit.spread import SPREAD
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.candidate import bic_penalty
 from sim_plant.refine.search.completeness import sure_excess
@@ -169,7 +170,8 @@ def knows(fit: Fit, at: int, name: str) -> bool:
     number = h.names.index(name)
     row = sum(len(v) for v in fit.values[:at]) + number
     variance = float(fit.covariance[row, row]) if fit.covariance.size else np.inf
-    return 2.0 * 1.96 * math.sqrt(max(variance, 0.0)) < h.high[number] - h.low[number]
+    width = 2.0 * SPREAD * math.sqrt(max(variance, 0.0))
+    return width < h.high[number] - h.low[number]
 
 
 def formation_starts(objective: Objective, fit: Fit, at: int, profiles: Profiles) -> list[Fit]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -10,13 +11,34 @@ import pytest
 pytest.importorskip("starlette")
 
 from aff_hmi.commission.link import Commission
+from aff_runtime.app.commission.answers import Answer, decode
+from aff_runtime.app.commission.messages import Request, encode
 from tests.aff_hmi.pressed import PASSWORD, Pressed, quick
 
 STEP = {"step": 4, "typed": "reaction=ramp", "plc": "", "leave_out": ""}
 SIGN = {"step": 4, "measured": "0" * 64, "reason": "seen there", "password": PASSWORD}
-ENTRY = {"number": 2, "utc": "u", "sha256": "0" * 64, "by": "root; carl", "figures": []}
+ENTRY = {
+    "number": 2,
+    "utc": "u",
+    "sha256": "0" * 64,
+    "by": "root; carl",
+    "release": "1",
+    "reason": "",
+    "figures": [],
+    "missing": [],
+    "proposals": [],
+    "remarks": [],
+    "typed": ["reaction = ramp"],
+    "windows": [],
+}
 CARD = {
     "line": "<script>",
+    "newest": "0" * 64,
+    "entries": 2,
+    "utc": "u",
+    "remarks": [],
+    "undone": [],
+    "proof": None,
     "steps": [
         {
             "number": 4,
@@ -24,12 +46,27 @@ CARD = {
             "title": "Trips",
             "measured": "reaction and its time, typed",
             "limit": "zero or ramp, at most 300 ms",
+            "seconds": 0.0,
+            "why": [],
+            "typed_names": ["reaction"],
+            "earlier": 0,
+            "can_sign": True,
             "entry": ENTRY,
+            "signed": None,
         }
     ],
 }
 ASK = {"number": 3, "name": "host", "text": "Port", "default": "", "rows": [], "choices": ["no"]}
 JOB = {"do": "words", "step": -1, "said": [{"kind": "say", "text": "stopped"}], "ask": ASK}
+STATE = {
+    "ok": True,
+    "protocol": 1,
+    "by": "",
+    "service": {"answers": False, "trouble": "none listens"},
+    "card": True,
+    "job": JOB,
+    "last": None,
+}
 SITE = {"path": "/home/line/site.yaml", "there": True, "sha256": "0" * 64}
 
 
@@ -42,13 +79,13 @@ class Heard(Commission):
         self.answers: dict[str, Any] = {
             "card": {"ok": True, "card": CARD},
             "page": {"ok": True, "html": "<!doctype html>"},
-            "state": {"ok": True, "by": "", "site": SITE, "job": JOB, "last": None},
+            "state": STATE | {"site": SITE},
             "open": {"ok": True, "key": "k" * 43},
         }
 
-    async def _ask(self, said: dict[str, Any], patience_s: float) -> dict[str, Any]:
-        self.said.append(said)
-        return dict(self.answers.get(said["do"], {"ok": True}))
+    async def _ask(self, asked: Request) -> Answer:
+        self.said.append(json.loads(encode(asked)))
+        return decode(asked.do, json.dumps(self.answers.get(asked.do, {"ok": True})).encode())
 
 
 @pytest.fixture

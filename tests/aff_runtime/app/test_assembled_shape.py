@@ -128,7 +128,7 @@ def test_the_loop_is_worked_out_by_the_check_and_not_by_the_cycle(monkeypatch):
     def too_slow(*_, **__):
         raise AssertionError("worked out between two ticks")
 
-    monkeypatch.setattr("aff_runtime.core.laws.from_response", too_slow)
+    monkeypatch.setattr("aff_runtime.core.laws.catalogue.from_response", too_slow)
     assert controller_of(EUCLID, RESPONSES, LOOPS).shape_laws()
 
 

@@ -139,7 +139,7 @@ def test_what_was_meant_is_said_of_a_folder_that_is_no_run(run):
     for name, said in (
         ("nowhere", "it is not there"),
         (".", "a folder of runs, name one of them"),
-        (f"{run.name}@20", r"times of a run are written RUN@FROM\.\.TO"),
+        (f"{run.name}@20", r"times of a run are written RUN_DIR@FROM\.\.TO"),
         ("empty", "it has no run.yaml"),
     ):
         with pytest.raises(AffError, match=said):

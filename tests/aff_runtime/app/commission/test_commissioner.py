@@ -8,7 +8,8 @@ import pytest
 
 from aff_runtime.app.card.entries import Signed
 from aff_runtime.app.card.work import CardFile
-from aff_runtime.app.commission.client import ask
+from aff_runtime.app.commission.answers import State
+from aff_runtime.app.commission.client import ask, exchanged
 from aff_runtime.app.commission.commissioner import Commissioner
 from aff_runtime.app.commission.listening import Listener
 from aff_runtime.app.commission.messages import Request
@@ -22,6 +23,7 @@ from aff_runtime.app.link.peer import Peer
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
 from tests.aff_runtime.app.commission import made_jobs
 from tests.aff_runtime.app.commission.made_jobs import say
+from tests.aff_runtime.app.commission.said import plain
 from tests.doubles.virtual_clock import VirtualClock
 
 PASSWORD = "tension, 90 N"
@@ -55,7 +57,7 @@ class Line:
         )
 
     async def ask(self, do, **said):
-        return await self.commissioner.answer(Request(do=do, **said), PEER)
+        return plain(await self.commissioner.answer(Request(do=do, **said), PEER))
 
     async def open(self, account="carl", *, over=False):
         said = {"account": account, "password": PASSWORD, "over": over}
@@ -340,22 +342,25 @@ def test_wrong_signatures_are_refusals_too(line, clock):
 def test_a_screen_finds_it_at_its_socket_and_others_say_what_they_like(line):
     folder = line.folder / "rt"
 
+    async def said(path, asked):
+        return json.loads(await exchanged(path, json.dumps(asked).encode()))
+
     async def played():
         listener = Listener(folder, line.commissioner.answer, is_private=True)
         serving = asyncio.create_task(listener.run())
         path = folder / "commission.sock"
         try:
             assert path.stat().st_mode & 0o777 == 0o600
-            state = await ask(path, {"do": "state"})
+            state = plain(await ask(path, Request(do="state")))
             assert state["site"]["there"]
             assert not state["service"]["answers"]
-            assert (await ask(path, {"do": "arm"}))["why"] == "no sense"
-            assert (await ask(path, {"do": "state", "more": "x" * 9000}))["why"] == "no sense"
-            found = await asyncio.gather(*(ask(path, {"do": "state"}) for _ in range(12)))
-            assert all(one["ok"] for one in found)
+            assert (await said(path, {"do": "arm"}))["why"] == "no sense"
+            assert (await said(path, {"do": "state", "more": "x" * 9000}))["why"] == "no sense"
+            found = await asyncio.gather(*(ask(path, Request(do="state")) for _ in range(12)))
+            assert all(isinstance(one, State) for one in found)
         finally:
             serving.cancel()
             listener.close()
-        assert (await ask(path, {"do": "state"}))["why"] == "silent"
+        assert plain(await ask(path, Request(do="state")))["why"] == "silent"
 
     asyncio.run(played())

@@ -11,6 +11,7 @@ from aff_runtime.app.commission.sources import Where
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
+from tests.aff_runtime.app.commission.said import plain
 
 
 @pytest.fixture
@@ -24,7 +25,7 @@ def where(tmp_path):
 
 
 def test_before_the_first_probe_its_bounds_are_known_and_the_ripple_is_not(where):
-    site, found = load_site(where.site), line(where, Request(do="line"), None)["line"]
+    site, found = load_site(where.site), plain(line(where, Request(do="line"), None))["line"]
     assert found["errors"] == []
     assert found["probe"]["duration_s"] == site.probe.duration_s
     rows = {row["actuator"]: row for row in found["probe"]["rows"]}
@@ -51,7 +52,7 @@ def test_after_one_the_ripple_is_amplitude_times_the_largest_gain(where):
     path = where.site.parent / actuator.response
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(Response(points=points, delay_s=0.04, provenance=about).to_json())
-    found = line(where, Request(do="line"), None)["line"]
+    found = plain(line(where, Request(do="line"), None))["line"]
     (row,) = [one for one in found["probe"]["rows"] if one["actuator"] == name]
     assert row["ripple"] == pytest.approx(max(gains) * site.probe.amplitude_m_s)
     (response,) = found["responses"]
@@ -62,6 +63,6 @@ def test_after_one_the_ripple_is_amplitude_times_the_largest_gain(where):
 
 def test_a_file_that_is_not_good_says_what_is_wrong_and_nothing_else(where):
     where.site.write_text(where.site.read_text().replace("version: 1", "version: one"))
-    found = line(where, Request(do="line"), None)["line"]
+    found = plain(line(where, Request(do="line"), None))["line"]
     assert found["errors"]
     assert (found["probe"], found["limits"]) == (None, [])

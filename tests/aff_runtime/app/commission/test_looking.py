@@ -5,13 +5,14 @@ import asyncio
 import pytest
 
 from aff_runtime.app.commission import looking
+from aff_runtime.app.commission.answers import Done
 from aff_runtime.app.commission.looking import LEAST_NS, Looking
-from aff_runtime.app.commission.messages import Request
+from aff_runtime.app.commission.messages import Refusal, Request
 from aff_runtime.app.commission.sources import Where
 from tests.doubles.virtual_clock import VirtualClock
 
-REFUSED = {"ok": False, "why": "refused", "name": "card: takes more than 4096 MB to read"}
-MADE = {"ok": True, "line": "made"}
+REFUSED = Refusal(why="refused", name="card: takes more than 4096 MB to read")
+MADE = Done(text="made")
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.base.errors import RefusedError
 from tests.aff_runtime.app.card.made import add, book, measured
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
+from tests.aff_runtime.app.commission.said import plain
 
 PROPOSED = "actuators.unwind.blocks.0.settle_s: 3  # was 6"
 ASKED = Request(do="try", step=9, seconds=60, reason="falls no more", account="carl")
@@ -52,7 +53,7 @@ def proposing(where, *sentences):
 
 def test_the_proposed_number_alone_is_another_one_in_what_is_tried(where, asked):
     digest = proposing(where, PROPOSED)
-    assert "tried for 60 s" in try_proposed(where, replace(ASKED, measured=digest), Talk())["text"]
+    assert "tried for 60 s" in try_proposed(where, replace(ASKED, measured=digest), Talk()).text
     (sent,) = asked
     before = parameters_of(where.site, where.state).site_text.split("\n")
     after = sent.pop("text").split("\n")
@@ -64,7 +65,7 @@ def test_the_proposed_number_alone_is_another_one_in_what_is_tried(where, asked)
 
 def test_what_somebody_has_measured_anew_is_not_tried_unseen(where, asked):
     proposing(where, PROPOSED)
-    told = try_proposed(where, replace(ASKED, measured="0" * 64), Talk())
+    told = plain(try_proposed(where, replace(ASKED, measured="0" * 64), Talk()))
     assert told == {"ok": False, "why": "changed", "name": ""}
     assert asked == []
 
@@ -83,5 +84,5 @@ def test_a_measured_noise_is_a_number_with_its_remark():
 @pytest.mark.parametrize(("act", "job"), [("keep", keep), ("undo", undo)])
 def test_an_end_is_asked_for_with_who_and_why(where, asked, act, job):
     said = Request(do=act, reason="it is better", account="carl")
-    assert job(where, said, Talk())["text"] == "undone; the former settings run"
+    assert job(where, said, Talk()).text == "undone; the former settings run"
     assert asked == [{"act": act, "why": "it is better (carl at the screen)"}]

@@ -3,6 +3,7 @@
 import pytest
 
 from aff_runtime.app.commission import setup_jobs
+from aff_runtime.app.commission.answers import Done
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.setup_jobs import words
 from aff_runtime.app.commission.sources import Where
@@ -65,12 +66,12 @@ def where(tmp_path):
 def test_a_screen_finds_the_words_of_the_shipped_site_file_leaves_and_goes_on(plc, where):
     answers = ANSWERS | PICKS | {"port": str(plc.port)}
     first = Talk(answers, leaves_at="line_speed_m_s.pick")
-    assert words(where, Request(do="words", again=""), first) == {
-        "text": "left; what was answered is kept"
-    }
+    assert words(where, Request(do="words", again=""), first) == Done(
+        text="left; what was answered is kept"
+    )
     assert not where.site.exists()
     second = Talk(answers)
-    assert words(where, Request(do="words", again=""), second)["text"] == f"wrote {where.site}"
+    assert words(where, Request(do="words", again=""), second).text == f"wrote {where.site}"
     assert second.asked[0] == "line_speed_m_s.display"
     choices, rows = second.rows["line_speed_m_s.pick"]
     assert choices == ("again",)

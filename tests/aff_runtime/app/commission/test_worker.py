@@ -9,6 +9,7 @@ from aff_runtime.app.commission.sources import Where
 from aff_runtime.app.commission.worker import CUT, DIED, STOPPED, Worker
 from tests.aff_runtime.app.commission import made_jobs
 from tests.aff_runtime.app.commission.made_jobs import say
+from tests.aff_runtime.app.commission.said import plain
 
 NEVER = "time.sleep(600)\n"
 
@@ -29,7 +30,7 @@ def stopped_after_words(where, do):
         found.stop()
         return await running
 
-    return asyncio.run(played()), found
+    return plain(asyncio.run(played())), found
 
 
 def test_an_answer_that_was_given_counts_though_a_stop_came_later(where, monkeypatch):
@@ -57,4 +58,4 @@ def test_a_stopped_look_is_stopped(where, monkeypatch):
 def test_a_job_that_talks_no_sense_is_ended_and_has_not_answered(where, monkeypatch):
     made_jobs.play(monkeypatch, "print('no JSON', flush=True)\n" + NEVER)
     found = Worker(Request(do="verify"), where)
-    assert asyncio.run(found.run())["name"] == DIED
+    assert plain(asyncio.run(found.run()))["name"] == DIED

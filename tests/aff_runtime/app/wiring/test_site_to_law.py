@@ -12,7 +12,7 @@ from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Actuator, Site
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.law import ActuatorLaw, LawSetup
-from aff_runtime.core.laws import LAW_ROWS, LAWS
+from aff_runtime.core.laws.catalogue import LAW_ROWS, LAWS
 
 EUCLID = Path(__file__).parents[4] / "config" / "euclid.yaml"
 

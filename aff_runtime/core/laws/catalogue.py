@@ -5,14 +5,30 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from aff_runtime.core.blocks.bank import Bank
+from aff_runtime.core.blocks.bank import Bank, BlockKind
+from aff_runtime.core.blocks.block import HarmonicBlock
 from aff_runtime.core.impulse import from_response
 from aff_runtime.core.law import ActuatorLaw, LawBuilder, LawSetup
+from aff_runtime.core.laws.iterative import IterativeBlock
 from aff_runtime.core.shape.law import ShapeLaw
 
 
-def _blocks(setup: LawSetup) -> ActuatorLaw:
-    return Bank(setup.params, phases=setup.phases, response=setup.response, cycle_s=setup.cycle_s)
+def in_blocks(block: BlockKind) -> LawBuilder:
+    """Return how a law is built that is a bank of this kind of block."""
+
+    def build(setup: LawSetup) -> ActuatorLaw:
+        return Bank(
+            setup.params,
+            phases=setup.phases,
+            response=setup.response,
+            cycle_s=setup.cycle_s,
+            block=block,
+        )
+
+    return build
+
+
+_blocks = in_blocks(HarmonicBlock)
 
 
 def _shape(setup: LawSetup) -> ActuatorLaw:
@@ -46,6 +62,13 @@ LAW_ROWS: Mapping[str, LawRow] = {
         text="learns the roll's shape in mm through the declared drive, so a change of speed "
         "needs no learning; needs drive.",
         build=_shape,
+    ),
+    "iterative": LawRow(
+        text="as blocks, but each correction stands still for a turn of its roll while it is "
+        "measured and moves in the next, so strong orders that are not corrected leave no lines "
+        "beside those that are; for slow rolls and a short settle_s, answers a change one to two "
+        "turns later.",
+        build=in_blocks(IterativeBlock),
     ),
 }
 LAWS: Mapping[str, LawBuilder] = {word: row.build for word, row in LAW_ROWS.items()}

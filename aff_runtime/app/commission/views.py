@@ -1,0 +1,309 @@
+"""What a screen is shown of card, line and commissioner, as frozen records.
+
+Their names and order are those of the JSON that passes through ``commission.sock``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProofTimes:
+    """How long each part of the proof takes at this speed, s.
+
+    Attributes
+    ----------
+    off_s : twenty turns of the largest roll. ``on_s`` : the same, after it has settled.
+    """
+
+    off_s: float
+    on_s: float
+
+
+# --- the card ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FigureView:
+    """One number of a measurement in words; ``good`` None: it cannot be said, or has no limit."""
+
+    name: str
+    value: str
+    span: str
+    limit: str
+    good: bool | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SegmentView:
+    """A file of a record: ``sha256`` of its first ``size`` bytes."""
+
+    name: str
+    size: int
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WindowView:
+    """Where in a record figures come from, s of its column ``time_s``."""
+
+    folder: str
+    from_s: float
+    to_s: float
+    segments: tuple[SegmentView, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EntryView:
+    """The measurement that counts.
+
+    Attributes
+    ----------
+    sha256 : what a signature below it names. ``by`` : who had it made. ``reason`` : why the step
+        does not apply. ``missing`` : what it waits for.
+    typed : values read from displays.
+    """
+
+    number: int
+    utc: str
+    sha256: str
+    by: str
+    release: str
+    reason: str
+    figures: tuple[FigureView, ...]
+    missing: tuple[str, ...]
+    proposals: tuple[str, ...]
+    remarks: tuple[str, ...]
+    typed: tuple[str, ...]
+    windows: tuple[WindowView, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SignatureView:
+    """The signature below a measurement."""
+
+    name: str
+    reason: str
+    by: str
+    utc: str
+    number: int
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StepView:
+    """One step of the card.
+
+    Attributes
+    ----------
+    measured, limit : what comes out, in words. ``seconds`` : of the record that are looked at.
+    stand : a word of ``card.standing.Stand``; ``why`` it is to be done again.
+    typed_names : what may be typed. ``earlier`` : how many measurements were made before.
+    """
+
+    number: int
+    title: str
+    measured: str
+    limit: str
+    seconds: float
+    stand: str
+    why: tuple[str, ...]
+    typed_names: tuple[str, ...]
+    earlier: int
+    can_sign: bool
+    entry: EntryView | None
+    signed: SignatureView | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CardView:
+    """A whole card as it stands.
+
+    Attributes
+    ----------
+    newest : hash of the last entry, made at ``utc``. ``entries`` : how many there are.
+    remarks : on the comparison with what holds now. ``undone`` : a sentence a step.
+    proof : None while the line stands, or no service says its speed.
+    """
+
+    line: str
+    newest: str
+    entries: int
+    utc: str
+    remarks: tuple[str, ...]
+    undone: tuple[str, ...]
+    steps: tuple[StepView, ...]
+    proof: ProofTimes | None
+
+
+# --- the line ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProbeRow:
+    """What a probe sends at most to one actuator, in ``unit``.
+
+    Attributes
+    ----------
+    ripple : of ``signal`` at that amplitude by the last probe, ``signal_unit``; None before one.
+    """
+
+    actuator: str
+    amplitude: float
+    limit: float
+    unit: str
+    signal: str
+    signal_unit: str
+    ripple: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProbeView:
+    """The bounds of a probe."""
+
+    duration_s: float
+    rows: tuple[ProbeRow, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveRow:
+    """An identified number of a drive, SI, with its 95 % interval."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    is_sure: bool
+
+
+class PointView(NamedTuple):
+    """One measured frequency of a response; a row of numbers in JSON."""
+
+    frequency_Hz: float
+    gain: float
+    phase_deg: float
+    error_percent: float
+    coherence: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ResponseView:
+    """A measured response; ``unit`` is its gain's, speed and radius None where not known."""
+
+    actuator: str
+    unit: str
+    measured_at: str
+    speed_m_s: float | None
+    radius_m: float | None
+    delay_s: float
+    points: tuple[PointView, ...]
+    drive: tuple[DriveRow, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LineView:
+    """The site file as it was checked; no more than its errors where it is not good.
+
+    Attributes
+    ----------
+    orders, limits : facts of the site, a sentence each. ``drives`` : what is said of drives.
+    """
+
+    errors: tuple[str, ...]
+    warnings: tuple[str, ...]
+    drives: tuple[str, ...]
+    orders: tuple[str, ...] = ()
+    limits: tuple[str, ...] = ()
+    probe: ProbeView | None = None
+    proof: ProofTimes | None = None
+    responses: tuple[ResponseView, ...] = ()
+
+
+# --- the commissioner ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SiteView:
+    """Where the site file is, and its digest as far as it can be read."""
+
+    path: str
+    there: bool
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoService:
+    """No service answers; ``trouble`` is why, empty where none was looked for yet."""
+
+    answers: Literal[False] = False
+    trouble: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ServiceView:
+    """How the service stands.
+
+    Attributes
+    ----------
+    state : of the guard. ``heard`` : whether the PLC is. ``blocked`` : what stands against arming.
+    probed : what came of the last probe. ``trying`` : how a try of settings stands.
+    differs : why the file is not what runs. ``learned`` : digests of what was learned.
+    """
+
+    answers: Literal[True] = True
+    state: str
+    heard: bool
+    blocked: str
+    probing: bool
+    probed: str
+    trying: str
+    differs: tuple[str, ...]
+    learned: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SaidLine:
+    """A line that a job has said; ``kind`` is ``say`` or ``complain``."""
+
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QuestionView:
+    """What a job waits for.
+
+    Attributes
+    ----------
+    name : of the question. ``default`` : taken when nothing is said; None: something must be.
+    choices : words that may be answered. ``rows`` : answer and text of what may be picked.
+    """
+
+    number: int
+    name: str
+    text: str
+    default: str | None
+    choices: tuple[str, ...]
+    rows: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JobView:
+    """The job that is under way; ``step`` -1 where it is of none."""
+
+    do: str
+    step: int
+    said: tuple[SaidLine, ...]
+    ask: QuestionView | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LastJob:
+    """The job that ended last; ``text`` is what became of it."""
+
+    do: str
+    step: int
+    ok: bool
+    text: str

@@ -1,0 +1,200 @@
+"""Every answer and every line of a job comes back as it was said, or is refused."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from aff_runtime.app.commission import job_lines, views
+from aff_runtime.app.commission.answers import (
+    AnswerError,
+    CardShown,
+    Done,
+    Good,
+    LineShown,
+    Opened,
+    Printed,
+    State,
+    decode,
+    encode,
+)
+from aff_runtime.app.commission.job_lines import (
+    Ended,
+    Refused,
+    Reply,
+    Start,
+    read_line,
+    read_reply,
+    read_start,
+)
+from aff_runtime.app.commission.messages import Refusal, Request
+from aff_runtime.app.commission.sources import Where
+
+SEGMENT = views.SegmentView(name="0.csv", size=7, sha256="0" * 64)
+ENTRY = views.EntryView(
+    number=2,
+    utc="u",
+    sha256="1" * 64,
+    by="root; carl",
+    release="1",
+    reason="",
+    figures=(views.FigureView(name="a", value="1 N", span="", limit="", good=None),),
+    missing=("b",),
+    proposals=(),
+    remarks=("\u00e9",),
+    typed=("reaction = ramp",),
+    windows=(views.WindowView(folder="runs/1", from_s=0.5, to_s=20.0, segments=(SEGMENT,)),),
+)
+STEP = views.StepView(
+    number=4,
+    title="Trips",
+    measured="m",
+    limit="l",
+    seconds=0.0,
+    stand="pass",
+    why=(),
+    typed_names=("reaction",),
+    earlier=1,
+    can_sign=False,
+    entry=ENTRY,
+    signed=views.SignatureView(
+        name="carl", reason="seen", by="root", utc="u", number=3, sha256="2" * 64
+    ),
+)
+CARD = views.CardView(
+    line="Euclid",
+    newest="3" * 64,
+    entries=3,
+    utc="u",
+    remarks=(),
+    undone=("step 0",),
+    steps=(STEP,),
+    proof=views.ProofTimes(off_s=25.13, on_s=43.2),
+)
+RESPONSE = views.ResponseView(
+    actuator="unwind",
+    unit="N/(m/s)",
+    measured_at="",
+    speed_m_s=1.0,
+    radius_m=None,
+    delay_s=0.04,
+    points=(views.PointView(1.0, 40.0, -57.3, 2.0, 0.99),),
+    drive=(views.DriveRow(name="delay_s", value=0.04, low=0.03, high=0.05, is_sure=True),),
+)
+PROBE = views.ProbeRow(
+    actuator="unwind",
+    amplitude=0.008,
+    limit=0.05,
+    unit="m/s",
+    signal="t_N",
+    signal_unit="N",
+    ripple=None,
+)
+LINE = views.LineView(
+    errors=(),
+    warnings=("w",),
+    drives=(),
+    probe=views.ProbeView(duration_s=25.0, rows=(PROBE,)),
+    responses=(RESPONSE,),
+)
+QUESTION = views.QuestionView(
+    number=1, name="host", text="Address", default=None, choices=("no",), rows=(("w2", "word 2"),)
+)
+SAID = views.SaidLine(kind="complain", text="no")
+SERVICE = views.ServiceView(
+    state="READY",
+    heard=True,
+    blocked="",
+    probing=False,
+    probed="",
+    trying="",
+    differs=("x",),
+    learned=(),
+)
+STATE = State(
+    by="carl",
+    site=views.SiteView(path="/s.yaml", there=True, sha256=""),
+    service=SERVICE,
+    card=True,
+    job=views.JobView(do="words", step=-1, said=(SAID,), ask=QUESTION),
+    last=views.LastJob(do="begin", step=-1, ok=True, text="begun"),
+)
+ANSWERS = [
+    ("state", STATE),
+    ("card", CardShown(card=CARD)),
+    ("line", LineShown(line=LINE)),
+    ("page", Printed(html="<!doctype html>")),
+    ("open", Opened(key="k" * 43)),
+    ("begin", Done(text="a card is begun, 0123")),
+    ("close", Done()),
+    ("state", Refusal(why="refused", name="\u00fc")),
+    ("step", Refusal(why="a word of another release", name="")),
+]
+
+
+@pytest.mark.parametrize(("do", "answer"), ANSWERS)
+def test_an_answer_comes_back_as_it_was_said(do, answer):
+    assert decode(do, encode(answer)) == answer
+
+
+def test_every_kind_of_answer_is_tried_here():
+    assert {type(answer) for _, answer in ANSWERS} == {*Good.__args__, Refusal}
+
+
+def test_a_refusal_is_told_from_what_is_done_by_one_word():
+    assert json.loads(encode(Refusal(why="busy", name="carl"))) == {
+        "ok": False,
+        "why": "busy",
+        "name": "carl",
+    }
+    assert json.loads(encode(Done())) == {"ok": True}
+
+
+SPOILT = encode(CardShown(card=CARD)).replace(b'"entries": 3', b'"entries": "many"')
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"",
+        b"{",
+        b"[]",
+        b"null",
+        b"\xff",
+        b"[" * 100_000,
+        b'{"ok": true}',
+        b'{"ok": false}',
+        SPOILT,
+    ],
+)
+def test_what_is_no_card_is_no_answer_to_a_look_at_it(line):
+    with pytest.raises(AnswerError):
+        decode("card", line)
+
+
+def test_what_another_release_says_besides_is_left_out():
+    said = json.loads(encode(STATE)) | {"weather": "fine"}
+    assert decode("state", json.dumps(said).encode()) == STATE
+
+
+@pytest.mark.parametrize(
+    "said",
+    [SAID, QUESTION, Refused(text="no"), Ended(answer=Done(text="kept"))],
+    ids=lambda said: type(said).__name__,
+)
+def test_a_line_of_a_job_comes_back_as_it_was_said(said):
+    assert read_line("keep", job_lines.encode(said).encode()) == said
+
+
+@pytest.mark.parametrize("line", [b"", b"[]", b"{}", b'{"sing": "la"}', b'{"say": "a", "b": 1}'])
+def test_what_is_no_line_of_a_job_is_refused(line):
+    with pytest.raises(ValueError, match=r"\S"):
+        read_line("keep", line)
+
+
+def test_what_a_job_is_told_comes_back_as_it_was_said():
+    where = Where(site=Path("s"), state=Path("t"), socket=Path("c"), card=Path("k"))
+    start = Start(asked=Request(do="step", step=4, by="root"), where=where, parent=17)
+    assert read_start(job_lines.encode(start)) == start
+    reply = Reply(number=3, text="10.0.0.9")
+    assert read_reply(job_lines.encode(reply)) == reply
