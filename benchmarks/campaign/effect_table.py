@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from benchmarks.campaign import beyond, effects
+from benchmarks.campaign.beyond_table import BEYOND
 from benchmarks.campaign.effect_row import Form, Row, size_is
 from benchmarks.campaign.fault import CELLS, DRIVES, IDLERS
 from benchmarks.campaign.sensing import TICK_S
@@ -387,43 +388,7 @@ EFFECTS = (
         rival_at=tuple(DRIVES),
         rival_shapes=(0.0, 1.0),
     ),
-    # beyond any library
-    Row(
-        name="dancer_swing",
-        change=effects.shaken,
-        outside=beyond.swing,
-        coordinate=beyond.as_drawn,
-        proportional=True,
-    ),
-    Row(
-        name="hidden_nip",
-        change=effects.shaken,
-        outside=beyond.nip,
-        coordinate=beyond.as_drawn,
-        proportional=True,
-    ),
-    Row(
-        name="web_wave",
-        change=effects.web_wave,
-        outside=beyond.wave,
-        coordinate=beyond.under_tension,
-        proportional=True,
-    ),
-    Row(name="stiffening_web", change=effects.stiffening, outside=beyond.stiffer, standing=True),
-    Row(
-        name="gusty_drive",
-        change=effects.gusty_drive,
-        outside=beyond.gusts,
-        standing=True,
-        proportional=True,
-    ),
-    Row(
-        name="drifting_cell",
-        change=effects.drifting_cell,
-        outside=beyond.drift,
-        standing=True,
-        proportional=True,
-    ),
+    *BEYOND,
 )
 BY_NAME = {row.name: row for row in EFFECTS}
 LIBRARY = tuple(row for row in EFFECTS if row.outside is None)

@@ -65,7 +65,7 @@ def test_every_effect_is_drawn_twenty_times_and_300_records_are_healthy_whatever
     assert min(forms[one] for one in several) >= 9
 
 
-def test_one_case_less_would_not_be_enough_for_twenty_times():
+def test_one_cycle_less_would_not_be_enough_for_twenty_times():
     cases = [case_number(1, n) for n in range(cases_for(20) - len(GROUPS))]
     drawn = Counter(f.effect for c in cases if c.group in SIZE for f in c.faults)
     assert min(drawn.values()) < 20
