@@ -13,11 +13,16 @@ from benchmarks.campaign.fault import Fault
 from benchmarks.campaign.stage import SIZED_BY, Stage, rms
 
 ROUNDS = 5
+MOST = 1e4
 
 
 def snr_of(with_it: dict[str, Array], without: dict[str, Array], floor: dict[str, float]) -> float:
-    """Return effect rms over noise rms in the strongest tension or speed."""
-    return max(rms(with_it[c] - without[c]) / floor[c] for c in SIZED_BY)
+    """Return effect rms over noise rms in the strongest tension or speed, ``MOST`` at most.
+
+    A loop that an effect makes unstable has no finite answer.
+    """
+    ratios = [rms(with_it[c] - without[c]) / floor[c] for c in SIZED_BY]
+    return min(MOST, max(r if math.isfinite(r) else MOST for r in ratios))
 
 
 def visible(case: Case, fault: Fault) -> float:
