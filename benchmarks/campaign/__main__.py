@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.campaign.cases import GROUPS, case_number, numbers_of
+from benchmarks.campaign.cases import CYCLE, case_number, cases_for, numbers_of
 from benchmarks.campaign.work import run_case, tell_again
 from benchmarks.rows import read_row, write_row
 from benchmarks.workers import Cluster, LostJobError, add_workers
@@ -18,6 +18,8 @@ from benchmarks.workers import Cluster, LostJobError, add_workers
 ROOT = Path(__file__).resolve().parents[2]
 LIMIT_S = 1800.0
 """For one case: it takes one to two minutes of a core."""
+TIMES = 20
+"""Every effect is drawn at least so often by default."""
 KEYS = ("number", "group", "seed", "faults", "floor", "classes", "coordinate", "refine")
 """What a row is not whole without."""
 
@@ -105,13 +107,16 @@ def tell_all_again(out: Path, workers: int, scheduler: str = "") -> list[int]:
 def main() -> int:
     """Run, then write the page; return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.campaign")
-    parser.add_argument("--cases", type=int, default=600)
     parser.add_argument(
-        "--group",
-        default="",
-        choices=sorted(set(GROUPS)),
-        help="of the cases only those of this group",
+        "--cases",
+        type=int,
+        default=cases_for(TIMES),
+        help=f"default: as many as draw every effect {TIMES} times",
     )
+    parser.add_argument(
+        "--group", default="", choices=sorted(CYCLE), help="of the cases only those of this group"
+    )
+    parser.add_argument("--effect", default="", help="of the cases only those that have this one")
     parser.add_argument("--seed", type=int, default=100)
     add_workers(parser)
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "campaign")
@@ -142,7 +147,7 @@ def main() -> int:
         return 0
     lost: list[int] = []
     if not given.report_only and not given.tell_again:
-        numbers = numbers_of(given.cases, given.group)
+        numbers = numbers_of(given.cases, given.group, given.effect, given.seed)
         out = given.out.absolute()
         lost = run(given.seed, numbers, given.workers, out, given.for_s, given.scheduler)
     from benchmarks.campaign.report import page

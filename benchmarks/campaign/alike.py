@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -13,8 +13,8 @@ from scipy.signal import lfilter
 from benchmarks.campaign import line as short
 from benchmarks.campaign.cases import Case
 from benchmarks.campaign.contact import Array
-from benchmarks.campaign.effect_table import BY_NAME, EFFECTS
-from benchmarks.campaign.effects import NAMES, Fault
+from benchmarks.campaign.effect_table import BY_NAME, LIBRARY
+from benchmarks.campaign.fault import NAMES, Fault
 from benchmarks.campaign.record import simulate
 from benchmarks.campaign.stage import JUDGED_FROM_S, SIZED_BY, Stage, stage, tolerances
 
@@ -31,20 +31,26 @@ def wavenumber(fault: Fault) -> float:
     row = BY_NAME[fault.effect]
     if row.alike != "one line":
         return 0.0
+    if row.coordinate is not None:
+        return row.coordinate(asdict(fault))["wavenumber_1_m"]
     radius = short.radii(short.NOMINAL_RADII)[NAMES.index(fault.location)]
     return row.order(fault.shape) / (2.0 * math.pi * radius)
 
 
 def rivals(fault: Fault) -> list[Fault]:
-    """Return other effects and places that may answer like ``fault``: same line, or standing."""
-    alike, at = BY_NAME[fault.effect].alike, wavenumber(fault)
+    """Return other effects and places that may answer like ``fault``: same line, or standing.
+
+    Of what begins at a moment only what may begin as well.
+    """
+    kind, at = BY_NAME[fault.effect].alike, wavenumber(fault)
+    form = BY_NAME[fault.effect].form(fault)
     others = [
-        Fault(effect=row.name, location=place, size=row.first_size, shape=shape)
-        for row in EFFECTS
-        if alike and row.alike == alike
-        for place in row.rival_at
-        for shape in row.rival_shapes
-        if (row.name, place) != (fault.effect, fault.location)
+        replace(other, from_s=fault.from_s)
+        for row in LIBRARY
+        if kind and row.alike == kind
+        for other in row.rivals()
+        if (row.name, other.location) != (fault.effect, fault.location)
+        and row.form(other).begins == form.begins
     ]
     found = [f for f in others if not at or abs(wavenumber(f) / at - 1.0) < SAME_LINE]
     return list(dict.fromkeys(found))
@@ -74,11 +80,6 @@ class Quiet:
         """Return the answers (rows, 2) to a fault with a line, at two angles."""
         turns = (0.0, 0.5 * math.pi)
         return np.stack([self.response(replace(fault, angle=a)) for a in turns], axis=1)
-
-    def zero_off(self, channel: str) -> Array:
-        """Return what a wrong zero of one cell does (rows, 1), in units of white noise."""
-        off = {c: self.healthy[c] + float(c == channel) for c in self.taps}
-        return self.apart_from(off)[:, None]
 
     def apart_from(self, quiet: dict[str, Array]) -> Array:
         """Return what another record without noise has more, in units of white noise (rows,)."""
@@ -119,19 +120,13 @@ def alike(record: Quiet, fault: Fault, hiding: Array | None = None) -> list[tupl
     """
     others = rivals(fault)
     standing = BY_NAME[fault.effect].standing
-    if not others and not standing:
+    if not others:
         return []
-    true = record.response(fault)
-    read = {c: place for c, place in short.CELLS.items() if standing and c in record.taps}
-    found = [
-        (row.name, place)
-        for row in EFFECTS
-        if row.cell_zero
-        for channel, place in read.items()
-        if apart(true, record.zero_off(channel), hiding) < MARGIN
-    ]
+    true, found = record.response(fault), []
     for other in others:
         columns = record.response(other)[:, None] if standing else record.turned(other)
+        if (other.effect, other.location) in found:
+            continue
         if apart(true, columns, hiding) < MARGIN:
             found.append((other.effect, other.location))
     return found

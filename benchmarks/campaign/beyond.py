@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.campaign import line as short
-from benchmarks.campaign.effects import CELLS, DRIVES, Fault
+from benchmarks.campaign.fault import CELLS, DRIVES, Fault
 
 TRAVEL, TIME, ANGLE = "travel", "time", "angle"
 RECORD_HZ = 1.0 / short.SAMPLE_S
@@ -75,3 +75,8 @@ def as_drawn(fault: Mapping[str, Any]) -> dict[str, float]:
 def under_tension(fault: Mapping[str, Any]) -> dict[str, float]:
     """Return the wavenumber of a length of unstretched web: the line counts it under tension."""
     return {"wavenumber_1_m": 1.0 / (fault["shape"] * (1.0 + short.WOUND_N / short.EA_N))}
+
+
+def turn_of_nip(fault: Mapping[str, Any]) -> dict[str, float]:
+    """Return the wavenumber of a roller of the radius that the fault says."""
+    return {"wavenumber_1_m": 1.0 / (2.0 * np.pi * fault["shape"])}

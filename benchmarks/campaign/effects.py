@@ -3,43 +3,31 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterable
 
 import numpy as np
 
 from benchmarks.campaign import line as short
 from benchmarks.campaign.contact import Array
-from benchmarks.campaign.motion import TICK_S
-from benchmarks.campaign.state import Machine
+from benchmarks.campaign.fault import CELLS, DRIVES, FOREVER_S, NAMES, Fault
+from benchmarks.campaign.motion import roll_inertia
+from benchmarks.campaign.sensing import TICK_S
+from benchmarks.campaign.state import (
+    CREEP,
+    CREEP_S,
+    DRAG,
+    FREE,
+    SLIP,
+    STIFFENING,
+    WAVE,
+    WAVE_M,
+    Machine,
+)
 
 VERTICES = 4096
 GRAVITY = 9.80665
-NAMES = [b[0] for b in short.BODIES]
-IDLERS = [b[0] for b in short.BODIES if b[1] == "idler"]
-DRIVES = [b[0] for b in short.BODIES if b[1] != "idler"]
-CELLS = list(short.CELLS.values())
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Fault:
-    """One thing wrong with the machine.
-
-    Attributes
-    ----------
-    effect : name in a verdict, or of something no library has.
-    location : as in a verdict.
-    size : strength, in the unit of its first parameter.
-    angle : phase, rad.
-    shape : further numbers: order, frequency, wavelength, profile (mode).
-    kind : class of the free line it makes for a library without it.
-    """
-
-    effect: str
-    location: str
-    size: float
-    angle: float = 0.0
-    shape: float = 0.0
-    kind: str = ""
+NIP_LEVER_M = 1e-3
+"""How far ahead of the line of centres the force of a nip acts: a verdict assumes it too."""
 
 
 def eccentric(m: Machine, f: Fault) -> Machine:
@@ -133,9 +121,8 @@ def ripple(m: Machine, f: Fault) -> Machine:
 
 
 def drag(m: Machine, f: Fault) -> Machine:
-    """Let a bearing drag."""
-    m.drag[NAMES.index(f.location)] += f.size
-    return m
+    """Let a bearing drag, always or from a moment on."""
+    return changed(m, f, DRAG, [NAMES.index(f.location)], m.drag)
 
 
 def modulus(m: Machine, f: Fault) -> Machine:
@@ -159,15 +146,29 @@ def thermal(m: Machine, f: Fault) -> Machine:
         "pull_roll_zone": slice(first, second),
         "rewind_zone": slice(second, None),
     }
-    m.free[spans[f.location]] += f.size
-    return m
+    cold = round(f.number("warm_from_span"))
+    places = range(m.free.size)[spans[f.location]][cold:]
+    return changed(m, f, FREE, places, m.free)
+
+
+def changed(m: Machine, f: Fault, what: int, places: Iterable[int], always: Array) -> Machine:
+    """Let a number be larger by the size of a fault: all along, or while the fault is there.
+
+    ``always`` is the machine's own array of that number.
+    """
+    if f.from_s < 0.0:
+        always[list(places)] += f.size
+        return m
+    rise, until = f.number("rise_s"), f.from_s + f.number("hold_s", FOREVER_S)
+    rows = [[what, k, f.size, f.from_s, rise, until] for k in places]
+    return m._replace(change=np.concatenate([m.change, np.array(rows, dtype=np.float64)]))
 
 
 def slip(m: Machine, f: Fault) -> Machine:
     """Let the web slip on a roller above a speed."""
     k = NAMES.index(f.location)
-    m.slip[k], m.slip_speed[k] = f.size, f.shape
-    return m
+    m.slip_speed[k] = f.shape
+    return changed(m, f, SLIP, [k], m.slip)
 
 
 def slow_cell(m: Machine, f: Fault) -> Machine:
@@ -200,8 +201,101 @@ def encoder(m: Machine, f: Fault) -> Machine:
 
 
 def believed_radius(m: Machine, f: Fault) -> Machine:
-    """Let a drive believe a wrong radius."""
+    """Let a drive believe a wrong radius; what is declared of a roll, and told, is that one."""
     m.drive_ratio[DRIVES.index(f.location)] *= 1.0 + f.size
+    k = NAMES.index(f.location)
+    if k in (0, m.radius.size - 1):
+        m.radius[k] /= 1.0 + f.size
+    return m
+
+
+def relaxing(m: Machine, f: Fault) -> Machine:
+    """Let a share of the web's stiffness creep."""
+    m.web[CREEP], m.web[CREEP_S] = f.size, f.number("time_s")
+    return m
+
+
+def wrong_gain(m: Machine, f: Fault) -> Machine:
+    """Give a cell a wrong scale."""
+    c = CELLS.index(f.location)
+    m.cell_gain[c] *= 1.0 + f.size
+    m.cell_offset[c] *= 1.0 + f.size
+    return m
+
+
+def wrong_zero(m: Machine, f: Fault) -> Machine:
+    """Give a cell a wrong zero."""
+    m.cell_offset[CELLS.index(f.location)] += f.size
+    return m
+
+
+def ringing_cell(m: Machine, f: Fault) -> Machine:
+    """Let a measuring roller swing on its mounts, with the size of the fault as its period, s."""
+    c = CELLS.index(f.location)
+    m.cell_ring_Hz[c], m.cell_ring_damping[c] = 1.0 / f.size, f.number("damping")
+    return m
+
+
+def ramped_reference(m: Machine, f: Fault) -> Machine:
+    """Let a drive follow its reference only so fast: 1 / size in m/s2."""
+    m.drive_slew[DRIVES.index(f.location)] = 1.0 / f.size
+    return m
+
+
+def ramped_correction(m: Machine, f: Fault) -> Machine:
+    """Let a drive follow its correction only so fast: 1 / size in m/s2."""
+    m.drive_ramp[DRIVES.index(f.location)] = 1.0 / f.size
+    return m
+
+
+def soft_shaft(m: Machine, f: Fault) -> Machine:
+    """Put a spring (size: its compliance, rad per N m) and play between a motor and its body."""
+    d, k = DRIVES.index(f.location), NAMES.index(f.location)
+    whole = roll_inertia(m, k, m.radius[k], m.inertia[k])
+    motor = 0.5 * whole
+    stiffness = 1.0 / f.size
+    damping = 2.0 * 0.05 * math.sqrt(stiffness * motor * (whole - motor) / whole)
+    m.shaft[d] = motor, stiffness, damping, f.number("backlash_rad")
+    return m
+
+
+def bouncing(m: Machine, f: Fault) -> Machine:
+    """Put the unwind on a soft mandrel; out of balance at one order, half as much at 1."""
+    here, once = f.size * np.exp(1j * np.array([f.angle, 0.5 * f.angle])) * np.array([1.0, 0.5])
+    m.axle[:4] = f.number("mass_kg"), f.number("frequency_Hz"), f.number("damping"), f.shape
+    m.axle[4:] = here.real, here.imag, once.real, once.imag
+    return m
+
+
+def pressed(m: Machine, f: Fault) -> Machine:
+    """Let a nip roller press unevenly (size: N) on its driven roller.
+
+    The cover gives less back than it takes, so the force F acts a lever b ahead of the line of
+    centres of either roller. The nip roller is turned by the pull S = F b / r at its face alone;
+    the driven one is braked by F b and by S at its own radius.
+    """
+    body, nip_m = NAMES.index(f.location), f.shape
+    pull = f.size * NIP_LEVER_M / nip_m
+    brake = f.size * NIP_LEVER_M + pull * m.radius[body]
+    row = [
+        DRIVES.index(f.location),
+        m.radius[body] / nip_m,
+        -brake * math.cos(f.angle),
+        -brake * math.sin(f.angle),
+    ]
+    return m._replace(ripple=np.concatenate([m.ripple, [row]]))
+
+
+def other_web(m: Machine, f: Fault) -> Machine:
+    """Join on another web: stiffer by the size, and of another thickness."""
+    m.seam[:3] = f.from_s, 1.0 + f.size, f.number("thickness_factor", 1.0)
+    return m
+
+
+def thick_seam(m: Machine, f: Fault) -> Machine:
+    """Join on the same web by a seam that stands out by the size, m."""
+    m.seam[0] = f.from_s
+    m.seam[3:] = f.size, f.number("piece_m")
     return m
 
 
@@ -219,13 +313,13 @@ def drifting_cell(m: Machine, f: Fault) -> Machine:
 
 def web_wave(m: Machine, f: Fault) -> Machine:
     """Let the web's strain vary along its length."""
-    m.web[6], m.web[7] = f.size, f.shape
+    m.web[WAVE], m.web[WAVE_M] = f.size, f.shape
     return m
 
 
 def stiffening(m: Machine, f: Fault) -> Machine:
     """Make the web stiffer the more it is pulled."""
-    m.web[8] += f.size
+    m.web[STIFFENING] += f.size
     return m
 
 

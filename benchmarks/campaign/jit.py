@@ -21,7 +21,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 @functools.cache
 def _folder() -> Path | None:
     digest = hashlib.sha256(numba.__version__.encode())
-    for name in ("contact.py", "motion.py", "state.py"):
+    for name in ("contact.py", "motion.py", "sensing.py", "state.py", "web.py"):
         digest.update((Path(__file__).parent / name).read_bytes())
     return own_cache_folder("aff-campaign", digest.hexdigest()[:16])
 

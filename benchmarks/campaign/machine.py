@@ -125,6 +125,8 @@ def scattered(line: dict[str, Any], s: Scatter) -> Machine:
                 0.0,
                 1.0,
                 0.0,
+                0.0,
+                1.0,
             ]
         ),
         modulus=np.full(len(rollers) - 1, modulus_N),
@@ -145,6 +147,8 @@ def scattered(line: dict[str, Any], s: Scatter) -> Machine:
         drive_ratio=np.array(believed),
         drive_delay=np.zeros(len(drives), dtype=np.int64),
         drive_slew=none.copy(),
+        drive_ramp=none.copy(),
+        shaft=np.zeros((len(drives), 4)),
         encoder=none.copy(),
         encoder_angle=none.copy(),
         encoder_share=none.copy(),
@@ -169,6 +173,9 @@ def scattered(line: dict[str, Any], s: Scatter) -> Machine:
         loop_sign=_of(LOOP_SIGNS[t["loop"]] for t in loops),
         shake=np.zeros((0, 5)),
         gust=np.array([-1.0, 0.0]),
+        axle=np.zeros(8),
+        seam=np.array([-1.0, 1.0, 1.0, 0.0, 0.0]),
+        change=np.zeros((0, 6)),
     )
 
 

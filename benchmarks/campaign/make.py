@@ -10,10 +10,10 @@ from typing import Any
 from benchmarks.campaign import line as short
 from benchmarks.campaign.cases import Case
 from benchmarks.campaign.contact import Array
-from benchmarks.campaign.effects import Fault
+from benchmarks.campaign.fault import Fault
 from benchmarks.campaign.record import simulate, write_line, write_record
 from benchmarks.campaign.sizes import sized
-from benchmarks.campaign.stage import JUDGED_FROM_S, RADII, rms, stage, with_faults
+from benchmarks.campaign.stage import JUDGED_FROM_S, RADII, rms, stage
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -70,7 +70,7 @@ def write_case(case: Case, folder: Path) -> Made:
     floor: dict[str, float] = {}
     for which in ("a", "b"):
         at = first if which == "a" else stage(case, "b")
-        guilty = with_faults(at.machine, faults)
+        guilty = at.guilty(faults)
         record = simulate(guilty, at.told, at.angles, at.seed, colour=case.colour)
         declared = declared_for(case, which)
         kept = {s["channel"] for s in declared["sensors"]}

@@ -12,7 +12,8 @@ from scipy.signal import lfilter
 
 from benchmarks.campaign import line as short
 from benchmarks.campaign.contact import Array, IntArray, start_vertex
-from benchmarks.campaign.motion import STEPS_PER_TICK, TICK_S, TICKS_PER_SCAN, run, start
+from benchmarks.campaign.motion import STEPS_PER_TICK, run, start
+from benchmarks.campaign.sensing import TICK_S, TICKS_PER_SCAN
 from benchmarks.campaign.state import Machine
 
 SETTLE_S = 40.0

@@ -9,7 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.stats import binomtest
 
+from benchmarks.campaign.effect_row import truth
 from benchmarks.campaign.effect_table import BY_NAME
+from benchmarks.campaign.fault import Fault
 
 NEEDED, NEEDED_STATIC = 100.0, 150.0
 """Chi-square above which an effect (with a line, without) pays its price and beats all chance."""
@@ -80,13 +82,16 @@ def outcome(row: dict[str, Any]) -> str:
     return "missed" if verdict["verdict"] == "nothing" else "unknown"
 
 
+def shows(row: dict[str, Any], at: int) -> bool:
+    """Return whether the record tells effect ``at`` from its like and from declared tolerances."""
+    needed = NEEDED_STATIC if BY_NAME[row["faults"][at]["effect"]].standing else NEEDED
+    evidence, alike = row.get("evidence", ()), row.get("alike", ())
+    return (at >= len(evidence) or evidence[at] >= needed) and not (at < len(alike) and alike[at])
+
+
 def told_apart(row: dict[str, Any]) -> bool:
     """Return whether the record tells every fault from its like and from declared tolerances."""
-    pairs = zip(row["faults"], row.get("evidence", ()), strict=False)
-    shown = all(
-        e >= (NEEDED_STATIC if BY_NAME[f["effect"]].standing else NEEDED) for f, e in pairs
-    )
-    return shown and not any(row.get("alike", ()))
+    return all(shows(row, at) for at in range(len(row["faults"])))
 
 
 def alike_said(row: dict[str, Any]) -> bool:
@@ -113,16 +118,83 @@ def class_right(row: dict[str, Any]) -> bool:
     return first in row["classes"]
 
 
+FATES = ("exact", "set", "wrong", "missed")
+
+
+def fates(row: dict[str, Any]) -> list[str]:
+    """Return per effect of a case what became of it, one of ``FATES``.
+
+    ``exact`` is named at its place as the only one, ``set`` as one of those that a named set
+    holds; ``wrong`` is not named while something that is not there is, ``missed`` is not named.
+    A run that failed misses all.
+    """
+    verdict = row["refine"]["verdict"] or {"effects": []}
+    said = keys(verdict["effects"])
+    beside = {
+        said_place(pair["effect"]): {said_place(text) for text in pair["with"]}
+        for pair in verdict.get("ambiguous", ())
+    }
+    held = set().union(*(beside.get(claim, set()) for claim in said))
+    truths = [place(f["effect"], f["location"]) for f in row["faults"]]
+    found = []
+    false = any(not ({claim} | beside.get(claim, set())) & set(truths) for claim in said)
+    for true in truths:
+        if true in said:
+            found.append("set" if beside.get(true) else "exact")
+        elif true in held:
+            found.append("set")
+        else:
+            found.append("wrong" if false else "missed")
+    return found
+
+
+def said_of(row: dict[str, Any], fault: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return what a verdict says of one effect of its case, where it names it."""
+    effects = row["refine"]["verdict"].get("effects", ())
+    return [said for said in effects if keys([said]) == keys([fault])]
+
+
 def covered(row: dict[str, Any]) -> list[bool]:
-    """Return, per rightly traced effect, whether its 95 % interval holds the true size."""
+    """Return, per number of a rightly named effect, whether its 95 % interval holds the truth."""
     found = []
     for fault in row["faults"]:
-        name, zero = BY_NAME[fault["effect"]].strength
-        for said in row["refine"]["verdict"].get("effects", ()):
-            same = keys([fault]) == keys([said])
-            if same and name in said.get("interval95", {}):
-                low, high = said["interval95"][name]
-                found.append(low <= zero + fault["size"] <= high)
+        true = truth(BY_NAME[fault["effect"]], Fault.read(fault))
+        for said in said_of(row, fault):
+            for name, (value, _) in true.items():
+                if name in said.get("interval95", {}):
+                    low, high = said["interval95"][name]
+                    found.append(low <= value <= high)
+    return found
+
+
+def size_errors(row: dict[str, Any], at: int) -> list[float]:
+    """Return the relative errors of the sizes that a verdict gives effect ``at`` of its case."""
+    fault = row["faults"][at]
+    true = truth(BY_NAME[fault["effect"]], Fault.read(fault))
+    return [
+        abs(float(said["parameters"][name]) - value) / abs(value - absent)
+        for said in said_of(row, fault)
+        for name, (value, absent) in true.items()
+        if name in said["parameters"]
+    ]
+
+
+def moment_errors(row: dict[str, Any], at: int) -> list[float]:
+    """Return by how many seconds a verdict misses the moment at which effect ``at`` begins.
+
+    A moment in metres of web off the roll is taken to seconds by the line's speed there.
+    """
+    fault = row["faults"][at]
+    if fault.get("from_s", -1.0) < 0.0:
+        return []
+    web_m, speed_m_s = row.get("moments", {}).get(str(at), (math.nan, math.nan))
+    found = []
+    for said in said_of(row, fault):
+        numbers = said["parameters"]
+        if float(numbers.get("from_s", -1.0)) >= 0.0:
+            found.append(abs(float(numbers["from_s"]) - fault["from_s"]))
+        elif "at_length_m" in numbers:
+            found.append(abs(float(numbers["at_length_m"]) - web_m) / speed_m_s)
     return found
 
 

@@ -9,15 +9,20 @@ from benchmarks.campaign.alike import beside, beside_tolerances
 from benchmarks.campaign.cases import Case
 from benchmarks.campaign.contact import Array
 from benchmarks.campaign.effect_table import BY_NAME
-from benchmarks.campaign.effects import Fault
+from benchmarks.campaign.fault import Fault
 from benchmarks.campaign.stage import SIZED_BY, Stage, rms
 
 ROUNDS = 5
+MOST = 1e4
 
 
 def snr_of(with_it: dict[str, Array], without: dict[str, Array], floor: dict[str, float]) -> float:
-    """Return effect rms over noise rms in the strongest tension or speed."""
-    return max(rms(with_it[c] - without[c]) / floor[c] for c in SIZED_BY)
+    """Return effect rms over noise rms in the strongest tension or speed, ``MOST`` at most.
+
+    A loop that an effect makes unstable has no finite answer.
+    """
+    ratios = [rms(with_it[c] - without[c]) / floor[c] for c in SIZED_BY]
+    return min(MOST, max(r if math.isfinite(r) else MOST for r in ratios))
 
 
 def visible(case: Case, fault: Fault) -> float:
@@ -37,22 +42,27 @@ def sized(
     """Return the fault at the size that has the case's ratio, and the ratio it reaches.
 
     Of a fault without a line of its own only what tolerances cannot take up counts; the largest
-    size of its row ends its growth where they take up nearly all.
+    size of its form ends its growth where they take up nearly all.
     """
     row = BY_NAME[fault.effect]
-    share = visible(case, fault) if math.isfinite(row.largest) else 1.0
+    form = row.form(fault)
+    share = visible(case, fault) if row.standing and not case.classes else 1.0
     reached = share * snr_of(at.quiet((fault,)), healthy, floor)
+    power, size = 1.0, abs(fault.size)
     for _ in range(ROUNDS):
         if case.snr == 0.0 or abs(reached / case.snr - 1.0) < 0.05:
             break
-        size = abs(fault.size) * case.snr / max(reached, 1e-9)
-        size = math.copysign(min(size, row.largest), fault.size)
-        if row.proportional:
-            return replace(fault, size=size), reached * size / fault.size
-        if row.step:
-            size = row.step * max(1, round(size / row.step))
-        if size == fault.size:
+        before, size = size, size * (case.snr / max(reached, 1e-9)) ** (1.0 / power)
+        size = min(max(size, form.least), form.largest)
+        if form.proportional:
+            return replace(fault, size=math.copysign(size, fault.size)), reached * size / before
+        if form.step:
+            size = form.step * max(1, round(size / form.step))
+        if size == before:
             break
-        fault = replace(fault, size=size)
+        fault, last = replace(fault, size=math.copysign(size, fault.size)), reached
         reached = share * snr_of(at.quiet((fault,)), healthy, floor)
+        # how steeply it really grows, for what is no straight line
+        slope = math.log(max(reached, 1e-9) / max(last, 1e-9)) / math.log(size / before)
+        power = min(max(slope, 0.3), 3.0)
     return fault, reached

@@ -10,7 +10,7 @@ from benchmarks.campaign import line as short
 from benchmarks.campaign.cases import ROWS, Case
 from benchmarks.campaign.contact import Array, Bodies
 from benchmarks.campaign.effect_table import BY_NAME
-from benchmarks.campaign.effects import Fault
+from benchmarks.campaign.fault import Fault
 from benchmarks.campaign.machine import CENTRE_M, IDLER_ECCENTRICITY_M, Scatter, scattered
 from benchmarks.campaign.record import References, references, simulate
 from benchmarks.campaign.state import Machine
@@ -22,21 +22,19 @@ SIZED_BY = (*short.CELLS, *short.SPEEDS)
 
 
 def with_faults(m: Machine, faults: tuple[Fault, ...]) -> Machine:
-    """Return a copy of the machine with these faults."""
+    """Return a copy of the machine with these faults as record a has them."""
     bodies = Bodies._make(part.copy() for part in m.bodies)
     found = Machine._make([bodies, *(part.copy() for part in m[1:])])
-    for fault in faults:
-        change = BY_NAME[fault.effect].change
-        if change is None:
-            raise ValueError(f"{fault.effect}: this generator does not make it")
-        found = change(found, fault)
+    for fault in sorted(faults, key=lambda f: BY_NAME[f.effect].put_last):
+        found = BY_NAME[fault.effect].put_on(found, fault)
     return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Stage:
-    """One record to be: a healthy machine, its references and start angles."""
+    """One record to be, ``a`` or ``b``: a healthy machine, its references and start angles."""
 
+    which: str
     machine: Machine
     told: References
     angles: Array
@@ -45,8 +43,12 @@ class Stage:
 
     def quiet(self, faults: tuple[Fault, ...] = ()) -> dict[str, Array]:
         """Return the channels without noise."""
-        m = with_faults(self.machine, faults)
+        m = self.guilty(faults)
         return simulate(m, self.told, self.angles, self.seed, noise=False).even()
+
+    def guilty(self, faults: tuple[Fault, ...]) -> Machine:
+        """Return the machine with these faults as this record has them."""
+        return with_faults(self.machine, tuple(f.in_record(self.which) for f in faults))
 
 
 def stage(case: Case, which: str, nudged: int = -1) -> Stage:
@@ -60,6 +62,7 @@ def stage(case: Case, which: str, nudged: int = -1) -> Stage:
     machine = scattered(declared, Scatter(np.random.default_rng([case.seed, 7]), 1.0, nudged))
     angles = rng.uniform(0.0, 2.0 * np.pi, size=machine.radius.size)
     return Stage(
+        which=which,
         machine=machine,
         told=told,
         angles=angles,

@@ -9,6 +9,13 @@ import numpy as np
 
 from benchmarks.campaign.contact import Array, Bodies, IntArray
 
+WAVE, WAVE_M, STIFFENING, CREEP, CREEP_S = 6, 7, 8, 9, 10
+"""Places in ``web`` of what a healthy machine has at 0."""
+DRAG, FREE, SLIP = 0, 1, 2
+"""What a row of ``change`` changes."""
+NOT_YET = -1.0
+"""Of web behind a seam at a body that the seam has not reached."""
+
 
 class Machine(NamedTuple):
     """The true machine. Scalars of the web are (1,) in ``web`` by the names below.
@@ -18,11 +25,14 @@ class Machine(NamedTuple):
     radius, inertia, drag, viscous : (n,); inertia of rolls is core and drive only.
     gravity_moment, gravity_moment_angle : m g e in N m and its angle in the body, (n,).
     web : viscosity s, density, thickness, width, wound-in strain, core radius, wave share,
-        wave length m, stiffening per relative tension.
+        wave length m, stiffening per relative tension, share of the stiffness that creeps, its
+        time s.
     modulus, free : EA and free strain of the spans, (m,).
     drive_* : (d,): body, declared inertia, gain, zeta, draw, loop (-1 none), believed radius
-        ratio, delay ticks, slew m/s per tick (0 none), encoder eccentricity, its angle, share
-        of it in the loop.
+        ratio, delay ticks, slew m/s2 of the whole reference and of the correction alone (0 none),
+        encoder eccentricity, its angle, share of it in the loop.
+    shaft : (d, 4) inertia of the motor kg m2, stiffness N m/rad (0 rigid), damping N m s,
+        play rad.
     slip, slip_speed : (n,).
     ripple : (r, 4) drive, order, cos, sin.
     cell_* : (c,): body, corner Hz, gain, offset, resonance Hz and damping, unbalance, its angle,
@@ -30,6 +40,11 @@ class Machine(NamedTuple):
     loop_* : (l,): cell, gain, corner, sign.
     shake : (s, 5): span, kind 0 time 1 travel, Hz or 1/m, amplitude m, phase.
     gust : (2,) drive (or -1) and N m: coloured torque noise comes as an input.
+    axle : (8,) of the unwind on a soft mandrel: mass kg (0 rigid), Hz, damping, order, and kg m
+        cos and sin of unbalance at that order, then at order 1.
+    seam : (5,) s after which the roll gives another web (negative: never), ratio of EA, ratio of
+        thickness, step m of the seam itself, its length m.
+    change : (e, 6) a number that changes: what, place, amount, from s, rise s, until s.
     """
 
     bodies: Bodies
@@ -51,6 +66,8 @@ class Machine(NamedTuple):
     drive_ratio: Array
     drive_delay: IntArray
     drive_slew: Array
+    drive_ramp: Array
+    shaft: Array
     encoder: Array
     encoder_angle: Array
     encoder_share: Array
@@ -75,6 +92,9 @@ class Machine(NamedTuple):
     loop_sign: Array
     shake: Array
     gust: Array
+    axle: Array
+    seam: Array
+    change: Array
 
 
 class State(NamedTuple):
@@ -84,26 +104,45 @@ class State(NamedTuple):
     ----------
     theta, omega, rate, turn, radius, out_m, zero : (n,): angle, speed, acceleration, angle of
         this step, radius, web wound since the start, angle from which winding counts.
+    heavy : (n,) inertia that turns now. lift, reach : (n,) how much further out a seam lies, and
+        radius with it.
+    behind : (n,) unstretched web behind a seam that came to the body, see ``NOT_YET``.
     phi, swing, strain, held, pull : (m,): direction, its change, strain, unstretched length,
         tension.
+    leaves, old : (m,) strain of the web at a span's exit, and that of old web under this tension.
+    crept : (m,) strain that has crept, times unstretched length, m.
+    more_drag, more_slip, more_free : (n,), (n,), (m,) what has changed since the start.
     vertices : (m, 2) touching points. geometry : (m, 5), see ``span_between``.
     cell : (c, 3) filtered force, mount position and rate. words : (c,) as read.
     motor, integral, reference : (d,). past : (d, ticks) corrections.
+    ramped : (d,) corrections behind their own ramps. twist : (d, 3) of a shaft: angle, speed of
+        the motor, its acceleration. axle : (3,) way of the unwind's axle m, its rates.
+    thicker : (2,) radius that the rolls have from web of another thickness, m.
     correction, error_N_s : (l,). passed : (2,) web travel and unstretched web delivered, m.
     """
 
     theta: Array
     omega: Array
     rate: Array
+    heavy: Array
     turn: Array
     radius: Array
     out_m: Array
     zero: Array
+    lift: Array
+    reach: Array
+    behind: Array
     phi: Array
     swing: Array
     strain: Array
     held: Array
     pull: Array
+    leaves: Array
+    old: Array
+    crept: Array
+    more_drag: Array
+    more_slip: Array
+    more_free: Array
     vertices: IntArray
     geometry: Array
     cell: Array
@@ -112,6 +151,10 @@ class State(NamedTuple):
     integral: Array
     reference: Array
     past: Array
+    ramped: Array
+    twist: Array
+    axle: Array
+    thicker: Array
     correction: Array
     error_N_s: Array
     passed: Array

@@ -12,11 +12,12 @@ from typing import Any
 from benchmarks.campaign import line as short
 from benchmarks.campaign.alike import alternatives
 from benchmarks.campaign.beyond import ANGLE
-from benchmarks.campaign.cases import case_number
+from benchmarks.campaign.cases import Case, case_number
 from benchmarks.campaign.effect_table import BY_NAME
-from benchmarks.campaign.effects import Fault
+from benchmarks.campaign.fault import Fault
 from benchmarks.campaign.make import write_case
 from benchmarks.campaign.refine_runs import refine_files
+from benchmarks.campaign.stage import stage
 
 
 def coordinate_of(fault: dict[str, Any]) -> dict[str, float]:
@@ -60,15 +61,34 @@ def run_case(job: tuple[int, int, Path]) -> dict[str, Any]:
         "refine_s": after - between,
         "refine_cpu_s": spent,
         "refine": found,
+        "moments": web_at_moments(case, made.faults),
         **known,
     }
     shutil.rmtree(folder, ignore_errors=True)
     return row
 
 
+def web_at_moments(case: Case, faults: tuple[Fault, ...]) -> dict[str, tuple[float, float]]:
+    """Return per effect that begins: unstretched web off the roll by then (m), speed then (m/s).
+
+    The web leaves at the strain of the unwind zone, whose loop holds the tension.
+    """
+    told = stage(case, "a").told
+    found = {}
+    for at, fault in enumerate(faults):
+        if fault.from_s >= 0.0:
+            row = fault.from_s / short.SAMPLE_S
+            whole = round(row)
+            run_m = float(told.speed_m_s[:whole].sum()) * short.SAMPLE_S
+            speed = float(told.speed_m_s[whole])
+            run_m += (row - whole) * short.SAMPLE_S * speed
+            found[str(at)] = run_m / (1.0 + short.WOUND_N / short.EA_N), speed
+    return found
+
+
 def tell_again(row: dict[str, Any]) -> dict[str, Any]:
     """Return a row with what its record can show, worked out anew; nothing is refined again."""
-    faults = tuple(Fault(**f) for f in row["faults"])
+    faults = tuple(Fault.read(f) for f in row["faults"])
     if not faults:
         return row
     return row | alternatives(case_number(row["seed"], row["number"]), faults)

@@ -21,7 +21,7 @@ from benchmarks.campaign.alike import (
     whitener,
 )
 from benchmarks.campaign.cases import Case
-from benchmarks.campaign.effects import Fault
+from benchmarks.campaign.fault import Fault
 from benchmarks.campaign.stage import stage, tolerances
 
 pytestmark = pytest.mark.timeout(300)

@@ -8,7 +8,8 @@ import pytest
 
 import benchmarks.campaign
 from benchmarks.campaign import line as short
-from benchmarks.campaign.effects import NAMES, Fault
+from benchmarks.campaign.effect_table import BY_NAME, LIBRARY
+from benchmarks.campaign.fault import NAMES, Fault
 from benchmarks.campaign.machine import machine_of
 from benchmarks.campaign.make import floors
 from benchmarks.campaign.record import References, simulate
@@ -17,6 +18,9 @@ from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.open import make_line
 
 SAMPLES = 2400
+LATER = "from a moment on"
+UNWOUND_M = 8.0 * 0.9 / (1.0 + 89.0 / short.EA_N)
+"""Web without strain that has left the roll after 8 s."""
 FLAT = {"shape": "orders", "gravity": 0.0}
 pytestmark = pytest.mark.timeout(300)  # compiling takes half a minute on a busy machine
 
@@ -149,13 +153,141 @@ CASES = [
         Fault(effect="encoder_eccentricity", location="swrap", size=1e-3, angle=0.7, shape=1.0),
         lambda f, t: {"loop_share": 1.0, "eccentricity": f.size, "angle_rad": f.angle - t},
     ),
+    (
+        Fault(effect="mains_hum", location="R5", size=0.5, angle=0.7, shape=60.0),
+        lambda f, t: {"frequency_Hz": 60.0, "amplitude_N": f.size, "phase_rad": f.angle},
+    ),
+    (
+        Fault(effect="wound_in_strain", location="unwind", size=2e-3),
+        lambda f, t: {"strain": f.size},
+    ),
+    (
+        Fault(effect="radius_error", location="pull_roll", size=1e-3),
+        lambda f, t: {"ratio": 1.0 + f.size},
+    ),
+    (
+        Fault(effect="radius_error", location="unwind", size=-5e-3),
+        lambda f, t: {"ratio": 1.0 + f.size},
+    ),
+    (
+        Fault(effect="load_cell_calibration", location="R2", size=2.0, form="zero"),
+        lambda f, t: {"offset_N": f.size},
+    ),
+    (
+        Fault(effect="load_cell_calibration", location="R7", size=0.05, form="gain"),
+        lambda f, t: {"gain": 1.0 + f.size},
+    ),
+    (
+        Fault(effect="load_cell_resonance", location="R5", size=0.2, numbers=(("damping", 0.05),)),
+        lambda f, t: {"frequency_Hz": 1.0 / f.size, "damping": 0.05},
+    ),
+    (
+        Fault(effect="viscoelastic_web", location="web", size=0.2, numbers=(("time_s", 0.7),)),
+        lambda f, t: {"ratio": f.size, "time_s": 0.7},
+    ),
+    (
+        Fault(effect="rate_limit", location="unwind", size=20.0, form="of the correction"),
+        lambda f, t: {"slew_m_s2": 1.0 / f.size, "limits": "correction"},
+    ),
+    (
+        Fault(effect="rate_limit", location="pull_roll", size=5.0, form="of the reference"),
+        lambda f, t: {"slew_m_s2": 1.0 / f.size, "limits": "reference"},
+    ),
+    (
+        Fault(effect="shaft_compliance_backlash", location="unwind", size=6e-3, form="twist"),
+        lambda f, t: {"compliance_rad_N_m": f.size},
+    ),
+    (
+        Fault(
+            effect="shaft_compliance_backlash",
+            location="pull_roll",
+            size=6e-3,
+            form="twist and play",
+            numbers=(("backlash_rad", 4e-3),),
+        ),
+        lambda f, t: {"compliance_rad_N_m": f.size, "backlash_rad": 4e-3},
+    ),
+    (
+        Fault(effect="nip_pulse", location="swrap", size=300.0, angle=0.7, shape=0.043),
+        lambda f, t: {
+            "nip_radius_m": f.shape,
+            "amplitude_N": f.size,
+            "angle_rad": f.angle - 0.12 / f.shape * t,
+        },
+    ),
+    (
+        Fault(
+            effect="roll_bounce",
+            location="unwind",
+            size=0.02,
+            angle=0.7,
+            shape=3.0,
+            numbers=(("mass_kg", 20.0), ("frequency_Hz", 3.4), ("damping", 0.06)),
+        ),
+        lambda f, t: {
+            "mass_kg": 20.0,
+            "frequency_Hz": 3.4,
+            "damping": 0.06,
+            "order": 3.0,
+            "cosn_kg_m": f.size * np.cos(f.angle - 3.0 * t),
+            "sinn_kg_m": f.size * np.sin(f.angle - 3.0 * t),
+            "cos1_kg_m": 0.5 * f.size * np.cos(0.5 * f.angle - t),
+            "sin1_kg_m": 0.5 * f.size * np.sin(0.5 * f.angle - t),
+        },
+    ),
+    (
+        Fault(
+            effect="splice",
+            location="web",
+            size=-0.15,
+            form="another web",
+            numbers=(("thickness_factor", 1.1),),
+            from_s=8.0,
+        ),
+        lambda f, t: {"EA_factor": 0.85, "thickness_factor": 1.1, "at_length_m": UNWOUND_M},
+    ),
+    (
+        Fault(
+            effect="splice",
+            location="web",
+            size=5e-4,
+            form="a thick seam",
+            numbers=(("piece_m", 0.08),),
+            from_s=8.0,
+        ),
+        lambda f, t: {"step_m": f.size, "piece_m": 0.08, "at_length_m": UNWOUND_M},
+    ),
+    (
+        Fault(effect="bearing_drag", location="R5", size=0.05, form=LATER, from_s=8.0),
+        lambda f, t: {"constant_N_m": f.size, "from_s": 8.0},
+    ),
+    (
+        Fault(effect="slip", location="pull_roll", size=1e-3, form=LATER, from_s=8.0),
+        lambda f, t: {"slope_s_m": f.size, "threshold_m_s": 0.0, "from_s": 8.0},
+    ),
+    (
+        Fault(
+            effect="thermal_strain",
+            location="unwind_zone",
+            size=3e-4,
+            form=LATER,
+            numbers=(("rise_s", 1.5), ("hold_s", 6.0)),
+            from_s=8.0,
+        ),
+        lambda f, t: {"strain": f.size, "from_s": 8.0, "rise_s": 1.5, "hold_s": 6.0},
+    ),
 ]
+IDS = [f"{f.effect}-{f.location}-{f.form or f'{f.shape:g}'}" for f, _ in CASES]
+
+
+def test_every_effect_drawn_is_held_against_the_other_code_in_each_of_its_forms():
+    held = {(fault.effect, fault.form) for fault, _ in CASES}
+    assert held >= {(row.name, form.name) for row in LIBRARY for form in row.forms}
+    assert all(BY_NAME[fault.effect].form(fault).name == fault.form for fault, _ in CASES)
 
 
 @pytest.mark.campaign
-@pytest.mark.parametrize(
-    ("fault", "parameters"), CASES, ids=[f"{f.effect}-{f.location}-{f.shape:g}" for f, _ in CASES]
-)
+@pytest.mark.parametrize(("fault", "parameters"), CASES, ids=IDS)
 def test_an_effect_does_the_same_in_both_codes(healthy, fault, parameters):
     quiet, other, floor = healthy
     run = ours(fault)
@@ -171,4 +303,6 @@ def test_an_effect_does_the_same_in_both_codes(healthy, fault, parameters):
     # where it is strongest; elsewhere it may be smaller than what the codes differ by anyway
     name = max(own, key=lambda c: rms(own[c]) / floor[c])
     assert rms(own[name]) > 0.2 * floor[name]
-    assert rms(own[name] - far[name]) < 0.03 * rms(own[name]), name
+    # a scan up to half a millisecond late sees 60 Hz at up to 11 degrees from where it is due
+    most = 0.2 if BY_NAME[fault.effect].line == "time" else 0.03
+    assert rms(own[name] - far[name]) < most * rms(own[name]), name

@@ -7,8 +7,11 @@ from benchmarks.campaign.score import (
     class_right,
     coordinate_error,
     covered,
+    fates,
+    moment_errors,
     outcome,
     quantile,
+    size_errors,
     told_apart,
     wilson,
 )
@@ -103,6 +106,50 @@ def test_wilson_bounds_are_those_of_the_formula():
     # Newcombe 1998, table I: 81 of 263, and 0 of 20
     assert wilson(81, 263) == (pytest.approx(0.2553, abs=1e-4), pytest.approx(0.3662, abs=1e-4))
     assert wilson(0, 20)[1] == pytest.approx(0.1611, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("case", "expected"),
+    [
+        (row(said(), faults=(ECC, SHAKES)), ["exact", "missed"]),
+        (row(said(location="R3"), faults=(ECC, SHAKES)), ["wrong", "wrong"]),
+        (row(said(), said("slip", "swrap"), faults=(ECC, SHAKES)), ["exact", "wrong"]),
+        (row(verdict="unknown", unknown=[{"class": "travel"}]), ["missed"]),
+        (row() | {"refine": {"verdict": {}, "error": "crash"}}, ["missed"]),
+    ],
+)
+def test_every_effect_of_a_case_has_a_fate_of_its_own(case, expected):
+    assert fates(case) == expected
+
+
+def test_one_of_a_named_set_that_holds_the_truth_is_a_set_and_accuses_nobody():
+    case = row(said(location="R3"), faults=(ECC, SHAKES), verdict="not_identifiable")
+    case["refine"]["verdict"]["ambiguous"] = [
+        {"effect": "eccentric_roller at R3", "with": ["eccentric_roller at R2"]}
+    ]
+    assert fates(case) == ["set", "missed"]
+
+
+def test_a_size_is_held_against_what_the_effect_has_beyond_its_absence():
+    soft = {"effect": "web_modulus", "location": "web", "size": -0.1}
+    told = said("web_modulus", "web") | {"parameters": {"factor": 0.91}}
+    assert size_errors(row(told, faults=(soft,)), 0) == [pytest.approx(0.1)]
+    ramp = {"effect": "rate_limit", "location": "unwind", "size": 10.0}
+    ramp["form"] = "of the correction"
+    told = said("rate_limit", "unwind") | {"parameters": {"slew_m_s2": 0.11}}
+    assert size_errors(row(told, faults=(ramp,)), 0) == [pytest.approx(0.1)]
+    assert size_errors(row(said("slip", "swrap"), faults=(soft,)), 0) == []
+
+
+def test_a_moment_in_metres_of_web_is_taken_to_seconds_by_the_speed_there():
+    splice = {"effect": "splice", "location": "web", "size": 0.1, "from_s": 30.0}
+    told = said("splice", "web") | {"parameters": {"at_length_m": 36.06}}
+    case = row(told, faults=(splice,), moments={"0": [36.0, 1.2]})
+    assert moment_errors(case, 0) == [pytest.approx(0.05)]
+    drag = {"effect": "bearing_drag", "location": "R2", "size": 0.1, "from_s": 30.0}
+    told = said("bearing_drag") | {"parameters": {"from_s": 29.98}}
+    assert moment_errors(row(told, faults=(drag,)), 0) == [pytest.approx(0.02)]
+    assert moment_errors(row(said()), 0) == []
 
 
 def test_quantiles_do_not_interpolate():

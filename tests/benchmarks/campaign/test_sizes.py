@@ -10,10 +10,10 @@ from benchmarks.campaign import stage as staging
 from benchmarks.campaign.alike import beside, beside_tolerances
 from benchmarks.campaign.cases import Case
 from benchmarks.campaign.effect_table import BY_NAME
-from benchmarks.campaign.effects import Fault
+from benchmarks.campaign.fault import Fault
 from benchmarks.campaign.make import floors
-from benchmarks.campaign.motion import TICK_S
 from benchmarks.campaign.record import simulate
+from benchmarks.campaign.sensing import TICK_S
 from benchmarks.campaign.sizes import sized, snr_of
 from benchmarks.campaign.stage import stage
 
@@ -63,7 +63,7 @@ def test_what_tolerances_take_up_whole_ends_at_a_size_that_speaks_for_itself(hea
     monkeypatch.setattr(sizes, "visible", lambda *_: 1e-3)
     fault = Fault(effect="bearing_drag", location="R1", size=0.01)
     made, reached = sized(CASE, *healthy[:1], fault, *healthy[1:])
-    assert made.size == BY_NAME["bearing_drag"].largest
+    assert made.size == BY_NAME["bearing_drag"].form(fault).largest
     assert reached < 0.2
 
 
