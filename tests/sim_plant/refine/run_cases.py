@@ -4,7 +4,8 @@ python -m tests.sim_plant.refine.run_cases [--cases N] [--effect NAME] [--out DI
 
 Every case is a seed of ``make demo-loop``: a roll that is not round, and one effect at a drawn
 place. The service's records are of plant, PLC and runtime in virtual time: AFF on in the one that
-is fitted, off in the one held out. A clean record is the plant's own under the same references,
+is fitted, off in the one held out; its site file maps further load cells and speeds for the record
+alone. A clean record is the plant's own under the same references,
 with all channels that the line declares, without service and wire.
 Ends with 1 where fewer than nine in ten verdicts are alike, or an error held out is above 1.10 of
 the floor. Some eight minutes of one core a case. Verdicts are kept
