@@ -12,11 +12,13 @@ import numpy as np
 from jinja2 import Environment, PackageLoader
 from matplotlib.figure import Figure
 
+from aff_runtime.config.loader import load_site
 from sim_plant.base.effects import Value
 from sim_plant.base.svg import svg
+from sim_plant.demo.loop.advice import advice, cancelled_rolls
 from sim_plant.demo.loop.proof import Proof
 from sim_plant.demo.loop.session import Story
-from sim_plant.refine.report.page import headline, next_step
+from sim_plant.refine.report.page import headline
 from sim_plant.refine.report.plain import plain
 from sim_plant.refine.report.wording import size_of
 
@@ -42,7 +44,7 @@ def write_page(story: Story, proof: Proof) -> Path:
         recorded=f"{Path(story.first_run).name}",
         refine_s=story.refine_s,
         headline=headline(verdict),
-        next_step=next_step(verdict, story.kept),
+        next_step=advice(verdict, story.decision, cancelled_rolls(load_site(story.files.site))),
         effects=[
             {
                 "effect": e.place.effect,
