@@ -97,7 +97,7 @@ def run_site(text: str, where: str) -> RunSite:
         ) from None
 
 
-def _needed(data: Mapping[str, Any]) -> frozenset[str]:
+def _needed(data: Any) -> frozenset[str]:
     """Return what the line, rolls, errors and believable ranges of the file name."""
     names = {word(data["line"].get("speed"), DEFAULT_SPEED)}
     names |= {str(name) for name in data.get("plausibility") or {}}
