@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, RefusedError
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import kill, until
@@ -106,6 +107,19 @@ def test_a_try_that_is_kept_becomes_the_site_file_and_can_be_undone(service: Ser
     code, said = console(service, "history")
     assert "undone by" in said.splitlines()[-1]
     assert "noise grew at night" in said.splitlines()[-1]
+
+
+def test_ripple_that_rises_in_a_try_brings_the_former_settings_back(service: ServiceRun) -> None:
+    before = service.status()["config_hash"]
+    MonotonicClock().sleep_until_ns(MonotonicClock().now_ns() + 6_000_000_000)
+    assert console(service, "try", str(other(service)), "--why", "hunting at 1x")[0] == 0
+    service.tell_plc("shake 12")
+    try:
+        until("the former settings", lambda: service.status()["config_hash"] == before)
+        until("its end", lambda: service.status()["trying"] == "")
+        assert service.said("returned by the service: ripple of unwind_tension_N rose from 2.")
+    finally:
+        service.tell_plc("shake 3")
 
 
 def test_of_two_tries_at_once_one_runs_and_the_other_is_refused(service: ServiceRun) -> None:
