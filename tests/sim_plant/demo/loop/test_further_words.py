@@ -2,15 +2,19 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.run_table import read_table
+from aff_runtime.base.run_window import run_window
 from aff_runtime.config.can_wire import can_map_of, wire_files
 from aff_runtime.config.loader import load_site, read_site
 from sim_plant.demo.loop.drawn import drawn, write_files
 from sim_plant.demo.loop.further_words import REFERENCE, SIGNALS, WORDS
 from sim_plant.servers.can_dbc_node import load_dbc_map
 from sim_plant.servers.map_file import load_plc_map
+from tests.doubles.recorded_run import PLC_FILE, Files, RecordedRun
 
 
 def _files(tmp_path, wire):
@@ -74,3 +78,22 @@ def test_the_further_frame_is_no_part_of_a_set(tmp_path):
 def test_another_wire_is_refused(wire, text, tmp_path):
     with pytest.raises(PlantError, match=text):
         _files(tmp_path, wire)
+
+
+@pytest.mark.parametrize(("wire", "words"), [("modbus", WORDS), ("can", SIGNALS)])
+def test_what_the_service_records_of_them_is_what_the_plant_measured(wire, words, tmp_path):
+    files = _files(tmp_path, wire)
+    made = Files(
+        line=files.plant, site=files.site, plc_map=files.plc if wire == "modbus" else PLC_FILE
+    )
+    run = RecordedRun(made, tmp_path / "runs", can_map=files.plc if wire == "can" else None)
+    truth = []
+    run.bench.plant.observers.append(lambda plant: truth.append(dict(plant.measured)))
+    run.bench.run(0.5)
+    columns = read_table(run_window(run.end())).columns
+    for name in words:
+        shown = columns[name][40:60]
+        measured = np.array([row[name] for row in truth])
+        step = 0.01 if name == "rewind_tension_N" and wire == "can" else 0.001
+        off = [np.max(np.abs(measured[k : k + 20] - shown)) for k in range(30, 50)]
+        assert min(off) <= 0.51 * step, name
