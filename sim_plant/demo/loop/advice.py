@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from pathlib import Path
 
-from aff_runtime.config.models import Site
+from aff_runtime.base.run_files import yaml_values
 from sim_plant.demo.loop.correcting import Decision
 from sim_plant.refine.report.page import next_step
 from sim_plant.refine.report.verdict import EffectFinding, Verdict
 from sim_plant.refine.report.wording import place_of, remedy
 
 
-def cancelled_rolls(site: Site) -> frozenset[str]:
-    """Return the rolls of all blocks of a site file, in small letters."""
-    blocks = (block for actuator in site.actuators.values() for block in actuator.blocks)
-    return frozenset(block.roll.lower() for block in blocks)
+def cancelled_rolls(site: Path) -> frozenset[str]:
+    """Return the rolls of all blocks of a site file that runs, in small letters."""
+    actuators = yaml_values(site.read_text(encoding="utf-8"))["actuators"].values()
+    blocks = (block for actuator in actuators for block in actuator["blocks"])
+    return frozenset(str(block["roll"]).lower() for block in blocks)
 
 
 def advice(verdict: Verdict, decision: Decision | None, rolls: Collection[str]) -> str:

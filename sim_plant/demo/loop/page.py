@@ -12,7 +12,6 @@ import numpy as np
 from jinja2 import Environment, PackageLoader
 from matplotlib.figure import Figure
 
-from aff_runtime.config.loader import load_site
 from sim_plant.base.effects import Value
 from sim_plant.base.svg import svg
 from sim_plant.demo.loop.advice import advice, cancelled_rolls
@@ -44,7 +43,7 @@ def write_page(story: Story, proof: Proof) -> Path:
         recorded=f"{Path(story.first_run).name}",
         refine_s=story.refine_s,
         headline=headline(verdict),
-        next_step=advice(verdict, story.decision, cancelled_rolls(load_site(story.files.site))),
+        next_step=advice(verdict, story.decision, cancelled_rolls(story.files.site)),
         effects=[
             {
                 "effect": e.place.effect,

@@ -1,14 +1,14 @@
 """What the page says is to be done: what AFF cancels is not called beyond cancelling."""
 
 from dataclasses import replace
+from pathlib import Path
 
-from aff_runtime.config.loader import load_site
 from sim_plant.demo.loop.advice import advice, cancelled_rolls
 from sim_plant.demo.loop.correcting import Decision
 from sim_plant.refine.report.verdict import UnknownFinding
 from tests.sim_plant.refine.small import finding, verdict_with
 
-ROLLS = cancelled_rolls(load_site("config/euclid.yaml"))
+ROLLS = cancelled_rolls(Path("config/euclid.yaml"))
 
 
 def effect(name, location, *, cancel):
@@ -51,6 +51,10 @@ def test_what_is_left_unknown_is_said_beside_what_was_found():
     said = advice(verdict_with(ROLL, answer="unknown", unknown=(unknown,)), None, ROLLS)
     assert "AFF cancels the ripple of out_of_round_roll at unwind" in said
     assert "Look for what turns or swings at that coordinate" in said
+
+
+def test_the_rolls_are_those_of_the_shipped_blocks():
+    assert {"unwind", "swrap_follower"} == ROLLS
 
 
 def test_with_nothing_found_the_declaration_stands():
