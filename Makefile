@@ -57,8 +57,8 @@ refine-pairs: setup
 refine-cases: setup
 	nice -n 19 $(BIN)/python -m benchmarks.cases --docs docs/results $(if $(SCHEDULER),--scheduler $(SCHEDULER)) $(EXTRA)
 
-# ten drawn cases: verdicts from the service's own records beside those from clean ones; some eighty
-# minutes of one core, goes on where it was stopped (out/refine-runs), writes docs/results/refine-runs.md
+# ten drawn cases: verdicts from the service's own records beside those from clean ones; two
+# hours of one core, goes on where it was stopped (out/refine-runs), writes docs/results/refine-runs.md
 refine-runs: setup
 	nice -n 19 $(BIN)/python -m tests.sim_plant.refine.run_cases --docs $(EXTRA)
 

@@ -79,7 +79,8 @@ def _roles(site: Site, frames: CanMap) -> dict[str, str]:
     roles = {str(field): name for name, field in words.items() if field is not None}
     for channel in frames.channels:
         shown = _si(channel.field, channel.scale, unit_of_channel(channel.name) or "")
-        roles[str(channel.field)] = f"{channel.name}, {shown}"
+        extra = ", for the record alone" if channel.name in frames.recorded_only else ""
+        roles[str(channel.field)] = f"{channel.name}, {shown}{extra}"
     for name, applied in zip(site.actuators, frames.applied, strict=False):
         if applied is not None:
             shown = _si(applied.field, applied.scale, site.actuators[name].unit)

@@ -35,6 +35,7 @@ def signal_names(site: Site) -> SignalNames:
         aff_echo=(read.aff_echo.signal or "") if read.aff_echo is not None else "",
         applied={n: (a.signal or "", a.scale if counts else 1.0) for n, a in shown.items()},
         channels={n: (c.signal or "", c.scale, c.wraps) for n, c in read.channels.items()},
+        recorded_only=site.recorded_only,
         aff_heartbeat=write.aff_heartbeat.signal or "",
         state=write.state.signal or "",
         echo=write.echo.signal or "",

@@ -35,6 +35,7 @@ class SignalNames:
     """Which signal (``MESSAGE.Signal``) means what; the same for every bus with frames.
 
     ``channels`` : name to signal, SI per physical unit, and whether it wraps.
+    ``recorded_only`` : channels that no correction waits for.
     ``corrections`` : name to signal, signal of the complement (empty: none), SI per unit.
     ``applied`` : name of the correction to the signal that shows it applied, SI per unit.
     """
@@ -52,3 +53,4 @@ class SignalNames:
     config_revision: str = ""
     aff_echo: str = ""
     applied: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    recorded_only: frozenset[str] = frozenset()

@@ -23,7 +23,7 @@ from sim_plant.refine.judge.refutation import (
 )
 from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.record_match import limits, twin_of
-from sim_plant.refine.model.run_limits import run_limits
+from sim_plant.refine.model.run_limits import lines_of, run_limits
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case, Twin
@@ -73,6 +73,7 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     cannot += dict.fromkeys(text for f in fitted for text in run_limits(f.record, f.twin))
     cannot += holdout_limits([h.record for h in held])
     records = tuple(recorded.record for recorded in (*fitted, *held))
+    cannot += lines_of(records)
     announce(cannot, records, progress)
     selection = find(fitted, plan.without, plan.workers, progress)
     if selection.corrections:

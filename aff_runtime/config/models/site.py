@@ -72,6 +72,17 @@ class Site(Section):
         return self.line.cycle_ms * 1e-3
 
     @property
+    def recorded_only(self) -> frozenset[str]:
+        """Return the channels that nothing but the record needs: no correction waits for them."""
+        needed = {self.line.speed, *self.plausibility}
+        for roll in self.rolls.values():
+            needed |= {roll.angle or "", roll.speed or "", roll.line_speed or ""}
+            needed.add(roll.radius or "")
+        for actuator in self.actuators.values():
+            needed |= {actuator.error.signal, actuator.error.reference or ""}
+        return frozenset(self.gateway.read.channels) - needed
+
+    @property
     def speed_max_m_s(self) -> float:
         """Return the highest line speed of normal operation, m/s."""
         return self.line.speed_max_m_s or self.plausibility[self.line.speed].high

@@ -128,6 +128,7 @@ def can_map(database: Database, names: SignalNames) -> CanMap:
         config_revision=optional[3],
         aff_echo=optional[4],
         applied=applied,
+        recorded_only=names.recorded_only,
     )
 
 

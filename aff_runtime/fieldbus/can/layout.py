@@ -167,7 +167,8 @@ class CanMap:
     """Every signal that is read and every signal that is written.
 
     ``applied`` : per correction the reading of what the PLC or drive applies, None without one;
-    empty where there is none at all.
+    empty where there is none at all. ``recorded_only`` : names of channels that are for the record
+    alone; a frame that carries nothing else belongs to no set.
 
     Raises
     ------
@@ -190,6 +191,7 @@ class CanMap:
     config_revision: Field | None = None
     aff_echo: Field | None = None
     applied: tuple[CanChannel | None, ...] = ()
+    recorded_only: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         _check_owners(self)
@@ -202,6 +204,12 @@ class CanMap:
         echo = () if self.aff_echo is None else (self.aff_echo,)
         readings = (*self.channels, *(shown for shown in self.applied if shown is not None))
         return words + echo + tuple(reading.field for reading in readings)
+
+    @property
+    def set_frames(self) -> frozenset[str]:
+        """Return the frames of a set: those that carry a word, or a reading that is waited for."""
+        extra = {c.field for c in self.channels if c.name in self.recorded_only}
+        return frozenset(field.frame for field in self.read_fields if field not in extra)
 
     @property
     def write_fields(self) -> tuple[Field, ...]:

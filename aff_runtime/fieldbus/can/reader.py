@@ -33,6 +33,8 @@ class _Slot:
     """Latest bits of one frame (of one selector of a multiplexed frame)."""
 
     allowed_scans: int
+    waited_for: bool  # part of a set
+    current: bool = True  # of the last set's scan; always, where it is part of it
     scans: int = 1 << 30
     little: int = 0
     big: int = 0
@@ -68,8 +70,9 @@ class CanReader:
 
     The frame with the PLC's heartbeat closes a set: every other frame must have come since the
     last one (a multiplexed one within two rounds of its selectors), and a frame with a counter
-    must carry the low bits of this very heartbeat. What a heartbeat that steps back is worth,
-    ``HeartbeatOrder`` says.
+    must carry the low bits of this very heartbeat. Frames that carry channels for the record
+    alone are no part of it: what is not of this scan in them is NaN. What a heartbeat that steps
+    back is worth, ``HeartbeatOrder`` says.
 
     A physical value outside its signal's range is NaN. An angle goes on where it starts over, also
     across a loss: what it was then is the same place of the turn.
@@ -102,7 +105,8 @@ class CanReader:
             mine = [field for field in can_map.read_fields if field.frame == layout.name]
             selectors = {-1 if field.selector is None else field.selector for field in mine}
             allowed = 2 * len(selectors) if layout.multiplexer is not None else 0
-            own = {selector: _Slot(allowed) for selector in selectors}
+            waited = layout.name in can_map.set_frames
+            own = {selector: _Slot(allowed, waited) for selector in selectors}
             slots |= {(layout.name, selector): slot for selector, slot in own.items()}
             closes = layout.name == can_map.plc_heartbeat.frame
             self._frames[(layout.can_id, layout.extended)] = _ReadFrame(layout, own, closes)
@@ -119,13 +123,16 @@ class CanReader:
             None if shown is None else _row(shown.field, slots, scale=shown.scale)
             for shown in can_map.applied
         )
-        self._counters = tuple(
+        counters = [
             _row(layout.counter, {(layout.name, -1): slot})
             for layout in can_map.frames_of(can_map.read_fields)
             if layout.counter is not None
             for (name, _), slot in slots.items()
             if name == layout.name
-        )
+        ]
+        self._counters = tuple(row for row in counters if row.slot.waited_for)
+        self._others = tuple(slot for slot in self._slots if not slot.waited_for)
+        self._other_counters = tuple(row for row in counters if not row.slot.waited_for)
         self._turned: list[int | None] = [None] * len(self._rows)
 
     @property
@@ -166,6 +173,7 @@ class CanReader:
             self.out_of_order += 1
             return Taken.TORN
         whole = self._is_whole(heartbeat)
+        self._look_at_others(heartbeat, repeated)
         if not repeated:
             for slot in self._slots:
                 slot.scans += 1
@@ -187,12 +195,20 @@ class CanReader:
     def _is_whole(self, heartbeat: int) -> bool:
         repeated = self._known and heartbeat == self.heartbeat
         for slot in self._slots:
-            if slot.scans > slot.allowed_scans + repeated:
+            if slot.waited_for and slot.scans > slot.allowed_scans + repeated:
                 return False
         for row in self._counters:
             if row.slot.allowed_scans == 0 and _bits(row) != heartbeat & row.mask:
                 return False
         return True
+
+    def _look_at_others(self, heartbeat: int, repeated: bool) -> None:
+        """Note which frames that belong to no set are of this scan."""
+        for slot in self._others:
+            slot.current = slot.scans <= slot.allowed_scans + repeated
+        for row in self._other_counters:
+            if row.slot.allowed_scans == 0 and _bits(row) != heartbeat & row.mask:
+                row.slot.current = False
 
     def _decode(self) -> None:
         self.values = tuple([self._value(row, i) for i, row in enumerate(self._rows)])
@@ -201,6 +217,8 @@ class CanReader:
             self.applied = tuple(shown)
 
     def _value(self, row: _Row, index: int = -1) -> float:
+        if not row.slot.current:
+            return math.nan
         raw = _bits(row)
         if row.float_bits:
             number: float = _float_of(raw, row.float_bits)

@@ -92,6 +92,7 @@ def network(
         roll_id=read(names.roll_id),
         aff_echo=read(names.aff_echo) if names.aff_echo else None,
         applied=applied_readings(names, read),
+        recorded_only=names.recorded_only,
         channels=tuple(
             CanChannel(name=name, field=read(signal), scale=scale, wraps=wraps)
             for name, (signal, scale, wraps) in names.channels.items()

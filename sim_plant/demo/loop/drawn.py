@@ -14,7 +14,7 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.suggest import hint
 from sim_plant.base.effects import Effect, Parameter, Value
 from sim_plant.base.shipped import shipped
-from sim_plant.demo.loop.reference import show_reference
+from sim_plant.demo.loop.further_words import show_further
 from sim_plant.demo.wires import SITES, wire_up
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration
@@ -141,7 +141,7 @@ def write_files(folder: Path, hidden: tuple[Hidden, ...], wire: str = "modbus") 
     if wire not in SITES:
         raise PlantError(f"WIRE={wire}: no such wire{hint(wire, sorted(SITES))}")
     wired = wire_up(wire, shipped(SITES[wire]), folder)
-    option, plc = show_reference(wire, wired, folder)
+    option, plc = show_further(wire, wired, folder)
     line = LINE.read_text(encoding="utf-8")
     data = yaml.safe_load(line)
     data["effects"] = [one.entry() for one in hidden]

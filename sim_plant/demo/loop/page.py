@@ -14,9 +14,10 @@ from matplotlib.figure import Figure
 
 from sim_plant.base.effects import Value
 from sim_plant.base.svg import svg
+from sim_plant.demo.loop.advice import advice, cancelled_rolls
 from sim_plant.demo.loop.proof import Proof
 from sim_plant.demo.loop.session import Story
-from sim_plant.refine.report.page import headline, next_step
+from sim_plant.refine.report.page import headline
 from sim_plant.refine.report.plain import plain
 from sim_plant.refine.report.wording import size_of
 
@@ -42,7 +43,7 @@ def write_page(story: Story, proof: Proof) -> Path:
         recorded=f"{Path(story.first_run).name}",
         refine_s=story.refine_s,
         headline=headline(verdict),
-        next_step=next_step(verdict, story.kept),
+        next_step=advice(verdict, story.decision, cancelled_rolls(story.files.site)),
         effects=[
             {
                 "effect": e.place.effect,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -49,6 +50,15 @@ def run_limits(record: Recording, twin: Twin) -> list[str]:
                 "is taken: a delay of that drive is not told from it (map aff_echo or applied)"
             )
     return found
+
+
+def lines_of(records: Sequence[Recording]) -> list[str]:
+    """Return a sentence where runs are of lines with other names, by their own site files."""
+    names = {r.run.site.name: r.path.name for r in records if r.run is not None}
+    if len(names) < 2:
+        return []
+    said = ", ".join(f"{path} of {name}" for name, path in names.items())
+    return [f"by their site files the runs are of several lines: {said}; are they of this one?"]
 
 
 def _reference_mapped(record: Recording) -> bool:

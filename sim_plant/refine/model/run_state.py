@@ -19,6 +19,11 @@ TURNING_S = 10.0
 LARGEST_CORES = 50.0
 """No roll is this many times as large as its core."""
 SPEED_REF = "line_speed_ref_m_s"
+OTHER_SHARE = 0.1
+"""A body that turns this much faster or slower than its radius makes it is none of this line: a
+draw is some 0.001, a radius that is roughly known 0.01. A run's units are its own site file's."""
+LEAST_M, LEAST_RAD = 1.0, 1.0
+"""Web that has to run, and angle to be turned, before a radius is told from them."""
 
 
 def at_run(line: Declaration, record: Recording) -> Declaration:
@@ -43,6 +48,7 @@ def at_run(line: Declaration, record: Recording) -> Declaration:
                 f"{record.path}: {name} begins at a radius of {radius:.4g} m, the line file "
                 f"declares a core of {radii.core:g} m: is it a run of another line?"
             )
+    _check_turning(line, record, {first: unwind, last: rewind})
     put = {0: unwind, len(line.rollers) - 1: rewind}
     rollers = [
         r.model_copy(update={"radius_m": put[k]}) if k in put else r
@@ -57,6 +63,23 @@ def at_run(line: Declaration, record: Recording) -> Declaration:
             "sensors": tuple(_as_recorded(s, steps) for s in line.sensors),
         }
     )
+
+
+def _check_turning(line: Declaration, record: Recording, radii: Mapping[str, float]) -> None:
+    """Refuse a run in which a body turns as one of another radius would."""
+    metres = abs(float(np.sum(record.columns[SPEED_REF][:-1]))) * record.sample_time_s
+    for roller in line.rollers:
+        radius = radii.get(roller.name, roller.radius_m)
+        turned = next(_turning(line, record, roller.name, record.samples), 0.0)
+        if metres < LEAST_M or abs(turned) < LEAST_RAD:
+            continue
+        seen = metres / abs(turned)
+        if abs(seen / radius - 1.0) > OTHER_SHARE:
+            raise PlantError(
+                f"{record.path}: {roller.name} turns as a body of {seen:.4g} m, its radius is "
+                f"{radius:.4g} m by {'the run' if roller.name in radii else 'the line file'}: "
+                "is it a run of another line, or is a scale of its site file wrong?"
+            )
 
 
 def word_steps(record: Recording, channels: Sequence[str]) -> dict[str, float]:

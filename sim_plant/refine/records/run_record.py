@@ -18,6 +18,7 @@ from aff_runtime.base.run_window import run_window
 from aff_runtime.base.signals import Status
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.records.recorded_only import filled
 from sim_plant.refine.records.recording import Recording, RunFacts
 from sim_plant.refine.records.run_delivery import Delivered, delivered
 from sim_plant.refine.records.run_grid import (
@@ -84,13 +85,15 @@ def read_run_record(path: Path) -> Recording:
     _refuse_other_columns(path, table.columns)
     site = run_site(table.site_text, f"{path}: site.yaml")
     channels = [name for name in site.steps if _is_read(table.columns, name)]
+    waited_for = [name for name in channels if name in site.needed]
     try:
-        scans = scans_of(table.columns, channels)
+        scans = scans_of(table.columns, waited_for)
     except PlantError as error:
         raise PlantError(f"{path}: {error}") from error
     read = {n: table.columns[n][scans.rows] for n in channels}
     site = replace(site, steps=counts_of(read, site.steps))
-    readings, counted = unwrapped(read)
+    whole = {n: filled(values, scans.taken_s, scans.step_s) for n, values in read.items()}
+    readings, counted = unwrapped({n: one.values for n, one in whole.items()})
     pieces, breaks = _pieces(table.columns, scans, readings)
     piece = max((p for p in pieces if p.running), key=lambda p: p.length_s, default=None)
     if piece is None or piece.length_s < SHORTEST_S:
@@ -99,8 +102,11 @@ def read_run_record(path: Path) -> Recording:
             f"{'; '.join([*table.lost[:6], *breaks[:6]]) or 'the window is too short'}; "
             "give another window"
         )
-    found = _on_grid(table, site, scans, piece, readings)
+    lost = {n: one.holes_in(piece.first, piece.end) for n, one in whole.items()}
+    kept = {n: values for n, values in readings.items() if not lost[n]}
+    found = _on_grid(table, site, scans, piece, kept)
     said = [_unread(name, table.columns) for name in site.steps if name not in channels]
+    said += [f"{n} is left out: {text}" for n, text in lost.items() if text]
     said += [*table.lost, *few(_edits(table)), *scans.findings, *few(breaks), *counted]
     if len(pieces) > 1:
         others = ", ".join(few([str(p) for p in pieces if p is not piece]))

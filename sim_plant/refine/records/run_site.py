@@ -48,6 +48,7 @@ class RunSite:
     speed : channel of the line speed; ``speed_reference`` that of its set point, or empty.
     rolls : per roll its channels by use (``angle``, ``speed``, ``radius``).
     actuators : by name.
+    needed : channels that the service's corrections wait for; others are for the record alone.
     steps : per channel one count of its word, SI; where the scale is a factor of what a DBC gives,
         or of a float, that factor: see ``word_steps.one_count``.
     """
@@ -57,6 +58,7 @@ class RunSite:
     speed_reference: str
     rolls: Mapping[str, Mapping[str, str]]
     actuators: Mapping[str, RunActuator]
+    needed: frozenset[str]
     steps: Mapping[str, float]
 
 
@@ -81,6 +83,7 @@ def run_site(text: str, where: str) -> RunSite:
                 str(name): _actuator(given, written.get(name) or {})
                 for name, given in data["actuators"].items()
             },
+            needed=_needed(data),
             steps={
                 str(name): abs(_number(row.get("scale"), _unit(str(name)), 0.0))
                 for name, row in channels.items()
@@ -92,6 +95,17 @@ def run_site(text: str, where: str) -> RunSite:
             f"{where}: does not say what the columns of the run are ({said}); put the site file "
             "of that run in its place"
         ) from None
+
+
+def _needed(data: Any) -> frozenset[str]:
+    """Return what the line, rolls, errors and believable ranges of the file name."""
+    names = {word(data["line"].get("speed"), DEFAULT_SPEED)}
+    names |= {str(name) for name in data.get("plausibility") or {}}
+    for roll in data["rolls"].values():
+        names |= {word(roll.get(use)) for use in ("angle", "speed", "line_speed", "radius")}
+    for actuator in data["actuators"].values():
+        names |= {word(actuator["error"].get(use)) for use in ("signal", "reference")}
+    return frozenset(names) - {""}
 
 
 def _channels(roll: Mapping[str, Any]) -> dict[str, str]:

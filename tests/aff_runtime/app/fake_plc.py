@@ -29,6 +29,7 @@ class Plc:
         self.status = READY_STATUS
         self.frozen = False
         self.words = [0] * 10
+        self.ripple_N = 3.0
         self.heartbeat = 0
         self.start_s = time.monotonic()
         self.delays = [deque([(0.0, 0.0)]) for _ in range(2)]
@@ -37,7 +38,7 @@ class Plc:
         if not self.frozen:
             self.heartbeat = (self.heartbeat + 1) & 0xFFFF
         turns = TURNS_HZ * (time.monotonic() - self.start_s)
-        ripple = 3.0 * math.cos(math.tau * turns) + 1e-3 * (self.heartbeat % 7)
+        ripple = self.ripple_N * math.cos(math.tau * turns) + 1e-3 * (self.heartbeat % 7)
         milli = [int(1e3 * (90.0 + ripple + GAIN_N_PER_M_S * acting(d))) for d in self.delays]
         (high, low), (high_2, low_2) = ((m >> 16, m & 0xFFFF) for m in milli)
         angle = divmod(int(turns * 4096) & 0xFFFFFFFF, 0x10000)
@@ -113,6 +114,8 @@ def hear(plc: Plc, client: socket.socket, clients: dict[socket.socket, bytes]) -
 
 def obey(plc: Plc, command: list[str]) -> None:
     match command:
+        case ["shake", amplitude]:
+            plc.ripple_N = float(amplitude)
         case ["status", number]:
             plc.status = int(number)
         case ["freeze"]:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
-from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.errors import AffError, RefusedError
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import kill, until
 
@@ -104,6 +107,71 @@ def test_a_try_that_is_kept_becomes_the_site_file_and_can_be_undone(service: Ser
     code, said = console(service, "history")
     assert "undone by" in said.splitlines()[-1]
     assert "noise grew at night" in said.splitlines()[-1]
+
+
+def test_ripple_that_rises_in_a_try_brings_the_former_settings_back(service: ServiceRun) -> None:
+    before = service.status()["config_hash"]
+    MonotonicClock().sleep_until_ns(MonotonicClock().now_ns() + 6_000_000_000)
+    assert console(service, "try", str(other(service)), "--why", "hunting at 1x")[0] == 0
+    service.tell_plc("shake 12")
+    try:
+        until("the former settings", lambda: service.status()["config_hash"] == before)
+        until("its end", lambda: service.status()["trying"] == "")
+        assert service.said("returned by the service: ripple of unwind_tension_N rose from 2.")
+    finally:
+        service.tell_plc("shake 3")
+
+
+def test_of_two_tries_at_once_one_runs_and_the_other_is_refused(service: ServiceRun) -> None:
+    before, new = service.status()["config_hash"], other(service).read_text()
+    asked = {"act": "try", "text": new, "seconds": 5.0, "why": "hunting at 1x"}
+
+    def ask(_: int) -> str:
+        try:
+            service.ask("settings", **asked)
+        except RefusedError as error:
+            return str(error)
+        return "tried"
+
+    with ThreadPoolExecutor(4) as pool:
+        said = list(pool.map(ask, range(4)))
+    assert said.count("tried") == 1
+    assert all("keep or undo them first" in one for one in said if one != "tried")
+    until("the former settings", lambda: service.status()["config_hash"] == before)
+    assert verbs(service)[-2:] == ["tried", "returned"]
+
+
+def test_a_site_file_saved_in_a_try_ends_it_and_is_judged_after_the_return(
+    service: ServiceRun,
+) -> None:
+    text = service.site.read_text()
+    assert console(service, "try", str(other(service)), "--why", "hunting at 1x")[0] == 0
+    service.edit("settle_s: 6,", "settle_s: 9,")
+    until("its end", lambda: service.status()["trying"] == "")
+    assert service.said("returned by the service: a file was saved meanwhile")
+    until("the edit", lambda: verbs(service)[-1] == "edited")
+    assert service.ask("settings", act="history")["versions"][-1]["sha256"] == (
+        hashlib.sha256(service.site.read_bytes()).hexdigest()
+    )
+    service.edit("settle_s: 9,", "settle_s: 6,")
+    until("as it was", lambda: not service.status()["config_differs"] and verbs(service)[-3:])
+    assert service.site.read_text() == text
+    until("both edits", lambda: verbs(service)[-2:] == ["edited", "edited"])
+
+
+@pytest.mark.parametrize(
+    "after", ["settle_s: .nan,", "settle_s: \ud800,", "settle_s: 6, # \ud800"]
+)
+def test_a_hostile_text_is_refused_and_the_service_goes_on(
+    service: ServiceRun, after: str
+) -> None:
+    before, pid = service.status()["config_hash"], service.status()["control_pid"]
+    text = service.site.read_text().replace(OLD, after, 1)
+    with pytest.raises(AffError) as refused:
+        service.ask("settings", act="try", text=text, seconds=5.0, why="hunting at 1x")
+    assert f"{service.site}:" in str(refused.value)
+    assert service.status()["trying"] == ""
+    assert (service.status()["config_hash"], service.status()["control_pid"]) == (before, pid)
 
 
 def test_keep_writes_only_the_file_that_its_caller_names(service: ServiceRun) -> None:

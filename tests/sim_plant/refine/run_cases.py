@@ -1,26 +1,37 @@
-"""Drawn cases from the service's own records and from clean ones of the same line, as one table.
+"""Drawn cases from the service's own records and from clean ones of the same line, as tables.
 
-python -m tests.sim_plant.refine.run_cases [--cases N] [--effect NAME] [--out DIR] [--docs]
+python -m tests.sim_plant.refine.run_cases [--cases N] [--pairs further ...] [--out DIR] [--docs]
 
 Every case is a seed of ``make demo-loop``: a roll that is not round, and one effect at a drawn
 place. The service's records are of plant, PLC and runtime in virtual time: AFF on in the one that
 is fitted, off in the one held out. A clean record is the plant's own under the same references,
-with all channels that the line declares, without service and wire.
-Ends with 1 where fewer than nine in ten verdicts are alike, or an error held out is above 1.10 of
-the floor. Some eight minutes of one core a case. Verdicts are kept
-in DIR, one folder a case: what is there is not made again, what was stopped is begun anew.
+without service and wire. What is compared, in the order that tells most first:
+
+further : the service's records with all that the demo's site file maps, two load cells and three
+    speeds for the record alone among it; clean records with all channels that the line declares.
+shipped : the same records of the service without these; the same clean ones.
+alike_channels : the service's records without these; clean ones with the same channels and the
+    rewind's tension, without which the line's loop there has no cell.
+
+Ends with 1 where fewer than nine in ten verdicts of ``further`` are alike, or an error held out is
+above 1.10 of the floor. Some four minutes of one core a verdict. Verdicts are kept in DIR, one
+folder a case: what is there is not made again, what was stopped is begun anew.
 """
 
 import argparse
 import shutil
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import yaml
 
+from aff_runtime.config.loader import load_site
 from sim_plant.cli.main import main as sim_plant
 from sim_plant.demo.loop.drawn import IDLER, drawn, write_files
+from sim_plant.demo.loop.drawn import Files as Loop
+from sim_plant.demo.loop.further_words import REFERENCE, WORDS
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
 from sim_plant.refine.report.verdict import Verdict
@@ -30,7 +41,8 @@ FAST_M_S, SLOW_M_S, STEP_N = 0.85, 0.62, 95.0
 RAMP_S, OFF_S = 3.0, 35.0
 ALIKE_SHARE = 0.9
 MOST_OF_FLOOR = 1.10
-KINDS = ("service", "clean")
+FURTHER = frozenset(WORDS) - {REFERENCE}
+"""Channels that the demo's site file maps for the record alone."""
 JUDGED = "unwind_tension_N"
 PAGE = Path("docs/results/refine-runs.md")
 
@@ -64,7 +76,7 @@ def service_records(files, folder):
 
 
 def clean_records(files, folder, seed):
-    """Return the same two records from the plant alone, without correction or wire."""
+    """Return the same two records from the plant alone; channels are those of ``files.line``."""
     plant, owner = load_declaration(files.plant), load_declaration(files.line)
     channels = [sensor.channel for sensor in owner.sensors]
     step_s, (start_N, end_N) = plant.sample_time_s, (plant.operating_point.tension_N, STEP_N)
@@ -92,27 +104,101 @@ def _clean(plant, channels, references, path, seed):
     return path
 
 
-def verdicts(case, out):
-    """Return what refine says of the service's records, and of the clean ones."""
-    return [verdict(case, out, kind) for kind in ("service", "clean")]
+@dataclass(frozen=True)
+class Source:
+    """Where a verdict comes from.
+
+    Attributes
+    ----------
+    service : records of the service; else clean ones.
+    shipped_only : without the channels for the record alone; of clean records: with those of
+        the shipped site file and no other.
+    """
+
+    service: bool
+    shipped_only: bool
 
 
-def verdict(case, out, kind):
-    """Return what refine says of the ``service``'s records, or of ``clean`` ones."""
-    folder = out / f"{case.effect}-{case.seed}"
-    said = folder / kind / "verdict.json"
+SOURCES = {
+    "service-further": Source(service=True, shipped_only=False),
+    "service-shipped": Source(service=True, shipped_only=True),
+    "clean": Source(service=False, shipped_only=False),
+    "clean-shipped": Source(service=False, shipped_only=True),
+}
+PAIRS = {
+    "further": ("service-further", "clean"),
+    "shipped": ("service-shipped", "clean"),
+    "alike_channels": ("service-shipped", "clean-shipped"),
+}
+TITLES = {
+    "further": "All that the PLC shows is recorded",
+    "shipped": "The shipped site file's channels alone",
+    "alike_channels": "The shipped site file's channels alone, in the clean records too",
+}
+
+
+def folder_of(case, out, name):
+    """Return where a verdict is kept."""
+    return out / f"{case.effect}-{case.seed}" / name
+
+
+def verdict(case, out, name):
+    """Return what refine says of one of ``SOURCES``; made where it is not there."""
+    said = folder_of(case, out, name) / "verdict.json"
     if not said.exists():
-        made = folder / f"{kind}-records"
+        files, fit, held = records(case, out, name)
+        arguments = [str(files.line), str(fit), "--holdout", str(held), "--workers", "1"]
+        assert sim_plant(["refine", *arguments, "--out", str(said.parent)]) == 0
+    return Verdict.from_json(said.read_text(encoding="utf-8"))
+
+
+def records(case, out, name):
+    """Return the files of a source, the record to fit and the one held out."""
+    source = SOURCES[name]
+    made = folder_of(case, out, "service-records" if source.service else f"{name}-records")
+    done = made / "records.txt"
+    if source.service and done.exists():
+        files = files_in(made)
+        fit, held = map(Path, done.read_text(encoding="utf-8").splitlines())
+    else:
         shutil.rmtree(made, ignore_errors=True)
         made.mkdir(parents=True)
         files = write_files(made, drawn(case.effect, case.seed))
-        if kind == "service":
-            fit, held = service_records(files, made)
-        else:
-            fit, held = clean_records(files, made, case.seed)
-        records = [str(files.line), str(fit), "--holdout", str(held), "--workers", "1"]
-        assert sim_plant(["refine", *records, "--out", str(said.parent)]) == 0
-    return Verdict.from_json(said.read_text(encoding="utf-8"))
+    if source.shipped_only:
+        line = with_channels(files, made / "line-shipped.yaml", service=source.service)
+        files = replace(files, line=line)
+    if not source.service:
+        return (files, *clean_records(files, made, case.seed))
+    if not done.exists():
+        fit, held = service_records(files, made)
+        done.write_text(f"{fit}\n{held}\n", encoding="utf-8")
+    return files, fit, held
+
+
+def files_in(folder):
+    """Return the files that ``write_files`` has written into a folder."""
+    names = {"line": "line.yaml", "plant": "plant.yaml", "site": "euclid.yaml", "plc": "plc.yaml"}
+    return Loop(**{k: folder / name for k, name in names.items()}, plant_arguments=())
+
+
+def with_channels(files, path, *, service):
+    """Write the owner's line for records with the shipped site file's channels; return its path.
+
+    A tension loop needs its cell: for a run of the service that keeps its place under a name that
+    no run has; a clean record has to have every channel, and gets the rewind's cell as well.
+    """
+    mapped = set(load_site(files.site).gateway.read.channels) - FURTHER
+    line = yaml.safe_load(files.line.read_text(encoding="utf-8"))
+    looped = {loop["load_cell"] for loop in line["control"]["tension_pi"]}
+    kept = []
+    for sensor in line["sensors"]:
+        if sensor["channel"] in mapped:
+            kept.append(sensor)
+        elif sensor["roller"] in looped:
+            unshown = {"channel": f"unshown_{sensor['channel']}"} if service else {}
+            kept.append(sensor | unshown)
+    path.write_text(yaml.safe_dump(line | {"sensors": kept}, sort_keys=False), encoding="utf-8")
+    return path
 
 
 def alike(one, other):
@@ -194,15 +280,15 @@ class Table:
         return self.alike >= ALIKE_SHARE * self.cases and self.within == self.cases
 
 
-def table(cases, out, *, only_made=False):
+def table(cases, out, pair="further", *, only_made=False):
     """Return the table of cases; ``only_made``: of those that have been refined already."""
     rows = [f"| {' | '.join(HEAD)} |", "|---" * len(HEAD) + "|"]
     count = same = within = 0
     for case in cases:
-        folder = out / f"{case.effect}-{case.seed}"
-        if only_made and not all((folder / k / "verdict.json").exists() for k in KINDS):
+        places = [folder_of(case, out, name) / "verdict.json" for name in PAIRS[pair]]
+        if only_made and not all(place.exists() for place in places):
             continue
-        service, clean = verdicts(case, out)
+        service, clean = (verdict(case, out, name) for name in PAIRS[pair])
         rows.append(row(case, service, clean))
         count, same = count + 1, same + alike(service, clean)
         within += of_floor(service) <= MOST_OF_FLOOR
@@ -210,45 +296,45 @@ def table(cases, out, *, only_made=False):
 
 
 def page(found):
-    """Return the page of results."""
-    return TEXT.format(table=found.text, summary=found.summary)
+    """Return the page of results; ``found`` : tables by pair."""
+    parts = [f"## {TITLES[p]}\n\n{one.text}\n{one.summary}\n" for p, one in found.items()]
+    return TEXT.format(tables="\n".join(parts))
 
 
 TEXT = """# Verdicts from the service's records and from clean ones
 
-Repeat: `make refine-runs`; some eighty minutes of one core, a stopped run goes on. Each case is a
-seed of `make demo-loop`. The service's records are of plant, PLC and runtime in virtual time, AFF
-on in the one that is fitted and off in the one held out; clean records are the plant's own with
-every channel that the line file declares. Two verdicts are alike when answer, effects and places
-are the same.
+Repeat: `make refine-runs`; a verdict is some four minutes of one core, a stopped run goes on. Each
+case is a seed of `make demo-loop`. The service's records are of plant, PLC and runtime in virtual
+time, AFF on in the one that is fitted and off in the one held out; clean records are the plant's
+own, with every channel that the line file declares where nothing else is said. Two verdicts are
+alike when answer, effects and places are the same.
 
-{table}
-{summary}
-
-R1, R2 and R3 have one radius and stand in one zone: of an effect on one of them the service's
-records name the neighbour as well (`not_identifiable`), with the experiment that tells. The clean
-records have the load cell on R3, which the service does not map; whether that alone is what tells
-them there was not tested.
+{tables}
+How far neighbouring idlers are apart in such a record, by channel:
+`python -m tests.sim_plant.refine.apart`.
 """
 
 
 def main():
-    """Refine the cases that are missing, print the table; 1 where a target is missed."""
+    """Refine the cases that are missing, print the tables; 1 where a target is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=10)
     parser.add_argument("--effect", default=IDLER)
+    parser.add_argument("--pairs", nargs="+", choices=PAIRS, default=["further", "shipped"])
     parser.add_argument("--out", type=Path, default=Path("out/refine-runs"))
     parser.add_argument("--docs", action="store_true", help=f"write {PAGE}")
     parser.add_argument(
-        "--only-made", action="store_true", help="table of what is refined already"
+        "--only-made", action="store_true", help="tables of what is refined already"
     )
     given = parser.parse_args()
     cases = [Case(given.effect, seed) for seed in range(1, given.cases + 1)]
-    found = table(cases, given.out, only_made=given.only_made)
-    print(f"{found.text}\n{found.summary}")
+    found = {}
+    for pair in given.pairs:
+        found[pair] = one = table(cases, given.out, pair, only_made=given.only_made)
+        print(f"{TITLES[pair]}\n\n{one.text}\n{one.summary}\n", flush=True)
     if given.docs:
         PAGE.write_text(page(found), encoding="utf-8")
-    return 0 if found.holds else 1
+    return 0 if found[given.pairs[0]].holds else 1
 
 
 if __name__ == "__main__":

@@ -5,10 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from aff_runtime.config.loader import load_site
 from sim_plant.demo.loop.drawn import IDLER, drawn, write_files
 from sim_plant.line.load import load_declaration
+from sim_plant.refine.model.record_match import twin_of
+from sim_plant.refine.records.read import read_record
 from sim_plant.refine.report.verdict import ChannelError, UnknownFinding
-from tests.sim_plant.refine.run_cases import Case, alike, clean_records, row, size_error
+from tests.sim_plant.refine.run_cases import (
+    FURTHER,
+    Case,
+    alike,
+    clean_records,
+    files_in,
+    row,
+    size_error,
+    with_channels,
+)
 from tests.sim_plant.refine.small import finding, verdict_with
 
 CASE = Case(IDLER, 1)
@@ -47,3 +59,20 @@ def test_a_clean_record_has_all_channels_of_the_owners_line_under_the_same_refer
     assert names == ["time_s", "line_speed_ref_m_s", "tension_ref_N", *channels]
     columns = dict(zip(names, np.loadtxt(first, delimiter=",", skiprows=1).T, strict=True))
     assert columns["unwind_tension_N"][-1000:].mean() == pytest.approx(95.0, abs=0.3)
+
+
+def test_a_clean_record_with_the_shipped_site_files_channels_is_one_of_the_line(tmp_path):
+    files = write_files(tmp_path, drawn(IDLER, 1))
+    fewer = replace(files, line=with_channels(files, tmp_path / "l.yaml", service=False))
+    first, _ = clean_records(fewer, tmp_path, 1)
+    shipped = {*load_site("config/euclid.yaml").gateway.read.channels, "rewind_tension_N"}
+    names = set(first.read_text().partition("\n")[0].split(","))
+    assert names == {"time_s", "line_speed_ref_m_s", *shipped}
+    twin = twin_of(load_declaration(fewer.line), read_record(first))
+    assert set(twin.channels) == shipped - {"tension_ref_N"}
+    assert {s.channel for s in load_declaration(files.line).sensors} >= FURTHER
+
+
+def test_files_of_a_case_are_found_again(tmp_path):
+    files = write_files(tmp_path, drawn(IDLER, 1))
+    assert replace(files_in(tmp_path), plant_arguments=files.plant_arguments) == files

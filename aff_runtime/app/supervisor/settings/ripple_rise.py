@@ -28,8 +28,8 @@ class RippleRise:
     """Keeps the last seconds of error signals, and compares them with what was before a change.
 
     Ripple is the standard deviation over 5 s. It rose when it is above 1.3 times the largest of
-    the four that came last before the change, in any signal. Without 5 s before, nothing is
-    judged.
+    the four that came last before the change, in any signal. Where fewer than 5 s were heard since
+    other settings ran, what counted as before them counts again; without that nothing is judged.
     """
 
     def __init__(self) -> None:
@@ -56,7 +56,6 @@ class RippleRise:
 
     def begin(self) -> None:
         """Take what was heard until now as what ripple was before."""
-        self._before = {}
         for name, blocks in self._blocks.items():
             end_s = blocks[-1].start_s + BLOCK_S if blocks else 0.0
             found = [
@@ -68,6 +67,11 @@ class RippleRise:
                 self._before[name] = max(known)
             blocks.clear()
         self._since_s = math.inf
+
+    def end(self) -> None:
+        """Forget what was heard while other settings ran: it is no ripple to compare with."""
+        for blocks in self._blocks.values():
+            blocks.clear()
 
     def risen(self) -> str:
         """Return in words what rose; empty when nothing did, or it is too early to tell."""

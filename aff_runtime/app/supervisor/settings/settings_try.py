@@ -157,6 +157,7 @@ class SettingsTry:
     def _finish(self, why: str) -> None:
         self.is_over = True
         self.runs = False
+        self._ripple.end()
         self._let_go()
         self._ended(why)
 

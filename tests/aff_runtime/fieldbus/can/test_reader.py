@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import random
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 
 from aff_runtime.fieldbus.can.dbc import can_map, load_dbc
 from aff_runtime.fieldbus.can.frames import Frame
+from aff_runtime.fieldbus.can.layout import CanMap
 from aff_runtime.fieldbus.can.reader import CanReader, Taken
 from aff_runtime.fieldbus.signal_names import SignalNames
 from tests.aff_runtime.fieldbus.euclid_can import DATABASE, euclid_map, scan
@@ -249,3 +251,43 @@ def test_a_restarted_plc_that_sends_some_scans_only_is_believed_as_soon(step: in
         read(reader, scan(heartbeat))
     assert read(reader, scan(step)) is Taken.TORN
     assert read(reader, scan(2 * step + 1)) is Taken.SET
+
+
+def without_pullroll() -> CanMap:
+    """The shipped map with all that PLC_TENSION carries for the record alone."""
+    return replace(MAP, recorded_only=frozenset({"unwind_tension_N", "pullroll_tension_N"}))
+
+
+def test_a_frame_for_the_record_alone_that_stays_away_is_nan_and_tears_no_set() -> None:
+    reader = CanReader(without_pullroll())
+    names = [channel.name for channel in MAP.channels]
+    read(reader, scan(1))
+    assert read(reader, scan(2, tension_N=90.0)) is Taken.SET
+    torn = reader.torn  # the first has one page of two
+    assert reader.values[names.index("unwind_tension_N")] == pytest.approx(90.0)
+    for heartbeat in (3, 4):
+        others = [f for f in scan(heartbeat) if f.can_id != 0x180]
+        assert read(reader, others) is Taken.SET
+        assert math.isnan(reader.values[names.index("unwind_tension_N")])
+        assert reader.values[names.index("line_speed_m_s")] == pytest.approx(1.016)
+    assert read(reader, scan(5, tension_N=91.0)) is Taken.SET
+    assert reader.values[names.index("unwind_tension_N")] == pytest.approx(91.0)
+    assert reader.torn == torn
+
+
+def test_a_frame_for_the_record_alone_of_another_scan_is_nan() -> None:
+    reader = CanReader(without_pullroll())
+    read(reader, scan(1))
+    read(reader, scan(2))
+    late = [scan(2)[0], *scan(3)[1:]]  # its counter says 2
+    assert read(reader, late) is Taken.SET
+    assert math.isnan(reader.values[0])
+
+
+def test_the_same_frame_tears_the_set_where_a_correction_waits_for_it() -> None:
+    half = replace(MAP, recorded_only=frozenset({"pullroll_tension_N"}))
+    for shown in (MAP, half):
+        reader = CanReader(shown)
+        read(reader, scan(1))
+        read(reader, scan(2))
+        assert read(reader, scan(3)[1:]) is Taken.TORN

@@ -1,6 +1,7 @@
 """A run's columns by the names of the line, its references, radii and corrections."""
 
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.line.load import load_declaration
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.run_limits import run_limits
+from sim_plant.refine.model.run_limits import lines_of, run_limits
 from sim_plant.refine.model.run_match import acting, run_on_line
 from sim_plant.refine.records.recording import Recording, RunFacts
 from sim_plant.refine.records.run_phases import Phases
@@ -26,6 +27,7 @@ STEP_S, ROWS = 0.005, 6000
 TIME_S = np.arange(ROWS) * STEP_S
 NO_PHASES = Phases(on_s=0, off_s=30, probing_s=0, ramp_s=0, saturated_s=0, shadow_s=0)
 SPEED_M_S, UNWIND_M, FOLLOWER_M = 0.9, 0.19, 0.15367
+UNWIND_RAD, FOLLOWER_RAD = SPEED_M_S * TIME_S / UNWIND_M, SPEED_M_S * TIME_S / FOLLOWER_M
 
 
 def actuator(suffix="m_s", reference="t_ref_N", roll=""):
@@ -56,6 +58,7 @@ def run(columns=None, *, actuators=None, speed_reference="", rolls=None):
         speed_reference=speed_reference,
         rolls=uses if rolls is None else rolls,
         actuators={"unwind": actuator()} if actuators is None else actuators,
+        needed=frozenset(given),
         steps=dict.fromkeys((n for n in given if not n.startswith("correction_")), 0.001),
     )
     facts = RunFacts(site=site, phases=NO_PHASES, delivery_known={"unwind": False}, scan_s=STEP_S)
@@ -193,6 +196,35 @@ def test_a_run_of_another_line_is_refused_by_its_tensions_or_its_radius():
         run_on_line(LINE, run({"web_N": None}))
     with pytest.raises(PlantError, match=r"unwind begins at a radius of 3 m.*another line"):
         twin_of(LINE, run_on_line(LINE, run({"roll_m": np.full(ROWS, 3.0)})))
+
+
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        ({"follower_rad": 1.25 * FOLLOWER_RAD}, r"swrap_follower turns as a body of 0.12[23]"),
+        ({"turns_rad": 1.25 * UNWIND_RAD}, r"unwind turns as a body of 0.152.* m.* by the run"),
+        ({"follower_rad": 0.0 * FOLLOWER_RAD}, r"swrap_follower_angle_rad: turns 0 times as"),
+    ],
+)
+def test_a_run_of_another_line_with_the_same_channels_is_refused_by_what_does_not_fit(
+    columns, said
+):
+    with pytest.raises(PlantError, match=rf"{said}.*(another line|the line file)"):
+        twin_of(LINE, run_on_line(LINE, run(columns, speed_reference="v_m_s")))
+
+
+def test_a_radius_that_is_roughly_declared_makes_no_other_line():
+    near = run({"follower_rad": 1.03 * FOLLOWER_RAD}, speed_reference="v_m_s")
+    assert twin_of(LINE, run_on_line(LINE, near))
+
+
+def test_runs_of_several_lines_are_named():
+    one = run()
+    other = replace(
+        one, path=Path("LATER"), run=replace(one.run, site=replace(one.run.site, name="Film"))
+    )
+    assert lines_of([one, one]) == []
+    assert "RUN of L, LATER of Film" in lines_of([one, other])[0]
 
 
 def test_what_the_window_lacks_is_said_with_what_it_costs():

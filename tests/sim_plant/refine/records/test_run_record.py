@@ -224,3 +224,31 @@ def cut(run, number, first, end):
     segment = run / f"signals-000{number}.csv.gz"
     lines = gzip.decompress(segment.read_bytes()).splitlines(keepends=True)
     segment.write_bytes(gzip.compress(b"".join([*lines[: first + 1], *lines[end + 1 :]]), 1))
+
+
+def test_a_channel_for_the_record_alone_that_is_missing_for_long_is_left_out_and_ends_no_piece(
+    made, run
+):
+    blank(run, "swrap_follower_speed_m_s", 400, 600)
+    record = read_record(run)
+    assert record.duration_s == read_record(made[0]).duration_s
+    assert "swrap_follower_speed_m_s" not in record.columns
+    (said,) = said_of(record, "swrap_follower_speed_m_s is left out")
+    assert "s of it are missing 2" in said
+
+
+def test_a_reading_that_the_correction_waits_for_and_is_missing_for_long_ends_a_piece(run):
+    blank(run, "unwind_tension_N", 400, 600)
+    assert said_of(read_record(run), "nothing was read for 1")
+
+
+def blank(run, name, first, end):
+    """Take the readings of a channel out of some rows of the first segment."""
+    segment = sorted(run.glob("signals-*"))[0]
+    head, *rows = gzip.decompress(segment.read_bytes()).decode().splitlines()
+    at = head.split(",").index(name)
+    for k in range(first, end):
+        cells = rows[k].split(",")
+        cells[at] = "nan"
+        rows[k] = ",".join(cells)
+    segment.write_bytes(gzip.compress("\n".join([head, *rows, ""]).encode()))

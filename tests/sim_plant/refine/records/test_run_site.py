@@ -1,5 +1,6 @@
 import pytest
 
+from aff_runtime.config.loader import load_site
 from sim_plant.refine.records.run_site import run_site
 from tests.lockstep.known_response import ROOT
 
@@ -18,6 +19,15 @@ def test_the_shipped_site_file_says_what_its_columns_are():
     )
     assert site.steps["unwind_radius_m"] == pytest.approx(2e-5)  # written as 0.02 mm
     assert site.steps["line_speed_m_s"] == 0.001
+
+
+def test_what_no_correction_waits_for_is_the_same_for_the_service_and_for_refine():
+    for name in ("euclid.yaml", "euclid_blocks.yaml", "euclid_can.yaml", "film.yaml"):
+        path = ROOT / "config" / name
+        site = run_site(path.read_text(), "site.yaml")
+        channels = frozenset(site.steps)
+        assert channels - site.needed == load_site(path).recorded_only
+    assert "swrap_follower_speed_m_s" in load_site(ROOT / "config/euclid.yaml").recorded_only
 
 
 def test_units_and_uses_that_a_site_may_have():

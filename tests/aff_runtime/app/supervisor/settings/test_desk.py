@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import errno
+
 import pytest
 
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.settings import desk as desk_module
+from aff_runtime.app.supervisor.settings import history
 from tests.aff_runtime.app.supervisor.settings.rig import WHO, AtOnce, Rig
 
 LINE = "actuators.unwind.blocks[0].settle_s: 6 s -> 12 s (applies at once)"
@@ -75,6 +78,69 @@ def test_the_former_settings_return_when_ripple_rises(rig, amplitude_N, returns)
     assert rig.runs_the_former is returns
     if returns:
         assert rig.rows[-1][1].startswith("ripple of unwind_tension_N rose from 0.7")
+
+
+def test_a_second_try_right_after_a_bad_one_is_watched_as_well(rig):
+    rig.run(21.0)
+    rig.begin()
+    rig.running.ring.signals.amplitude_N = 4.0
+    rig.run(5.0)
+    rig.ask(act="undo", why="it shakes")
+    rig.running.ring.signals.amplitude_N = 1.0
+    rig.run(1.0)
+    rig.begin()
+    rig.running.ring.signals.amplitude_N = 2.0
+    rig.run(12.0)
+    assert rig.runs_the_former
+    assert rig.rows[-1][1].startswith("ripple of unwind_tension_N rose from 0.7")
+
+
+def test_a_full_disk_takes_no_way_back_away(rig, monkeypatch, caplog):
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(history, "replace_text", full)
+    rig.begin(seconds=5.0)
+    rig.run(6.0)
+    assert rig.runs_the_former
+    assert rig.rows[-1] == ("returned", "its time is up")
+    assert "the settings' history is not kept" in caplog.text
+    monkeypatch.setattr(desk_module, "Validation", full)
+    assert rig.begin().json["message"].startswith("cannot be checked now: No space left")
+    assert rig.runs_the_former
+
+
+def test_a_site_file_that_is_gone_in_a_try_keeps_nothing_and_the_former_return(rig):
+    rig.begin(seconds=10.0)
+    rig.site.unlink()
+    said = rig.ask(act="keep", why="3 dB less at 1x")
+    assert "is not what runs" in said.json["message"]
+    rig.run(1.0)
+    assert rig.running.record.site_text == rig.former
+    assert rig.rows[-1] == ("returned", "a file was saved meanwhile")
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("\n    limit_m_s: 0.05", "\n    limit_m_s: .nan"),
+        ("\n    limit_m_s: 0.05", "\n    limit_m_s: .inf"),
+        ("\n    limit_m_s: 0.05", "\n    limit_m_s: -0.05"),
+        ("\n    limit_m_s: 0.05", f"\n    limit_m_s: 1{'0' * 400}"),
+        ("settle_s: 6,", "settle_s: 1e-300,"),
+        ("settle_s: 6,", "settle_s: !!python/object/apply:os.system [id],"),
+        ("amplitude_m_s: 0.008", "amplitude_m_s: 5"),
+        ("version: 1\n", "version: 1\n\0"),
+        ("version: 1\n", f"version: 1\nx: {'[' * 20_000}\n"),
+    ],
+)
+def test_a_hostile_value_is_refused_and_never_handed_over(rig, before, after):
+    said = rig.begin(rig.other(before, after))
+    assert said.json["ok"] is False
+    assert said.json["exit_code"] == 2
+    assert rig.running.control.taken == []
+    assert rig.desk.trying == ""
+    assert rig.begin().json["ok"] is True  # the desk goes on
 
 
 def test_a_correction_that_is_taken_back_ends_a_try(rig):

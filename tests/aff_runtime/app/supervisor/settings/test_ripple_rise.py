@@ -71,3 +71,26 @@ def test_the_words_name_signal_and_sizes():
     rise.begin()
     hear(rise, 20.0, 12.0, 3.0)
     assert rise.risen().startswith("ripple of unwind_tension_N rose from 0.7")
+
+
+@pytest.mark.parametrize("tried_s", [3.0, 6.5])
+def test_a_try_right_after_a_bad_one_is_judged_by_what_was_before_both(tried_s):
+    rise = RippleRise()
+    hear(rise, 0.0, 20.0, 1.0)
+    rise.begin()
+    hear(rise, 20.0, tried_s, 5.0)  # somebody undoes it before 7 s are over
+    rise.end()
+    hear(rise, 20.0 + tried_s, 1.0, 1.0)
+    rise.begin()
+    assert hear(rise, 21.0 + tried_s, 20.0, 3.0) is not None
+
+
+def test_five_seconds_after_a_try_what_was_heard_since_is_what_was_before():
+    rise = RippleRise()
+    hear(rise, 0.0, 20.0, 1.0)
+    rise.begin()
+    hear(rise, 20.0, 6.0, 1.0)
+    rise.end()
+    hear(rise, 26.0, 10.0, 4.0)  # the line runs rougher now, with the former settings
+    rise.begin()
+    assert hear(rise, 36.0, 20.0, 4.0) is None

@@ -1,0 +1,49 @@
+"""Readings for the record alone: the service goes on without them, so a record may lack some."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.records.run_grid import FILLED_SAMPLES, LARGEST, Rows
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Filled:
+    """One channel in every scan.
+
+    Attributes
+    ----------
+    values : (scans,); what is missing stands on a straight line between its neighbours.
+    taken_s : of the scans (scans,).
+    read : rows in which there was a reading.
+    step_s : of the grid.
+    """
+
+    values: Array
+    taken_s: Array
+    read: Rows
+    step_s: float
+
+    def holes_in(self, first: int, end: int) -> str:
+        """Return what is missing for too long in the scans from ``first`` to before ``end``."""
+        inside = self.read[(self.read >= first) & (self.read < end)]
+        edges = np.concatenate(([first], inside, [end - 1]))
+        gone_s = np.diff(self.taken_s[edges])
+        longest = int(np.argmax(gone_s))
+        if gone_s[longest] <= (FILLED_SAMPLES + 1.5) * self.step_s:
+            return ""
+        at_s = self.taken_s[edges[longest]] - self.taken_s[first]
+        return (
+            f"it is for the record alone, and {gone_s[longest]:.3g} s of it are missing "
+            f"{at_s:.1f} s into the piece; give a window without that"
+        )
+
+
+def filled(values: Array, taken_s: Array, step_s: float) -> Filled:
+    """Return a channel without gaps, and where it had readings; (scans,) as given."""
+    read = np.flatnonzero(np.abs(values) < LARGEST)
+    whole = np.interp(taken_s, taken_s[read], values[read]) if read.size else values
+    return Filled(values=whole, taken_s=taken_s, read=read, step_s=step_s)
