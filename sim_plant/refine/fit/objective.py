@@ -83,6 +83,10 @@ class Objective:
         the speed of the true line decides: of a channel of such words only what is beyond
         ``coarse_power`` of the expected counts.
         """
+        return cost - self.expected_cost - self.doubt(residual)
+
+    def doubt(self, residual: Array) -> float:
+        """Return the part of a residual's cost that the steps of coarse words may as well be."""
         unsure = 0.0
         rows = zip(self.whitening.noise, self.split(residual), strict=True)
         for noise, part in rows:
@@ -90,7 +94,7 @@ class Objective:
             over = np.sum(part**2, axis=1) - expected
             doubt = np.clip(over, 0.0, (CRITERIA.fit.coarse_power - 1.0) * expected)
             unsure += float(np.sum(doubt[np.logical_not(noise.analogue)]))
-        return cost - self.expected_cost - unsure
+        return unsure
 
     def residual(
         self, run: Sequence[Array], shifts: dict[str, float] | None = None, quick: bool = True

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
-from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.model.nuisances import is_effective_radius
 from sim_plant.refine.model.parameter_effects import within_tolerance
+from sim_plant.refine.search.candidate import bic_penalty
 
 
 def rolling_only(shifts: dict[str, float]) -> dict[str, float]:
@@ -35,10 +37,41 @@ def with_effect(
     fit = gauss_newton_fit(
         objective, (*base.hypotheses, h), (*base.values, tuple(start)), shifts, rounds=rounds
     )
+    if h.curved and np.isfinite(fit.cost):
+        fit = without_idle(objective, fit)
+        h = fit.hypotheses[-1]
     found, line = fit.values[-1], objective.pool.twins[0].declaration
     if not np.isfinite(fit.cost) or h.at_bound(found) or not certain_size(fit):
         return None
     return None if within_tolerance(line, objective.nuisances, h, found) else fit
+
+
+def without_idle(objective: Objective, fit: Fit) -> Fit:
+    """Return the fit without strengths of its last effect that the records do not show.
+
+    Play in a shaft whose torque never turns leaves no trace: its number goes anywhere, to a bound
+    as well, and says nothing against the shaft. A strength stays where its absence costs more
+    than a number's price, and the last one always does.
+    """
+    h, values = fit.hypotheses[-1], fit.values[-1]
+    line = objective.pool.twins[0].declaration
+    for k, (name, absent) in enumerate(zip(h.names, h.absent, strict=True)):
+        if h.strengths < 2 or k >= h.strengths:
+            break
+        kept = tuple(n for n in h.names if n != name)
+        choice = (*h.fixed, (name, absent))
+        fewer = replace(hypothesis(h.effect, h.location, choice, kept, line), record=h.record)
+        rest = tuple(v for n, v in zip(h.names, values, strict=True) if n != name)
+        there = gauss_newton_fit(
+            objective,
+            (*fit.hypotheses[:-1], fewer),
+            (*fit.values[:-1], rest),
+            fit.shifts,
+            rounds=2,
+        )
+        if there.cost < fit.cost + bic_penalty(objective, 1):
+            return without_idle(objective, there)
+    return fit
 
 
 def certain_size(fit: Fit) -> bool:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective, conditioned_on
-from sim_plant.refine.search.candidate import FittedCandidate
+from sim_plant.refine.search.candidate import FittedCandidate, sure_fall
 from sim_plant.refine.search.completeness import explains_own_lines, remaining_spectra
 from sim_plant.refine.search.free_terms import free_term_basis
 from sim_plant.refine.search.selection import Selection
@@ -43,8 +43,9 @@ class Apart:
 
     def judged(self, candidate: FittedCandidate) -> FittedCandidate:
         """Return a candidate by what it explains apart from the lines."""
-        left = self.weighed(candidate.fit).cost
-        return replace(candidate, chi2_reduction=self.selection.fit.cost - left)
+        left = self.weighed(candidate.fit)
+        fall = sure_fall(self.objective, self.selection.fit, left)
+        return replace(candidate, chi2_reduction=fall)
 
     def explains_own_lines(self, fit: Fit) -> bool:
         """Return whether ``fit`` explains a fair share of what is left apart from the lines."""

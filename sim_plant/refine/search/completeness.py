@@ -8,6 +8,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.search.candidate import sure_fall
 from sim_plant.refine.search.unexplained import strongest_peak
 from sim_plant.refine.spectra.coordinates import Travel, periodic_support, spectra
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
@@ -50,7 +51,7 @@ def explains_own_lines(
         sure = objective.excess(base.cost, base.residual) - sure_excess(objective)
         peak = strongest_peak(before)[2] - NOISE_PEAK
         share = max(COMPLETENESS.explained_share * peak, COMPLETENESS.fair_share * sure)
-        return chi2_reduction > share
+        return sure_fall(objective, base, fit) > share
     left = remaining_spectra(objective, fit, travels)
     for h in periodic:
         peak = _strongest_support(h, travels, before)

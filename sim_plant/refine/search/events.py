@@ -24,6 +24,7 @@ from sim_plant.refine.search.screening import (
     neighbours,
     responses_of,
     sensitivities,
+    sure_look,
 )
 from sim_plant.refine.search.spans import best_spans
 from sim_plant.refine.spectra.onset_filter import (
@@ -54,9 +55,10 @@ def event_candidates(
         group = every_third_idler(library, idlers)
         residual = objective.residual(objective.pool.one(fit.case), fit.shifts)
         white = objective.split(objective.projector.project(residual))[record]
-        first = objective.whitening.noise[record].first
+        noise = objective.whitening.noise[record]
+        white = white[noise.analogue]  # the steps of coarse words wander as what begins does
         units = {onset.unit for h in group if (onset := h.effect.onset) is not None}
-        axes: dict[str, Axis] = {unit: moment_axis(twin, first, unit) for unit in units}
+        axes: dict[str, Axis] = {unit: moment_axis(twin, noise.first, unit) for unit in units}
         on_grid = {unit: resampled(white, a.moments, a.grid) for unit, a in axes.items()}
         seen = [
             c
@@ -151,7 +153,9 @@ def _by_matched_filter(
     for part, column in zip(parts, columns, strict=True):
         if not np.isfinite(column).all():
             continue
-        response = objective.split(column[:, 0])[h.record or 0]
+        record = h.record or 0
+        response = objective.split(column[:, 0])[record]
+        response = response[objective.whitening.noise[record].analogue]
         for chi2, moment in best_moments(axis, white, response, part, onset.unit):
             start = _beginning(h, moment).start
             found.append(Candidate(hypothesis=h, chi2_reduction=chi2, penalty=0.0, start=start))
@@ -348,8 +352,9 @@ def _best_of_starts(
     parts = np.split(every, len(tried), axis=1)
     known = [k for k, columns in enumerate(parts) if np.isfinite(columns).all()]
     inners = objective.projector.inners(residual, [parts[k] for k in known])
-    for each, inner in zip([tried[k] for k in known], inners, strict=True):
-        linear = inner.fit()
+    by: tuple[Candidate, Array] | None = None
+    for k, inner in zip(known, inners, strict=True):
+        each, columns, linear = tried[k], parts[k], inner.fit()
         if linear.chi2_reduction > best.chi2_reduction:
             sizes = tuple(
                 float(np.clip(a + v * (s - a), lo, hi))
@@ -363,7 +368,11 @@ def _best_of_starts(
                 penalty=price,
                 start=(*sizes, *each.start[h.strengths :]),
             )
-    return best
+            by = replace(best, hypothesis=each), columns
+    if by is None:
+        return best
+    shown = sure_look(objective, objective.projector.project(residual), *by)
+    return replace(best, chi2_reduction=shown.chi2_reduction)
 
 
 def _without_end(objective: Objective, c: Candidate) -> Candidate:

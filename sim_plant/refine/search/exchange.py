@@ -16,7 +16,7 @@ from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.model.place import Place
-from sim_plant.refine.search.candidate import Progress, bic_penalty
+from sim_plant.refine.search.candidate import Progress, bic_penalty, sure_fall
 from sim_plant.refine.search.completeness import sure_excess
 from sim_plant.refine.search.selection import AcceptedEffect, Selection, alike_margin
 
@@ -120,7 +120,8 @@ def pruned(objective: Objective, selection: Selection, progress: Progress) -> Se
         losses = []
         for k, h in enumerate(fit.hypotheses):
             without = _without(objective, fit, k)
-            losses.append(without.cost - fit.cost - bic_penalty(objective, len(h.names)))
+            loss = sure_fall(objective, without, fit)
+            losses.append(loss - bic_penalty(objective, len(h.names)))
         k = int(np.argmin(losses))
         if losses[k] > EXCHANGE.missed:
             return selection

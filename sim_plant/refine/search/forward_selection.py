@@ -15,7 +15,7 @@ from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronisin
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.added_effect import rolling_only
 from sim_plant.refine.search.apart_from_lines import Apart, apart_from_lines, own_lines
-from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
+from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress, sure_fall
 from sim_plant.refine.search.completeness import (
     explains_own_lines,
     leaves_much,
@@ -33,7 +33,12 @@ from sim_plant.refine.search.free_terms import (
 )
 from sim_plant.refine.search.outside_prior import fit_conflicts, told_by_record, total_shifts
 from sim_plant.refine.search.profile_detail import joint_refit
-from sim_plant.refine.search.screening import by_periodic_support, screen, shortlist
+from sim_plant.refine.search.screening import (
+    by_periodic_support,
+    screen,
+    shortlist,
+    without_failed,
+)
 from sim_plant.refine.search.selection import (
     Extension,
     Selection,
@@ -307,7 +312,9 @@ def best_of(
     lasting = base if periodic else _looked_from(base, apart)
     candidates = [*screen(weigh, lasting, group, progress), *events]
     candidates.sort(key=lambda c: -c.score)
-    fitted = [*rivals, *fit_candidates(objective, base, shortlist(candidates), progress)]
+    tried = shortlist(candidates)
+    fitted = [*rivals, *fit_candidates(objective, base, tried, progress)]
+    candidates = without_failed(candidates, tried, fitted)
     if apart is not None:
         fitted = [apart.judged(c) for c in fitted]
     if selection.accepted:
@@ -346,7 +353,7 @@ def chi2_without_last(objective: Objective, fit: Fit, apart: Apart | None = None
     )
     if apart is not None:
         without, there = (apart.weighed(f, quick=False) for f in (without, there))
-    return without.cost - there.cost
+    return sure_fall(objective if apart is None else apart.objective, without, there)
 
 
 def _explains_own_lines(

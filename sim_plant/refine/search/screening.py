@@ -14,7 +14,7 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.projection import Inner
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.place import Place
-from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
+from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress, bic_penalty
 from sim_plant.refine.spectra.coordinates import Travel, periodic_support
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
 
@@ -75,7 +75,43 @@ def _screened(
     inners = objective.projector.inners(residual, columns)
     rows = zip(hypotheses, inners, strict=True)
     found = [linear_candidate(objective, h, inner) for h, inner in rows]
-    return sorted(found, key=lambda c: -c.score)
+    return sure_looks(objective, residual, found, columns)
+
+
+def sure_looks(
+    objective: Objective, residual: Array, found: Sequence[Candidate], columns: Sequence[Array]
+) -> list[Candidate]:
+    """Return first looks, best first, those that may be fitted by what they surely explain.
+
+    ``columns`` are those that each of them was made from. See ``candidate.sure_fall``.
+    """
+    left = objective.projector.project(residual)
+    rows = sorted(zip(found, columns, strict=True), key=lambda row: -row[0].score)
+    if objective.doubt(left) <= 0.0:
+        return [c for c, _ in rows]
+    top = 2 * SCREENING.shortlist_length
+    sure: set[int] = set()
+    while unsure := [k for k, (c, _) in enumerate(rows[:top]) if id(c) not in sure]:
+        k = unsure[0]
+        looked = sure_look(objective, left, *rows[k])
+        sure.add(id(looked))
+        rows[k] = looked, rows[k][1]
+        rows.sort(key=lambda row: -row[0].score)
+    return [c for c, _ in rows]
+
+
+def sure_look(objective: Objective, left: Array, c: Candidate, columns: Array) -> Candidate:
+    """Return a first look by what it surely explains of ``left``, the projected residual."""
+    h = c.hypothesis
+    if not np.isfinite(columns).all() or not c.chi2_reduction > 0.0:
+        return c
+    sizes = np.ones(1)
+    if not h.curved:
+        first, absent = np.array(h.start[: h.strengths]), np.array(h.absent[: h.strengths])
+        sizes = (np.array(c.start[: h.strengths]) - absent) / (first - absent)
+    rest = left - objective.projector.project(columns @ sizes)
+    shown = c.chi2_reduction - objective.doubt(left) + objective.doubt(rest)
+    return replace(c, chi2_reduction=min(c.chi2_reduction, shown))
 
 
 def sensitivities(objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesis]) -> list[Array]:
@@ -166,6 +202,18 @@ def shortlist(candidates: Sequence[Candidate]) -> list[Candidate]:
             continue
         kept.append(c)
     return kept[: SCREENING.shortlist_length]
+
+
+def without_failed(
+    candidates: Sequence[Candidate], tried: Sequence[Candidate], fitted: Sequence[FittedCandidate]
+) -> list[Candidate]:
+    """Return first looks without those that were ``tried`` and gave no estimate.
+
+    A first look that no fit bears out is no rival of one that is fitted.
+    """
+    known = {c.hypothesis.key for c in fitted}
+    failed = {c.hypothesis.key for c in tried} - known
+    return [c for c in candidates if c.hypothesis.key not in failed]
 
 
 def _form(h: Hypothesis) -> tuple[object, ...]:

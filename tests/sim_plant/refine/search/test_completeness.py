@@ -26,8 +26,10 @@ NOISE = OBJECTIVE.expected_cost
 
 
 def claimed(before, after, line=0.0):
-    residual = np.full(4 * 20_000 + 1, np.sqrt(before / (4 * 20_000)))
-    base, fit = replace(fit_of(cost=before), residual=residual), fit_of(DELAY, cost=after)
+    base, fit = (
+        replace(f, residual=np.full(4 * 20_000 + 1, np.sqrt(f.cost / (4 * 20_000))))
+        for f in (fit_of(cost=before), fit_of(DELAY, cost=after))
+    )
     return explains_own_lines(OBJECTIVE, base, one_peak(line), [travel_at(np.ones(9))], fit)
 
 

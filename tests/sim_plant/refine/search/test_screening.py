@@ -6,9 +6,14 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.place import Place
-from sim_plant.refine.search.candidate import Candidate, bic_penalty
-from sim_plant.refine.search.screening import every_third_idler, linear_candidate, shortlist
-from tests.sim_plant.refine.small import formula_twin, objective_of, white
+from sim_plant.refine.search.candidate import Candidate, FittedCandidate, bic_penalty
+from sim_plant.refine.search.screening import (
+    every_third_idler,
+    linear_candidate,
+    shortlist,
+    without_failed,
+)
+from tests.sim_plant.refine.small import fit_of, formula_twin, objective_of, white
 
 SAMPLES = 5334  # 4000 of them are judged
 PROFILE = hypothesis(BY_NAME["out_of_round_roll"], "unwind")
@@ -92,3 +97,14 @@ def test_an_effect_is_fitted_at_three_places_at_most_and_a_curved_one_gets_a_sec
         *(Place("eccentric_roller", f"R{k}") for k in range(3)),
         Place("bearing_drag", "R6"),
     ]
+
+
+def test_a_first_look_whose_fit_gave_no_estimate_is_no_rival():
+    drags = [hypothesis(BY_NAME["bearing_drag"], place) for place in ("R1", "R2", "R3")]
+    looks = [
+        Candidate(hypothesis=h, chi2_reduction=chi2, penalty=0.0, start=h.start)
+        for h, chi2 in zip(drags, (300.0, 200.0, 100.0), strict=True)
+    ]
+    fit = FittedCandidate(fit=fit_of(drags[1]), chi2_reduction=200.0, penalty=0.0)
+    left = without_failed(looks, looks[:2], [fit])
+    assert [c.hypothesis.location for c in left] == ["R2", "R3"]

@@ -1,0 +1,49 @@
+"""One more effect: a number that no record shows says nothing against the effect."""
+
+import numpy as np
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.fit.gauss_newton import nominal_fit
+from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.model.twin import Case
+from sim_plant.refine.search.added_effect import with_effect
+from tests.sim_plant.refine.small import STEP_S, formula_twin, line_with, objective_of, white
+
+SAMPLES = 3000
+WAVE = np.sin(2.0 * np.pi * 0.5 * STEP_S * np.arange(SAMPLES))
+LINE = line_with()
+SHAFT = hypothesis(BY_NAME["shaft_compliance_backlash"], "unwind", line=LINE)
+
+
+def fitted(play_seen, start, truth=(0.003, 0.004)):
+    """Return a shaft fitted where its twist shows, and its play only if ``play_seen``."""
+
+    def readings(case):
+        found = np.zeros((1, SAMPLES))
+        for added in case.effects:
+            given = dict(added.parameters)
+            found += 500.0 * given["compliance_rad_N_m"] * WAVE
+            found += play_seen * 500.0 * given["backlash_rad"] * WAVE**2
+        return found
+
+    twin = formula_twin(readings, ("unwind_tension_N",), SAMPLES, line=LINE)
+    there = Case(effects=(SHAFT.added(truth),))
+    objective = objective_of(twin, twin.simulate(there) + white((1, SAMPLES), 8))
+    return with_effect(objective, nominal_fit(objective, {}), SHAFT, start, {})
+
+
+@pytest.mark.parametrize("play_rad", [0.003, 0.1])
+def test_play_that_no_record_shows_is_left_out_and_the_shaft_stays(play_rad):
+    """Also from the bound of 0.1 rad: before, a number at its bound took the shaft with it."""
+    fit = fitted(False, (0.0015, play_rad))
+    (h,) = fit.hypotheses
+    assert h.names == ("compliance_rad_N_m",)
+    assert dict(h.fixed)["backlash_rad"] == 0.0
+    assert fit.values[0][0] == pytest.approx(0.003, rel=0.05)
+
+
+def test_play_that_shows_is_a_number_of_the_shaft():
+    fit = fitted(True, (0.0015, 0.003))
+    assert fit.hypotheses[0].names == ("compliance_rad_N_m", "backlash_rad")
+    assert fit.values[0] == pytest.approx((0.003, 0.004), rel=0.05)
