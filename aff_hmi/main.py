@@ -23,7 +23,7 @@ from aff_runtime.base.release import release_text
 from aff_runtime.loop.watchdog import ServiceNotifier
 
 INSTALLED_DOOR = Path("/run/aff-door/door.sock")
-FRAMES_PER_NOTE = 10  # of a living screen, to the service manager
+FRAMES_PER_NOTE = 4  # of a living screen, to the service manager
 
 
 def build_parser() -> argparse.ArgumentParser:
