@@ -22,7 +22,7 @@ def encode(view: View, *, number: int, boot: str) -> str:
     return text[1:]
 
 
-def _plain(one: Any) -> dict[str, Any]:
+def _plain(one: Any) -> Any:
     """Return the fields of a dataclass; ``asdict`` would copy all that is in them, too."""
     return {field.name: getattr(one, field.name) for field in fields(one)}
 
