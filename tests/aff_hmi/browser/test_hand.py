@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from aff_runtime.app.hand.accounts import Account, secret_of
 from aff_runtime.app.hand.may import Role
+from tests.aff_hmi.browser.axe import grave_findings
 from tests.aff_hmi.browser.conftest import PATIENCE_S, Screen
 from tests.aff_hmi.browser.eyes import Page
+from tests.aff_hmi.browser.sights import CLIPPED, CONTRAST, MIN_CONTRAST, OVERLAPS, SMALL
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import until
 
@@ -115,6 +118,27 @@ def test_at_the_panel_bypass_needs_no_login_and_everything_else_does(
     page.page.click("#bypass")
     said(page, "done, and seen in the line")
     assert with_hand.service.status()["state"] == "BYPASS"
+    page.close()
+
+
+@pytest.mark.parametrize(("width", "dress"), [(360, ("de", "dark")), (1280, ("en", "light"))])
+@pytest.mark.parametrize("name", ["timing", "rolls"])
+def test_its_other_commands_fit_and_can_be_read(
+    chromium, with_hand: Screen, pictures: Path, name: str, width: int, dress: tuple[str, str]
+) -> None:
+    language, theme = dress
+    view = {"width": width, "height": 800}
+    page = Page(chromium, with_hand.url + name, viewport=view, locale=language, color_scheme=theme)
+    page.await_live()
+    page.await_selector(".held-button")
+    page.picture(pictures / f"hand-{name}-{width}-{language}-{theme}.png")
+    assert page.run("() => document.documentElement.scrollWidth") <= width
+    ratio, where = page.run(CONTRAST)
+    assert ratio >= MIN_CONTRAST, where
+    for found in (SMALL, CLIPPED, OVERLAPS):
+        assert page.run(found) == []
+    assert grave_findings(page.page) == []
+    assert page.complaints == []
     page.close()
 
 
