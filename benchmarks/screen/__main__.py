@@ -134,7 +134,9 @@ def _block(rig: Rig, kind: str, block_s: float, settle_s: float) -> Block:
 
 def burning() -> subprocess.Popen[bytes]:
     """Start what uses all that a screen's unit lets it have: quota, niceness, processors."""
-    return subprocess.Popen(["nice", "-n", "10", *module_command("benchmarks.screen.burning")])
+    command = ["nice", "-n", "10", *module_command("benchmarks.screen.burning")]
+    tree = {**os.environ, "PYTHONPATH": str(ROOT)}  # benchmarks are not installed
+    return subprocess.Popen(command, cwd=ROOT, env=tree)
 
 
 def of_ticks(blocks: dict[str, list[Block]], block_s: float) -> Section:
