@@ -163,7 +163,7 @@ size:
 # the screen beside a running line: its cost as ratios of one run, its pages in a Chromium; half an hour on a
 # quiet machine, writes docs/results/screen.md. What was measured is kept in out/bench-screen/kept: a stopped
 # run goes on (EXTRA=--quick for a look of a few minutes)
-bench-screen: setup
+bench-screen: setup chromium
 	$(BIN)/python -m benchmarks.screen $(EXTRA)
 
 # the laws and their rivals on one line, in lockstep time; QUICK=1 for the short set. Rows are kept

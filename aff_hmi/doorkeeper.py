@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import asyncio
 from collections import OrderedDict
+from functools import partial
 
-from aff_runtime.app.hand.accounts import MOST_CHARACTERS, Account, Accounts
+from aff_runtime.app.hand.accounts import MOST_CHARACTERS, Account, Accounts, is_pin
 from aff_runtime.app.hand.bucket import Bucket
+from aff_runtime.app.hand.may import Place
 from aff_runtime.base.ports import Clock
 
 PER_ACCOUNT, PER_ADDRESS = 5, 20
 PER_S = 1.0 / 60.0
+PINS, PIN_PER_S = 5.0, 1.0 / 300.0
 MAX_QUEUE = 8
 MAX_KNOWN = 1024
 
@@ -26,6 +29,7 @@ class Doorkeeper:
         self._accounts = accounts
         self._clock = clock
         self._buckets: OrderedDict[tuple[str, str], Bucket] = OrderedDict()
+        self._pins: dict[str, Bucket] = {}  # no more than there are accounts with one
         self._one = asyncio.Lock()
         self._queue = 0
 
@@ -35,8 +39,21 @@ class Doorkeeper:
             return True  # no bucket of a name: a flood of names would push out those of others
         return not self._bucket(name, address, PER_ACCOUNT).take()
 
-    async def check(self, name: str, password: str) -> Account | None:
-        """Return the account whose password this is.
+    def is_guessed(self, name: str, password: str, place: Place) -> bool:
+        """Return whether a PIN was tried for an account too often; it counts.
+
+        Five at once and one in five minutes: a million of them take more than nine years.
+        """
+        if place is not Place.PANEL or not is_pin(password):
+            return False
+        known = self._accounts.find(name)
+        if known is None or not known.has_pin:
+            return False
+        bucket = self._pins.setdefault(name, Bucket(self._clock, per_s=PIN_PER_S, burst=PINS))
+        return not bucket.take()
+
+    async def check(self, name: str, password: str, place: Place) -> Account | None:
+        """Return the account whose password this is; a PIN is one at the panel alone.
 
         Raises
         ------
@@ -50,7 +67,9 @@ class Doorkeeper:
         self._queue += 1
         try:
             async with self._one:
-                return await asyncio.to_thread(self._accounts.check, name, password)
+                at_panel = place is Place.PANEL
+                check = partial(self._accounts.check, name, password, at_panel=at_panel)
+                return await asyncio.to_thread(check)
         finally:
             self._queue -= 1
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict
+from dataclasses import fields
+from typing import Any
 
 from aff_hmi.view import View
 
@@ -13,8 +14,17 @@ MAX_SAID_BYTES = 256
 
 def encode(view: View, *, number: int, boot: str) -> str:
     """Return a frame without the part that is each browser's own; begin it with ``opened``."""
-    said = {"q": number, "boot": boot, **asdict(view)}
-    return json.dumps(said, ensure_ascii=False, allow_nan=False, separators=(",", ":"))[1:]
+    said = {"q": number, "boot": boot, **_plain(view)}
+    separators = (",", ":")
+    text = json.dumps(
+        said, ensure_ascii=False, allow_nan=False, separators=separators, default=_plain
+    )
+    return text[1:]
+
+
+def _plain(one: Any) -> Any:
+    """Return the fields of a dataclass; ``asdict`` would copy all that is in them, too."""
+    return {field.name: getattr(one, field.name) for field in fields(one)}
 
 
 def with_part(frame: str, part: str) -> str:

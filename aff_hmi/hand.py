@@ -45,16 +45,30 @@ class Moment:
 class Hand:
     """Everything beside looking.
 
+    Parameters
+    ----------
+    bypass_from : the farthest place from which who has not logged in may bypass; None: nowhere.
+
     Attributes
     ----------
     accounts, sessions : who may log in, who has. ``desk`` : the way to the service.
     """
 
-    def __init__(self, socket: Path, accounts: Path, clock: Clock) -> None:
+    def __init__(
+        self,
+        socket: Path,
+        accounts: Path,
+        clock: Clock,
+        *,
+        bypass_from: Place | None = Place.PANEL,
+    ) -> None:
         self._clock = clock
+        self._bypass_from = bypass_from
+        self._remote = False
         self.accounts = Accounts(accounts)
         self.sessions = Sessions(self.accounts, clock, self._note)
         self.desk = PressDesk(socket, clock)
+        self._of_nobody: dict[tuple[Place, Say], str] = {}
         self._moments: deque[Moment] = deque(maxlen=KEPT_MOMENTS)
         self._state: State | None = None
         self._blocked = ""
@@ -62,12 +76,14 @@ class Hand:
 
     def look(self, seen: Seen, number: int) -> None:
         """Take note of what the frame of this number shows."""
+        self._of_nobody.clear()
         self.sessions.sweep()
         age_s = seen.tick_age_s
         is_fresh = seen.writer_lives and age_s is not None and age_s < FRESH_S
         self._state = seen.row.state if seen.row is not None and is_fresh else None
         self._blocked = seen.facts.blocked if seen.facts is not None else ""
         self._probing = seen.facts is not None and seen.facts.status.probing
+        self._remote = seen.row is not None and seen.row.is_remote
         shown = self._state.name if self._state is not None else ""
         self._moments.append(Moment(number=number, made_ns=self._clock.now_ns(), state=shown))
 
@@ -91,8 +107,18 @@ class Hand:
         return self.sessions.person(session, place)
 
     def own(self, token: str, place: Place, say: Say) -> str:
-        """Return what a frame shows of one browser's session, as JSON."""
+        """Return what a frame shows of one browser's session, as JSON.
+
+        Of those without a session, who are many, it is worked out once for each frame.
+        """
         session = self.sessions.find(token, place)
+        if session is not None:
+            return self._own_of(session, place, say)
+        if (place, say) not in self._of_nobody:
+            self._of_nobody[place, say] = self._own_of(None, place, say)
+        return self._of_nobody[place, say]
+
+    def _own_of(self, session: Session | None, place: Place, say: Say) -> str:
         held = self.sessions.holder()
         has_hand = held is not None and held.session is session
         said = {
@@ -125,6 +151,8 @@ class Hand:
             arms_from=rules.arms_from,
             hand_of=hand_of,
             probing=self._probing,
+            remote=self._remote,
+            bypass_from=self._bypass_from,
         )
 
 

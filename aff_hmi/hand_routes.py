@@ -24,13 +24,12 @@ from aff_hmi.see.alarm_desk import AlarmDesk
 from aff_hmi.sessions import Session
 from aff_hmi.windows.desk import WindowDesk
 from aff_hmi.words import N_, Say
-from aff_runtime.app.hand.may import Action, Code, Place, Reason
-from aff_runtime.app.hand.messages import Command, Notice, is_account_name, is_command_id
+from aff_runtime.app.hand.may import Action, Code, Place, Reason, Role
+from aff_runtime.app.hand.messages import NOBODY, Command, Notice, is_account_name, is_command_id
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import State
 
-NOBODY = "nobody"
 LOOPBACK = ("127.0.0.1", "::1")
 PANEL_NAMES = ("127.0.0.1", "localhost", "[::1]")
 PASSED_ON = ("forwarded", "via", "x-real-ip", "x-client-ip")
@@ -104,6 +103,11 @@ class HandRoutes:
         """Return whether a request comes from a session, for the gate."""
         return self.session_of(HTTPConnection(scope)) is not None
 
+    def can_bypass(self, asked: HTTPConnection) -> bool:
+        """Return whether who asks may bypass, with a login or without one."""
+        session, place = self.session_of(asked), place_of(asked)
+        return not self._hand.reasons(Action.BYPASS, session, place)
+
     # --- the gate ---------------------------------------------------------------------------
 
     def _behind(self, path: str) -> Callable[[Request], Awaitable[Response]]:
@@ -118,7 +122,8 @@ class HandRoutes:
             token = self.token_of(request)
             place = place_of(request)
             session = self._hand.sessions.find(token, place)
-            if entry.role is not None and session is None:
+            is_free = self._is_free(path, said, place)
+            if entry.role is not None and session is None and not is_free:
                 return because(401, Reason(code=Code.LOGGED_OUT), say)
             if session is not None and not self._has_token(request, session, entry, said):
                 return refusal(403, say(NO_TOKEN))
@@ -141,6 +146,11 @@ class HandRoutes:
 
         return endpoint
 
+    def _is_free(self, path: str, said: Said, place: Place) -> bool:
+        """Return whether this is a bypass that needs no login at this place."""
+        is_bypass = path == "/act" and said.get("action") == Action.BYPASS
+        return is_bypass and not self._hand.reasons(Action.BYPASS, None, place)
+
     @staticmethod
     def _has_token(request: Request, session: Session, entry: Entry, said: Said) -> bool:
         """Return whether the page says the session's own token.
@@ -162,7 +172,9 @@ class HandRoutes:
         try:
             if self._doorkeeper.is_too_often(shown, asked.address):
                 raise BlockingIOError
-            account = await self._doorkeeper.check(name, password)
+            if self._doorkeeper.is_guessed(shown, password, asked.place):
+                raise BlockingIOError
+            account = await self._doorkeeper.check(name, password, asked.place)
         except BlockingIOError:
             self._counts.logins["waits"] += 1
             return refusal(429, asked.say(WAIT))
@@ -225,12 +237,12 @@ class HandRoutes:
     async def _press(self, asked: Asked) -> Response:
         """Judge a press and pass it on."""
         session, said = asked.session, asked.said
-        assert session is not None
         action, ident, seen = str(said["action"]), str(said["id"]), str(said["seen"])
         is_known = action in tuple(Action) and is_command_id(ident)
         if not is_known or seen not in ("", *State.__members__):
             return refusal(400, asked.say(NO_SENSE))
-        self._hand.sessions.press(session)
+        if session is not None:
+            self._hand.sessions.press(session)
         until_ns = 0
         if action != Action.BYPASS:
             reasons = self._hand.reasons(Action(action), session, asked.place)
@@ -242,8 +254,8 @@ class HandRoutes:
         command = Command(
             id=ident,
             action=Action(action),
-            account=session.account.name,
-            role=session.account.role,
+            account=session.account.name if session is not None else NOBODY,
+            role=session.account.role if session is not None else Role.VIEW,
             place=asked.place,
             seen=seen,
             valid_until_ns=until_ns,

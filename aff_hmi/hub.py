@@ -21,11 +21,13 @@ from aff_hmi.see.kept import Kept
 from aff_hmi.view import view_of
 from aff_hmi.watch import Seen, Watch
 from aff_hmi.words import say_in
+from aff_runtime.app.door.messages import Facts
 from aff_runtime.app.report.metrics.readings import Sample
 from aff_runtime.base.ports import Clock
 
 FRAME_S = 0.1
-POLLS_PER_FRAME = 2
+QUIET_S = 0.5  # while nobody looks
+LEAST_S = 0.02
 MAX_SOCKETS = 32
 MAX_IN_FLIGHT = 2
 MAX_SAID_PER_S = 20
@@ -96,32 +98,44 @@ class Hub:
         self._frames: dict[tuple[str, str], str] = {}
         self._metrics = Metrics(clock)
         self._number = 0
+        self._due = asyncio.Event()
+        self._layout_of: tuple[Facts | None, tuple[str, ...]] = (None, ())
         self.boot = secrets.token_hex(8)
         self.layout = Layout()
 
     async def run(self, alive: Callable[[], None] = lambda: None) -> None:
-        """Poll for ever; a frame for those who look on every ``FRAME_S``, then ``alive``."""
-        period_ns = round(1e9 * FRAME_S / POLLS_PER_FRAME)
+        """Poll for ever; a frame for those who look on every ``FRAME_S``, then ``alive``.
+
+        Who comes gets one at once. While nobody looks the ring is read less often: a poll costs
+        as much for one tick as for fifty.
+        """
         due_ns = self._clock.now_ns()
         while True:
-            for _ in range(POLLS_PER_FRAME):
-                due_ns = max(due_ns + period_ns, self._clock.now_ns())
-                await asyncio.sleep((due_ns - self._clock.now_ns()) * 1e-9)
-                self._watch.poll()
-                if self.rooms is not None:
-                    self.rooms.listen(self._watch.news)
-                if self.hand is not None:
-                    self.hand.desk.poll()
+            period_ns = round(1e9 * (FRAME_S if self._viewers else QUIET_S))
+            due_ns = await self._until(max(due_ns + period_ns, self._clock.now_ns()))
+            self._watch.poll()
+            if self.rooms is not None:
+                self.rooms.listen(self._watch.news)
+            if self.hand is not None:
+                self.hand.desk.poll()
             self.make_frames(self._watch.seen())
             alive()
 
+    async def _until(self, due_ns: int) -> int:
+        """Wait until a frame is due, or somebody has come; return when it was due."""
+        loop = asyncio.get_running_loop()
+        timer = loop.call_later((due_ns - self._clock.now_ns()) * 1e-9, self._due.set)
+        await self._due.wait()
+        timer.cancel()
+        if self._clock.now_ns() < due_ns:  # a flood of those who come costs no flood of frames
+            await asyncio.sleep(LEAST_S)
+        self._due.clear()
+        return min(due_ns, self._clock.now_ns())
+
     def make_frames(self, seen: Seen) -> None:
         """Work out one frame per language that is looked at."""
-        row = seen.row
-        channels = tuple(channel.name for channel in row.channels) if row is not None else ()
-        if seen.facts is not None and channels:
-            self.layout = layout_of(seen.facts, channels)
         self._number += 1
+        self._lay_out(seen)
         if self.hand is not None:
             self.hand.look(seen, self._number)
         self.counts.sockets = len(self._viewers)
@@ -139,6 +153,17 @@ class Hub:
         }
         for viewer in self._viewers:
             viewer.frame.set()
+
+    def _lay_out(self, seen: Seen) -> None:
+        """Work out the rows of the page again where facts or columns are other ones."""
+        columns = tuple(seen.row.values) if seen.row is not None else ()
+        if seen.facts is None or not columns or self._layout_of == (seen.facts, columns):
+            return
+        self._layout_of = (seen.facts, columns)
+        assert seen.row is not None
+        found = layout_of(seen.facts, tuple(channel.name for channel in seen.row.channels))
+        if found != self.layout:  # one that stays has its digest already
+            self.layout = found
 
     def _with_part(self, head: str, topic: str, language: str) -> str:
         if self.kept is None or topic not in self.kept.topics:
@@ -196,6 +221,8 @@ class Hub:
             said = frames.said_by(message.get("text") or "")
             if said is None or allowance < 0.0:
                 return
+            if viewer.echo_ms is None:
+                self._due.set()
             viewer.heard(*said, now_ns)
 
     async def _send(self, socket: WebSocket, viewer: Viewer) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import asdict, dataclass
+from functools import cached_property
 
 from aff_runtime.app.door.messages import Facts
 from aff_runtime.app.report.line_facts import VELOCITY, LineFacts, OutputFacts
@@ -41,7 +42,7 @@ class Output:
     signal_unit: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Layout:
     """All rows of the overview.
 
@@ -57,7 +58,7 @@ class Layout:
     rolls: tuple[tuple[str, str], ...] = ()
     speed: str = ""
 
-    @property
+    @cached_property
     def ident(self) -> str:
         """Return a digest of everything that a page shows of it."""
         return hashlib.sha256(json.dumps(asdict(self)).encode()).hexdigest()[:16]

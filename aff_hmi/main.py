@@ -15,6 +15,7 @@ from aff_hmi.account_command import INSTALLED_ACCOUNTS
 from aff_hmi.listening import PORT, Listening, listening
 from aff_hmi.words import LANGUAGES
 from aff_runtime.app.hand.accounts import read_accounts
+from aff_runtime.app.hand.may import Place
 from aff_runtime.app.link.runtime_directory import default_directory, runtime_paths
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
@@ -23,7 +24,7 @@ from aff_runtime.base.release import release_text
 from aff_runtime.loop.watchdog import ServiceNotifier
 
 INSTALLED_DOOR = Path("/run/aff-door/door.sock")
-FRAMES_PER_NOTE = 10  # of a living screen, to the service manager
+FRAMES_PER_NOTE = 4  # of a living screen, to the service manager
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -80,6 +81,13 @@ def build_parser() -> argparse.ArgumentParser:
         default=INSTALLED_ACCOUNTS,
         metavar="FILE",
         help="who may log in, made by `aff-hmi account add` (default %(default)s)",
+    )
+    parser.add_argument(
+        "--bypass-from",
+        choices=("login", *(place.value for place in Place)),
+        default=Place.PANEL.value,
+        help="who may bypass without a login: nobody, who is at the machine itself, or everybody "
+        "who reaches the address (default %(default)s)",
     )
     parser.add_argument(
         "--state",
@@ -139,7 +147,10 @@ def _run(options: argparse.Namespace, place: Listening) -> int:
 
     clock = MonotonicClock()
     watch = Watch(options.door, clock)
-    hand = Hand(options.hand_socket, options.accounts, clock) if options.hand_socket else None
+    free = Place(options.bypass_from) if options.bypass_from != "login" else None
+    hand = None
+    if options.hand_socket:
+        hand = Hand(options.hand_socket, options.accounts, clock, bypass_from=free)
     kept = Kept(options.state, clock, can_be_seen=hand is not None)
     commission = Commission(options.commission_socket) if options.commission_socket else None
     notifier = ServiceNotifier(os.environ, every_ticks=FRAMES_PER_NOTE)

@@ -113,6 +113,7 @@ class Pages:
             version=__version__,
             has_hand=self.presses is not None,
             session=self.presses.session_of(request) if self.presses is not None else None,
+            can_bypass=self.presses is not None and self.presses.can_bypass(request),
         )
         return HTMLResponse(page, headers={"vary": "accept-language, cookie"})
 

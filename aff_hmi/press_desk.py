@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -29,6 +30,7 @@ class PressDesk:
         self._path = path
         self._clock = clock
         self._client: HandClient | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
         self._retry_ns = 0
         self._waiting: dict[str, asyncio.Future[Answer]] = {}
         self.rules: Welcome | None = None
@@ -41,11 +43,7 @@ class PressDesk:
         if self._client is None and now_ns >= self._retry_ns:
             self._retry_ns = now_ns + RETRY_NS
             self._connect()
-        try:
-            while self._client is not None and (told := self._client.receive()) is not None:
-                self._hear(told)
-        except AffError as error:
-            self._leave(str(error))
+        self._hear_all()
 
     async def press(self, command: Command) -> Answer:
         """Say a command and wait for its answer.
@@ -87,6 +85,10 @@ class PressDesk:
             self._client = HandClient(self._path)
         except AffError as error:
             self.trouble = str(error)
+            return
+        with contextlib.suppress(RuntimeError):  # without a loop it is heard when it is polled
+            self._loop = asyncio.get_running_loop()
+            self._loop.add_reader(self._client.fileno(), self._hear_all)
 
     def _say(self, message: Command | Notice) -> None:
         if self._client is None:
@@ -96,6 +98,14 @@ class PressDesk:
         except WireError as error:
             self._leave(str(error))
             raise
+
+    def _hear_all(self) -> None:
+        """Hear what was said; an answer waits for no poll."""
+        try:
+            while self._client is not None and (told := self._client.receive()) is not None:
+                self._hear(told)
+        except AffError as error:
+            self._leave(str(error))
 
     def _hear(self, told: Welcome | Answer) -> None:
         if isinstance(told, Welcome):
@@ -110,8 +120,10 @@ class PressDesk:
     def _leave(self, why: str) -> None:
         """Let go of the connection; nobody waits for what cannot come."""
         if self._client is not None:
+            if self._loop is not None:
+                self._loop.remove_reader(self._client.fileno())
             self._client.close()
-            self._client = None
+            self._client = self._loop = None
         self.rules, self.trouble = None, why
         self._retry_ns = self._clock.now_ns() + RETRY_NS
         for waiting in self._waiting.values():

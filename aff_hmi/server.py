@@ -25,6 +25,7 @@ from aff_runtime.base.errors import ConfigError
 MAX_CONNECTIONS = 64
 HEADER_PATIENCE_S = 5.0
 READY_LOOK_S = 0.02
+END_LOOK_S = 0.5
 MAX_HEADER_BYTES = 16_384
 MAX_SOCKET_BYTES = 1024
 
@@ -42,9 +43,19 @@ class PatientOnce(H11Protocol):
         self.loop.call_later(HEADER_PATIENCE_S, self._is_late, transport)
 
     def _is_late(self, transport: asyncio.Transport) -> None:
-        has_spoken = self.conn.their_state is not h11.IDLE or transport.get_protocol() is not self
+        is_idle = self.conn.their_state is h11.IDLE and self.cycle is None
+        has_spoken = not is_idle or transport.get_protocol() is not self
         if not has_spoken and not transport.is_closing():
             transport.close()
+
+
+class Unhurried(uvicorn.Server):
+    """A server that looks twice a second whether it is to end, where uvicorn does ten times."""
+
+    async def main_loop(self) -> None:
+        """Run until a signal."""
+        while not await self.on_tick(0):
+            await asyncio.sleep(END_LOOK_S)
 
 
 def _address(protocol: object) -> str:
@@ -116,7 +127,7 @@ async def serve(
     ``ready`` is called once browsers are heard, ``alive`` with every frame.
     """
     hub = Hub(watch, MonotonicClock(), hand, kept, commission)
-    server = uvicorn.Server(config_of(listening, hub, language))
+    server = Unhurried(config_of(listening, hub, language))
     polling = asyncio.create_task(hub.run(alive))
     serving = asyncio.create_task(server.serve())
     while not (server.started or serving.done()):

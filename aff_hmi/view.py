@@ -240,8 +240,9 @@ def _told_apart(row: TickRow, orders: list[OrderStatus]) -> list[OrderStatus]:
     """
     kept: list[tuple[float, float]] = []
     found = []
+    turns = {name: abs(row.roll(name).omega_rad_s) for name in {one.roll for one in orders}}
     for order in sorted(orders, key=lambda one: -_finite(one.ripple)):
-        turn = abs(row.roll(order.roll).omega_rad_s)
+        turn = turns[order.roll]
         frequency = order.order * turn
         if any(abs(frequency - f) * TURNS < min(turn, t) for f, t in kept if t != turn):
             continue

@@ -7,6 +7,10 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from aff_hmi.window import Window
 from aff_runtime.app.door.client import DoorClient
@@ -20,6 +24,7 @@ from aff_runtime.telemetry.ring import RingReader
 RETRY_NS = 500_000_000
 KEPT_EVENTS = 50
 _S = 1e-9
+Rows: TypeAlias = NDArray[np.float64] | Sequence[Sequence[float]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,7 +65,7 @@ class News:
 
     ring: str = ""
     columns: tuple[str, ...] = ()
-    records: Sequence[tuple[float, ...]] = ()
+    records: Rows = ()
     events: Sequence[tuple[float, ...]] = ()
 
 
@@ -170,15 +175,15 @@ class Watch:
         if ring is None:
             self.news = News()
             return
-        records = ring.signals.read_new()
-        arrived = records if self._written else []
+        records = ring.signals.read_rows()
+        arrived = records if self._written else records[:0]
         written = ring.signals.written_count()
         if self._window is None and self._facts is not None and self._facts.status.facts:
             self._window = self._new_window(ring)
-        if records:
+        if len(records):
             if self._written:
                 self._tick_ns = now_ns
-            self._row = TickRow(dict(zip(ring.columns, records[-1], strict=True)))
+            self._row = TickRow(dict(zip(ring.columns, records[-1].tolist(), strict=True)))
             if self._window is not None:
                 self._window.add(records)
         self._written = written

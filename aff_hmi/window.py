@@ -29,11 +29,12 @@ class Window:
         self._rows: NDArray[np.float64] = np.full((self._size, len(self._at)), np.nan)
         self._count = 0
 
-    def add(self, records: Sequence[Sequence[float]]) -> None:
+    def add(self, records: NDArray[np.float64] | Sequence[Sequence[float]]) -> None:
         """Append records of the ring in order."""
-        for record in records[-self._size :]:
-            self._rows[self._count % self._size] = [record[i] for i in self._from]
-            self._count += 1
+        rows = np.asarray(records[-self._size :], dtype=float)[:, self._from]
+        places = np.arange(self._count, self._count + len(rows)) % self._size
+        self._rows[places] = rows
+        self._count += len(rows)
 
     def mean_now(self, name: str) -> float:
         """Return the mean of the last tenth of a second; NaN when nothing is known."""

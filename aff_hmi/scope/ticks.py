@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aff_hmi.scope.signals import NEEDED, Signal
+from aff_hmi.watch import Rows
 
 KEPT_S = 600.0
 MOST_TICKS = 120_000
@@ -119,15 +120,13 @@ class Ticks:
         """Return whether these ticks belong to what is kept."""
         return bool(columns) and (ring, columns) == (self._ring, self._columns)
 
-    def add(
-        self, records: Sequence[Sequence[float]], events: Sequence[tuple[float, ...]] = ()
-    ) -> None:
+    def add(self, records: Rows, events: Sequence[tuple[float, ...]] = ()) -> None:
         """Append ticks of the ring that is followed; events are (tick, ns, code, argument)."""
         self._events.extend((int(tick), int(code)) for tick, _, code, _ in events)
-        if not records:
+        if not len(records):
             return
         size = len(self._head)
-        rows = np.array([[record[i] for i in self._at] for record in records[-size:]])
+        rows = np.asarray(records[-size:])[:, self._at]
         places = np.arange(self._count, self._count + len(rows)) % size
         self._head[places] = rows[:, : len(NEEDED)]
         self._values[places] = rows[:, len(NEEDED) :] * self._factors

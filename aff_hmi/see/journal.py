@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from aff_hmi.notices import is_probing, why_it_rests
 from aff_hmi.reason import MEANS
 from aff_hmi.see.events import Entry, Kind, insert, newest, prune
@@ -84,12 +86,16 @@ class Journal:
         now_ns, now_s = self._clock.now_ns(), self._wall()
         for tick, t_ns, code, _ in news.events:
             self._write(_of_ring(news.ring, int(tick), now_s - (now_ns - t_ns) * _S, int(code)))
-        if not news.records or any(name not in news.columns for name in NEEDED):
+        if not len(news.records) or any(name not in news.columns for name in NEEDED):
             return
         at = {name: news.columns.index(name) for name in NEEDED}
         of_roll = news.columns.index(ROLL_ID) if ROLL_ID in news.columns else None
-        end_s = news.records[-1][at["time_s"]]
-        for record in news.records:
+        rows = np.asarray(news.records)
+        end_s = rows[-1][at["time_s"]]
+        seen = rows[:, [at["state"], *([] if of_roll is None else [of_roll])]]
+        known = [math.nan if self._state is None else self._state]
+        before = np.vstack([[*known, *([] if of_roll is None else [self._roll_id])], seen[:-1]])
+        for record in rows[(seen != before).any(axis=1)]:
             state = record[at["state"]]
             roll_id = self._roll_id if of_roll is None else record[of_roll]
             is_same = of_roll is None or roll_id == self._roll_id

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aff_hmi.layout import Layout, label_of
+from aff_hmi.watch import Rows
 from aff_runtime.app.report.line_facts import LineFacts
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.signals import State
@@ -59,10 +60,10 @@ class SeriesSet:
         self._samples = tuple(samples)[: MOST - len(ticks)]
         self.all = (*(one.series for one in ticks), *(samples[slot] for slot in self._samples))
 
-    def of_ticks(self, records: Sequence[tuple[float, ...]]) -> NDArray[np.float64]:
+    def of_ticks(self, records: Rows) -> NDArray[np.float64]:
         """Return rows (ticks, curves) in the units of the screen; NaN where only samples are."""
         rows = np.full((len(records), len(self.all)), np.nan)
-        picked = np.array([[record[i] for i in self._at] for record in records])
+        picked = np.asarray(records)[:, self._at]
         for at, state in self._states:
             picked[:, at] = picked[:, at] == state
         rows[:, : len(self._ticks)] = picked.reshape(len(records), -1) * self._factors

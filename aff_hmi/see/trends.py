@@ -79,7 +79,7 @@ class Trends:
 
     def listen(self, news: News) -> None:
         """Take the ticks that a poll has brought."""
-        if self._set is None or not news.records or self._of is None:
+        if self._set is None or not len(news.records) or self._of is None:
             return
         if news.columns == self._of[0]:
             self._turn()

@@ -1,17 +1,25 @@
 // Bypass in one press, arming by holding. What the service would refuse cannot be pressed, and says
 // why. A press is done when the line shows it, not when the server has answered.
 const HOLD_MS = 1000;
-const CONFIRM_MS = { bypass: 1000, arm: 2000, probe: 4000 };
+const CONFIRM_MS = { bypass: 1000, arm: 2000, probe: 4000, shadow: 2000, "end-shadow": 2000 };
 const PATIENCE_MS = 4000;
 const armed = ["ARMED", "ACTIVE"];
-const SHOWS = { bypass: ["BYPASS", "FAULT"], arm: armed, probe: armed };
+const rests = ["OFF", "READY", "BYPASS", "FAULT"];
+const SHOWS = {
+  bypass: ["BYPASS", "FAULT"],
+  arm: armed,
+  probe: armed,
+  shadow: ["SHADOW"],
+  "end-shadow": rests,
+};
 const root = document.documentElement;
 const byId = (name) => document.getElementById(name);
 const hand = byId("hand");
 const words = byId("hand-words").dataset;
 const arm = byId("arm");
 const bypass = byId("bypass");
-const probe = byId("probe"); // on the page of who commissions alone
+// those beside bypass are held; not every page has all of them
+const heldOnes = [arm, ...["probe", "shadow", "end-shadow", "forget"].map(byId)].filter(Boolean);
 
 let frame = null;
 let hold = null;
@@ -54,8 +62,7 @@ function show() {
     location.reload();
     return;
   }
-  for (const button of [arm, probe]) {
-    if (button === null) continue;
+  for (const button of heldOnes) {
     const why = isStale() ? [words.stale] : own.why[button.id];
     const cannot = why.length > 0;
     if (button.disabled !== cannot) button.disabled = cannot;
@@ -78,6 +85,7 @@ function confirmPress() {
   if (awaited === null) return;
   if (!isStale() && frame.q > awaited.after && SHOWS[awaited.action].includes(frame.state)) {
     tell(words.seen);
+    if (awaited.action === "bypass") navigator.vibrate?.(200);
     awaited = null;
   } else if (performance.now() > awaited.until_ms) {
     tell(words.unseen);
@@ -113,8 +121,10 @@ async function act(action, seen, number) {
     const answer = await (action === "bypass" ? first.catch(() => post("/act", said)) : first);
     if (!answer.ok) {
       tell(answer.text);
-    } else {
+    } else if (action in SHOWS) {
       awaited = { action, after, until_ms: performance.now() + CONFIRM_MS[action] };
+    } else {
+      tell(answer.text); // nothing of it shows in the line
     }
   } catch {
     tell(words.failed);
@@ -129,6 +139,7 @@ function begin(button) {
   if (hold !== null || button.disabled || isStale()) return;
   hold = { button, state: frame.state, timer: setTimeout(finish, HOLD_MS) };
   button.classList.add("holding");
+  if (button === arm) tell(`${words.arms} ${frame.config}`);
 }
 
 function finish() {
@@ -152,8 +163,7 @@ function letGoEarly() {
 }
 
 bypass.onclick = pressBypass;
-for (const button of [arm, probe]) {
-  if (button === null) continue;
+for (const button of heldOnes) {
   button.onpointerdown = (event) => {
     if (event.isPrimary && event.button === 0) begin(button);
   };

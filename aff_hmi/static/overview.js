@@ -258,12 +258,29 @@ const actions = {
     list.tabIndex = -1;
     list.focus();
   },
+  "/": () => byId("main").querySelector("select, input")?.focus(),
   "?": () => openBox(byId("help")),
 };
+const PAGE_KEY_MS = 2000;
+let page_key_ms = -Infinity; // when `g` was pressed: the digit after it is a page
+
+/** Go to a page by its place; whether the key was for that. */
+function isPageKey({ key }) {
+  const isSecond = performance.now() - page_key_ms < PAGE_KEY_MS;
+  page_key_ms = key === "g" ? performance.now() : -Infinity;
+  const page = isSecond ? document.querySelectorAll("nav.pages a")[Number(key) - 1] : undefined;
+  page?.click();
+  return key === "g" || page !== undefined;
+}
+
 document.addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.altKey || event.metaKey || isText(event)) return;
+  if (event.ctrlKey || event.altKey || event.metaKey || isText(event) || isOpen()) return;
+  if (isPageKey(event)) {
+    event.preventDefault();
+    return;
+  }
   const action = actions[event.key];
-  if (action && !isOpen()) {
+  if (action) {
     event.preventDefault();
     action();
   }

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import chain
 from typing import Generic, TypeVar
 
@@ -79,12 +80,23 @@ class OrderStatus:
 
 def order_statuses(record: Mapping[str, float]) -> tuple[OrderStatus, ...]:
     """Return every order of a record, in the order of its columns."""
-    said: dict[tuple[str, str], dict[str, float]] = {}
-    for column, value in record.items():
+    return tuple(
+        _status(actuator, name, {part: record[column] for part, column in columns})
+        for actuator, name, columns in _columns_of_orders(tuple(record))
+    )
+
+
+@lru_cache(maxsize=8)
+def _columns_of_orders(
+    columns: tuple[str, ...],
+) -> tuple[tuple[str, str, tuple[tuple[str, str], ...]], ...]:
+    """Return actuator and name of every order, with what its columns say; rings change rarely."""
+    said: dict[tuple[str, str], dict[str, str]] = {}
+    for column in columns:
         parts = column.split(".")
         if len(parts) == 3:
-            said.setdefault((parts[0], parts[1]), {})[parts[2]] = value
-    return tuple(_status(*key, values) for key, values in said.items() if STATE in values)
+            said.setdefault((parts[0], parts[1]), {})[parts[2]] = column
+    return tuple((*key, tuple(of.items())) for key, of in said.items() if STATE in of)
 
 
 def _status(actuator: str, name: str, said: Mapping[str, float]) -> OrderStatus:

@@ -77,6 +77,50 @@ def test_what_makes_no_account_is_said(
     assert not (tmp_path / "a").exists()
 
 
+PIN = "204816"
+
+
+def with_a_pin(tmp_path: Path) -> Accounts:
+    words = ("add", "--role", "operate", "--pin", "--accounts", str(tmp_path / "a"), "anna")
+    assert account(*words, typed=f"{PASSWORD}\n{PIN}") == 0
+    return Accounts(tmp_path / "a")
+
+
+def test_a_pin_is_a_password_at_the_panel_and_nowhere_else(tmp_path: Path) -> None:
+    found = with_a_pin(tmp_path)
+    assert found.check("anna", PASSWORD) == found.check("anna", PASSWORD, at_panel=True)
+    assert found.check("anna", PASSWORD) is not None
+    assert found.check("anna", PIN, at_panel=True) == found.find("anna")
+    assert found.check("anna", PIN) is None
+    assert found.check("anna", "204817", at_panel=True) is None
+    assert PIN not in (tmp_path / "a").read_text()
+
+
+def test_an_account_without_a_pin_is_not_let_in_by_six_digits(tmp_path: Path) -> None:
+    assert account("add", "--role", "view", "--accounts", str(tmp_path / "a"), "anna") == 0
+    found = Accounts(tmp_path / "a")
+    assert found.check("anna", PIN, at_panel=True) is None
+    assert found.check("nobody", PIN, at_panel=True) is None
+
+
+@pytest.mark.parametrize(
+    ("role", "name", "pin", "said"),
+    [
+        ("commission", "carl", PIN, "not for role commission"),
+        ("view", "vera", "20481", "has 6 digits"),
+        ("view", "vera", "20481a", "has 6 digits"),
+        ("view", "nobody", PIN, "another name"),
+    ],
+)
+def test_what_is_no_pin_or_not_for_one_is_said(
+    tmp_path: Path, role: str, name: str, pin: str, said: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    words = ("add", "--role", role, "--pin", "--accounts", str(tmp_path / "a"), name)
+    assert account(*words, typed=f"{PASSWORD}\n{pin}") == 2
+    assert said in capfd.readouterr().err
+    assert not (tmp_path / "a").exists()
+
+
 @pytest.mark.parametrize("mode", [0o644, 0o660, 0o602])
 def test_a_file_that_is_open_to_others_is_refused(tmp_path: Path, mode: int) -> None:
     file = tmp_path / "accounts"

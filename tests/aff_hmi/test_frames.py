@@ -95,6 +95,28 @@ def test_a_frame_answers_the_newest_stamp_of_its_browser(tmp_path: Path) -> None
     played(tmp_path, play)
 
 
+def test_who_comes_gets_a_frame_at_once_and_a_quiet_screen_polls_less(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    polls: list[int] = []
+
+    async def play(hub, clock, visit) -> None:
+        monkeypatch.setattr(hub._watch, "seen", seen)
+        monkeypatch.setattr(hub._watch, "poll", lambda: polls.append(0))
+        running = asyncio.create_task(hub.run())
+        await asyncio.sleep(0.05)
+        assert polls == []  # due in half a second, of a clock that stands still here
+        browser = await visit()
+        browser.receipt(0, 1.0)
+        await asyncio.sleep(0.1)
+        assert [one["echo"] for one in browser.frames] == [1.0]
+        assert len(polls) == 1
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+
+    played(tmp_path, play)
+
+
 def test_who_does_not_keep_up_gets_the_newest_and_no_queue(tmp_path: Path) -> None:
     async def play(hub, clock, visit) -> None:
         browser = await visit()

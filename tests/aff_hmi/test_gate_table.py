@@ -17,13 +17,14 @@ from starlette.routing import Route, WebSocketRoute
 
 from aff_hmi.pages import Pages
 from aff_runtime.app.hand.may import Role
-from aff_runtime.base.signals import State
+from aff_runtime.base.signals import State, Status
 from tests.aff_hmi.asgi import HOST, scope
 from tests.aff_hmi.pressed import PASSWORD, Browser, Pressed
 
 NAMES = {None: "", Role.VIEW: "vera", Role.OPERATE: "anna", Role.COMMISSION: "carl"}
 PLACES = {"panel": "127.0.0.1", "network": "192.168.7.31"}
 REMOTE = {"local": "", "remote": "REMOTE=1: the PLC arms, by its reset"}
+IN_REMOTE = {"local": Status(0), "remote": Status.REMOTE}
 SEEN = ("/alarms", "/rolls", "/trends", "/scope", "/timing")
 DATA = ("/events", "/events.csv", "/scope", "/scope.csv", "/support.zip", "/windows")
 # looked at by everybody everywhere; a trend of no group is no request of ours
@@ -111,13 +112,14 @@ def test_a_press_gets_what_role_place_and_remote_say(
 
 
 @pytest.mark.parametrize(("role", "place", "remote"), WHERE, ids=str)
-def test_a_bypass_needs_a_login_and_nothing_else(
+def test_a_bypass_needs_a_login_on_the_network_and_nothing_else(
     keeping: Pressed, role: Role | None, place: str, remote: str
 ) -> None:
     browser = browser_of(keeping, role, place, remote)
     reply = browser.act("bypass", x_aff_token=None)
-    assert reply.status == (LOGGED_OUT if role is None else 200)
-    assert len(keeping.service.commands) == (role is not None)
+    is_free = role is not None or place == "panel"
+    assert reply.status == (200 if is_free else LOGGED_OUT)
+    assert [one.account for one in keeping.service.commands] == [NAMES[role] or "nobody"] * is_free
 
 
 # arming: who is not logged in, may not by role, is not at the panel, or in remote, is told so
@@ -151,6 +153,20 @@ def test_arming_needs_role_place_local_and_the_hand(
     reply = browser.act("arm")
     assert (reply.status, reply.code) == ARM[role, place, remote]
     assert len(keeping.service.commands) == (reply.status == 200)
+
+
+@pytest.mark.parametrize("action", ["shadow", "forget"])
+@pytest.mark.parametrize(("role", "place", "remote"), WHERE, ids=str)
+def test_shadow_and_forgetting_need_what_arming_needs(
+    keeping: Pressed, role: Role | None, place: str, remote: str, action: str
+) -> None:
+    browser = browser_of(keeping, role, place, remote)
+    browser.take()
+    keeping.show(State.READY, blocked=REMOTE[remote], status=float(IN_REMOTE[remote]))
+    reply = browser.act(action)
+    status, code = ARM[role, place, remote]
+    assert (reply.status, reply.code) == (status, "remote" if code == "guard" else code)
+    assert len(keeping.service.commands) == (status == 200)
 
 
 @pytest.mark.parametrize(

@@ -56,6 +56,22 @@ def test_a_press_is_answered_and_the_rules_are_known(stand: Stand) -> None:
     desk.close()
 
 
+def test_an_answer_waits_for_no_poll(stand: Stand) -> None:
+    desk = PressDesk(stand.path, VirtualClock(1))
+
+    async def press() -> Answer:
+        asking = asyncio.ensure_future(desk.press(stand.command()))
+        while not asking.done():
+            await asyncio.sleep(0)
+            stand.round()
+            if stand.service.asked:
+                stand.service.answer()
+        return asking.result()
+
+    assert asyncio.run(press()).ok
+    desk.close()
+
+
 def test_two_presses_at_once_get_each_its_own_answer(stand: Stand) -> None:
     desk = PressDesk(stand.path, VirtualClock(1))
     good, late = stand.command(), stand.command(valid_until_ns=0)

@@ -57,6 +57,27 @@ def test_those_who_fill_every_place_are_let_go_and_the_line_is_followed_meanwhil
     asyncio.run(play())
 
 
+def test_a_line_that_has_asked_once_is_not_taken_for_one_that_says_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server, "HEADER_PATIENCE_S", 0.3)
+
+    async def play() -> None:
+        watch = Watch(tmp_path / "door.sock", MonotonicClock())
+        async with served(watch) as (port, _):
+            reader, writer = await asyncio.open_connection("127.0.0.1", port)
+            for _ in range(2):
+                writer.write(f"GET /metrics HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
+                head = await reader.readuntil(b"\r\n\r\n")
+                assert head.startswith(b"HTTP/1.1 200 OK")
+                length = int(head.lower().partition(b"content-length: ")[2].split(b"\r\n")[0])
+                await reader.readexactly(length)
+                await asyncio.sleep(0.5)  # longer than a first request may take
+            writer.close()
+
+    asyncio.run(play())
+
+
 def test_one_too_many_is_told_to_come_back(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

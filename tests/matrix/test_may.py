@@ -15,12 +15,12 @@ from types import SimpleNamespace
 import pytest
 
 from aff_runtime.app.control.outside import ControlOutside
-from aff_runtime.app.hand.may import Action, Circumstances, Code, Person, Place, Role, may
+from aff_runtime.app.hand.may import WORDS, Action, Circumstances, Code, Person, Place, Role, may
 from aff_runtime.app.link import messages
 from aff_runtime.app.link.packets import Link, link_pair
 from aff_runtime.app.wiring.assemble import controller_of
 from aff_runtime.app.wiring.law_slot import LawSlot
-from aff_runtime.base.signals import State, Status
+from aff_runtime.base.signals import LATCHED_STATES, State, Status
 from aff_runtime.loop.cycle import Cycle
 from aff_runtime.telemetry.header import RunMeta
 from tests.matrix.bench import SITES, MatrixBench
@@ -280,3 +280,50 @@ def test_bypass_is_never_refused_and_always_done(
     bench.bypass()
     bench.run(0.05)
     assert bench.guard.state is State.BYPASS
+
+
+@EVERY_CELL
+@pytest.mark.sweep(every=7)
+def test_what_may_says_of_shadow_is_what_comes_of_it(
+    bench: ServiceBench, state: State, fault: str, spec: str
+) -> None:
+    WAYS[state](bench)
+    shows(bench, lasting(spec))
+    before = bench.guard.state
+    now = Circumstances(state=before, blocked=bench.blocked, ceiling=Role.OPERATE)
+    reasons = may(Action.SHADOW, OWN, now)
+    bench.link.send(messages.Shadow(id=99, on=True))
+    bench.run(0.1)
+    if not reasons or reasons[0].code is Code.SHADOWED:
+        assert bench.guard.state in (State.SHADOW, State.FAULT), (before, bench.blocked)
+        if bench.guard.state is State.FAULT:  # what latches meanwhile is stronger
+            assert before not in LATCHED_STATES, (before, bench.blocked)
+    else:
+        assert bench.guard.state is before, (before, reasons[0].text)
+    bench.link.send(messages.Shadow(id=99, on=False))
+    bench.run(0.1)
+    assert bench.guard.state is not State.SHADOW
+    assert bench.guard.state not in (State.ARMED, State.ACTIVE)
+
+
+@EVERY_CELL
+@pytest.mark.sweep(every=7)
+def test_what_may_says_of_forgetting_is_what_the_service_answers(
+    bench: ServiceBench, state: State, fault: str, spec: str
+) -> None:
+    WAYS[state](bench)
+    shows(bench, lasting(spec))
+    before, is_quiet = bench.guard.state, bench.guard.quiet
+    now = Circumstances(state=before, blocked=bench.blocked, ceiling=Role.OPERATE)
+    reasons = may(Action.FORGET, OWN, now)
+    bench.asked += 1
+    bench.link.send(messages.Forget(id=bench.asked))
+    bench.run(0.02)
+    answer = bench.replies[bench.asked]
+    if reasons:
+        assert before in (State.ACTIVE, State.FADING)
+        assert answer.ok or answer.message == reasons[0].text
+    elif is_quiet:
+        assert answer.ok
+    else:  # of a fade that is not over, only the service knows
+        assert answer.ok or answer.message == WORDS[Code.GOES_OUT]

@@ -181,8 +181,10 @@ def test_a_press_in_a_browser_reaches_the_line_and_the_audit(service: ServiceRun
         with contextlib.suppress(RefusedError):
             service.ask("arm")  # out of BYPASS, wherever it leads
         before = service.status()["state"]
-        assert browser.press("bypass")[0] == 401
+        assert browser.press("arm", before)[0] == 401
         assert service.status()["state"] == before
+        until("nobody is heard", lambda: browser.press("bypass")[0] == 200)
+        until("bypassed", lambda: service.status()["state"] == "BYPASS")
         browser.log_in()
         until("the screen is heard", lambda: browser.press("bypass")[0] == 200)
         until("bypassed", lambda: service.status()["state"] == "BYPASS")
@@ -192,6 +194,7 @@ def test_a_press_in_a_browser_reaches_the_line_and_the_audit(service: ServiceRun
         status, text = browser.press("arm", "BYPASS")
         assert (status, json.loads(text)["code"]) == (409, Code.GUARD)  # no response measured
     rows = [json.loads(line) for line in audit_of(service).read_text().splitlines()]
+    assert "bypass" in [row["what"] for row in rows if row["account"] == "nobody"]
     assert [row["what"] for row in rows if row["account"] == "anna"][-3:] == [
         *("login", "bypass", "hand taken")
     ]

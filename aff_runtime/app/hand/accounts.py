@@ -1,7 +1,8 @@
 """Accounts of the screen: a file of one line each, made by ``aff-hmi account`` on the machine.
 
-``name:role:scrypt:N:r:p:salt:hash``; root, ourselves or the screen's user owns it, nobody else
-writes it, nobody outside its group reads it. What cannot be read, or not trusted, is no account.
+``name:role:scrypt:N:r:p:salt:hash``, and ``:salt:hash`` of a PIN where there is one. Root, we
+ourselves or the screen's user own it, nobody else writes it, nobody outside its group reads it.
+What cannot be read, or not trusted, is no account.
 """
 
 from __future__ import annotations
@@ -23,21 +24,28 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.files import replace_text
 
 LEAST_CHARACTERS = 10
+PIN_DIGITS = 6
 MOST_CHARACTERS = 256
 MAX_BYTES = 64 << 10
 OWNER = "aff-hmi"
 _N, _R, _P = 1 << 15, 8, 3
 _MOST_MEMORY = 64 << 20
 _METHOD = "scrypt"
+_WORDS, _WORDS_WITH_PIN = 6, 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Account:
-    """One account; ``secret`` is what its line says of the password."""
+    """One account; ``secret`` is what its line says of the password, and of the PIN."""
 
     name: str
     role: Role
     secret: str
+
+    @property
+    def has_pin(self) -> bool:
+        """Whether a PIN lets it in at the panel."""
+        return self.secret.count(":") == _WORDS_WITH_PIN - 1
 
     @property
     def line(self) -> str:
@@ -66,11 +74,18 @@ class Accounts:
         self._look()
         return len(self._found)
 
-    def check(self, name: str, password: str) -> Account | None:
-        """Return the account whose password this is; takes a third of a second either way."""
+    def check(self, name: str, password: str, *, at_panel: bool = False) -> Account | None:
+        """Return the account whose password this is; takes a third of a second either way.
+
+        Parameters
+        ----------
+        at_panel : a PIN counts as well; nowhere else it does.
+        """
         found = self.find(name)
-        is_right = is_password(password, (found or self._nobody).secret)
-        return found if is_right else None
+        secret = (found or self._nobody).secret
+        if at_panel and is_pin(password) and found is not None and found.has_pin:
+            secret = _secret_of_pin(secret)
+        return found if is_password(password, secret) else None
 
     def _look(self) -> None:
         try:
@@ -135,9 +150,24 @@ def secret_of(password: str) -> str:
     return ":".join(words)
 
 
+def with_pin(secret: str, pin: str) -> str:
+    """Return what a file keeps of a password, and of a PIN beside it."""
+    return f"{secret}:{secret_of(pin).partition(f':{_P}:')[2]}"
+
+
+def is_pin(text: str) -> bool:
+    """Return whether this can be a PIN; no password is so short."""
+    return len(text) == PIN_DIGITS and text.isascii() and text.isdigit()
+
+
+def _secret_of_pin(secret: str) -> str:
+    words = secret.split(":")
+    return ":".join((*words[:4], *words[6:]))
+
+
 def is_password(password: str, secret: str) -> bool:
     """Return whether a password is the one of a secret."""
-    _, _, _, _, salt, kept = secret.split(":")
+    _, _, _, _, salt, kept, *_ = secret.split(":")
     return hmac.compare_digest(_hash(password, base64.b64decode(salt)), base64.b64decode(kept))
 
 
@@ -157,7 +187,8 @@ def _account(line: str, where: str) -> Account:
     role, _, secret = rest.partition(":")
     words = secret.split(":")
     try:
-        is_whole = words[:4] == [_METHOD, str(_N), str(_R), str(_P)] and len(words) == 6
+        is_whole = words[:4] == [_METHOD, str(_N), str(_R), str(_P)]
+        is_whole = is_whole and len(words) in (_WORDS, _WORDS_WITH_PIN)
         is_whole = is_whole and all(base64.b64decode(word, validate=True) for word in words[4:])
     except ValueError:
         is_whole = False

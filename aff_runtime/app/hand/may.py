@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from enum import IntEnum, StrEnum
 
 from aff_runtime.app.report.status import explain
+from aff_runtime.base.events import BY_NAME, Reaction
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import LATCHED_STATES, State
 
@@ -21,6 +22,18 @@ class Action(StrEnum):
     BYPASS = "bypass"
     ARM = "arm"
     PROBE = "probe"
+    SHADOW = "shadow"
+    END_SHADOW = "end-shadow"
+    FORGET = "forget"
+
+
+# what the console calls what a screen may not do
+ON_CONSOLE = {
+    Action.ARM: "arm",
+    Action.SHADOW: "shadow on",
+    Action.END_SHADOW: "shadow off",
+    Action.FORGET: "forget",
+}
 
 
 class Role(IntEnum):
@@ -60,6 +73,10 @@ class Code(StrEnum):
     NO_HAND = "no hand"
     OTHER_HAND = "other hand"
     ALREADY = "already"
+    SHADOWED = "shadowed"
+    NO_SHADOW = "no shadow"
+    REMOTE = "remote"
+    GOES_OUT = "goes out"
     FADING = "fading"
     PROBING = "probing"
     GUARD = "guard"
@@ -74,15 +91,19 @@ class Code(StrEnum):
 WORDS = {
     Code.LOGGED_OUT: "log in first",
     Code.SILENT: "no fresh data from the control process",
-    Code.CEILING: "the service lets no screen arm; arm on the gateway: aff-runtime arm",
+    Code.CEILING: "the service lets no screen do this; on the gateway: aff-runtime {name}",
     Code.NO_PROBE: "the service lets no screen probe: run it with --hand commission",
-    Code.PLACE: "arming is for the panel at the machine, not for the network",
-    Code.ROLE: "this account may not arm; the role operate is needed",
+    Code.PLACE: "this is for the panel at the machine, not for the network",
+    Code.ROLE: "this account may not do this; the role operate is needed",
     Code.PROBE_ROLE: "this account may not probe; the role commission is needed",
     Code.IDLE: "nothing was pressed for too long: log in again",
     Code.NO_HAND: "take the hand first",
     Code.OTHER_HAND: "{name} has the hand",
     Code.ALREADY: "it is armed already",
+    Code.SHADOWED: "it is in shadow already",
+    Code.NO_SHADOW: "it is not in shadow",
+    Code.REMOTE: "the line is in remote: this is the PLC's",
+    Code.GOES_OUT: "a correction goes out; bypass first",
     Code.FADING: "the correction is on its way to zero; wait",
     Code.PROBING: "a probe is under way",
     Code.GUARD: "blocked by {name}",
@@ -135,6 +156,8 @@ class Circumstances:
     blocked : the guard's first reason against an armed output, empty for none; REMOTE is one.
     ceiling : the most that a screen may do here. ``arms_from`` : the farthest place to arm from.
     hand_of : account that has the hand, empty for none. ``probing`` : a probe is under way.
+    remote : the line is in remote. ``bypass_from`` : the farthest place from which somebody who
+        has not logged in may bypass; None: from nowhere.
     """
 
     state: State | None
@@ -143,30 +166,38 @@ class Circumstances:
     arms_from: Place = Place.PANEL
     hand_of: str = ""
     probing: bool = False
+    remote: bool = False
+    bypass_from: Place | None = None
 
 
 _OF_LAW = re.compile(r"[a-z][A-Za-z0-9_]*: ")
 """What stands against an actuator's law begins with its name; a probe does without the law."""
+WANTS_SHADOW = "SHADOW=1"
 
 
 def may(action: Action, person: Person, now: Circumstances) -> tuple[Reason, ...]:
     """Return every reason why not, the first to be said first; empty when it is allowed.
 
-    Towards zero needs a login and nothing else: no state, place, hand or age stands against it.
+    Towards zero needs a login at most: no state, place, hand or age stands against it.
     Of an output that is armed that alone is said: nobody has to do anything.
     """
     if action is Action.BYPASS:
-        return () if person.role is not None else (Reason(code=Code.LOGGED_OUT),)
+        is_open = now.bypass_from is Place.NETWORK or now.bypass_from is person.place
+        return () if person.role is not None or is_open else (Reason(code=Code.LOGGED_OUT),)
     if action is Action.ARM and now.state in (State.ARMED, State.ACTIVE):
         return (Reason(code=Code.ALREADY),)
-    found = [Reason(code=code) for code in _of_person(action, person, now)]
+    found = [
+        Reason(code=code, name=ON_CONSOLE[action] if code is Code.CEILING else "")
+        for code in _of_person(action, person, now)
+    ]
     if not person.has_hand and now.hand_of:
         found.append(Reason(code=Code.OTHER_HAND, name=now.hand_of))
     elif not person.has_hand:
         found.append(Reason(code=Code.NO_HAND))
     if action is Action.PROBE and now.probing:
         found.append(Reason(code=Code.PROBING))
-    return (*found, *_of_guard(action, now))
+    of_service = _of_guard if action in (Action.ARM, Action.PROBE) else _of_rest
+    return (*found, *of_service(action, now))
 
 
 def _of_person(action: Action, person: Person, now: Circumstances) -> list[Code]:
@@ -191,6 +222,31 @@ def _of_guard(action: Action, now: Circumstances) -> tuple[Reason, ...]:
     if blocked and not (action is Action.PROBE and _OF_LAW.match(now.blocked)):
         return (Reason(code=Code.GUARD, name=now.blocked),)
     return (Reason(code=Code.FADING),) if now.state is State.FADING else ()
+
+
+def _of_rest(action: Action, now: Circumstances) -> tuple[Reason, ...]:
+    """Return what stands against shadow and forgetting: both are the PLC's in remote."""
+    if now.state is None:
+        return (Reason(code=Code.SILENT),)
+    is_shadow = now.state is State.SHADOW
+    against = {
+        Code.REMOTE: now.remote,
+        Code.PROBING: now.probing,
+        Code.SHADOWED: action is Action.SHADOW and is_shadow,
+        Code.NO_SHADOW: action is Action.END_SHADOW
+        and not (is_shadow or now.blocked == WANTS_SHADOW),
+        Code.GOES_OUT: action is Action.FORGET and now.state in (State.ACTIVE, State.FADING),
+    }
+    found = [Reason(code=code) for code, stands in against.items() if stands]
+    if action is Action.SHADOW and now.state in LATCHED_STATES and _is_latching(now.blocked):
+        found.append(Reason(code=Code.GUARD, name=now.blocked))
+    return tuple(found)
+
+
+def _is_latching(blocked: str) -> bool:
+    """Whether a reason is a cause that keeps the guard where it has latched."""
+    event = BY_NAME.get(blocked.split(" ", maxsplit=1)[0])
+    return event is not None and event.reaction is Reaction.FADE_AND_LATCH
 
 
 def _is_confirmed_by_arming(now: Circumstances) -> bool:

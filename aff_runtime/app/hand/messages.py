@@ -17,6 +17,7 @@ from aff_runtime.base.signals import State
 PROTOCOL = 1
 MAX_PACKET_BYTES = 2048
 LONGEST_NAME = 200
+NOBODY = "nobody"  # account of a bypass for which nobody has logged in
 VALID_NS = 2_000_000_000
 NOTICES = (
     "login",

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from aff_runtime.base.signals import Outcome, State, StateBits
+from aff_runtime.base.signals import Outcome, State, StateBits, Status
 from aff_runtime.core.order_status import OrderStatus, order_statuses
 from aff_runtime.core.phase import Source
 from aff_runtime.loop.record import HEAD, OF_OUTPUTS, TIMING
@@ -91,6 +91,9 @@ class TickRow:
     """
 
     values: Mapping[str, float | None]
+    _orders: list[tuple[OrderStatus, ...]] = field(
+        default_factory=list, init=False, repr=False, compare=False
+    )  # worked out once, by who asks first
 
     @property
     def state(self) -> State:
@@ -136,6 +139,12 @@ class TickRow:
             When the row is empty.
         """
         return int(self.number("status"))
+
+    @property
+    def is_remote(self) -> bool:
+        """Whether the PLC says that the line is in remote; False where it is not known."""
+        status = self.number("status")
+        return math.isfinite(status) and bool(int(status) & Status.REMOTE)
 
     @property
     def outcome(self) -> Outcome:
@@ -213,4 +222,7 @@ class TickRow:
 
     def orders(self) -> tuple[OrderStatus, ...]:
         """Return every order of every law, in the order of the columns."""
-        return order_statuses({name: self.number(name) for name in self.values})
+        if not self._orders:
+            numbers = {name: self.number(name) for name in self.values}
+            self._orders.append(order_statuses(numbers))
+        return self._orders[0]

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from aff_runtime.app.hand.accounts import Account, secret_of
 from aff_runtime.app.hand.may import Role
+from tests.aff_hmi.browser.axe import grave_findings
 from tests.aff_hmi.browser.conftest import PATIENCE_S, Screen
 from tests.aff_hmi.browser.eyes import Page
+from tests.aff_hmi.browser.sights import CLIPPED, CONTRAST, MIN_CONTRAST, OVERLAPS, SMALL
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import until
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(300)]
 PASSWORD = "tension, 90 N"
+NAMES = ("anna", "bert", "dora")  # five logins a minute are heard of one
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +32,7 @@ def with_hand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Screen]:
     )
     accounts = folder / "accounts"
     secret = secret_of(PASSWORD)
-    rows = [Account(name=name, role=Role.OPERATE, secret=secret).line for name in ("anna", "bert")]
+    rows = [Account(name=name, role=Role.OPERATE, secret=secret).line for name in NAMES]
     accounts.write_text("\n".join(rows) + "\n")
     accounts.chmod(0o600)
     hand = str(service.runtime_dir / "hand.sock")
@@ -54,6 +58,110 @@ def test_bypass_is_one_key_and_is_done_when_the_line_shows_it(chromium, with_han
     page.page.keyboard.press("F9")
     page.await_selector("html[data-state='BYPASS']")
     until("bypassed", lambda: with_hand.service.status()["state"] == "BYPASS")
+
+
+def held(page: Page, button: str) -> None:
+    """Hold a button long enough, again where a busy machine made the page stale."""
+    before = page.page.text_content("#hand-said")
+    page.page.wait_for_selector(f"{button}:enabled")
+    page.page.hover(button)
+    for _ in range(10):
+        page.page.mouse.down()
+        page.page.wait_for_timeout(1500)
+        page.page.mouse.up()
+        if page.page.text_content("#hand-said") not in (before, ""):
+            return
+    raise AssertionError(f"{button} could not be held")
+
+
+def said(page: Page, words: str) -> None:
+    """Wait until the page says something of a press."""
+    page.page.wait_for_function(
+        f"() => document.getElementById('hand-said').textContent.includes({json.dumps(words)})"
+    )
+
+
+def test_shadow_begins_and_ends_and_a_roll_is_forgotten_by_holding(
+    chromium, with_hand: Screen
+) -> None:
+    page = logged_in(chromium, with_hand, "dora", locale="en")
+    page.page.click("#take")
+    page.page.wait_for_selector("#release:not([hidden])")
+    page.page.goto(f"{with_hand.url}timing")
+    page.await_live()
+    assert page.page.is_disabled("#end-shadow")
+    assert page.page.text_content("#end-shadow-why") == "it is not in shadow"
+    held(page, "#shadow")
+    page.await_selector("html[data-state='SHADOW']")
+    said(page, "done, and seen in the line")
+    assert with_hand.service.status()["state"] == "SHADOW"
+    held(page, "#end-shadow")
+    page.page.wait_for_function("() => document.documentElement.dataset.state !== 'SHADOW'")
+    said(page, "done, and seen in the line")
+    page.page.goto(f"{with_hand.url}rolls")
+    page.await_live()
+    held(page, "#forget")
+    said(page, "done")
+    page.page.keyboard.press("F9")
+    page.await_selector("html[data-state='BYPASS']")
+    page.close()
+
+
+def test_at_the_panel_bypass_needs_no_login_and_everything_else_does(
+    chromium, with_hand: Screen
+) -> None:
+    page = Page(chromium, f"{with_hand.url}timing", locale="en")
+    page.await_live()
+    assert page.page.is_enabled("#bypass")
+    for button in ("#arm", "#shadow", "#end-shadow"):
+        assert page.page.is_disabled(button)
+    page.page.click("#bypass")
+    said(page, "done, and seen in the line")
+    assert with_hand.service.status()["state"] == "BYPASS"
+    page.close()
+
+
+@pytest.mark.parametrize(("width", "dress"), [(360, ("de", "dark")), (1280, ("en", "light"))])
+@pytest.mark.parametrize("name", ["timing", "rolls"])
+def test_its_other_commands_fit_and_can_be_read(
+    chromium, with_hand: Screen, pictures: Path, name: str, width: int, dress: tuple[str, str]
+) -> None:
+    language, theme = dress
+    view = {"width": width, "height": 800}
+    page = Page(chromium, with_hand.url + name, viewport=view, locale=language, color_scheme=theme)
+    page.await_live()
+    page.await_selector(".held-button")
+    page.picture(pictures / f"hand-{name}-{width}-{language}-{theme}.png")
+    assert page.run("() => document.documentElement.scrollWidth") <= width
+    ratio, where = page.run(CONTRAST)
+    assert ratio >= MIN_CONTRAST, where
+    for found in (SMALL, CLIPPED, OVERLAPS):
+        assert page.run(found) == []
+    assert grave_findings(page.page) == []
+    assert page.complaints == []
+    page.close()
+
+
+def test_two_keys_go_to_a_page_and_one_to_its_first_choice(chromium, with_hand: Screen) -> None:
+    page = Page(chromium, with_hand.url, locale="en")
+    page.await_live()
+    for key, path in (("4", "/trends"), ("2", "/alarms"), ("1", "/")):
+        page.page.keyboard.press("g")
+        page.page.keyboard.press(key)
+        page.page.wait_for_url(lambda url, path=path: url.partition("?")[0].endswith(path))
+        page.await_live()
+    page.page.keyboard.press("3")  # a digit alone is nothing
+    page.page.keyboard.press("g")
+    page.page.keyboard.press("9")  # nor is a page that there is not
+    assert page.page.url.partition("?")[0] == with_hand.url
+    page.page.goto(f"{with_hand.url}alarms")
+    page.await_live()
+    page.page.keyboard.press("/")
+    assert page.run("() => document.activeElement.id") == "kind"
+    page.page.keyboard.press("g")
+    page.page.keyboard.press("1")
+    assert "/alarms" in page.page.url  # what is pressed in a field is for the field
+    page.close()
 
 
 def test_the_reason_stands_on_the_button_and_the_hand_changes_hands(

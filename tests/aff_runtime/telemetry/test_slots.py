@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import mmap
 import multiprocessing
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -23,9 +25,14 @@ def pair() -> tuple[SlotWriter, SlotReader, bytearray]:
     )
 
 
+Reading = Callable[[SlotReader], Sequence[Sequence[float]]]
+BOTH = pytest.mark.parametrize("read", [SlotReader.read_new, SlotReader.read_rows])
+
+
+@BOTH
 @settings(max_examples=60, deadline=None)
-@given(st.lists(st.integers(min_value=0, max_value=20), max_size=12))
-def test_every_record_is_either_read_in_order_or_counted(bursts: list[int]) -> None:
+@given(bursts=st.lists(st.integers(min_value=0, max_value=20), max_size=12))
+def test_every_record_is_either_read_in_order_or_counted(read: Reading, bursts: list[int]) -> None:
     writer, reader, _ = pair()
     written = 0
     got: list[float] = []
@@ -34,7 +41,7 @@ def test_every_record_is_either_read_in_order_or_counted(bursts: list[int]) -> N
             writer.write((written, -written, 0.5))
             written += 1
         before = reader.overrun_count
-        new = [record[0] for record in reader.read_new()]
+        new = [record[0] for record in read(reader)]
         lost = reader.overrun_count - before
         assert len(new) + lost == burst
         assert new == list(range(written - len(new), written))
@@ -42,11 +49,12 @@ def test_every_record_is_either_read_in_order_or_counted(bursts: list[int]) -> N
     assert len(got) + reader.overrun_count == written
 
 
-def test_at_most_one_less_than_the_capacity_is_readable_after_a_long_gap() -> None:
+@BOTH
+def test_at_most_one_less_than_the_capacity_is_readable_after_a_long_gap(read: Reading) -> None:
     writer, reader, _ = pair()
     for k in range(100):
         writer.write((k, k, k))
-    assert [record[0] for record in reader.read_new()] == list(range(93, 100))
+    assert [record[0] for record in read(reader)] == list(range(93, 100))
     assert reader.overrun_count == 93
 
 
@@ -59,13 +67,14 @@ def test_the_latest_record_needs_no_history_and_moves_nothing() -> None:
     assert len(reader.read_new()) == 7
 
 
-def test_a_record_in_the_making_is_counted_and_never_returned() -> None:
+@BOTH
+def test_a_record_in_the_making_is_counted_and_never_returned(read: Reading) -> None:
     writer, reader, memory = pair()
     for k in range(3):
         writer.write((k, k, k))
     slot_word = 2 + 1 + 1 * 4  # offset 16 bytes, head word, slot 1
     memoryview(memory).cast("Q")[slot_word] = 2 * 1 + 1
-    assert [record[0] for record in reader.read_new()] == [0, 2]
+    assert [record[0] for record in read(reader)] == [0, 2]
     assert reader.overrun_count == 1
 
 
@@ -80,7 +89,10 @@ def _write_fast(path: Path, count: int) -> None:
         writer.write((float(k),) * 40)
 
 
-def test_no_torn_record_is_returned_while_another_process_overwrites(tmp_path: Path) -> None:
+@BOTH
+def test_no_torn_record_is_returned_while_another_process_overwrites(
+    read: Reading, tmp_path: Path
+) -> None:
     count = 40_000
     path = tmp_path / "ring"
     path.write_bytes(bytes(ring_bytes(40, 4)))
@@ -90,7 +102,7 @@ def test_no_torn_record_is_returned_while_another_process_overwrites(tmp_path: P
     seen = 0
     last = -1.0
     while process.is_alive() or reader.written_count() > seen + reader.overrun_count:
-        for record in reader.read_new(limit=64):
+        for record in read(reader):
             assert set(record) == {record[0]}
             assert record[0] > last
             last = record[0]

@@ -24,6 +24,7 @@ from aff_runtime.app.hand.messages import (
     read_said,
 )
 from aff_runtime.app.link.messages import Reply
+from aff_runtime.app.supervisor.hand.entries import Now, entry_of
 from aff_runtime.app.supervisor.hand.visits import Caller, Visits
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
@@ -42,21 +43,6 @@ class HandRules:
     arms_from: Place = Place.PANEL
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Now:
-    """How the service stands; ``state`` None without a tick.
-
-    ``bypassed_ns`` : when anybody last took the correction back, by the monotonic clock.
-    """
-
-    state: State | None
-    blocked: str = ""
-    tick: int = 0
-    config: str = ""
-    bypassed_ns: int = 0
-    probing: bool = False
-
-
 class Commanded(Protocol):
     """The service, as far as a screen reaches it."""
 
@@ -71,6 +57,12 @@ class Commanded(Protocol):
 
     def probe(self, answer: Callable[[Reply], None]) -> None:
         """Ask it to probe every actuator; ``answer`` is called when it begins, or does not."""
+
+    def shadow(self, on: bool, answer: Callable[[Reply], None]) -> None:
+        """Ask it to begin or end shadow operation."""
+
+    def forget(self, answer: Callable[[Reply], None]) -> None:
+        """Ask it to drop what was learned of rolls that are exchanged."""
 
     def note(self, text: str) -> None:
         """Put a sentence into the log and the record."""
@@ -161,7 +153,7 @@ class HandDesk:
         elif is_heard and isinstance(said, Command):
             self._press(visitor, said, limits)
         elif is_heard and isinstance(said, Notice):
-            self._keep(visitor, limits, _entry_of(said, visitor))
+            self._keep(visitor, limits, entry_of(said, visitor))
         else:
             self._count(visitor)
         return is_heard
@@ -180,7 +172,7 @@ class HandDesk:
             self._service.bypass()
         else:
             self._bypass_due = True
-        entry = replace(_entry_of(command, visitor, self._service.now()), result="done")
+        entry = replace(entry_of(command, visitor, self._service.now()), result="done")
         if is_at_once and before not in (None, State.BYPASS):
             number = self._write(entry)
         else:
@@ -189,7 +181,7 @@ class HandDesk:
 
     def _press(self, visitor: Caller, command: Command, limits: Limits) -> None:
         now = self._service.now()
-        entry = _entry_of(command, visitor, now)
+        entry = entry_of(command, visitor, now)
         against = self._against(command, now, limits)
         if against is not None:
             refused = replace(entry, result="refused", why=against.text)
@@ -199,8 +191,19 @@ class HandDesk:
             reason = Reason(code=Code.UNRECORDED)
             visitor.tell(Answer(id=command.id, ok=False, reason=reason))
         else:
-            begin = self._service.probe if command.action is Action.PROBE else self._service.arm
-            begin(lambda reply: self._answered(visitor, command, reply))
+            self._begin(command.action, lambda reply: self._answered(visitor, command, reply))
+
+    def _begin(self, action: Action, answer: Callable[[Reply], None]) -> None:
+        """Have the service do what was judged."""
+        match action:
+            case Action.ARM:
+                self._service.arm(answer)
+            case Action.PROBE:
+                self._service.probe(answer)
+            case Action.SHADOW | Action.END_SHADOW:
+                self._service.shadow(action is Action.SHADOW, answer)
+            case Action.FORGET:
+                self._service.forget(answer)
 
     def _against(self, command: Command, now: Now, limits: Limits) -> Reason | None:
         """Return the first reason why nothing is done; None when it is."""
@@ -223,6 +226,7 @@ class HandDesk:
             ceiling=self._rules.ceiling,
             arms_from=self._rules.arms_from,
             probing=now.probing,
+            remote=now.remote,
         )
         reasons = may(command.action, person, circumstances)
         return reasons[0] if reasons else None
@@ -238,7 +242,7 @@ class HandDesk:
 
     def _answered(self, visitor: Caller, command: Command, reply: Reply) -> None:
         """Put the control process's answer on record and pass it on."""
-        entry = _entry_of(command, visitor, self._service.now())
+        entry = entry_of(command, visitor, self._service.now())
         result = "done" if reply.ok else "refused"
         number = self._write(replace(entry, result=result, why=reply.message))
         reason = None if reply.ok else Reason(code=Code.REFUSED, name=reply.message)
@@ -271,26 +275,3 @@ class HandDesk:
         kept = f"audit {number} {self._audit.newest[:SHOWN_HASH]}"
         self._service.note(f"{entry.what} {entry.result}{who}{why}; {entry.peer}; {kept}")
         return number
-
-
-def _entry_of(said: Command | Notice, visitor: Caller, now: Now | None = None) -> Entry:
-    """Return what is known of what was said, without what became of it."""
-    peer = str(visitor.peer)
-    if isinstance(said, Notice):
-        return Entry(
-            what=said.what, result="noted", account=said.account, place=said.place, peer=peer
-        )
-    state = now.state.name if now is not None and now.state is not None else ""
-    return Entry(
-        what=said.action,
-        result="asked",
-        account=said.account,
-        role=said.role.word,
-        place=said.place,
-        peer=peer,
-        seen=said.seen,
-        state=state,
-        tick=now.tick if now is not None else 0,
-        config=now.config if now is not None else "",
-        id=said.id,
-    )

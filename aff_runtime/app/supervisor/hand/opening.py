@@ -5,18 +5,20 @@ from __future__ import annotations
 import logging
 import selectors
 from collections.abc import Callable
+from dataclasses import replace
 
 from aff_runtime.app.hand.audit import Audit
 from aff_runtime.app.link.answers import Done, as_answer
-from aff_runtime.app.link.messages import Arm, Reply
+from aff_runtime.app.link.messages import Arm, Forget, Question, Reply, Shadow
 from aff_runtime.app.report.tick_row import TickRow
-from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules, Now
+from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules
+from aff_runtime.app.supervisor.hand.entries import Now
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.probe_desk import Probes
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.settings.history import kept_folder
-from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.ports import Clock
 from aff_runtime.config.revision import SHORT
 
@@ -46,6 +48,7 @@ class ServiceEnd:
         processes = self._processes
         latest = processes.latest() if processes.control is not None else None
         return Now(
+            remote=latest is not None and latest.is_remote,
             state=latest.state if latest is not None and self._is_fresh(latest) else None,
             blocked=processes.blocked.removeprefix("blocked by "),
             tick=int(latest.number("tick")) if latest is not None else 0,
@@ -66,6 +69,27 @@ class ServiceEnd:
 
     def arm(self, answer: Callable[[Reply], None]) -> None:
         """Ask the control process to arm."""
+        self._ask(lambda ident: Arm(id=ident), answer)
+
+    def shadow(self, on: bool, answer: Callable[[Reply], None]) -> None:
+        """Ask the control process to begin or end shadow operation."""
+        self._ask(lambda ident: Shadow(id=ident, on=on), answer)
+
+    def forget(self, answer: Callable[[Reply], None]) -> None:
+        """Ask the control process to drop what it learned of exchanged rolls; the files follow."""
+
+        def said(reply: Reply) -> None:
+            try:
+                if reply.ok:
+                    self._processes.shapes.forget(self._processes.record)
+                answer(reply)
+            except ConfigError as error:
+                answer(replace(reply, ok=False, message=str(error)))
+
+        self._ask(lambda ident: Forget(id=ident), said)
+
+    def _ask(self, question: Callable[[int], Question], answer: Callable[[Reply], None]) -> None:
+        """Put a question to the control process; ``answer`` is called once, now or later."""
 
         def said(reply: Reply) -> Done:
             answer(reply)
@@ -73,7 +97,7 @@ class ServiceEnd:
 
         ident = self._pending.expect(None, said, ARM_PATIENCE_S)
         control = self._processes.control
-        if control is None or not control.link.send(Arm(id=ident)):
+        if control is None or not control.link.send(question(ident)):
             text = "the control process is not running; see `aff-runtime status`"
             self._pending.resolve(Reply(id=ident, ok=False, message=text))
 

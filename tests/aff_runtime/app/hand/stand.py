@@ -15,7 +15,8 @@ from aff_runtime.app.hand.client import HandClient
 from aff_runtime.app.hand.may import Action, Place, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Command, Said, Welcome
 from aff_runtime.app.link.messages import Reply
-from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules, Now
+from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules
+from aff_runtime.app.supervisor.hand.entries import Now
 from aff_runtime.base.signals import State
 from tests.doubles.virtual_clock import VirtualClock
 
@@ -31,6 +32,7 @@ class Service:
         self.bypassed = 0
         self.asked: list[Callable[[Reply], None]] = []
         self.probes: list[Callable[[Reply], None]] = []
+        self.shadows: list[bool] = []
         self.notes: list[str] = []
 
     def now(self) -> Now:
@@ -45,6 +47,13 @@ class Service:
 
     def probe(self, answer: Callable[[Reply], None]) -> None:
         self.probes.append(answer)
+
+    def shadow(self, on: bool, answer: Callable[[Reply], None]) -> None:
+        self.shadows.append(on)
+        self.asked.append(answer)
+
+    def forget(self, answer: Callable[[Reply], None]) -> None:
+        self.asked.append(answer)
 
     def note(self, text: str) -> None:
         self.notes.append(text)

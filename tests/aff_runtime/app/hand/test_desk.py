@@ -16,7 +16,8 @@ from aff_runtime.app.hand.may import Action, Code, Place, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Notice
 from aff_runtime.app.link.messages import Reply
 from aff_runtime.app.supervisor.hand import visits
-from aff_runtime.app.supervisor.hand.desk import REMEMBERED_NS, HandRules, Now
+from aff_runtime.app.supervisor.hand.desk import REMEMBERED_NS, HandRules
+from aff_runtime.app.supervisor.hand.entries import Now
 from aff_runtime.app.supervisor.hand.visits import MAX_VISITORS
 from aff_runtime.base.errors import RefusedError, WireError
 from aff_runtime.base.signals import State
@@ -66,6 +67,34 @@ def test_a_refusal_of_the_guard_comes_in_its_own_words(stand: Stand) -> None:
     assert answer.reason is not None
     assert answer.reason.text == "refused: READY: blocked by WEB_INTACT=0"
     assert stand.rows()[-1]["why"] == "READY: blocked by WEB_INTACT=0"
+
+
+@pytest.mark.parametrize(
+    ("action", "seen", "shadows"),
+    [("shadow", "READY", [True]), ("end-shadow", "SHADOW", [False]), ("forget", "READY", [])],
+)
+def test_shadow_and_forgetting_are_passed_on_answered_and_on_record(
+    stand: Stand, action: str, seen: str, shadows: list[bool]
+) -> None:
+    client = stand.client()
+    stand.service.standing = replace(stand.service.standing, state=State[seen])
+    command = stand.command(Action(action), seen=seen)
+    assert stand.say(client, command) is None
+    stand.service.answer()
+    assert client.receive() == Answer(id=command.id, ok=True, audit=2)
+    assert stand.service.shadows == shadows
+    assert [(row["what"], row["result"]) for row in stand.rows()] == [
+        (action, "asked"),
+        (action, "done"),
+    ]
+
+
+@pytest.mark.parametrize("action", [Action.SHADOW, Action.FORGET])
+def test_in_remote_they_are_refused(stand: Stand, action: Action) -> None:
+    client = stand.client()
+    stand.service.standing = replace(stand.service.standing, remote=True)
+    assert code(stand.say(client, stand.command(action))) is Code.REMOTE
+    assert stand.service.asked == []
 
 
 SPOILT: dict[str, tuple[Callable[[Stand], dict[str, object]], Code]] = {

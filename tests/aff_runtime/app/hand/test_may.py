@@ -31,14 +31,23 @@ def codes(action: Action, person: Person, now: Circumstances) -> list[Code]:
     return [reason.code for reason in may(action, person, now)]
 
 
+FREE_FROM = {None: (), Place.PANEL: (Place.PANEL,), Place.NETWORK: tuple(Place)}
+
+
 @pytest.mark.parametrize("role", ROLES)
-def test_bypass_is_for_everybody_who_has_logged_in_whatever_else_is(role: Role | None) -> None:
+@pytest.mark.parametrize("free", FREE_FROM)
+def test_bypass_is_for_who_has_logged_in_or_stands_where_it_is_free_whatever_else_is(
+    role: Role | None, free: Place | None
+) -> None:
     for state, place, idle, ceiling, hand, blocked in product(
         STATES, Place, (False, True), Role, ("", "anna"), BLOCKED
     ):
         person = Person(role=role, place=place, is_idle=idle)
-        now = Circumstances(state=state, ceiling=ceiling, hand_of=hand, blocked=blocked)
-        assert codes(Action.BYPASS, person, now) == ([Code.LOGGED_OUT] if role is None else [])
+        now = Circumstances(
+            state=state, ceiling=ceiling, hand_of=hand, blocked=blocked, bypass_from=free
+        )
+        is_open = role is not None or place in FREE_FROM[free]
+        assert codes(Action.BYPASS, person, now) == ([] if is_open else [Code.LOGGED_OUT])
 
 
 def test_arming_needs_every_one_of_its_conditions() -> None:
@@ -137,3 +146,56 @@ def test_what_stands_against_the_law_is_no_reason_against_the_probe_that_ends_it
 ) -> None:
     now = replace(FREE, state=state, blocked="unwind: no measured response; run the probe")
     assert codes(Action.PROBE, CARL, now) == []
+
+
+RESTS = (Action.SHADOW, Action.END_SHADOW, Action.FORGET)
+IN = {Action.SHADOW: State.READY, Action.END_SHADOW: State.SHADOW, Action.FORGET: State.READY}
+
+
+@pytest.mark.parametrize("action", RESTS)
+@pytest.mark.parametrize(
+    ("who", "how", "code"),
+    [
+        ({"role": Role.VIEW}, {}, Code.ROLE),
+        ({"place": Place.NETWORK}, {}, Code.PLACE),
+        ({"has_hand": False}, {}, Code.NO_HAND),
+        ({"is_idle": True}, {}, Code.IDLE),
+        ({}, {"ceiling": Role.VIEW}, Code.CEILING),
+        ({}, {"state": None}, Code.SILENT),
+        ({}, {"remote": True}, Code.REMOTE),
+        ({}, {"probing": True}, Code.PROBING),
+        ({}, {}, None),
+    ],
+)
+def test_shadow_and_forgetting_need_what_arming_needs_and_are_the_plcs_in_remote(
+    action: Action, who: dict[str, object], how: dict[str, object], code: Code | None
+) -> None:
+    person = replace(OWN, **who)  # type: ignore[arg-type]
+    now = replace(OPEN, **{"state": IN[action], **how})  # type: ignore[arg-type]
+    assert codes(action, person, now) == ([] if code is None else [code])
+
+
+def test_no_screen_may_is_said_with_the_words_of_the_console() -> None:
+    said = [may(one, OWN, Circumstances(state=IN[one]))[0].text for one in RESTS]
+    assert [text.partition("aff-runtime ")[2] for text in said] == [
+        "shadow on",
+        "shadow off",
+        "forget",
+    ]
+
+
+@pytest.mark.parametrize("state", State)
+def test_nothing_is_forgotten_while_a_correction_goes_out(state: State) -> None:
+    goes_out = state in (State.ACTIVE, State.FADING)
+    found = codes(Action.FORGET, OWN, replace(OPEN, state=state))
+    assert found == ([Code.GOES_OUT] if goes_out else [])
+
+
+def test_a_cause_that_latches_keeps_out_of_shadow_and_a_missing_permissive_does_not() -> None:
+    for blocked, expected in (("PLC_STALE", [Code.GUARD]), ("WEB_INTACT=0", [])):
+        now = replace(OPEN, state=State.FAULT, blocked=blocked)
+        assert codes(Action.SHADOW, OWN, now) == expected
+    wanted = replace(OPEN, state=State.BYPASS, blocked="SHADOW=1")  # asked for, still to come
+    assert codes(Action.END_SHADOW, OWN, wanted) == []
+    assert codes(Action.END_SHADOW, OWN, OPEN) == [Code.NO_SHADOW]
+    assert codes(Action.SHADOW, OWN, replace(OPEN, state=State.SHADOW)) == [Code.SHADOWED]

@@ -11,7 +11,7 @@ import pytest
 
 from aff_runtime.app.hand.audit import NAME
 from aff_runtime.app.hand.may import Role
-from aff_runtime.app.link.messages import Reply
+from aff_runtime.app.link.messages import Reply, Shadow
 from aff_runtime.app.link.runtime_directory import runtime_paths
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.hand.desk import HandDesk
@@ -97,8 +97,28 @@ def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_e
     assert end.now().blocked == "X=0"
     end.arm(replies.append)
     assert "not running" in replies[0].message
+    end.shadow(True, replies.append)
+    end.forget(replies.append)
+    assert [one.ok for one in replies] == [False] * 3
     end.bypass()
     assert bypassed
+
+
+def test_forgetting_reaches_the_files_once_the_control_process_has_forgotten() -> None:
+    sent: list[object] = []
+    forgotten: list[object] = []
+    pending, replies = Pending(VirtualClock(1)), list[Reply]()
+    control = SimpleNamespace(link=SimpleNamespace(send=lambda one: sent.append(one) or True))
+    processes = SimpleNamespace(
+        control=control, record="r", shapes=SimpleNamespace(forget=forgotten.append)
+    )
+    end = ServiceEnd(processes, pending, VirtualClock(1), NO_PROBE)  # type: ignore[arg-type]
+    for ok, files in ((False, []), (True, ["r"])):
+        end.forget(replies.append)
+        pending.resolve(Reply(id=sent[-1].id, ok=ok))  # type: ignore[attr-defined]
+        assert (replies[-1].ok, forgotten) == (ok, files)
+    end.shadow(True, replies.append)
+    assert sent[-1] == Shadow(id=sent[-1].id, on=True)  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(("age_s", "is_fresh"), [(0.1, True), (0.69, True), (0.71, False)])

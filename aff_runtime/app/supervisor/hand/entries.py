@@ -1,0 +1,50 @@
+"""How the service stands, and what a line of the audit says of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from aff_runtime.app.hand.audit import Entry
+from aff_runtime.app.hand.messages import Command, Notice
+from aff_runtime.app.supervisor.hand.visits import Caller
+from aff_runtime.base.signals import State
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Now:
+    """How the service stands; ``state`` None without a tick.
+
+    ``bypassed_ns`` : when anybody last took the correction back, by the monotonic clock.
+    ``remote`` : the line is in remote.
+    """
+
+    state: State | None
+    blocked: str = ""
+    tick: int = 0
+    config: str = ""
+    bypassed_ns: int = 0
+    probing: bool = False
+    remote: bool = False
+
+
+def entry_of(said: Command | Notice, visitor: Caller, now: Now | None = None) -> Entry:
+    """Return what is known of what was said, without what became of it."""
+    peer = str(visitor.peer)
+    if isinstance(said, Notice):
+        return Entry(
+            what=said.what, result="noted", account=said.account, place=said.place, peer=peer
+        )
+    state = now.state.name if now is not None and now.state is not None else ""
+    return Entry(
+        what=said.action,
+        result="asked",
+        account=said.account,
+        role=said.role.word,
+        place=said.place,
+        peer=peer,
+        seen=said.seen,
+        state=state,
+        tick=now.tick if now is not None else 0,
+        config=now.config if now is not None else "",
+        id=said.id,
+    )

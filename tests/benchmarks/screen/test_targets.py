@@ -1,0 +1,34 @@
+"""A target that was missed is told as missed, and so is one that was not measured."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from benchmarks.runtime.facts import Row, Section
+from benchmarks.screen.targets import of_targets, target
+
+
+@pytest.mark.parametrize(
+    ("found", "said"), [(60.0, "met"), (60.1, "MISSED"), (math.nan, "MISSED"), (-1.0, "met")]
+)
+def test_the_bound_itself_is_met_and_what_is_not_known_is_missed(found: float, said: str) -> None:
+    assert target("p99 60 ms", (found, 60.0)) == f"target p99 60 ms: {said}"
+    assert target("both", (1.0, 2.0), (found, 60.0)) == f"target both: {said}"
+
+
+def test_every_miss_stands_in_the_list_of_targets() -> None:
+    rows = (
+        Row(name="P6", value="14 ms", remark=target("60 ms", (14.0, 60.0)) + "; of 20"),
+        Row(name="P7", value="1.3 s", remark=target("1 s", (1.3, 1.0)) + "; cold"),
+        Row(name="P9", value="not measured", remark="RuntimeError: no browser"),
+        Row(name="processor", value="any"),
+    )
+    found = of_targets([Section(title="", note="", rows=rows)])
+    assert [(row.name, row.value) for row in found.rows] == [
+        ("met", "1"),
+        ("missed", "1"),
+        ("missed: P7", "1.3 s"),
+        ("not measured: P9", "not measured"),
+    ]
