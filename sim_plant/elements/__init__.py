@@ -2,6 +2,7 @@
 
 __all__ = [
     "accumulator",
+    "carriage",
     "contact",
     "drive",
     "linear_dancer",
