@@ -2,7 +2,8 @@
 
 Every physical effect fills fields here; a field at its neutral value (0, or 1 for ratios and
 gains) is exactly absent. Index letters: n bodies in web order, m = n - 1 spans, d drives,
-c load cells, l tension loops, r torque-ripple terms, s shape tables.
+c load cells, l loops, r torque-ripple terms, s shape tables, h parts of spans that are warm,
+g carriages.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ def record_type(integers: str, floats: str) -> np.dtype[Any]:
 
 
 BODY = record_type(
-    "kind shape_row",  # shape_row: row of the shape tables, -1 for a true circle
+    # shape_row: row of the shape tables, -1 for a true circle; carriage: what moves it, or -1
+    "kind shape_row carriage",
     "sigma centre_x_m centre_y_m "  # sigma: +1 counter-clockwise, -1 clockwise
     "radius_m "  # mean radius (perimeter / 2 pi) at the start
     "inertia_kg_m2 "  # rolls: core and drive only
@@ -40,7 +42,11 @@ BODY = record_type(
     "gravity_moment_N_m gravity_moment_angle_rad "  # m g e off axis, its angle
     "slip_s_m slip_speed_m_s",  # share of speed lost per m/s above slip_speed
 )
-SPAN = record_type("", "EA_N free_strain")  # free strain (thermal, moisture) pulls nothing
+SPAN = record_type(
+    "heat_first heat_parts",  # its rows of heats, in web order; no part: web as it comes
+    "EA_N free_strain",  # free strain (thermal, moisture) pulls nothing
+)
+HEAT = record_type("", "air_K time_s")  # one part of a span: surroundings, time constant
 WEB = record_type(
     "",
     "viscosity_s "  # Kelvin-Voigt: T = EA (strain + viscosity * d strain/dt)
@@ -52,7 +58,8 @@ WEB = record_type(
     # web past splice_m of unstretched length differs by these ratios; 1 = the same web
     "splice_m splice_EA_ratio splice_thickness_ratio "
     # the seam, as long as splice_piece_m, lifts the web off a roller by splice_step_m
-    "splice_step_m splice_piece_m",
+    "splice_step_m splice_piece_m "
+    "expansion_1_K",  # thermal; temperatures count from that of the web on the unwind
 )
 DRIVE = record_type(
     "body delay_ticks loop",  # loop: tension loop that trims this drive, or -1
@@ -70,14 +77,26 @@ CELL = record_type(
     "corner_Hz gain offset_N noise_N lsb_N resonance_Hz resonance_damping "
     "unbalance_kg_m unbalance_angle_rad hum_N hum_Hz hum_phase_rad",
 )
-LOOP = record_type("cell", "gain_m_s_N corner_rad_s sign")
+LOOP = record_type(
+    "cell carriage",  # a loop holds a cell's tension or, where cell is -1, a carriage's travel
+    "gain_m_s_N corner_rad_s sign reference_m",  # of travel: gain in m/s per m
+)
+# what rollers move with: its travel, m, is 0 where the file puts them and lengthens the path
+CARRIAGE = record_type(
+    "pendulum",
+    "axis_x axis_y "  # of a straight travel: its direction
+    "pivot_x_m pivot_y_m turn_1_m "  # of an arm: angle over travel, + counter-clockwise
+    "mass_kg load_N weight_N weight_x_m weight_y_m "  # weight: at this point at travel 0
+    "stiffness_N_m damping_N_s_m friction_N from_m to_m "
+    "gain_rad_s drive_damping limit_N speed_m_s",  # own drive, gain 0: none; its reference
+)
 RIPPLE = record_type("drive", "order cos_N_m sin_N_m")
 # a number that changes while a line runs: what (below), whose index, by how much; it rises from
 # from_s over rise_s, stays until until_s, falls as it rose; put: the part that is in force now
 CHANGE = record_type("target place", "amount from_s rise_s until_s put")
-DRAG, FREE_STRAIN, SLIP = 0, 1, 2
+DRAG, FREE_STRAIN, SLIP, TRAVEL_SPEED = 0, 1, 2, 3
 """Values of the field ``target`` of a change: friction of a body, N m; free strain of a span;
-share of speed lost per m/s on a body, s/m."""
+share of speed lost per m/s on a body, s/m; speed reference of a carriage's drive, m/s."""
 
 # noisy 0: sensors answer with their mean, a run is noise-free
 TIMING = record_type("ticks_per_frame frames_per_loop substeps noisy", "drive_tick_s")
@@ -97,6 +116,8 @@ class LineArrays(NamedTuple):
     loops: Records  # (l,) LOOP
     ripples: Records  # (r,) RIPPLE
     changes: Records  # (e,) CHANGE
+    heats: Records  # (h,) HEAT
+    carriages: Records  # (g,) CARRIAGE
     timing: Records  # (1,) TIMING
     shape_h_m: Array  # (s, points + 1) support function minus mean radius
     shape_dh_m: Array
@@ -117,6 +138,8 @@ class LineState(NamedTuple):
     measured_N: Array  # (c,) latest load-cell words
     true_N: Array  # (c,) filtered tension without noise and quantisation
     measured_rad_s: Array  # (d,) latest speeds as recorded
+    carriage_integral_m: Array  # (g,)
+    carriage_force_N: Array  # (g,) of the carriages' own drives
     delay_m_s: Array  # (d, ticks) ring buffer of corrections
     counters: IntArray  # frame number, ring position
     time_s: Array  # (1,)

@@ -14,6 +14,9 @@ _PATTERNS = (
     "line/kernel.py",
     "line/layout.py",
     "line/log_layout.py",
+    "line/moved_bodies.py",
+    "line/spliced_spans.py",
+    "line/warm_spans.py",
 )
 
 

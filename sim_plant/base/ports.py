@@ -36,6 +36,16 @@ class RollChanger(Protocol):
 
 
 @runtime_checkable
+class TravelDriver(Protocol):
+    """A line with accumulators that have a drive of their own."""
+
+    @property
+    def driven_travels(self) -> tuple[str, ...]:
+        """Their names; ``travel_<name>_m_s`` is an input of ``step``, 0 at the start."""
+        ...
+
+
+@runtime_checkable
 class WebSupply(Protocol):
     """A line that tells how much web its unwind roll still holds."""
 

@@ -192,7 +192,8 @@ def _choice(scope: Scope, node: ast.IfExp) -> Value:
     if in_scalars(test.kind).lanes:
         return chosen(test, yes, no, Scalar(kind.base, True))
     yes, no = as_kind(yes, kind), as_kind(no, kind)
-    return Value(f"({test.code} ? {yes.code} : {no.code})", kind)
+    cast = f"({c_type(kind)})" if kind.lanes else ""  # a sum of vectors has another name
+    return Value(f"({test.code} ? {cast}{yes.code} : {cast}{no.code})", kind)
 
 
 def _call(scope: Scope, node: ast.Call) -> Value:

@@ -26,7 +26,19 @@ from sim_plant.line.log_layout import LogLayout
 
 RECORDS: dict[str, np.dtype[Any]] = {
     name: getattr(records, name)
-    for name in ("BODY", "SPAN", "WEB", "DRIVE", "CELL", "LOOP", "RIPPLE", "CHANGE", "TIMING")
+    for name in (
+        "BODY",
+        "SPAN",
+        "WEB",
+        "DRIVE",
+        "CELL",
+        "LOOP",
+        "RIPPLE",
+        "CHANGE",
+        "TIMING",
+        "HEAT",
+        "CARRIAGE",
+    )
 }
 STRUCTS: dict[str, type] = {
     made.__name__: made
@@ -41,6 +53,8 @@ RECORD_FIELDS = {
     "loops": "LOOP",
     "ripples": "RIPPLE",
     "changes": "CHANGE",
+    "heats": "HEAT",
+    "carriages": "CARRIAGE",
     "timing": "TIMING",
 }
 MATRICES = ("shape_h_m", "shape_dh_m", "shape_rho_m", "delay_m_s", "contacts", "rates")
@@ -131,10 +145,15 @@ LANES = Target(
         {
             *(f"TIMING.{name}" for name in records.TIMING.names or ()),
             "BODY.kind",
+            "BODY.carriage",
+            "SPAN.heat_first",
+            "SPAN.heat_parts",
+            "CARRIAGE.pendulum",
             "DRIVE.body",
             "DRIVE.loop",
             "CELL.body",
             "LOOP.cell",
+            "LOOP.carriage",
             "LineState.counters",
             "LineState.time_s",
         }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from sim_plant.base.jit import compiled
 
 
@@ -16,6 +18,20 @@ def exchange_rate(
     Never raises.
     """
     return renewal_1_s * (entering - value) + (surroundings - value) / time_s
+
+
+@compiled
+def leaving_value(value: float, surroundings: float, renewal_1_s: float, time_s: float) -> float:
+    """Return temperature or moisture at the end of a piece of web with this mean.
+
+    Along web that moves evenly dX/dx = (X_air - X)/(v tau), so X_out - X_air = (X - X_air)
+    a/(e^a - 1), a = 1/(renewal tau), of the piece's mean X [own derivation: exact at rest at any
+    speed and length of the pieces; well mixed as a goes to 0, the surroundings' as the web
+    stands]. Never raises.
+    """
+    share = min(1.0 / (renewal_1_s * time_s), 500.0)
+    kept = share / (math.exp(share) - 1.0) if share > 1e-5 else 1.0 - 0.5 * share
+    return surroundings + (value - surroundings) * kept
 
 
 @compiled

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from sim_plant.export.variable import quoted
 from sim_plant.line.channels import Channel
-from sim_plant.line.declaration import DriveSpeed, LoadCell, RollAngle
+from sim_plant.line.declaration import CarriagePosition, DriveSpeed, LoadCell, RollAngle
+from sim_plant.line.declared_bodies import section_of
 from sim_plant.line.simulation import LineSimulation
 
 WEB_LEFT = "web_left_m"
@@ -40,8 +41,10 @@ def output_channels(line: LineSimulation) -> Iterator[OutputChannel]:
     """Yield every output, recorded channels first."""
     units = {sensor.channel: _unit_of(sensor) for sensor in line.declaration.sensors}
     rollers = {sensor.channel: sensor.roller for sensor in line.declaration.sensors}
+    travels = {s.channel for s in line.declaration.sensors if isinstance(s, CarriagePosition)}
     for channel in line.channels:
-        what = f"{_WHAT[units[channel.name]]} at {rollers[channel.name]}"
+        kind = "Travel" if channel.name in travels else _WHAT[units[channel.name]]
+        what = f"{kind} at {rollers[channel.name]}"
         yield _measured(channel, units[channel.name], f"{what}, as the line's sensor reads it")
         yield OutputChannel(
             name=quoted(f"true_{channel.name}"),
@@ -96,6 +99,10 @@ def _unseen(line: LineSimulation) -> Iterator[OutputChannel]:
         where = f"spans.{quoted(names[i] + '_' + names[i + 1])}.tension_N"
         text = f"Tension of the web between {names[i]} and {names[i + 1]}"
         yield _true(where, text, "N", at.tension_N + i)
+    for c, carriage in enumerate(line.declaration.carriages):
+        where = f"{section_of(carriage)}.{quoted(carriage.name)}.travel_now_m"
+        text = f"Travel of {carriage.name}, 0 where the line file puts its rollers"
+        yield _true(where, text, "m", at.travel_m + c)
     left = f"Length of web on {names[0]} down to its core"
     yield _true(WEB_LEFT, left, "m", at.width + line.arrays.drives.size)
 

@@ -89,6 +89,11 @@ def _inputs(line: LineSimulation, speed_m_s: float, tension_N: float) -> Iterato
         text = f"Correction added to the torque of the drive of {drive.roller}, within its limit"
         made = _held(f"aff_{drive.roller}_N_m", text, "N.m", 0.0, 1e6)
         yield replace(made, place=f"corrections[{len(drives) + number}]")
+    for c, carriage in enumerate(line.declaration.carriages):
+        if carriage.name in line.driven_travels:
+            text = f"Speed of {carriage.name} by its own drive: positive fills it"
+            made = _held(f"travel_{carriage.name}_m_s", text, "m/s", 0.0, 10.0)
+            yield replace(made, place=f"numbers.carriages[{c}].speed_m_s")
     for name, text in (
         ("splice", "From false to true: the unwind goes on with web as splice.* say"),
         ("roll_change", "From false to true: full rolls at both ends, at the web's speed"),

@@ -21,6 +21,8 @@ RECORDS = {
     "loops": "LOOP",
     "ripples": "RIPPLE",
     "changes": "CHANGE",
+    "heats": "HEAT",
+    "carriages": "CARRIAGE",
     "timing": "TIMING",
 }
 SHAPES = {"shape_h_m": "SHAPE_H", "shape_dh_m": "SHAPE_DH", "shape_rho_m": "SHAPE_RHO"}
@@ -89,6 +91,8 @@ def _sizes(line: LineSimulation, interface: Interface) -> str:
         "LOOPS": p.loops.size,
         "RIPPLES": p.ripples.size,
         "CHANGES": p.changes.size,
+        "HEATS": p.heats.size,
+        "CARRIAGES": p.carriages.size,
         "LOOPS_": max(1, p.loops.size),
         "CHANGES_": max(1, p.changes.size),
         "SHAPES": p.shape_h_m.shape[0],

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from sim_plant.base.arrays import UNWIND
 from sim_plant.export.variable import Variability, Variable, quoted
 from sim_plant.line.build import cell_sensors
+from sim_plant.line.declared_bodies import section_of
 from sim_plant.line.simulation import LineSimulation
 
 SETTLE_S = 40.0
@@ -17,6 +18,13 @@ _FRICTION = (
     ("friction_viscous_N_m_s", "Friction per speed", "N.m.s", 10.0),
 )
 
+_CARRIAGE = (
+    ("mass_kg", "Mass that moves", "kg", 0.0, 0.0),
+    ("load_N", "Load against the web", "N", -1e5, 1e5),
+    ("damping_N_s_m", "Friction per speed", "N.s/m", 0.0, 1e5),
+    ("friction_N", "Friction that does not change with speed", "N", 0.0, 1e4),
+)
+
 
 def parameters_of(line: LineSimulation) -> Iterator[Variable]:
     """Yield every parameter; starts are those of the line with its corrections and effects."""
@@ -25,6 +33,7 @@ def parameters_of(line: LineSimulation) -> Iterator[Variable]:
     yield from _of_rollers(line)
     yield from _of_drives(line)
     yield from _of_loops(line)
+    yield from _of_carriages(line)
     yield from _of_sensors(line)
 
 
@@ -213,6 +222,36 @@ def _of_loops(line: LineSimulation) -> Iterator[Variable]:
                 f"loops[{number}].{field}",
                 "tunable",
             )
+
+
+def _of_carriages(line: LineSimulation) -> Iterator[Variable]:
+    """Yield numbers of dancers and accumulators under their keys, as the kernel has them.
+
+    Those of an arm are given over its radius: along the circle of its first roller.
+    """
+    for c, given in enumerate(line.declaration.carriages):
+        carriage, where = line.arrays.carriages[c], f"{section_of(given)}.{quoted(given.name)}"
+        for name, text, unit, least, most in _CARRIAGE:
+            start = float(carriage[name])
+            yield _number(
+                f"{where}.along_{name}",
+                f"{text}, along the travel of {given.name}",
+                unit,
+                start,
+                (0.1 * start if name == "mass_kg" else least, 10.0 * start + most),
+                f"carriages[{c}].{name}",
+                "tunable",
+            )
+    if line.arrays.heats.size:
+        expansion = float(line.arrays.web["expansion_1_K"][0])
+        yield _number(
+            "web.thermal_expansion_1_K",
+            "Thermal expansion of the web",
+            "1/K",
+            expansion,
+            (-1e-3, 1e-3),
+            "web[0].expansion_1_K",
+        )
 
 
 def _of_sensors(line: LineSimulation) -> Iterator[Variable]:

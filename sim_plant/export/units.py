@@ -28,5 +28,8 @@ UNITS: dict[str, Unit] = {
     "N.m.s": Unit(exponents={"kg": 1, "m": 2, "s": -1}),
     "kg.m2": Unit(exponents={"kg": 1, "m": 2}),
     "kg/m3": Unit(exponents={"kg": 1, "m": -3}),
+    "kg": Unit(exponents={"kg": 1}),
+    "N.s/m": Unit(exponents={"kg": 1, "s": -1}),
+    "1/K": Unit(exponents={"K": -1}),
     "m/(s.N)": Unit(exponents={"kg": -1, "s": 1}),
 }

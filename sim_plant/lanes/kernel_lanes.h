@@ -1,6 +1,6 @@
 /* Made from the compiled functions of sim_plant by sim_plant.codegen; not by hand. */
 
-#define SOURCE "73110b50c2d9bc1c" /* of the files it was made from */
+#define SOURCE "a0660635e34e0d9c" /* of the files it was made from */
 
 /* LANES lines side by side: one vector of doubles, or of integers, for each number of a line.
    Built several times, with other LANES and other instructions; see setup.py. */
@@ -220,6 +220,7 @@ EACH floats lanes_tanh(floats x) {
 typedef struct {
     int64_t kind[LANES];
     integers shape_row;
+    int64_t carriage[LANES];
     floats sigma;
     floats centre_x_m;
     floats centre_y_m;
@@ -238,6 +239,8 @@ typedef struct { BODY *at; int64_t n; } BODY_array;
 typedef struct { BODY *at; integers index; } BODY_each;
 
 typedef struct {
+    int64_t heat_first[LANES];
+    int64_t heat_parts[LANES];
     floats EA_N;
     floats free_strain;
 } SPAN;
@@ -268,6 +271,7 @@ typedef struct {
     floats splice_thickness_ratio;
     floats splice_step_m;
     floats splice_piece_m;
+    floats expansion_1_K;
 } WEB;
 
 typedef struct { WEB *at; int64_t n; } WEB_array;
@@ -322,9 +326,11 @@ typedef struct { CELL *at; integers index; } CELL_each;
 
 typedef struct {
     int64_t cell[LANES];
+    int64_t carriage[LANES];
     floats gain_m_s_N;
     floats corner_rad_s;
     floats sign;
+    floats reference_m;
 } LOOP;
 
 typedef struct { LOOP *at; int64_t n; } LOOP_array;
@@ -369,6 +375,42 @@ typedef struct { TIMING *at; int64_t n; } TIMING_array;
 typedef struct { TIMING *at; integers index; } TIMING_each;
 
 typedef struct {
+    floats air_K;
+    floats time_s;
+} HEAT;
+
+typedef struct { HEAT *at; int64_t n; } HEAT_array;
+
+typedef struct { HEAT *at; integers index; } HEAT_each;
+
+typedef struct {
+    int64_t pendulum[LANES];
+    floats axis_x;
+    floats axis_y;
+    floats pivot_x_m;
+    floats pivot_y_m;
+    floats turn_1_m;
+    floats mass_kg;
+    floats load_N;
+    floats weight_N;
+    floats weight_x_m;
+    floats weight_y_m;
+    floats stiffness_N_m;
+    floats damping_N_s_m;
+    floats friction_N;
+    floats from_m;
+    floats to_m;
+    floats gain_rad_s;
+    floats drive_damping;
+    floats limit_N;
+    floats speed_m_s;
+} CARRIAGE;
+
+typedef struct { CARRIAGE *at; int64_t n; } CARRIAGE_array;
+
+typedef struct { CARRIAGE *at; integers index; } CARRIAGE_each;
+
+typedef struct {
     BODY_array bodies;
     SPAN_array spans;
     WEB_array web;
@@ -377,6 +419,8 @@ typedef struct {
     LOOP_array loops;
     RIPPLE_array ripples;
     CHANGE_array changes;
+    HEAT_array heats;
+    CARRIAGE_array carriages;
     TIMING_array timing;
     float_lanes_2 shape_h_m;
     float_lanes_2 shape_dh_m;
@@ -395,6 +439,8 @@ typedef struct {
     float_lanes_1 measured_N;
     float_lanes_1 true_N;
     float_lanes_1 measured_rad_s;
+    float_lanes_1 carriage_integral_m;
+    float_lanes_1 carriage_force_N;
     float_lanes_2 delay_m_s;
     int_1 counters;
     float_1 time_s;
@@ -421,6 +467,8 @@ typedef struct {
     int64_t motor;
     int64_t maxwell;
     int64_t bounce;
+    int64_t carriage;
+    int64_t heat;
     int64_t size;
 } Layout;
 
@@ -433,12 +481,17 @@ typedef struct {
     int64_t theta_rad;
     int64_t radius_m;
     int64_t tension_N;
+    int64_t travel_m;
     int64_t width;
 } LogLayout;
 
 typedef struct { floats part0; floats part1; } group_FF;
 
 typedef struct { floats part0; floats part1; floats part2; } group_FFF;
+
+typedef struct { floats part0; floats part1; floats part2; floats part3; } group_FFFF;
+
+typedef struct { floats part0; floats part1; double part2; double part3; } group_FFff;
 
 typedef struct { floats part0; double part1; floats part2; } group_FfF;
 
@@ -449,7 +502,7 @@ static inline group_FF k_tension_pi(floats gain_m_s_N, floats corner_rad_s, floa
     return t1_;
 }
 
-static inline void k_run_loops(const LineArrays * p, const LineState * s, float_1 tension_ref_N, double period_s) {
+static inline void k_run_loops(const LineArrays * p, const Layout * lay, const LineState * s, float_1 tension_ref_N, double period_s) {
     LOOP * law = {0};
     floats error = {0};
     floats correction = {0};
@@ -457,7 +510,11 @@ static inline void k_run_loops(const LineArrays * p, const LineState * s, float_
     const int64_t t1_ = p->loops.n;
     for (int64_t loop = 0; loop < t1_; loop++) {
         law = (&p->loops.at[loop]);
-        error = (tension_ref_N.at[loop] - s->measured_N.at[law->cell[0]]);
+        if ((law->carriage[0] >= INT64_C(0))) {
+            error = (law->reference_m - s->y.at[(lay->carriage + (INT64_C(2) * law->carriage[0]))]);
+        } else {
+            error = (tension_ref_N.at[loop] - s->measured_N.at[law->cell[0]]);
+        }
         const group_FF t2_ = k_tension_pi(law->gain_m_s_N, law->corner_rad_s, law->sign, error, s->loop_integral.at[loop], period_s);
         correction = t2_.part0;
         integral = t2_.part1;
@@ -499,10 +556,10 @@ static inline void k_keep_changes(const LineArrays * p, double time_s) {
     floats now = {0};
     floats more = {0};
     const int64_t t1_ = p->changes.n;
-    integers broken70_ = each_bool(false);
+    integers broken91_ = each_bool(false);
     for (int64_t e = 0; e < t1_; e++) {
-        integers skipped70_ = each_bool(false);
-        const integers on2_ = ~broken70_ & ~skipped70_;
+        integers skipped91_ = each_bool(false);
+        const integers on2_ = ~broken91_ & ~skipped91_;
         if (!any(on2_)) break;
         change = (&p->changes.at[e]);
         now = choose_floats(on2_, (change->amount * k_level(time_s, change->from_s, change->rise_s, change->until_s)), now);
@@ -510,9 +567,9 @@ static inline void k_keep_changes(const LineArrays * p, double time_s) {
         const integers t3_ = ((integers)(more == each_float(0.0)));
         const integers on4_ = on2_ & t3_;
         if (any(on4_)) {
-            skipped70_ |= on4_;
+            skipped91_ |= on4_;
         }
-        const integers on5_ = on2_ & ~broken70_ & ~skipped70_;
+        const integers on5_ = on2_ & ~broken91_ & ~skipped91_;
         if (any(on5_)) {
             change->put = choose_floats(on5_, now, change->put);
             const integers t6_ = ((integers)(change->target == each_int(INT64_C(0))));
@@ -533,6 +590,14 @@ static inline void k_keep_changes(const LineArrays * p, double time_s) {
                     const integers on13_ = on11_ & t12_;
                     if (any(on13_)) {
                         scatter_floats(on13_, &((BODY_each){p->bodies.at, choose_integers(on13_, change->place, each_int(INT64_C(0)))}).at->slip_s_m, ((BODY_each){p->bodies.at, choose_integers(on13_, change->place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(BODY) / sizeof(floats)), (gather_floats(&((BODY_each){p->bodies.at, choose_integers(on13_, change->place, each_int(INT64_C(0)))}).at->slip_s_m, ((BODY_each){p->bodies.at, choose_integers(on13_, change->place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(BODY) / sizeof(floats))) + more));
+                    }
+                    const integers on14_ = on11_ & ~t12_;
+                    if (any(on14_)) {
+                        const integers t15_ = ((integers)(change->target == each_int(INT64_C(3))));
+                        const integers on16_ = on14_ & t15_;
+                        if (any(on16_)) {
+                            scatter_floats(on16_, &((CARRIAGE_each){p->carriages.at, choose_integers(on16_, change->place, each_int(INT64_C(0)))}).at->speed_m_s, ((CARRIAGE_each){p->carriages.at, choose_integers(on16_, change->place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats)), (gather_floats(&((CARRIAGE_each){p->carriages.at, choose_integers(on16_, change->place, each_int(INT64_C(0)))}).at->speed_m_s, ((CARRIAGE_each){p->carriages.at, choose_integers(on16_, change->place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats))) + more));
+                        }
                     }
                 }
             }
@@ -742,6 +807,25 @@ static inline void k_run_drives(const LineArrays * p, const Layout * lay, const 
     s->counters.at[INT64_C(1)] = modulo_int((s->counters.at[INT64_C(1)] + INT64_C(1)), s->delay_m_s.cols);
 }
 
+static inline void k_drive_carriages(const LineArrays * p, const Layout * lay, const LineState * s) {
+    CARRIAGE * carriage = {0};
+    floats force = {0};
+    floats integral = {0};
+    const int64_t t1_ = p->carriages.n;
+    for (int64_t c = 0; c < t1_; c++) {
+        carriage = (&p->carriages.at[c]);
+        const integers t2_ = ((integers)(carriage->gain_rad_s > each_float(0.0)));
+        const integers on3_ = t2_;
+        if (any(on3_)) {
+            const group_FF t4_ = k_speed_pi(carriage->mass_kg, carriage->gain_rad_s, carriage->drive_damping, (carriage->speed_m_s - s->y.at[((lay->carriage + (INT64_C(2) * c)) + INT64_C(1))]), s->carriage_integral_m.at[c], (&p->timing.at[INT64_C(0)])->drive_tick_s[0], carriage->limit_N);
+            force = choose_floats(on3_, t4_.part0, force);
+            integral = choose_floats(on3_, t4_.part1, integral);
+            s->carriage_force_N.at[c] = choose_floats(on3_, force, s->carriage_force_N.at[c]);
+            s->carriage_integral_m.at[c] = choose_floats(on3_, integral, s->carriage_integral_m.at[c]);
+        }
+    }
+}
+
 static inline floats k_web_share(floats slip_s_m, floats threshold_m_s, floats speed_m_s) {
     floats excess = {0};
     integers returned_ = each_bool(false);
@@ -759,6 +843,67 @@ static inline floats k_web_share(floats slip_s_m, floats threshold_m_s, floats s
         returned_ |= on3_;
     }
     return result_;
+}
+
+static inline group_FFFF k_moved_point(const LineArrays * p, int64_t c, floats travel_m, floats x_m, floats y_m) {
+    CARRIAGE * carriage = {0};
+    floats x = {0};
+    floats y = {0};
+    floats turned = {0};
+    floats sine = {0};
+    floats cosine = {0};
+    floats from_x = {0};
+    floats from_y = {0};
+    floats arm_x = {0};
+    floats arm_y = {0};
+    carriage = (&p->carriages.at[c]);
+    if ((carriage->pendulum[0] == INT64_C(0))) {
+        x = (x_m + (travel_m * carriage->axis_x));
+        y = (y_m + (travel_m * carriage->axis_y));
+        const group_FFFF t1_ = (group_FFFF){x, y, carriage->axis_x, carriage->axis_y};
+        return t1_;
+    }
+    turned = (carriage->turn_1_m * travel_m);
+    const floats t2_ = lanes_sin(turned);
+    const floats t3_ = lanes_cos(turned);
+    sine = t2_;
+    cosine = t3_;
+    const floats t4_ = (x_m - carriage->pivot_x_m);
+    const floats t5_ = (y_m - carriage->pivot_y_m);
+    from_x = t4_;
+    from_y = t5_;
+    arm_x = ((cosine * from_x) - (sine * from_y));
+    arm_y = ((sine * from_x) + (cosine * from_y));
+    const group_FFFF t6_ = (group_FFFF){(carriage->pivot_x_m + arm_x), (carriage->pivot_y_m + arm_y), ((-carriage->turn_1_m) * arm_y), (carriage->turn_1_m * arm_x)};
+    return t6_;
+}
+
+static inline group_FFFF k_centre_of(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t k) {
+    BODY * body = {0};
+    floats travel_m = {0};
+    body = (&p->bodies.at[k]);
+    if ((body->carriage[0] < INT64_C(0))) {
+        const group_FFFF t1_ = (group_FFFF){body->centre_x_m, body->centre_y_m, each_float(0.0), each_float(0.0)};
+        return t1_;
+    }
+    travel_m = y.at[(lay->carriage + (INT64_C(2) * body->carriage[0]))];
+    const group_FFFF t2_ = k_moved_point(p, body->carriage[0], travel_m, body->centre_x_m, body->centre_y_m);
+    return t2_;
+}
+
+static inline group_FF k_apart(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i) {
+    floats a_x = {0};
+    floats a_y = {0};
+    floats b_x = {0};
+    floats b_y = {0};
+    const group_FFFF t1_ = k_centre_of(p, lay, y, i);
+    a_x = t1_.part0;
+    a_y = t1_.part1;
+    const group_FFFF t2_ = k_centre_of(p, lay, y, (i + INT64_C(1)));
+    b_x = t2_.part0;
+    b_y = t2_.part1;
+    const group_FF t3_ = (group_FF){(b_x - a_x), (b_y - a_y)};
+    return t3_;
 }
 
 static inline group_FFF k_support_at(float_lanes_row h, float_lanes_row dh, float_lanes_row rho, floats psi_rad) {
@@ -871,11 +1016,46 @@ static inline floats k_growth(int64_t kind, floats thickness_m, floats omega_rad
     return each_float(0.0);
 }
 
+static inline floats k_travel_speed(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t k) {
+    int64_t carriage = 0;
+    carriage = (&p->bodies.at[k])->carriage[0];
+    return ((carriage >= INT64_C(0)) ? (floats)y.at[((lay->carriage + (INT64_C(2) * carriage)) + INT64_C(1))] : (floats)each_float(0.0));
+}
+
+static inline floats k_turn_by_travel(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, floats phi_rad, float_lanes_2 out, const integers lanes_) {
+    floats sine = {0};
+    floats cosine = {0};
+    floats a_sx = {0};
+    floats a_sy = {0};
+    floats b_sx = {0};
+    floats b_sy = {0};
+    floats across = {0};
+    integers returned_ = each_bool(false);
+    floats result_ = {0};
+    const floats t1_ = lanes_sin(phi_rad);
+    const floats t2_ = lanes_cos(phi_rad);
+    sine = t1_;
+    cosine = t2_;
+    const group_FFFF t3_ = k_centre_of(p, lay, y, i);
+    a_sx = t3_.part2;
+    a_sy = t3_.part3;
+    const group_FFFF t4_ = k_centre_of(p, lay, y, (i + INT64_C(1)));
+    b_sx = t4_.part2;
+    b_sy = t4_.part3;
+    out.at[i * out.cols + INT64_C(6)] = choose_floats(lanes_, ((cosine * a_sx) + (sine * a_sy)), out.at[i * out.cols + INT64_C(6)]);
+    out.at[i * out.cols + INT64_C(7)] = choose_floats(lanes_, ((cosine * b_sx) + (sine * b_sy)), out.at[i * out.cols + INT64_C(7)]);
+    across = (((sine * b_sx) - (cosine * b_sy)) * k_travel_speed(p, lay, y, (i + INT64_C(1))));
+    result_ = choose_floats(lanes_, (across - (((sine * a_sx) - (cosine * a_sy)) * k_travel_speed(p, lay, y, i))), result_);
+    returned_ |= lanes_;
+    return result_;
+}
+
 static inline void k_span_contacts(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, float_lanes_1 phi, float_lanes_2 out, const integers lanes_) {
     BODY * a = {0};
     BODY * b = {0};
     floats dx = {0};
     floats dy = {0};
+    integers carried = {0};
     floats radius_a = {0};
     floats radius_b = {0};
     floats theta_a = {0};
@@ -899,56 +1079,70 @@ static inline void k_span_contacts(const LineArrays * p, const Layout * lay, flo
     b = t2_;
     const floats t3_ = (b->centre_x_m - a->centre_x_m);
     const floats t4_ = (b->centre_y_m - a->centre_y_m);
-    dx = t3_;
-    dy = t4_;
+    dx = choose_floats(lanes_, t3_, dx);
+    dy = choose_floats(lanes_, t4_, dy);
+    carried = each_bool(((a->carriage[0] >= INT64_C(0)) || (b->carriage[0] >= INT64_C(0))));
+    const integers t5_ = carried;
+    const integers on6_ = lanes_ & t5_;
+    if (any(on6_)) {
+        const group_FF t7_ = k_apart(p, lay, y, i);
+        dx = choose_floats(on6_, t7_.part0, dx);
+        dy = choose_floats(on6_, t7_.part1, dy);
+    }
     radius_a = k_mean_radius(lay, y, a->kind[0], a->radius_m);
     radius_b = k_mean_radius(lay, y, b->kind[0], b->radius_m);
-    const floats t5_ = y.at[(lay->theta + i)];
-    const floats t6_ = y.at[((lay->theta + i) + INT64_C(1))];
-    theta_a = t5_;
-    theta_b = t6_;
+    const floats t8_ = y.at[(lay->theta + i)];
+    const floats t9_ = y.at[((lay->theta + i) + INT64_C(1))];
+    theta_a = t8_;
+    theta_b = t9_;
     angle = choose_floats(lanes_, phi.at[i], angle);
-    const double t7_ = 0.0;
-    p_a = choose_floats(lanes_, each_float(t7_), p_a);
-    p_b = choose_floats(lanes_, each_float(t7_), p_b);
-    dh_a = choose_floats(lanes_, each_float(t7_), dh_a);
-    dh_b = choose_floats(lanes_, each_float(t7_), dh_b);
-    rho_a = choose_floats(lanes_, each_float(t7_), rho_a);
-    length = choose_floats(lanes_, each_float(t7_), length);
-    const int64_t t8_ = INT64_C(8);
-    integers broken61_ = each_bool(false);
-    for (int64_t n9_ = 0; n9_ < t8_; n9_++) {
-        integers skipped61_ = each_bool(false);
-        const integers on10_ = lanes_ & ~broken61_ & ~skipped61_;
-        if (!any(on10_)) break;
-        const group_FFF t11_ = k_body_at(radius_a, a->sigma, a->shape_row, p->shape_h_m, p->shape_dh_m, p->shape_rho_m, theta_a, angle);
-        p_a = choose_floats(on10_, t11_.part0, p_a);
-        dh_a = choose_floats(on10_, t11_.part1, dh_a);
-        rho_a = choose_floats(on10_, t11_.part2, rho_a);
-        const group_FFF t12_ = k_body_at(radius_b, b->sigma, b->shape_row, p->shape_h_m, p->shape_dh_m, p->shape_rho_m, theta_b, angle);
-        p_b = choose_floats(on10_, t12_.part0, p_b);
-        dh_b = choose_floats(on10_, t12_.part1, dh_b);
-        const group_FF t13_ = k_tangent(dx, dy, a->sigma, p_a, dh_a, b->sigma, p_b, dh_b, angle);
-        residual = choose_floats(on10_, t13_.part0, residual);
-        length = choose_floats(on10_, t13_.part1, length);
-        const integers t14_ = ((integers)(absolutes(residual) < each_float(1e-13)));
-        const integers on15_ = on10_ & t14_;
-        if (any(on15_)) {
-            broken61_ |= on15_;
+    const double t10_ = 0.0;
+    p_a = choose_floats(lanes_, each_float(t10_), p_a);
+    p_b = choose_floats(lanes_, each_float(t10_), p_b);
+    dh_a = choose_floats(lanes_, each_float(t10_), dh_a);
+    dh_b = choose_floats(lanes_, each_float(t10_), dh_b);
+    rho_a = choose_floats(lanes_, each_float(t10_), rho_a);
+    length = choose_floats(lanes_, each_float(t10_), length);
+    const int64_t t11_ = INT64_C(8);
+    integers broken64_ = each_bool(false);
+    for (int64_t n12_ = 0; n12_ < t11_; n12_++) {
+        integers skipped64_ = each_bool(false);
+        const integers on13_ = lanes_ & ~broken64_ & ~skipped64_;
+        if (!any(on13_)) break;
+        const group_FFF t14_ = k_body_at(radius_a, a->sigma, a->shape_row, p->shape_h_m, p->shape_dh_m, p->shape_rho_m, theta_a, angle);
+        p_a = choose_floats(on13_, t14_.part0, p_a);
+        dh_a = choose_floats(on13_, t14_.part1, dh_a);
+        rho_a = choose_floats(on13_, t14_.part2, rho_a);
+        const group_FFF t15_ = k_body_at(radius_b, b->sigma, b->shape_row, p->shape_h_m, p->shape_dh_m, p->shape_rho_m, theta_b, angle);
+        p_b = choose_floats(on13_, t15_.part0, p_b);
+        dh_b = choose_floats(on13_, t15_.part1, dh_b);
+        const group_FF t16_ = k_tangent(dx, dy, a->sigma, p_a, dh_a, b->sigma, p_b, dh_b, angle);
+        residual = choose_floats(on13_, t16_.part0, residual);
+        length = choose_floats(on13_, t16_.part1, length);
+        const integers t17_ = ((integers)(absolutes(residual) < each_float(1e-13)));
+        const integers on18_ = on13_ & t17_;
+        if (any(on18_)) {
+            broken64_ |= on18_;
         }
-        const integers on16_ = on10_ & ~broken61_ & ~skipped61_;
-        if (any(on16_)) {
-            angle = choose_floats(on16_, (angle - (residual / length)), angle);
+        const integers on19_ = on13_ & ~broken64_ & ~skipped64_;
+        if (any(on19_)) {
+            angle = choose_floats(on19_, (angle - (residual / length)), angle);
         }
     }
     phi.at[i] = choose_floats(lanes_, angle, phi.at[i]);
-    const floats t17_ = y.at[(lay->omega + i)];
-    const floats t18_ = y.at[((lay->omega + i) + INT64_C(1))];
-    omega_a = t17_;
-    omega_b = t18_;
+    const floats t20_ = y.at[(lay->omega + i)];
+    const floats t21_ = y.at[((lay->omega + i) + INT64_C(1))];
+    omega_a = t20_;
+    omega_b = t21_;
     thickness = (&p->web.at[INT64_C(0)])->thickness_m;
     turning = choose_floats(lanes_, (b->sigma * ((dh_b * omega_b) - k_growth(b->kind[0], thickness, omega_b))), turning);
     turning = choose_floats(lanes_, (turning - (a->sigma * ((dh_a * omega_a) - k_growth(a->kind[0], thickness, omega_a)))), turning);
+    const integers t22_ = carried;
+    const integers on23_ = lanes_ & t22_;
+    if (any(on23_)) {
+        const floats t24_ = k_turn_by_travel(p, lay, y, i, angle, out, on23_);
+        turning = choose_floats(on23_, (turning - t24_), turning);
+    }
     phidot = (turning / length);
     out.at[i * out.cols + INT64_C(0)] = choose_floats(lanes_, length, out.at[i * out.cols + INT64_C(0)]);
     out.at[i * out.cols + INT64_C(1)] = choose_floats(lanes_, p_a, out.at[i * out.cols + INT64_C(1)]);
@@ -995,11 +1189,84 @@ static inline floats k_seam_lift(const LineArrays * p, int64_t i, float_lanes_1 
     return (web->splice_step_m * k_on_wrap(web->splice_piece_m, past_m, wrap_m));
 }
 
+static inline floats k_leaving_value(floats value, floats surroundings, floats renewal_1_s, floats time_s) {
+    floats share = {0};
+    floats kept = {0};
+    share = least_floats((1.0 / (renewal_1_s * time_s)), each_float(500.0));
+    kept = choose_floats(((integers)(share > each_float(1e-05))), (share / (lanes_exp(share) - 1.0)), (1.0 - (0.5 * share)));
+    return (surroundings + ((value - surroundings) * kept));
+}
+
+static inline group_FFF k_warm_span(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, floats renewal_1_s, double entering_K, float_lanes_1 dy) {
+    SPAN * span = {0};
+    floats mean = {0};
+    floats rate = {0};
+    floats entering = {0};
+    int64_t parts = 0;
+    floats renewal = {0};
+    int64_t j = 0;
+    HEAT * heat = {0};
+    floats warming = {0};
+    floats leaving = {0};
+    floats change = {0};
+    span = (&p->spans.at[i]);
+    const double t1_ = 0.0;
+    const double t2_ = 0.0;
+    const double t3_ = entering_K;
+    mean = each_float(t1_);
+    rate = each_float(t2_);
+    entering = each_float(t3_);
+    parts = span->heat_parts[0];
+    if ((parts > INT64_C(0))) {
+        renewal = (absolutes(renewal_1_s) * ((double)(parts)));
+        const int64_t t4_ = parts;
+        for (int64_t part = 0; part < t4_; part++) {
+            j = (span->heat_first[0] + part);
+            heat = (&p->heats.at[j]);
+            warming = y.at[(lay->heat + j)];
+            leaving = k_leaving_value(warming, heat->air_K, renewal, heat->time_s);
+            change = ((renewal * (entering - leaving)) + ((heat->air_K - warming) / heat->time_s));
+            dy.at[(lay->heat + j)] = change;
+            mean = (mean + (warming * (1.0 / ((double)(parts)))));
+            rate = (rate + (change * (1.0 / ((double)(parts)))));
+            entering = leaving;
+        }
+    }
+    const group_FFF t5_ = (group_FFF){mean, rate, entering};
+    return t5_;
+}
+
+static inline group_FFFF k_free_strains(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, floats flow_m_s, floats length_m, double entering_K, float_lanes_1 dy) {
+    floats free = {0};
+    floats mean_K = {0};
+    floats rate_K_s = {0};
+    floats leaving_K = {0};
+    floats expansion = {0};
+    free = (&p->spans.at[i])->free_strain;
+    if ((p->heats.n == INT64_C(0))) {
+        const group_FFFF t1_ = (group_FFFF){free, free, each_float(0.0), each_float(0.0)};
+        return t1_;
+    }
+    const group_FFF t2_ = k_warm_span(p, lay, y, i, (flow_m_s / length_m), entering_K, dy);
+    mean_K = t2_.part0;
+    rate_K_s = t2_.part1;
+    leaving_K = t2_.part2;
+    expansion = (&p->web.at[INT64_C(0)])->expansion_1_K;
+    const group_FFFF t3_ = (group_FFFF){(free + (expansion * mean_K)), (free + (expansion * leaving_K)), (expansion * rate_K_s), leaving_K};
+    return t3_;
+}
+
+static inline floats k_lengthening(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, float_lanes_2 contacts) {
+    floats added = {0};
+    added = (contacts.at[i * contacts.cols + INT64_C(7)] * k_travel_speed(p, lay, y, (i + INT64_C(1))));
+    return (added - (contacts.at[i * contacts.cols + INT64_C(6)] * k_travel_speed(p, lay, y, i)));
+}
+
 static inline floats k_two_webs(floats EA_N, floats ratio, floats share) {
     return (EA_N / ((1.0 - share) + (share / ratio)));
 }
 
-static inline group_FF k_with_two_webs(const LineArrays * p, int64_t i, floats strain, floats new) {
+static inline group_FF k_with_two_webs(const LineArrays * p, int64_t i, floats strain, floats free, floats free_out, floats new) {
     SPAN * span = {0};
     floats ratio = {0};
     floats share = {0};
@@ -1012,7 +1279,7 @@ static inline group_FF k_with_two_webs(const LineArrays * p, int64_t i, floats s
     share = least_floats(largest_floats(new, each_float(0.0)), each_float(1.0));
     EA_N = k_two_webs(span->EA_N, ratio, share);
     at_exit = (span->EA_N * choose_floats(((integers)(share == each_float(1.0))), ratio, each_float(1.0)));
-    const group_FF t3_ = (group_FF){EA_N, (span->free_strain + (((strain - span->free_strain) * EA_N) / at_exit))};
+    const group_FF t3_ = (group_FF){EA_N, (free_out + (((strain - free) * EA_N) / at_exit))};
     return t3_;
 }
 
@@ -1032,10 +1299,103 @@ static inline floats k_maxwell_rate(floats branch, double branch_upstream, float
     return ((rate_1_s - (branch / time_s)) + (renewal_1_s * (fresh - branch)));
 }
 
+static inline group_FF k_with_branch(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, floats EA_N, floats pull_N, floats step, floats rate_1_s, double branch_up, floats renewal_1_s, float_lanes_1 dy, const integers lanes_) {
+    WEB * web = {0};
+    floats branch = {0};
+    integers returned_ = each_bool(false);
+    group_FF result_ = {0};
+    WEB * t1_ = (&p->web.at[INT64_C(0)]);
+    const floats t2_ = y.at[(lay->maxwell + i)];
+    web = t1_;
+    branch = t2_;
+    dy.at[(lay->maxwell + i)] = choose_floats(lanes_, k_maxwell_rate(branch, branch_up, step, rate_1_s, web->maxwell_time_s, renewal_1_s), dy.at[(lay->maxwell + i)]);
+    const group_FF t3_ = (group_FF){largest_floats(each_float(0.0), (pull_N + ((EA_N * web->maxwell_ratio) * branch))), branch};
+    result_.part0 = choose_floats(lanes_, t3_.part0, result_.part0);
+    result_.part1 = choose_floats(lanes_, t3_.part1, result_.part1);
+    returned_ |= lanes_;
+    return result_;
+}
+
+static inline group_FFF k_warm_span2(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, floats renewal_1_s, floats entering_K, float_lanes_1 dy) {
+    SPAN * span = {0};
+    floats mean = {0};
+    floats rate = {0};
+    floats entering = {0};
+    int64_t parts = 0;
+    floats renewal = {0};
+    int64_t j = 0;
+    HEAT * heat = {0};
+    floats warming = {0};
+    floats leaving = {0};
+    floats change = {0};
+    span = (&p->spans.at[i]);
+    const double t1_ = 0.0;
+    const double t2_ = 0.0;
+    const floats t3_ = entering_K;
+    mean = each_float(t1_);
+    rate = each_float(t2_);
+    entering = t3_;
+    parts = span->heat_parts[0];
+    if ((parts > INT64_C(0))) {
+        renewal = (absolutes(renewal_1_s) * ((double)(parts)));
+        const int64_t t4_ = parts;
+        for (int64_t part = 0; part < t4_; part++) {
+            j = (span->heat_first[0] + part);
+            heat = (&p->heats.at[j]);
+            warming = y.at[(lay->heat + j)];
+            leaving = k_leaving_value(warming, heat->air_K, renewal, heat->time_s);
+            change = ((renewal * (entering - leaving)) + ((heat->air_K - warming) / heat->time_s));
+            dy.at[(lay->heat + j)] = change;
+            mean = (mean + (warming * (1.0 / ((double)(parts)))));
+            rate = (rate + (change * (1.0 / ((double)(parts)))));
+            entering = leaving;
+        }
+    }
+    const group_FFF t5_ = (group_FFF){mean, rate, entering};
+    return t5_;
+}
+
+static inline group_FFFF k_free_strains2(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, floats flow_m_s, floats length_m, floats entering_K, float_lanes_1 dy) {
+    floats free = {0};
+    floats mean_K = {0};
+    floats rate_K_s = {0};
+    floats leaving_K = {0};
+    floats expansion = {0};
+    free = (&p->spans.at[i])->free_strain;
+    if ((p->heats.n == INT64_C(0))) {
+        const group_FFFF t1_ = (group_FFFF){free, free, each_float(0.0), each_float(0.0)};
+        return t1_;
+    }
+    const group_FFF t2_ = k_warm_span2(p, lay, y, i, (flow_m_s / length_m), entering_K, dy);
+    mean_K = t2_.part0;
+    rate_K_s = t2_.part1;
+    leaving_K = t2_.part2;
+    expansion = (&p->web.at[INT64_C(0)])->expansion_1_K;
+    const group_FFFF t3_ = (group_FFFF){(free + (expansion * mean_K)), (free + (expansion * leaving_K)), (expansion * rate_K_s), leaving_K};
+    return t3_;
+}
+
 static inline floats k_maxwell_rate2(floats branch, floats branch_upstream, floats strain_step, floats rate_1_s, floats time_s, floats renewal_1_s) {
     floats fresh = {0};
     fresh = (branch_upstream + strain_step);
     return ((rate_1_s - (branch / time_s)) + (renewal_1_s * (fresh - branch)));
+}
+
+static inline group_FF k_with_branch2(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, floats EA_N, floats pull_N, floats step, floats rate_1_s, floats branch_up, floats renewal_1_s, float_lanes_1 dy, const integers lanes_) {
+    WEB * web = {0};
+    floats branch = {0};
+    integers returned_ = each_bool(false);
+    group_FF result_ = {0};
+    WEB * t1_ = (&p->web.at[INT64_C(0)]);
+    const floats t2_ = y.at[(lay->maxwell + i)];
+    web = t1_;
+    branch = t2_;
+    dy.at[(lay->maxwell + i)] = choose_floats(lanes_, k_maxwell_rate2(branch, branch_up, step, rate_1_s, web->maxwell_time_s, renewal_1_s), dy.at[(lay->maxwell + i)]);
+    const group_FF t3_ = (group_FF){largest_floats(each_float(0.0), (pull_N + ((EA_N * web->maxwell_ratio) * branch))), branch};
+    result_.part0 = choose_floats(lanes_, t3_.part0, result_.part0);
+    result_.part1 = choose_floats(lanes_, t3_.part1, result_.part1);
+    returned_ |= lanes_;
+    return result_;
 }
 
 static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, float_lanes_1 y, float_lanes_1 moving, float_lanes_1 phi, float_lanes_2 contacts, float_lanes_1 tensions, float_lanes_1 dy) {
@@ -1044,9 +1404,12 @@ static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, f
     integers seam = {0};
     integers spliced = {0};
     floats lift_a = {0};
+    floats branch_up = {0};
+    floats entering_K = {0};
+    floats free_up = {0};
     floats behind = {0};
     floats upstream = {0};
-    floats branch_up = {0};
+    bool more = 0;
     BODY * first = {0};
     floats share_a = {0};
     floats lift_b = {0};
@@ -1061,41 +1424,51 @@ static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, f
     floats EA_N = {0};
     floats leaving = {0};
     floats rate_out = {0};
+    floats free = {0};
+    floats free_out = {0};
+    floats free_rate = {0};
+    floats free_step = {0};
     floats held = {0};
+    floats before = {0};
     floats rate = {0};
     floats pull = {0};
-    floats branch = {0};
+    floats step = {0};
+    floats renewal = {0};
     int64_t last = 0;
     floats wander = {0};
     web = (&p->web.at[INT64_C(0)]);
     spans = (lay->n - INT64_C(1));
     seam = ((integers)(web->splice_step_m != each_float(0.0)));
     spliced = (((integers)(web->splice_EA_ratio != each_float(1.0))) | ((integers)(web->splice_thickness_ratio != each_float(1.0))) | seam);
-    lift_a = each_float(0.0);
+    const double t1_ = 0.0;
+    lift_a = each_float(t1_);
+    branch_up = each_float(t1_);
+    entering_K = each_float(t1_);
+    free_up = each_float(t1_);
     behind = (y.at[lay->flow] - web->splice_m);
     upstream = web->supply_strain;
-    const integers t1_ = (spliced & ((integers)(behind > each_float(0.0))));
-    const integers on2_ = t1_;
-    if (any(on2_)) {
-        upstream = choose_floats(on2_, (upstream / web->splice_EA_ratio), upstream);
+    const integers t2_ = (spliced & ((integers)(behind > each_float(0.0))));
+    const integers on3_ = t2_;
+    if (any(on3_)) {
+        upstream = choose_floats(on3_, (upstream / web->splice_EA_ratio), upstream);
     }
-    branch_up = each_float(0.0);
+    more = ((p->heats.n > INT64_C(0)) || (p->carriages.n > INT64_C(0)));
     first = (&p->bodies.at[INT64_C(0)]);
     share_a = k_web_share(first->slip_s_m, first->slip_speed_m_s, (contacts.at[INT64_C(0) * contacts.cols + INT64_C(1)] * y.at[lay->omega]));
-    const int64_t t3_ = spans;
-    for (int64_t i = 0; i < t3_; i++) {
-        const integers t4_ = ((integers)(moving.at[i] != each_float(0.0)));
-        const integers on5_ = t4_;
-        if (any(on5_)) {
-            k_span_contacts(p, lay, y, i, phi, contacts, on5_);
+    const int64_t t4_ = spans;
+    for (int64_t i = 0; i < t4_; i++) {
+        const integers t5_ = ((integers)(moving.at[i] != each_float(0.0)));
+        const integers on6_ = t5_;
+        if (any(on6_)) {
+            k_span_contacts(p, lay, y, i, phi, contacts, on6_);
         }
         lift_b = each_float(0.0);
-        const integers t6_ = seam;
-        const integers on7_ = t6_;
-        if (any(on7_)) {
-            const floats t8_ = k_seam_lift(p, i, phi, contacts, (behind - (contacts.at[i * contacts.cols + INT64_C(0)] / (1.0 + y.at[(lay->strain + i)]))));
-            lift_b = choose_floats(on7_, t8_, lift_b);
-            contacts.at[i * contacts.cols + INT64_C(5)] = choose_floats(on7_, t8_, contacts.at[i * contacts.cols + INT64_C(5)]);
+        const integers t7_ = seam;
+        const integers on8_ = t7_;
+        if (any(on8_)) {
+            const floats t9_ = k_seam_lift(p, i, phi, contacts, (behind - (contacts.at[i * contacts.cols + INT64_C(0)] / (1.0 + y.at[(lay->strain + i)]))));
+            lift_b = choose_floats(on8_, t9_, lift_b);
+            contacts.at[i * contacts.cols + INT64_C(5)] = choose_floats(on8_, t9_, contacts.at[i * contacts.cols + INT64_C(5)]);
         }
         speed_in = ((contacts.at[i * contacts.cols + INT64_C(1)] + lift_a) * y.at[(lay->omega + i)]);
         speed_out = ((contacts.at[i * contacts.cols + INT64_C(2)] + lift_b) * y.at[((lay->omega + i) + INT64_C(1))]);
@@ -1107,41 +1480,66 @@ static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, f
             rate_in = (rate_in + y.at[(lay->bounce + INT64_C(1))]);
             dy.at[lay->flow] = ((flow * share_a) / (1.0 + upstream));
         }
+        flow = (flow * share_a);
         strain = y.at[(lay->strain + i)];
         span = (&p->spans.at[i]);
-        const floats t9_ = span->EA_N;
-        const floats t10_ = strain;
-        const floats t11_ = (speed_out * share_b);
-        EA_N = t9_;
-        leaving = t10_;
-        rate_out = t11_;
-        const integers t12_ = spliced;
-        const integers on13_ = t12_;
-        if (any(on13_)) {
-            held = choose_floats(on13_, (contacts.at[i * contacts.cols + INT64_C(0)] / (1.0 + strain)), held);
-            const group_FF t14_ = k_with_two_webs(p, i, strain, (behind / held));
-            EA_N = choose_floats(on13_, t14_.part0, EA_N);
-            leaving = choose_floats(on13_, t14_.part1, leaving);
-            rate_out = choose_floats(on13_, (rate_out * ((1.0 + strain) / (1.0 + leaving))), rate_out);
-            behind = choose_floats(on13_, (behind - (held + (k_wrapped(p, i, phi, contacts) / (1.0 + leaving)))), behind);
+        const floats t10_ = span->EA_N;
+        const floats t11_ = strain;
+        const floats t12_ = (speed_out * share_b);
+        EA_N = t10_;
+        leaving = t11_;
+        rate_out = t12_;
+        const floats t13_ = span->free_strain;
+        free = t13_;
+        free_out = t13_;
+        const double t14_ = 0.0;
+        free_rate = each_float(t14_);
+        free_step = each_float(t14_);
+        if (more) {
+            const group_FFFF t15_ = k_free_strains2(p, lay, y, i, flow, contacts.at[i * contacts.cols + INT64_C(0)], entering_K, dy);
+            free = t15_.part0;
+            free_out = t15_.part1;
+            free_rate = t15_.part2;
+            entering_K = t15_.part3;
+            free_step = (free - free_up);
+            free_up = free_out;
+            leaving = ((strain + free_out) - free);
+            rate_out = (rate_out * ((1.0 + strain) / (1.0 + leaving)));
+            rate_in = (rate_in - k_lengthening(p, lay, y, i, contacts));
         }
-        rate = k_strain_rate(contacts.at[i * contacts.cols + INT64_C(0)], strain, upstream, rate_in, rate_out, (flow * share_a));
+        const integers t16_ = spliced;
+        const integers on17_ = t16_;
+        if (any(on17_)) {
+            const floats t18_ = (contacts.at[i * contacts.cols + INT64_C(0)] / (1.0 + strain));
+            const floats t19_ = leaving;
+            held = choose_floats(on17_, t18_, held);
+            before = choose_floats(on17_, t19_, before);
+            const group_FF t20_ = k_with_two_webs(p, i, strain, free, free_out, (behind / held));
+            EA_N = choose_floats(on17_, t20_.part0, EA_N);
+            leaving = choose_floats(on17_, t20_.part1, leaving);
+            rate_out = choose_floats(on17_, (rate_out * ((1.0 + before) / (1.0 + leaving))), rate_out);
+            behind = choose_floats(on17_, (behind - (held + (k_wrapped(p, i, phi, contacts) / (1.0 + leaving)))), behind);
+        }
+        rate = k_strain_rate(contacts.at[i * contacts.cols + INT64_C(0)], strain, upstream, rate_in, rate_out, flow);
         dy.at[(lay->strain + i)] = rate;
-        pull = k_tension(EA_N, (strain - span->free_strain), web->viscosity_s, rate);
-        const integers t15_ = ((integers)(web->maxwell_ratio != each_float(0.0)));
-        const integers on16_ = t15_;
-        if (any(on16_)) {
-            branch = choose_floats(on16_, y.at[(lay->maxwell + i)], branch);
-            dy.at[(lay->maxwell + i)] = choose_floats(on16_, k_maxwell_rate2(branch, branch_up, (strain - upstream), rate, web->maxwell_time_s, ((flow * share_a) / contacts.at[i * contacts.cols + INT64_C(0)])), dy.at[(lay->maxwell + i)]);
-            pull = choose_floats(on16_, largest_floats(each_float(0.0), (pull + ((EA_N * web->maxwell_ratio) * branch))), pull);
-            branch_up = choose_floats(on16_, branch, branch_up);
+        pull = k_tension(EA_N, (strain - free), web->viscosity_s, (rate - free_rate));
+        const integers t21_ = ((integers)(web->maxwell_ratio != each_float(0.0)));
+        const integers on22_ = t21_;
+        if (any(on22_)) {
+            const floats t23_ = ((strain - upstream) - free_step);
+            const floats t24_ = (flow / contacts.at[i * contacts.cols + INT64_C(0)]);
+            step = choose_floats(on22_, t23_, step);
+            renewal = choose_floats(on22_, t24_, renewal);
+            const group_FF t25_ = k_with_branch2(p, lay, y, i, EA_N, pull, step, (rate - free_rate), branch_up, renewal, dy, on22_);
+            pull = choose_floats(on22_, t25_.part0, pull);
+            branch_up = choose_floats(on22_, t25_.part1, branch_up);
         }
         tensions.at[i] = pull;
         upstream = leaving;
-        const floats t17_ = share_b;
-        const floats t18_ = lift_b;
-        share_a = t17_;
-        lift_a = t18_;
+        const floats t26_ = share_b;
+        const floats t27_ = lift_b;
+        share_a = t26_;
+        lift_a = t27_;
     }
     last = (lay->n - INT64_C(1));
     wander = ((contacts.at[(spans - INT64_C(1)) * contacts.cols + INT64_C(2)] * (&p->bodies.at[last])->sigma) * contacts.at[(spans - INT64_C(1)) * contacts.cols + INT64_C(4)]);
@@ -1246,10 +1644,10 @@ static inline void k_shafts(const LineArrays * p, const Layout * lay, float_lane
     floats motor_inertia = {0};
     floats full = {0};
     const int64_t t1_ = p->drives.n;
-    integers broken282_ = each_bool(false);
+    integers broken279_ = each_bool(false);
     for (int64_t d = 0; d < t1_; d++) {
-        integers skipped282_ = each_bool(false);
-        const integers on2_ = ~broken282_ & ~skipped282_;
+        integers skipped279_ = each_bool(false);
+        const integers on2_ = ~broken279_ & ~skipped279_;
         if (!any(on2_)) break;
         drive = (&p->drives.at[d]);
         k = choose_integers(on2_, each_int(drive->body[0]), k);
@@ -1258,9 +1656,9 @@ static inline void k_shafts(const LineArrays * p, const Layout * lay, float_lane
         const integers on4_ = on2_ & t3_;
         if (any(on4_)) {
             scatter_floats(on4_, dy.at, choose_integers(on4_, (lay->omega + k), each_int(INT64_C(0))), (gather_floats(dy.at, choose_integers(on4_, (lay->omega + k), each_int(INT64_C(0)))) + motor));
-            skipped282_ |= on4_;
+            skipped279_ |= on4_;
         }
-        const integers on5_ = on2_ & ~broken282_ & ~skipped282_;
+        const integers on5_ = on2_ & ~broken279_ & ~skipped279_;
         if (any(on5_)) {
             rate = choose_floats(on5_, (y.at[(lay->motor + d)] - gather_floats(y.at, choose_integers(on5_, (lay->omega + k), each_int(INT64_C(0))))), rate);
             through = choose_floats(on5_, k_shaft_torque(drive->shaft_stiffness_N_m, drive->shaft_damping_N_m_s, drive->shaft_backlash_rad, y.at[(lay->twist + d)], rate), through);
@@ -1346,6 +1744,84 @@ static inline void k_bounce_rates(const LineArrays * p, const Layout * lay, floa
     dy.at[(lay->bounce + INT64_C(1))] = choose_floats(lanes_, ((((pull_N + force) / web->bounce_mass_kg) - ((w * w) * y.at[lay->bounce])) - (((2.0 * web->bounce_damping) * w) * y.at[(lay->bounce + INT64_C(1))])), dy.at[(lay->bounce + INT64_C(1))]);
 }
 
+static inline floats k_friction_force(floats constant_N, floats viscous_N_s_m, floats speed_m_s) {
+    return ((constant_N * lanes_tanh((speed_m_s * (1.0 / 0.005)))) + (viscous_N_s_m * speed_m_s));
+}
+
+static inline floats k_buffer_force(floats mass_kg, floats from_m, floats to_m, floats travel_m, floats speed_m_s) {
+    floats stiffness = {0};
+    floats damping = {0};
+    integers returned_ = each_bool(false);
+    floats result_ = {0};
+    stiffness = ((mass_kg * 100.0) * 100.0);
+    damping = ((2.0 * mass_kg) * 100.0);
+    const integers t1_ = ((integers)(travel_m > to_m));
+    const integers on2_ = t1_;
+    if (any(on2_)) {
+        result_ = choose_floats(on2_, least_floats(each_float(0.0), (((-stiffness) * (travel_m - to_m)) - (damping * speed_m_s))), result_);
+        returned_ |= on2_;
+    }
+    const integers on3_ = ~returned_;
+    if (any(on3_)) {
+        const integers t4_ = ((integers)(travel_m < from_m));
+        const integers on5_ = on3_ & t4_;
+        if (any(on5_)) {
+            result_ = choose_floats(on5_, largest_floats(each_float(0.0), (((-stiffness) * (travel_m - from_m)) - (damping * speed_m_s))), result_);
+            returned_ |= on5_;
+        }
+        const integers on6_ = on3_ & ~returned_;
+        if (any(on6_)) {
+            result_ = choose_floats(on6_, each_float(0.0), result_);
+            returned_ |= on6_;
+        }
+    }
+    return result_;
+}
+
+static inline void k_carriage_rates(const LineArrays * p, const Layout * lay, float_lanes_1 y, float_lanes_1 forces, float_lanes_2 contacts, float_lanes_1 tensions, float_lanes_1 dy) {
+    CARRIAGE * carriage = {0};
+    int64_t at = 0;
+    floats travel = {0};
+    floats speed = {0};
+    floats rise = {0};
+    floats force = {0};
+    int64_t before = 0;
+    int64_t after = 0;
+    const int64_t t1_ = p->carriages.n;
+    for (int64_t c = 0; c < t1_; c++) {
+        carriage = (&p->carriages.at[c]);
+        at = (lay->carriage + (INT64_C(2) * c));
+        const floats t2_ = y.at[at];
+        const floats t3_ = y.at[(at + INT64_C(1))];
+        travel = t2_;
+        speed = t3_;
+        const group_FFFF t4_ = k_moved_point(p, c, travel, carriage->weight_x_m, carriage->weight_y_m);
+        rise = t4_.part3;
+        force = ((carriage->load_N + forces.at[c]) - (carriage->stiffness_N_m * travel));
+        force = (force - k_friction_force(carriage->friction_N, carriage->damping_N_s_m, speed));
+        force = (force + k_buffer_force(carriage->mass_kg, carriage->from_m, carriage->to_m, travel, speed));
+        dy.at[at] = speed;
+        dy.at[(at + INT64_C(1))] = (force - (carriage->weight_N * rise));
+    }
+    const int64_t t5_ = (lay->n - INT64_C(1));
+    for (int64_t i = 0; i < t5_; i++) {
+        const int64_t t6_ = (&p->bodies.at[i])->carriage[0];
+        const int64_t t7_ = (&p->bodies.at[(i + INT64_C(1))])->carriage[0];
+        before = t6_;
+        after = t7_;
+        if ((before >= INT64_C(0))) {
+            dy.at[((lay->carriage + (INT64_C(2) * before)) + INT64_C(1))] = (dy.at[((lay->carriage + (INT64_C(2) * before)) + INT64_C(1))] + (contacts.at[i * contacts.cols + INT64_C(6)] * tensions.at[i]));
+        }
+        if ((after >= INT64_C(0))) {
+            dy.at[((lay->carriage + (INT64_C(2) * after)) + INT64_C(1))] = (dy.at[((lay->carriage + (INT64_C(2) * after)) + INT64_C(1))] - (contacts.at[i * contacts.cols + INT64_C(7)] * tensions.at[i]));
+        }
+    }
+    const int64_t t8_ = p->carriages.n;
+    for (int64_t c = 0; c < t8_; c++) {
+        dy.at[((lay->carriage + (INT64_C(2) * c)) + INT64_C(1))] = (dy.at[((lay->carriage + (INT64_C(2) * c)) + INT64_C(1))] / (&p->carriages.at[c])->mass_kg);
+    }
+}
+
 static inline group_FF k_resonance_rates(floats frequency_Hz, floats damping, floats input_N, floats output_N, floats rate_N_s) {
     floats w = {0};
     w = ((2.0 * 3.141592653589793) * frequency_Hz);
@@ -1393,7 +1869,7 @@ static inline void k_sensor_rates(const LineArrays * p, const Layout * lay, floa
     }
 }
 
-static inline void k_derivative(const LineArrays * p, const Layout * lay, float_lanes_1 y, float_lanes_1 torques, float_lanes_1 moving, float_lanes_1 phi, float_lanes_2 contacts, float_lanes_1 tensions, float_lanes_1 dy) {
+static inline void k_derivative(const LineArrays * p, const Layout * lay, float_lanes_1 y, float_lanes_1 torques, float_lanes_1 forces, float_lanes_1 moving, float_lanes_1 phi, float_lanes_2 contacts, float_lanes_1 tensions, float_lanes_1 dy) {
     floats behind = {0};
     WEB * web = {0};
     floats unwinding = {0};
@@ -1426,11 +1902,14 @@ static inline void k_derivative(const LineArrays * p, const Layout * lay, float_
     if (any(on10_)) {
         k_bounce_rates(p, lay, y, tensions.at[INT64_C(0)], dy, on10_);
     }
+    if ((p->carriages.n > INT64_C(0))) {
+        k_carriage_rates(p, lay, y, forces, contacts, tensions, dy);
+    }
     k_sensor_rates(p, lay, y, tensions, dy);
 }
 
 static inline void k_slope(const LineArrays * p, const Layout * lay, const LineState * s, const Work * w, float_lanes_1 y, float_lanes_1 dy) {
-    k_derivative(p, lay, y, s->torque_N_m, w->moving, s->phi_rad, w->contacts, w->tensions, dy);
+    k_derivative(p, lay, y, s->torque_N_m, s->carriage_force_N, w->moving, s->phi_rad, w->contacts, w->tensions, dy);
 }
 
 static inline void k_rk4(const LineArrays * p, const Layout * lay, const LineState * s, const Work * w, double dt_s) {
@@ -1550,7 +2029,7 @@ static inline void k_advance_frame(const LineArrays * p, const Layout * lay, con
     timing = (&p->timing.at[INT64_C(0)]);
     frame_s = (((double)(timing->ticks_per_frame[0])) * timing->drive_tick_s[0]);
     if ((modulo_int(s->counters.at[INT64_C(0)], timing->frames_per_loop[0]) == INT64_C(0))) {
-        k_run_loops(p, s, tension_ref_N, (((double)(timing->frames_per_loop[0])) * frame_s));
+        k_run_loops(p, lay, s, tension_ref_N, (((double)(timing->frames_per_loop[0])) * frame_s));
     }
     drives = p->drives.n;
     sensors = (p->cells.n + drives);
@@ -1562,6 +2041,9 @@ static inline void k_advance_frame(const LineArrays * p, const Layout * lay, con
         speed = (line_speed_m_s + (share * (line_speed_end_m_s - line_speed_m_s)));
         k_keep_changes(p, (s->time_s.at[INT64_C(0)] + (((double)(tick)) * timing->drive_tick_s[0])));
         k_run_drives(p, lay, s, speed, aff_m_s, ((float_lanes_1){noise.at + (at), ((at + drives)) - (at)}));
+        if ((p->carriages.n > INT64_C(0))) {
+            k_drive_carriages(p, lay, s);
+        }
         const int64_t t2_ = timing->substeps[0];
         for (int64_t n3_ = 0; n3_ < t2_; n3_++) {
             k_rk4(p, lay, s, w, dt);
@@ -1572,22 +2054,24 @@ static inline void k_advance_frame(const LineArrays * p, const Layout * lay, con
     k_measure(p, lay, s, ((float_lanes_1){noise.at + (INT64_C(0)), (sensors) - (INT64_C(0))}));
 }
 
-static inline LogLayout k_log_layout(int64_t cells, int64_t drives, int64_t bodies) {
+static inline LogLayout k_log_layout(int64_t cells, int64_t drives, int64_t bodies, int64_t carriages) {
     int64_t speeds = 0;
     int64_t angles = 0;
     int64_t radii = 0;
     int64_t tensions = 0;
+    int64_t travels = 0;
     speeds = (INT64_C(3) * cells);
     angles = (speeds + (INT64_C(2) * drives));
     radii = (angles + bodies);
     tensions = (radii + INT64_C(2));
-    return ((LogLayout){INT64_C(0), cells, (INT64_C(2) * cells), speeds, (speeds + drives), angles, radii, tensions, ((tensions + bodies) - INT64_C(1))});
+    travels = ((tensions + bodies) - INT64_C(1));
+    return ((LogLayout){INT64_C(0), cells, (INT64_C(2) * cells), speeds, (speeds + drives), angles, radii, tensions, travels, (travels + carriages)});
 }
 
 static inline void k_log_frame(const LineArrays * p, const Layout * lay, const LineState * s, const Work * w, float_lanes_1 row) {
     const LogLayout * at = {0};
     int64_t k = 0;
-    const LogLayout t1_ = k_log_layout(p->cells.n, p->drives.n, lay->n);
+    const LogLayout t1_ = k_log_layout(p->cells.n, p->drives.n, lay->n, p->carriages.n);
     at = (&t1_);
     const int64_t t2_ = p->cells.n;
     for (int64_t c = 0; c < t2_; c++) {
@@ -1610,6 +2094,10 @@ static inline void k_log_frame(const LineArrays * p, const Layout * lay, const L
     const int64_t t5_ = (lay->n - INT64_C(1));
     for (int64_t i = 0; i < t5_; i++) {
         row.at[(at->tension_N + i)] = w->tensions.at[i];
+    }
+    const int64_t t6_ = p->carriages.n;
+    for (int64_t c = 0; c < t6_; c++) {
+        row.at[(at->travel_m + c)] = s->y.at[(lay->carriage + (INT64_C(2) * c))];
     }
 }
 

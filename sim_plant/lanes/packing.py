@@ -50,10 +50,15 @@ def make_of(line: LineSimulation) -> bytes:
     parts = (
         np.array(sizes),
         p.bodies["kind"],
+        p.bodies["carriage"],
+        p.spans["heat_first"],
+        p.spans["heat_parts"],
+        p.carriages["pendulum"],
         p.drives["body"],
         p.drives["loop"],
         p.cells["body"],
         p.loops["cell"],
+        p.loops["carriage"],
         words(p.timing)[0],
     )
     return b"".join(np.ascontiguousarray(part).tobytes() for part in parts)
@@ -120,7 +125,7 @@ class PackedLines:
     def put_back(self, p: LineArrays, state: LineState, work: Work) -> None:
         """Write parameters that changed, states and tensions into the lines."""
         for lane, line in enumerate(self.lines[: self._used]):
-            for name in ("bodies", "spans", "changes"):
+            for name in ("bodies", "spans", "changes", "carriages"):
                 mine = words(getattr(line.arrays, name))
                 mine[:] = getattr(p, name)[: len(mine), :, lane]
             for name in LineState._fields:

@@ -2,4 +2,28 @@
 
 from sim_plant.line.open import open_line
 
-__all__ = ["accumulator_section", "build", "channels", "climate_section", "corrections", "dancer_section", "declaration", "fastest_mode", "frequency", "kernel", "layout", "load", "locations", "log_layout", "open", "open_line", "record_file", "references", "simulation", "with_effects", "yaml_file"]
+__all__ = [
+    "accumulator_section",
+    "build",
+    "channels",
+    "climate_section",
+    "corrections",
+    "dancer_section",
+    "declaration",
+    "declared_bodies",
+    "fastest_mode",
+    "frequency",
+    "kernel",
+    "layout",
+    "load",
+    "locations",
+    "log_layout",
+    "open",
+    "open_line",
+    "record_file",
+    "references",
+    "sections",
+    "simulation",
+    "with_effects",
+    "yaml_file",
+]

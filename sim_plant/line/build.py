@@ -11,7 +11,6 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import (
     BODY,
     CELL,
-    CHANGE,
     DELAY_RING_TICKS,
     DRIVE,
     DRIVEN,
@@ -27,6 +26,7 @@ from sim_plant.base.arrays import (
     LineState,
     Records,
 )
+from sim_plant.line.build_bodies import carriages_of, heats_of, moves_of
 from sim_plant.line.declaration import Declaration, DriveSpeed, LoadCell
 from sim_plant.line.layout import Layout, layout_of
 
@@ -64,9 +64,9 @@ def cell_sensors(declaration: Declaration) -> list[LoadCell]:
 
 def build_arrays(declaration: Declaration, timing: Timing, substeps: int = 1) -> LineArrays:
     """Return the nominal line: no effects, every effect field neutral."""
-    web = declaration.web
     spans = np.zeros(len(declaration.spans), SPAN)
-    spans["EA_N"] = web.EA_N
+    spans["EA_N"] = declaration.web.EA_N
+    heats, spans["heat_first"], spans["heat_parts"] = heats_of(declaration)
     return LineArrays(
         bodies=_bodies(declaration),
         spans=spans,
@@ -75,7 +75,9 @@ def build_arrays(declaration: Declaration, timing: Timing, substeps: int = 1) ->
         cells=_cells(declaration),
         loops=_loops(declaration),
         ripples=np.zeros(0, RIPPLE),
-        changes=np.zeros(0, CHANGE),
+        changes=moves_of(declaration),
+        heats=heats,
+        carriages=carriages_of(declaration),
         timing=np.array(
             [(timing.ticks_per_frame, timing.frames_per_loop, substeps, 1, timing.drive_tick_s)],
             TIMING,
@@ -91,7 +93,7 @@ def _bodies(declaration: Declaration) -> Records:
     bodies = np.zeros(len(rollers), BODY)
     for body, roller in zip(bodies, rollers, strict=True):
         body["kind"] = IDLER if roller.kind == "idler" else DRIVEN
-        body["shape_row"] = -1
+        body["shape_row"], body["carriage"] = -1, declaration.carriage_of(roller.name)
         body["sigma"] = 1.0 if roller.rotation == "ccw" else -1.0
         body["centre_x_m"], body["centre_y_m"] = roller.center_x_m, roller.center_y_m
         body["radius_m"] = roller.radius_m
@@ -119,12 +121,15 @@ def _web(declaration: Declaration) -> Records:
     web["bounce_Hz"], web["bounce_damping"], web["bounce_order"] = 1.0, 0.05, 1.0
     web["splice_EA_ratio"], web["splice_thickness_ratio"] = 1.0, 1.0
     web["splice_piece_m"] = 1.0
+    web["expansion_1_K"] = given.thermal_expansion_1_K
     return web
 
 
 def _drives(declaration: Declaration) -> Records:
     control = declaration.control
-    trims = {loop.acts_on: number for number, loop in enumerate(control.tension_pi)}
+    loops = [loop.acts_on for loop in control.tension_pi]
+    loops += [loop.acts_on for loop in control.position_pi]
+    trims = {roller: number for number, roller in enumerate(loops)}
     noise, lsb = _encoder(declaration)
     drives = np.zeros(len(control.drives), DRIVE)
     for drive, given in zip(drives, control.drives, strict=True):
@@ -153,11 +158,18 @@ def _cells(declaration: Declaration) -> Records:
 
 def _loops(declaration: Declaration) -> Records:
     number = {s.roller: c for c, s in enumerate(cell_sensors(declaration))}
-    loops = np.zeros(len(declaration.control.tension_pi), LOOP)
-    for loop, given in zip(loops, declaration.control.tension_pi, strict=True):
-        loop["cell"] = number[given.load_cell]
+    control = declaration.control
+    loops = np.zeros(len(control.tension_pi) + len(control.position_pi), LOOP)
+    for loop, given in zip(loops, control.tension_pi, strict=False):
+        loop["cell"], loop["carriage"] = number[given.load_cell], -1
         loop["gain_m_s_N"], loop["corner_rad_s"] = given.gain_m_s_per_N, given.corner_rad_s
         loop["sign"] = -1.0 if "v_correction = -" in given.law else 1.0
+    for loop, held in zip(loops[len(control.tension_pi) :], control.position_pi, strict=True):
+        loop["cell"], loop["carriage"] = -1, declaration.carriage(held.carriage)
+        loop["gain_m_s_N"], loop["corner_rad_s"] = held.gain_m_s_per_m, held.corner_rad_s
+        rollers = declaration.carriages[int(loop["carriage"])].rollers
+        feeds = declaration.body(held.acts_on) < declaration.body(rollers[0])
+        loop["sign"], loop["reference_m"] = 1.0 if feeds else -1.0, held.position_m
     return loops
 
 
@@ -178,7 +190,8 @@ def start_state(
     """
     n, d, c, loops = p.bodies.size, p.drives.size, p.cells.size, p.loops.size
     radius = p.bodies["radius_m"]
-    lay = layout_of(n, d, c)
+    g = p.carriages.size
+    lay = layout_of(n, d, c, g, p.heats.size)
     y = np.zeros(lay.size)
     y[lay.omega : lay.omega + n] = line_speed_m_s / radius
     y[lay.strain : lay.strain + n - 1] = tension_N / p.spans["EA_N"] + p.spans["free_strain"]
@@ -198,6 +211,8 @@ def start_state(
         measured_N=np.full(c, tension_N),
         true_N=np.full(c, tension_N),
         measured_rad_s=np.zeros(d),
+        carriage_integral_m=np.zeros(g),
+        carriage_force_N=np.zeros(g),
         delay_m_s=np.zeros((d, DELAY_RING_TICKS)),
         counters=np.zeros(2, dtype=np.int64),
         time_s=np.zeros(1),

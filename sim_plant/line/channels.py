@@ -11,7 +11,13 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array, LineArrays
 from sim_plant.line.build import cell_sensors
-from sim_plant.line.declaration import Declaration, LoadCell, RollAngle, RollRadius
+from sim_plant.line.declaration import (
+    CarriagePosition,
+    Declaration,
+    LoadCell,
+    RollAngle,
+    RollRadius,
+)
 from sim_plant.line.layout import Layout
 from sim_plant.line.log_layout import log_layout
 
@@ -39,7 +45,7 @@ def channels_of(declaration: Declaration, lay: Layout, p: LineArrays) -> list[Ch
     PlantError
         When a speed is declared for a roller without a drive.
     """
-    log = log_layout(p.cells.size, p.drives.size, lay.n)
+    log = log_layout(p.cells.size, p.drives.size, lay.n, p.carriages.size)
     cell_of = {s.channel: c for c, s in enumerate(cell_sensors(declaration))}
     found = []
     for sensor in declaration.sensors:
@@ -49,6 +55,9 @@ def channels_of(declaration: Declaration, lay: Layout, p: LineArrays) -> list[Ch
             cell = cell_of[name]
             true = log.true_N + cell
             found.append(_channel(name, log.measured_N + cell, true=true, exact=true))
+        elif isinstance(sensor, CarriagePosition):
+            at = log.travel_m + int(p.bodies["carriage"][body])
+            found.append(_channel(name, at, lsb=sensor.lsb_m))
         elif isinstance(sensor, RollRadius):
             at = log.radius_m + (0 if body == 0 else 1)
             believed = float(p.drives["radius_ratio"][where[0]]) if where.size else 1.0

@@ -11,6 +11,7 @@ from sim_plant.base.arrays import DRIVEN, IDLER, LineArrays
 from sim_plant.effects.shape_rows import add_mean
 from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
+from sim_plant.line.declared_bodies import carriage_numbers, section_of
 
 Shift = Callable[[LineArrays, float], LineArrays]
 
@@ -109,6 +110,8 @@ def declared_numbers(line: Declaration) -> list[Number]:
                 rows.append((path + "effective_radius", "effective_radius", _felt(k)))
             rows.append((path + "radius_m", "radius", _radius(k)))
     rows += _control_rows(line)
+    rows += _carriage_rows(line)
+    rows += _heat_rows(line)
     for c, sensor in enumerate(cell_sensors(line)):
         rows.append((f"sensors.{sensor.channel}.gain", "gain", _scale("cells", "gain", c)))
         rows.append((f"sensors.{sensor.channel}.offset", "offset", _add("cells", "offset_N", c)))
@@ -147,4 +150,42 @@ def _control_rows(line: Declaration) -> list[tuple[str, str, Shift]]:
         path = f"control.tension_pi.{loop.loop}."
         rows.append((path + "gain_m_s_per_N", "loop", _scale("loops", "gain_m_s_N", number)))
         rows.append((path + "corner_rad_s", "loop", _scale("loops", "corner_rad_s", number)))
+    for number, held in enumerate(line.control.position_pi, start=len(line.control.tension_pi)):
+        path = f"control.position_pi.{held.loop}."
+        rows.append((path + "gain_m_s_per_m", "loop", _scale("loops", "gain_m_s_N", number)))
+        rows.append((path + "corner_rad_s", "loop", _scale("loops", "corner_rad_s", number)))
+        rows.append((path + "position_m", "travel", _add("loops", "reference_m", number)))
     return rows
+
+
+def _carriage_rows(line: Declaration) -> list[tuple[str, str, Shift]]:
+    """Return what a carriage is declared with, under the words of its section."""
+    rows: list[tuple[str, str, Shift]] = []
+    for c, carriage in enumerate(line.carriages):
+        for key, field, kind in carriage_numbers(carriage):
+            if getattr(carriage, key) not in (None, 0.0):
+                path = f"{section_of(carriage)}.{carriage.name}.{key}"
+                rows.append((path, kind, _scale("carriages", field, c)))
+    return rows
+
+
+def _heat_rows(line: Declaration) -> list[tuple[str, str, Shift]]:
+    rows: list[tuple[str, str, Shift]] = []
+    if line.heated_spans:
+        expansion = _scale("web", "expansion_1_K", 0)
+        rows.append(("web.thermal_expansion_1_K", "heat", expansion))
+    for given in line.heated_spans:
+        span = [(s.start, s.end) for s in line.spans].index((given.start, given.end))
+        path = f"heated_spans.{given.name}."
+        rows.append((path + "warming_K", "heat", _heated(span, "air_K")))
+        rows.append((path + "exchange_s", "heat", _heated(span, "time_s")))
+    return rows
+
+
+def _heated(span: int, field: str) -> Shift:
+    def shift(arrays: LineArrays, amount: float) -> LineArrays:
+        first, parts = arrays.spans["heat_first"][span], arrays.spans["heat_parts"][span]
+        arrays.heats[field][first : first + parts] *= 1.0 + amount
+        return arrays
+
+    return shift

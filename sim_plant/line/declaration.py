@@ -12,30 +12,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Tag
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
-Tick = Annotated[float, Field(ge=1e-5, allow_inf_nan=False, strict=True)]
-"""A drive's; the line is simulated at each, and faster ones only take longer."""
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, strict=True)]
-Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
-
-
-def _shows(name: str) -> str:
-    if not name.isprintable() or len(name) > LONGEST_NAME:
-        raise ValueError(f"expected at most {LONGEST_NAME} characters, all of which print")
-    return name
-
-
-LONGEST_NAME = 200
-Name = Annotated[str, AfterValidator(_shows)]
-"""What stands in tables, figures and on terminals as it is."""
-
-
-class Section(BaseModel):
-    """A part of a declaration: frozen, unknown keys refused."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
+from sim_plant.line.declared_bodies import Accumulator, Dancer, HeatedSpan, PositionPi
+from sim_plant.line.sections import Finite, Name, NotNegative, Positive, Section, Tick
 
 
 class Web(Section):
@@ -48,6 +28,10 @@ class Web(Section):
     kelvin_voigt_eta_s: NotNegative = 0.0
     tension_law: str = "T = EA*(strain + eta*dstrain/dt), never below 0"
     wound_in_tension_N: NotNegative = Field(description="tension at which the roll was wound")
+    thermal_expansion_1_K: Finite = 0.0
+    room_exchange_s: Positive = Field(
+        default=60.0, description="time constant with which the web takes the room's temperature"
+    )
 
 
 class InitialRadii(Section):
@@ -119,6 +103,7 @@ class Control(Section):
     drive_torque_limit_N_m: Positive
     pull_roll_draw: Finite = 0.0
     tension_pi: tuple[TensionPi, ...]
+    position_pi: tuple[PositionPi, ...] = ()
     tension_loop_sample_time_s: Positive
 
 
@@ -164,6 +149,15 @@ class RollRadius(Section):
     lsb_m: NotNegative
 
 
+class CarriagePosition(Section):
+    """Travel of the dancer or accumulator that a roller belongs to; 0 where the file puts it."""
+
+    kind: Literal["carriage_position"] = "carriage_position"
+    channel: Name
+    roller: Name
+    lsb_m: NotNegative
+
+
 def _kind_of(given: Any) -> str:
     """Return a sensor's kind, from its own keys where it does not say."""
     if not isinstance(given, dict):
@@ -178,7 +172,8 @@ Sensor = Annotated[
     Annotated[LoadCell, Tag("load_cell")]
     | Annotated[DriveSpeed, Tag("drive_speed")]
     | Annotated[RollAngle, Tag("roll_angle")]
-    | Annotated[RollRadius, Tag("roll_radius")],
+    | Annotated[RollRadius, Tag("roll_radius")]
+    | Annotated[CarriagePosition, Tag("carriage_position")],
     Discriminator(_kind_of),
 ]
 
@@ -213,6 +208,9 @@ class Declaration(Section):
     geometry_note: str = ""
     friction_law: str = ""
     inertia_kg_m2: CoreInertia
+    dancers: tuple[Dancer, ...] = ()
+    accumulators: tuple[Accumulator, ...] = ()
+    heated_spans: tuple[HeatedSpan, ...] = ()
     control: Control
     sensors: tuple[Sensor, ...]
     sensor_note: str = ""
@@ -223,6 +221,25 @@ class Declaration(Section):
     corrections: dict[str, float] = Field(default_factory=dict)
     effects: tuple[EffectEntry, ...] = ()
     provenance: dict[str, Any] = Field(default_factory=dict)
+
+    @property
+    def carriages(self) -> tuple[Dancer | Accumulator, ...]:
+        """Everything that moves rollers: dancers, then accumulators."""
+        return (*self.dancers, *self.accumulators)
+
+    def carriage(self, name: str) -> int:
+        """Return the index of carriage ``name``; KeyError when there is none."""
+        for index, carriage in enumerate(self.carriages):
+            if carriage.name == name:
+                return index
+        raise KeyError(name)
+
+    def carriage_of(self, roller: str) -> int:
+        """Return the index of the carriage that ``roller`` belongs to, or -1: it stands."""
+        for index, carriage in enumerate(self.carriages):
+            if roller in carriage.rollers:
+                return index
+        return -1
 
     def body(self, name: str) -> int:
         """Return the index of roller ``name``; KeyError when there is none."""

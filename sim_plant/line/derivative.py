@@ -11,11 +11,11 @@ from sim_plant.elements.load_cell import filter_rate, resonance_rates
 from sim_plant.elements.material_roll import radius_rate, wound_inertia
 from sim_plant.elements.roller import friction_torque, gravity_torque
 from sim_plant.elements.shaft import shaft_torque
-from sim_plant.elements.span import maxwell_rate, strain_rate, tension, two_webs
+from sim_plant.elements.span import maxwell_rate, strain_rate, tension
 from sim_plant.line.layout import Layout
-
-SEAM_EDGE_M = 0.01
-"""Length of web over which a seam lifts it: no web is bent sharply."""
+from sim_plant.line.moved_bodies import apart, carriage_rates, lengthening, turn_by_travel
+from sim_plant.line.spliced_spans import seam_lift, with_two_webs, wrapped
+from sim_plant.line.warm_spans import free_strains
 
 
 @compiled
@@ -49,10 +49,13 @@ def growth(kind: int, thickness_m: float, omega_rad_s: float) -> float:
 def span_contacts(p: LineArrays, lay: Layout, y: Array, i: int, phi: Array, out: Array) -> None:
     """Solve the common tangent of span ``i`` and write L, p_A, p_B, ldot_A, phidot to ``out``.
 
-    ``phi[i]`` is refined by Newton steps from its last value. ``out`` has shape (m, 5).
+    ``phi[i]`` is refined by Newton steps from its last value. ``out`` has shape (m, 8).
     """
     a, b = p.bodies[i], p.bodies[i + 1]
     dx, dy = b.centre_x_m - a.centre_x_m, b.centre_y_m - a.centre_y_m
+    carried = a.carriage >= 0 or b.carriage >= 0
+    if carried:
+        dx, dy = apart(p, lay, y, i)
     radius_a = mean_radius(lay, y, a.kind, a.radius_m)
     radius_b = mean_radius(lay, y, b.kind, b.radius_m)
     theta_a, theta_b = y[lay.theta + i], y[lay.theta + i + 1]
@@ -88,6 +91,8 @@ def span_contacts(p: LineArrays, lay: Layout, y: Array, i: int, phi: Array, out:
     thickness = p.web[0].thickness_m
     turning = b.sigma * (dh_b * omega_b - growth(b.kind, thickness, omega_b))
     turning -= a.sigma * (dh_a * omega_a - growth(a.kind, thickness, omega_a))
+    if carried:
+        turning -= turn_by_travel(p, lay, y, i, angle, out)
     phidot = turning / length
     out[i, 0] = length
     out[i, 1] = p_a
@@ -106,39 +111,32 @@ def web_share(slip_s_m: float, threshold_m_s: float, speed_m_s: float) -> float:
 
 
 @compiled
-def on_wrap(piece_m: float, past_m: float, wrap_m: float) -> float:
-    """Return how much a seam lifts the web off a roller that it reached ``past_m`` ago, 0..1.
+def with_branch(
+    p: LineArrays,
+    lay: Layout,
+    y: Array,
+    i: int,
+    EA_N: float,
+    pull_N: float,
+    step: float,
+    rate_1_s: float,
+    branch_up: float,
+    renewal_1_s: float,
+    dy: Array,
+) -> tuple[float, float]:
+    """Return the tension of span ``i`` with its Maxwell branch, N, and the branch's strain.
 
-    From its first edge on the wrap to its last edge off it. On a roll at the end nothing is
-    wrapped.
+    ``step``: by how much the elastic strain is more than that of the web that enters.
     """
-    if wrap_m <= 0.0:
-        return 0.0
-    come = min(max(past_m / SEAM_EDGE_M, 0.0), 1.0)
-    gone = min(max((past_m - wrap_m - piece_m) / SEAM_EDGE_M, 0.0), 1.0)
-    return come - gone
+    web, branch = p.web[0], y[lay.maxwell + i]
+    dy[lay.maxwell + i] = maxwell_rate(
+        branch, branch_up, step, rate_1_s, web.maxwell_time_s, renewal_1_s
+    )
+    return max(0.0, pull_N + EA_N * web.maxwell_ratio * branch), branch
 
 
 @compiled
-def with_two_webs(p: LineArrays, i: int, strain: float, new: float) -> tuple[float, float]:
-    """Return EA, N, of a span with this share of ``new`` web, and the strain at its exit."""
-    span, ratio = p.spans[i], p.web[0].splice_EA_ratio
-    share = min(max(new, 0.0), 1.0)
-    EA_N = two_webs(span.EA_N, ratio, share)
-    at_exit = span.EA_N * (ratio if share == 1.0 else 1.0)
-    return EA_N, span.free_strain + (strain - span.free_strain) * EA_N / at_exit
-
-
-@compiled
-def seam_lift(p: LineArrays, i: int, phi: Array, contacts: Array, past_m: float) -> float:
-    """Return by how much a seam that reached the body after span ``i`` lifts the web there, m."""
-    web = p.web[0]
-    wrap_m = wrapped(p, i, phi, contacts)
-    return float(web.splice_step_m * on_wrap(web.splice_piece_m, past_m, wrap_m))
-
-
-@compiled
-def span_tensions(
+def span_tensions(  # noqa: PLR0915 - one loop: a call per part of it hands over the whole line
     p: LineArrays,
     lay: Layout,
     y: Array,
@@ -151,18 +149,21 @@ def span_tensions(
     """Write strain rates and material flow to ``dy`` and tensions (m,) from the state.
 
     Returns the unstretched length of web behind a splice that has reached the rewind, m. Of the
-    lift of a seam, contacts has what it is on the body after each span.
+    lift of a seam, contacts has what it is on the body after each span. Web that is warm leaves
+    a span with the strain of its end, T / EA + expansion * warming there: what passes in
+    unstretched length is v / (1 + that), into the next span too [source 2.14, own derivation;
+    the mean of 1 / (1 + eps) over a span is taken as that of the mean].
     """
     web = p.web[0]
     spans = lay.n - 1
     seam = web.splice_step_m != 0.0
     spliced = web.splice_EA_ratio != 1.0 or web.splice_thickness_ratio != 1.0 or seam
-    lift_a = 0.0
+    lift_a = branch_up = entering_K = free_up = 0.0
     behind = y[lay.flow] - web.splice_m
     upstream = web.supply_strain
     if spliced and behind > 0.0:
         upstream /= web.splice_EA_ratio
-    branch_up = 0.0
+    more = p.heats.size > 0 or p.carriages.size > 0
     first = p.bodies[0]
     share_a = web_share(first.slip_s_m, first.slip_speed_m_s, contacts[0, 1] * y[lay.omega])
     for i in range(spans):
@@ -182,29 +183,34 @@ def span_tensions(
         if i == 0:
             rate_in += y[lay.bounce + 1]
             dy[lay.flow] = flow * share_a / (1.0 + upstream)
+        flow *= share_a
         strain = y[lay.strain + i]
         span = p.spans[i]
         EA_N, leaving, rate_out = span.EA_N, strain, speed_out * share_b
-        if spliced:
-            held = contacts[i, 0] / (1.0 + strain)
-            EA_N, leaving = with_two_webs(p, i, strain, behind / held)
-            rate_out *= (1.0 + strain) / (1.0 + leaving)
-            behind -= held + wrapped(p, i, phi, contacts) / (1.0 + leaving)
-        rate = strain_rate(contacts[i, 0], strain, upstream, rate_in, rate_out, flow * share_a)
-        dy[lay.strain + i] = rate
-        pull = tension(EA_N, strain - span.free_strain, web.viscosity_s, rate)
-        if web.maxwell_ratio != 0.0:
-            branch = y[lay.maxwell + i]
-            dy[lay.maxwell + i] = maxwell_rate(
-                branch,
-                branch_up,
-                strain - upstream,
-                rate,
-                web.maxwell_time_s,
-                flow * share_a / contacts[i, 0],
+        free = free_out = span.free_strain
+        free_rate = free_step = 0.0
+        if more:
+            free, free_out, free_rate, entering_K = free_strains(
+                p, lay, y, i, flow, contacts[i, 0], entering_K, dy
             )
-            pull = max(0.0, pull + EA_N * web.maxwell_ratio * branch)
-            branch_up = branch
+            free_step = free - free_up
+            free_up = free_out
+            leaving = strain + free_out - free
+            rate_out *= (1.0 + strain) / (1.0 + leaving)
+            rate_in -= lengthening(p, lay, y, i, contacts)
+        if spliced:
+            held, before = contacts[i, 0] / (1.0 + strain), leaving
+            EA_N, leaving = with_two_webs(p, i, strain, free, free_out, behind / held)
+            rate_out *= (1.0 + before) / (1.0 + leaving)
+            behind -= held + wrapped(p, i, phi, contacts) / (1.0 + leaving)
+        rate = strain_rate(contacts[i, 0], strain, upstream, rate_in, rate_out, flow)
+        dy[lay.strain + i] = rate
+        pull = tension(EA_N, strain - free, web.viscosity_s, rate - free_rate)
+        if web.maxwell_ratio != 0.0:
+            step, renewal = strain - upstream - free_step, flow / contacts[i, 0]
+            pull, branch_up = with_branch(
+                p, lay, y, i, EA_N, pull, step, rate - free_rate, branch_up, renewal, dy
+            )
         tensions[i] = pull
         upstream = leaving
         share_a, lift_a = share_b, lift_b
@@ -213,15 +219,6 @@ def span_tensions(
     speed_out = contacts[spans - 1, 2] * y[lay.omega + last]
     dy[lay.flow + 1] = (speed_out - wander) * share_a / (1.0 + upstream)
     return float(behind) if spliced else 0.0
-
-
-@compiled
-def wrapped(p: LineArrays, i: int, phi: Array, contacts: Array) -> float:
-    """Return the length of web on the body after span ``i``, m; 0 on the last one."""
-    if i + 1 >= phi.size:
-        return 0.0
-    turn = p.bodies[i + 1].sigma * (phi[i + 1] - phi[i])
-    return float(contacts[i, 2] * (turn % (2.0 * math.pi)))
 
 
 @compiled
@@ -354,13 +351,17 @@ def derivative(
     lay: Layout,
     y: Array,
     torques: Array,
+    forces: Array,
     moving: Array,
     phi: Array,
     contacts: Array,
     tensions: Array,
     dy: Array,
 ) -> None:
-    """Write dy/dt of the whole line; work arrays are the caller's. Never raises."""
+    """Write dy/dt of the whole line; work arrays are the caller's. Never raises.
+
+    ``torques`` of the drives, N m; ``forces`` of the carriages' own, N.
+    """
     behind = span_tensions(p, lay, y, moving, phi, contacts, tensions, dy)
     body_rates(p, lay, y, contacts, tensions, torques, dy)
     web = p.web[0]
@@ -374,4 +375,6 @@ def derivative(
     dy[lay.radius + 1] = growth(REWIND, rewinding, y[lay.omega + lay.n - 1])
     if web.bounce_mass_kg > 0.0:
         bounce_rates(p, lay, y, tensions[0], dy)
+    if p.carriages.size > 0:
+        carriage_rates(p, lay, y, forces, contacts, tensions, dy)
     sensor_rates(p, lay, y, tensions, dy)

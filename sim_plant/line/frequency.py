@@ -1,7 +1,8 @@
 """The closed loop of a declared line in the frequency domain, independent of the kernel.
 
 Assembled from the declaration alone: frozen radii, round bodies, small signals about the steady
-state. Unknowns per frequency are the angular speeds and the strains. Sampled controllers enter
+state. Unknowns per frequency are the angular speeds and the strains, then travels of carriages
+and warming of spans. Sampled controllers enter
 with their own pulse transfer function and hold; images above half their rate are left out.
 """
 
@@ -16,7 +17,8 @@ import numpy.typing as npt
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.line.build import cell_sensors
-from sim_plant.line.declaration import Declaration, DriveSpeed, LoadCell
+from sim_plant.line.declaration import CarriagePosition, Declaration, DriveSpeed, LoadCell
+from sim_plant.line.frequency_bodies import SmallBodies, tension_rows
 from sim_plant.line.operating_point import SteadyLine, friction_of, inertias_of, steady_line
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -40,7 +42,7 @@ def response(
     Parameters
     ----------
     drive_roller : a driven roller.
-    channel : a tension (P in N s/m) or a speed (per m/s of correction) of ``sensors``.
+    channel : a tension (P in N s/m), a speed (per m/s of correction) or a travel of ``sensors``.
     frequencies_Hz : shape (f,), below half the control rate, above 0.
     tension_N : tension reference; the declared operating point when None.
     sample_time_s : control sample time; the declared one when None.
@@ -48,14 +50,14 @@ def response(
     Raises
     ------
     PlantError
-        When the roller has no drive, the channel is no tension or speed, or nothing is at rest.
+        When the roller has no drive, the channel is nothing of these, or nothing is at rest.
     """
     where = {d.roller: k for k, d in enumerate(declaration.control.drives)}
     if drive_roller not in where:
         raise PlantError(f"roller {drive_roller!r} has no drive; expected one of {sorted(where)}")
     sensor = next((s for s in declaration.sensors if s.channel == channel), None)
-    if not isinstance(sensor, LoadCell | DriveSpeed):
-        raise PlantError(f"channel {channel!r} is no tension and no speed of this line")
+    if not isinstance(sensor, LoadCell | DriveSpeed | CarriagePosition):
+        raise PlantError(f"channel {channel!r} is no tension, speed or travel of this line")
     tension = declaration.operating_point.tension_N if tension_N is None else tension_N
     rest = steady_line(declaration, line_speed_m_s, tension)
     sample = sample_time_s or declaration.sample_time_s
@@ -82,44 +84,63 @@ class _Network:
     line: Declaration
     s: complex
     A: ComplexArray
+    tensions: ComplexArray  # (n - 1, unknowns) from the unknowns, N
+    more: SmallBodies | None
     torque_per_reference: ComplexArray  # (d,) N m per m/s at each drive
 
     @classmethod
     def at(cls, line: Declaration, rest: SteadyLine, s: complex) -> _Network:
-        n = rest.radius_m.size
-        A = np.zeros((2 * n - 1, 2 * n - 1), dtype=np.complex128)
-        _add_bodies(A, line, rest, s)
-        _add_spans(A, line, rest, s)
+        more = SmallBodies.at(line, rest, s)
+        tensions = tension_rows(line, s, more)
+        A = np.zeros((tensions.shape[1],) * 2, dtype=np.complex128)
+        _add_bodies(A, line, rest, s, tensions)
+        if more is None:
+            _add_spans(A, line, rest, s)
+        else:
+            for i in range(len(line.spans)):
+                more.add_span(A, i)
+            more.add_carriages(A, tensions)
+            more.add_heat(A)
         gains = _add_drives(A, line, rest, s)
-        net = cls(line=line, s=s, A=A, torque_per_reference=gains)
-        net.close_tension_loops()
+        net = cls(line=line, s=s, A=A, tensions=tensions, more=more, torque_per_reference=gains)
+        net.close_loops()
         return net
 
-    def close_tension_loops(self) -> None:
-        """Feed each loop's cell back to its drive: v = -+ k (1 + w_c T / (1 - z^-1)) (-cell)."""
+    def close_loops(self) -> None:
+        """Feed cells and travels back to drives: v = -+ k (1 + w_c T / (1 - z^-1)) (-reading)."""
         control = self.line.control
         period, tick = control.tension_loop_sample_time_s, control.drive_sample_time_s
         integral = period / (1.0 - np.exp(-self.s * period))
         drives = [d.roller for d in control.drives]
+        held = hold_factor(self.s, period, tick)
         for loop in control.tension_pi:
             sensor = next(c for c in cell_sensors(self.line) if c.roller == loop.load_cell)
             sign = -1.0 if "v_correction = -" in loop.law else 1.0
             law = sign * loop.gain_m_s_per_N * (1.0 + loop.corner_rad_s * integral)
             gain = self.torque_per_reference[drives.index(loop.acts_on)]
-            row = self.line.body(loop.acts_on)
-            self.A[row] += gain * law * hold_factor(self.s, period, tick) * self.reading(sensor)
+            self.A[self.line.body(loop.acts_on)] += gain * law * held * self.reading(sensor)
+        for travel in control.position_pi:
+            assert self.more is not None
+            carriage = self.line.carriage(travel.carriage)
+            first = self.line.carriages[carriage].rollers[0]
+            row = self.line.body(travel.acts_on)
+            sign = 1.0 if row < self.line.body(first) else -1.0
+            law = sign * travel.gain_m_s_per_m * (1.0 + travel.corner_rad_s * integral)
+            gain = self.torque_per_reference[drives.index(travel.acts_on)]
+            self.A[row] += gain * law * held * self.more.travel_row(carriage)
 
-    def reading(self, sensor: LoadCell | DriveSpeed) -> ComplexArray:
+    def reading(self, sensor: LoadCell | DriveSpeed | CarriagePosition) -> ComplexArray:
         """Return the row that takes the unknowns to a channel."""
-        n = len(self.line.rollers)
         body = self.line.body(sensor.roller)
-        row = np.zeros(2 * n - 1, dtype=np.complex128)
+        if isinstance(sensor, CarriagePosition):
+            assert self.more is not None
+            return self.more.travel_row(self.line.carriage_of(sensor.roller))
+        row = np.zeros(self.A.shape[0], dtype=np.complex128)
         if isinstance(sensor, DriveSpeed):
             row[body] = sensor.scale_radius_m or 1.0
             return row
         low_pass = 1.0 / (1.0 + self.s / (2.0 * math.pi * sensor.low_pass_Hz))
-        row[n + body - 1] = row[n + body] = 0.5 * low_pass * _pull(self.line, self.s)
-        return row
+        return np.asarray(0.5 * low_pass * (self.tensions[body - 1] + self.tensions[body]))
 
     def solve(self, drive: int, sample_time_s: float) -> ComplexArray:
         """Return the unknowns for a unit correction at ``drive``."""
@@ -130,28 +151,24 @@ class _Network:
         b[row] = self.torque_per_reference[drive] * held
         return np.asarray(np.linalg.solve(self.A, b), dtype=np.complex128)
 
-    def read(self, sensor: LoadCell | DriveSpeed, x: ComplexArray) -> complex:
+    def read(self, sensor: LoadCell | DriveSpeed | CarriagePosition, x: ComplexArray) -> complex:
         """Return the channel's phasor."""
         return complex(self.reading(sensor) @ x)
 
 
-def _pull(line: Declaration, s: complex) -> complex:
-    """Return tension per strain: EA (1 + eta s), Hooke with Kelvin-Voigt damping."""
-    return line.web.EA_N * (1.0 + line.web.kelvin_voigt_eta_s * s)
-
-
-def _add_bodies(A: ComplexArray, line: Declaration, rest: SteadyLine, s: complex) -> None:
+def _add_bodies(
+    A: ComplexArray, line: Declaration, rest: SteadyLine, s: complex, tensions: ComplexArray
+) -> None:
     """Add J s w - R (T_down - T_up) + friction slope w = 0 (source 2.9, 2.32)."""
     n, radius = rest.radius_m.size, rest.radius_m
     inertia = inertias_of(line, rest)
     _torque, slope = friction_of(line, rest.speed_m_s / radius)
-    pull = _pull(line, s)
     for k in range(n):
         A[k, k] += inertia[k] * s + slope[k]
         if k > 0:
-            A[k, n + k - 1] += radius[k] * pull
+            A[k] += radius[k] * tensions[k - 1]
         if k < n - 1:
-            A[k, n + k] -= radius[k] * pull
+            A[k] -= radius[k] * tensions[k]
 
 
 def _add_spans(A: ComplexArray, line: Declaration, rest: SteadyLine, s: complex) -> None:

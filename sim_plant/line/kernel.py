@@ -5,7 +5,16 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from sim_plant.base.arrays import DRAG, FREE_STRAIN, SLIP, UNWIND, Array, LineArrays, LineState
+from sim_plant.base.arrays import (
+    DRAG,
+    FREE_STRAIN,
+    SLIP,
+    TRAVEL_SPEED,
+    UNWIND,
+    Array,
+    LineArrays,
+    LineState,
+)
 from sim_plant.base.jit import compiled
 from sim_plant.elements.drive import speed_pi
 from sim_plant.elements.load_cell import expected_quantise, quantise
@@ -13,15 +22,16 @@ from sim_plant.elements.tension_loop import tension_pi
 from sim_plant.line.derivative import derivative, mean_radius, roll_inertia
 from sim_plant.line.layout import Layout
 from sim_plant.line.log_layout import log_layout
+from sim_plant.line.moved_bodies import drive_carriages
 
-CONTACT_COLUMNS = 6
+CONTACT_COLUMNS = 8
 
 
 class Work(NamedTuple):
     """Scratch memory of the kernel; never carries information between frames."""
 
     moving: Array  # (m,) 1 where the span's tangent moves
-    contacts: Array  # (m, 6) L, p_A, p_B, ldot_A, phidot, lift of the body after the span
+    contacts: Array  # (m, 8) L, p_A, p_B, ldot_A, phidot, lift of the body after, levers
     tensions: Array  # (m,)
     rates: Array  # (4, size) Runge-Kutta slopes
     trial: Array  # (size,)
@@ -50,7 +60,18 @@ def rk4(p: LineArrays, lay: Layout, s: LineState, w: Work, dt_s: float) -> None:
 @compiled
 def slope(p: LineArrays, lay: Layout, s: LineState, w: Work, y: Array, dy: Array) -> None:
     """Write dy/dt at the trial state ``y``."""
-    derivative(p, lay, y, s.torque_N_m, w.moving, s.phi_rad, w.contacts, w.tensions, dy)
+    derivative(
+        p,
+        lay,
+        y,
+        s.torque_N_m,
+        s.carriage_force_N,
+        w.moving,
+        s.phi_rad,
+        w.contacts,
+        w.tensions,
+        dy,
+    )
 
 
 @compiled
@@ -80,14 +101,21 @@ def keep_changes(p: LineArrays, time_s: float) -> None:
             p.spans[change.place].free_strain += more
         elif change.target == SLIP:
             p.bodies[change.place].slip_s_m += more
+        elif change.target == TRAVEL_SPEED:
+            p.carriages[change.place].speed_m_s += more
 
 
 @compiled
-def run_loops(p: LineArrays, s: LineState, tension_ref_N: Array, period_s: float) -> None:
-    """Run every tension loop on the latest load-cell words."""
+def run_loops(
+    p: LineArrays, lay: Layout, s: LineState, tension_ref_N: Array, period_s: float
+) -> None:
+    """Run every loop: of tension on the latest load-cell words, of travel on where it is."""
     for loop in range(p.loops.size):
         law = p.loops[loop]
-        error = tension_ref_N[loop] - s.measured_N[law.cell]
+        if law.carriage >= 0:
+            error = law.reference_m - s.y[lay.carriage + 2 * law.carriage]
+        else:
+            error = tension_ref_N[loop] - s.measured_N[law.cell]
         correction, integral = tension_pi(
             law.gain_m_s_N, law.corner_rad_s, law.sign, error, s.loop_integral[loop], period_s
         )
@@ -235,7 +263,7 @@ def advance_frame(
     timing = p.timing[0]
     frame_s = timing.ticks_per_frame * timing.drive_tick_s
     if s.counters[0] % timing.frames_per_loop == 0:
-        run_loops(p, s, tension_ref_N, timing.frames_per_loop * frame_s)
+        run_loops(p, lay, s, tension_ref_N, timing.frames_per_loop * frame_s)
     drives = p.drives.size
     sensors = p.cells.size + drives
     dt = timing.drive_tick_s / timing.substeps
@@ -245,6 +273,8 @@ def advance_frame(
         speed = line_speed_m_s + share * (line_speed_end_m_s - line_speed_m_s)
         keep_changes(p, s.time_s[0] + tick * timing.drive_tick_s)
         run_drives(p, lay, s, speed, aff_m_s, noise[at : at + drives])
+        if p.carriages.size > 0:
+            drive_carriages(p, lay, s)
         for _ in range(timing.substeps):
             rk4(p, lay, s, w, dt)
     s.counters[0] += 1
@@ -306,7 +336,7 @@ def step_frame(
 @compiled
 def log_frame(p: LineArrays, lay: Layout, s: LineState, w: Work, row: Array) -> None:
     """Write one log row, see ``LogLayout``; tensions are those of the last Runge-Kutta stage."""
-    at = log_layout(p.cells.size, p.drives.size, lay.n)
+    at = log_layout(p.cells.size, p.drives.size, lay.n, p.carriages.size)
     for c in range(p.cells.size):
         k = p.cells[c].body
         row[at.measured_N + c] = s.measured_N[c]
@@ -321,3 +351,5 @@ def log_frame(p: LineArrays, lay: Layout, s: LineState, w: Work, row: Array) -> 
     row[at.radius_m + 1] = s.y[lay.radius + 1]
     for i in range(lay.n - 1):
         row[at.tension_N + i] = w.tensions[i]
+    for c in range(p.carriages.size):
+        row[at.travel_m + c] = s.y[lay.carriage + 2 * c]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Layout(NamedTuple):
-    """Offsets into ``y``: angles, speeds, strains, roll radii, cells, shafts, Maxwell, bounce."""
+    """Offsets into ``y``: bodies, strains, rolls, cells, shafts, Maxwell, bounce and the rest."""
 
     n: int
     theta: int
@@ -20,13 +20,16 @@ class Layout(NamedTuple):
     motor: int
     maxwell: int
     bounce: int
+    carriage: int  # travel, then its rate, of each in turn
+    heat: int  # warming of each part of a span that has some, K
     size: int
 
 
-def layout_of(bodies: int, drives: int, cells: int) -> Layout:
+def layout_of(bodies: int, drives: int, cells: int, carriages: int, heats: int) -> Layout:
     """Return the offsets for a line of these sizes."""
     spans = bodies - 1
-    widths = (bodies, bodies, spans, 2, 2, cells, 2 * cells, drives, drives, spans, 2)
+    widths = [bodies, bodies, spans, 2, 2, cells, 2 * cells, drives, drives, spans, 2]
+    widths += [2 * carriages, heats]
     offsets = [0]
     for width in widths:
         offsets.append(offsets[-1] + width)

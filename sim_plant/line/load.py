@@ -16,6 +16,7 @@ from aff_runtime.base.printable import printable
 from aff_runtime.base.yaml_places import Place
 from sim_plant.base.plain_file import read_plain_text
 from sim_plant.line.declaration import Declaration, LoadCell
+from sim_plant.line.load_bodies import bodies_findings
 from sim_plant.line.yaml_file import LONGEST_BYTES, parse_yaml
 
 LENGTH_TOLERANCE_M = 2e-3
@@ -123,8 +124,8 @@ def _readable(shown: str, error: ValidationError, places: Mapping[Place, tuple[i
 
 
 def _without_kind(at: tuple[int | str, ...]) -> tuple[int | str, ...]:
-    """Return a place without the kind of sensor that stands between index and key."""
-    return (*at[:2], *at[3:]) if at[:1] == ("sensors",) else at
+    """Return a place without the kind of sensor or dancer that stands between index and key."""
+    return (*at[:2], *at[3:]) if at[:1] in (("sensors",), ("dancers",)) else at
 
 
 def _hint(given: object) -> str:
@@ -153,6 +154,8 @@ def consistency(line: Declaration) -> list[str]:
         return findings
     findings += _geometry(line)
     findings += _references(line, names)
+    if not findings:
+        findings += bodies_findings(line)
     return findings
 
 

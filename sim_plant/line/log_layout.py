@@ -8,7 +8,7 @@ from sim_plant.base.jit import compiled
 
 
 class LogLayout(NamedTuple):
-    """First column of each group; one column per load cell, drive, body, roll or span."""
+    """First column of each group; one per load cell, drive, body, roll, span or carriage."""
 
     measured_N: int  # per load cell
     true_N: int
@@ -18,16 +18,18 @@ class LogLayout(NamedTuple):
     theta_rad: int  # per body
     radius_m: int  # unwind, rewind
     tension_N: int  # per span
+    travel_m: int  # per carriage
     width: int
 
 
 @compiled
-def log_layout(cells: int, drives: int, bodies: int) -> LogLayout:
-    """Return the columns of a line with so many load cells, drives and bodies."""
+def log_layout(cells: int, drives: int, bodies: int, carriages: int) -> LogLayout:
+    """Return the columns of a line with so many load cells, drives, bodies and carriages."""
     speeds = 3 * cells
     angles = speeds + 2 * drives
     radii = angles + bodies
     tensions = radii + 2
+    travels = tensions + bodies - 1
     return LogLayout(
         0,
         cells,
@@ -37,5 +39,6 @@ def log_layout(cells: int, drives: int, bodies: int) -> LogLayout:
         angles,
         radii,
         tensions,
-        tensions + bodies - 1,
+        travels,
+        travels + carriages,
     )

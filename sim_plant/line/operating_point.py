@@ -12,7 +12,9 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array, IntArray
+from sim_plant.line.build_bodies import carriages_of, heats_of
 from sim_plant.line.declaration import Declaration
+from sim_plant.line.resting_bodies import RestingBodies, carriage_forces, warmth_at
 
 STICTION_SPEED_RAD_S = 0.3  # of the declaration's friction_law
 
@@ -25,11 +27,19 @@ class SteadyLine:
     ----------
     radius_m, speed_m_s : of every body, (n,).
     strain : of every span, (n - 1,).
+    travel_m : of every carriage, (g,).
+    parts_K : warming of every part of a warm span, (h,).
+    warm_strain, warm_step : strain that warmth alone makes, mean of every span, and how much
+        more at its end, (n - 1,).
     """
 
     radius_m: Array
     speed_m_s: Array
     strain: Array
+    travel_m: Array
+    parts_K: Array
+    warm_strain: Array
+    warm_step: Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -46,6 +56,7 @@ class RestingLine:
     driven, ratio : bodies of the drives (d,) and their surface speed over the line's (d,).
     cell, acts_on, gain, offset_N : per tension loop, body of its cell, driven body, and what the
         cell makes of the tension (l,).
+    bodies : what moves rollers or warms the web; None without.
     """
 
     radius_m: Array
@@ -62,6 +73,12 @@ class RestingLine:
     acts_on: IntArray
     gain: Array
     offset_N: Array
+    bodies: RestingBodies | None = None
+
+    @property
+    def carriages(self) -> int:
+        """How many carriages move."""
+        return 0 if self.bodies is None else self.bodies.carriages.size
 
 
 def declared_line(line: Declaration) -> RestingLine:
@@ -83,6 +100,28 @@ def declared_line(line: Declaration) -> RestingLine:
         acts_on=np.array([line.body(loop.acts_on) for loop in loops], dtype=np.int64),
         gain=np.ones(len(loops)),
         offset_N=np.zeros(len(loops)),
+        bodies=_declared_bodies(line),
+    )
+
+
+def _declared_bodies(line: Declaration) -> RestingBodies | None:
+    """Return what of a declaration moves rollers or warms the web; None without."""
+    if not line.carriages and not line.heated_spans:
+        return None
+    heats, first, parts = heats_of(line)
+    loops = line.control.position_pi
+    return RestingBodies(
+        centre_m=np.array([(r.center_x_m, r.center_y_m) for r in line.rollers]),
+        sigma=np.array([1.0 if r.rotation == "ccw" else -1.0 for r in line.rollers]),
+        carriage=np.array([line.carriage_of(r.name) for r in line.rollers], dtype=np.int64),
+        carriages=carriages_of(line),
+        acts_on=np.array([line.body(loop.acts_on) for loop in loops], dtype=np.int64),
+        held=np.array([line.carriage(loop.carriage) for loop in loops], dtype=np.int64),
+        reference_m=np.array([loop.position_m for loop in loops]),
+        heats=heats,
+        first=first,
+        parts=parts,
+        expansion_1_K=line.web.thermal_expansion_1_K,
     )
 
 
@@ -128,43 +167,75 @@ def steady_state(line: RestingLine, line_speed_m_s: float, tension_N: float) -> 
 
     Equations: v_k / (1 + eps_k-1) is the same at every body (mass, source 2.20 at rest);
     R (T_down - T_up) = friction at every idler (source 2.32); a drive with a tension loop holds
-    its load cell at the reference, any other drive holds its speed. At standstill, where strain
-    is free, tension is even.
+    its load cell at the reference, one with a loop of travel its carriage, any other drive holds
+    its speed; load, weight, spring and web balance at every carriage without a drive of its own,
+    which rests where the file puts it. At standstill, where strain is free, tension is even. How
+    warm the web is follows from the speeds, these from the strains: solved in turns.
 
     Raises
     ------
     PlantError
         When there is no single steady state.
     """
-    n = line.radius_m.size
+    n, spans = line.radius_m.size, line.EA_N.size
     strain = tension_N / line.EA_N + line.free_strain
-    x = np.concatenate((np.full(n, line_speed_m_s), strain))
-    scale = np.concatenate((np.full(n, 1e-6), np.full(n - 1, 1e-8)))
+    x = np.concatenate((np.full(n, line_speed_m_s), strain, np.zeros(line.carriages)))
+    parts_K, warm = np.zeros(0), np.zeros((2, spans))
+    for _ in range(3 if line.bodies is not None and line.bodies.heats.size else 1):
+        if line.bodies is not None and line.bodies.heats.size:
+            travel_m = x[n + spans :]
+            parts_K, mean, end = warmth_at(line.bodies, line.radius_m, travel_m, x[:n])
+            warm = line.bodies.expansion_1_K * np.stack((mean, end - mean))
+        x = _balanced(line, line_speed_m_s, tension_N, x, warm)
+    return SteadyLine(
+        radius_m=line.radius_m,
+        speed_m_s=x[:n],
+        strain=x[n : n + spans],
+        travel_m=x[n + spans :],
+        parts_K=parts_K,
+        warm_strain=warm[0],
+        warm_step=warm[1],
+    )
+
+
+def _balanced(
+    line: RestingLine, line_speed_m_s: float, tension_N: float, x: Array, warm: Array
+) -> Array:
+    """Return speeds, strains and travels at which nothing is missing, from a first guess."""
+    n, spans = line.radius_m.size, line.EA_N.size
+    sizes = (np.full(n, 1e-6), np.full(spans, 1e-8), np.full(line.carriages, 1e-6))
+    scale = np.concatenate(sizes)
     for _ in range(30):
-        residual = _imbalance(line, line_speed_m_s, tension_N, x)
+        residual = _imbalance(line, line_speed_m_s, tension_N, x, warm)
         if np.max(np.abs(residual)) < 1e-12:
-            return SteadyLine(radius_m=line.radius_m, speed_m_s=x[:n], strain=x[n:])
-        moved = _imbalance(line, line_speed_m_s, tension_N, x + np.diag(scale))
+            return x
+        moved = _imbalance(line, line_speed_m_s, tension_N, x + np.diag(scale), warm)
         columns = (moved - residual).T
         try:
             x = x - np.linalg.solve(columns / scale, residual)
         except np.linalg.LinAlgError as error:
             raise PlantError(f"no single steady state at {line_speed_m_s} m/s") from error
     if np.max(np.abs(residual)) < 1e-9:
-        return SteadyLine(radius_m=line.radius_m, speed_m_s=x[:n], strain=x[n:])
+        return x
     raise PlantError(f"no steady state at {line_speed_m_s} m/s and {tension_N} N")
 
 
-def _imbalance(line: RestingLine, line_speed_m_s: float, tension_N: float, x: Array) -> Array:
-    """Return what is missing from balance, (..., 2 n - 1,): mass, then one equation per body."""
-    n = line.radius_m.size
-    speed, strain = x[..., :n], x[..., n:]
+def _imbalance(
+    line: RestingLine, line_speed_m_s: float, tension_N: float, x: Array, warm: Array
+) -> Array:
+    """Return what is missing from balance, (..., 2 n - 1 + g).
+
+    Mass, then one equation per body, then one per carriage.
+    """
+    n, spans = line.radius_m.size, line.EA_N.size
+    speed, strain, travel_m = x[..., :n], x[..., n : n + spans], x[..., n + spans :]
     over = np.maximum(np.abs(speed) - line.slip_speed_m_s, 0.0)
     web = speed * (1.0 - line.slip_s_m * over)
     supplied = np.full((*strain.shape[:-1], 1), line.supply_strain)
-    upstream = np.concatenate((supplied, strain[..., :-1]), axis=-1)
-    mass = web[..., 1:] * (1.0 + upstream) - web[..., :-1] * (1.0 + strain)
-    pull_N = line.EA_N * (strain - line.free_strain)
+    leaving = strain + warm[1]
+    upstream = np.concatenate((supplied, leaving[..., :-1]), axis=-1)
+    mass = web[..., 1:] * (1.0 + upstream) - web[..., :-1] * (1.0 + leaving)
+    pull_N = line.EA_N * (strain - line.free_strain - warm[0])
     friction, _slope = friction_at(
         line.friction_constant_N_m, line.friction_viscous_N_m_s, speed / line.radius_m
     )
@@ -174,4 +245,10 @@ def _imbalance(line: RestingLine, line_speed_m_s: float, tension_N: float, x: Ar
     bodies[..., line.driven] = speed[..., line.driven] - line_speed_m_s * line.ratio
     mean_N = 0.5 * (pull_N[..., line.cell - 1] + pull_N[..., line.cell])
     bodies[..., line.acts_on] = (line.gain * mean_N + line.offset_N - tension_N) / line.EA_N[0]
-    return np.concatenate((mass, bodies), axis=-1)
+    if line.bodies is None or line.bodies.carriages.size == 0:
+        return np.concatenate((mass, bodies), axis=-1)
+    at = line.bodies
+    bodies[..., at.acts_on] = travel_m[..., at.held] - at.reference_m
+    forces = carriage_forces(at, line.radius_m, travel_m, pull_N) / line.EA_N[0]
+    own = at.carriages["gain_rad_s"] > 0.0  # stands at travel 0 until its reference moves
+    return np.concatenate((mass, bodies, np.where(own, travel_m, forces)), axis=-1)

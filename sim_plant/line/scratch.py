@@ -7,9 +7,10 @@ import math
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.base.arrays import LineArrays, LineState
+from sim_plant.base.arrays import UNWIND, Array, LineArrays, LineState
 from sim_plant.line.kernel import CONTACT_COLUMNS, Work
 from sim_plant.line.layout import Layout
+from sim_plant.line.moved_bodies import apart
 
 
 def make_work(p: LineArrays, lay: Layout, state: LineState) -> Work:
@@ -23,14 +24,12 @@ def make_work(p: LineArrays, lay: Layout, state: LineState) -> Work:
     spans = lay.n - 1
     moving = np.zeros(spans)
     for i in range(spans):
-        rolls = p.bodies["kind"][i] >= 2 or p.bodies["kind"][i + 1] >= 2
-        moving[i] = float(
-            rolls or p.bodies["shape_row"][i] >= 0 or p.bodies["shape_row"][i + 1] >= 0
-        )
+        ends = p.bodies[i : i + 2]
+        rolls = np.any(ends["kind"] >= UNWIND) or np.any(ends["carriage"] >= 0)
+        moving[i] = float(rolls or np.any(ends["shape_row"] >= 0))
     contacts = np.zeros((spans, CONTACT_COLUMNS))
     for i in range(spans):
-        dx = p.bodies["centre_x_m"][i + 1] - p.bodies["centre_x_m"][i]
-        dy = p.bodies["centre_y_m"][i + 1] - p.bodies["centre_y_m"][i]
+        dx, dy = apart(p, lay, state.y, i)
         reach = (
             p.bodies["sigma"][i + 1] * p.bodies["radius_m"][i + 1]
             - p.bodies["sigma"][i] * p.bodies["radius_m"][i]
@@ -47,10 +46,21 @@ def make_work(p: LineArrays, lay: Layout, state: LineState) -> Work:
         # exact direction of the common tangent: n.(C_B - C_A) = -reach
         state.phi_rad[i] = math.atan2(dy, dx) - math.asin(reach / math.hypot(dx, dy))
     strain = state.y[lay.strain : lay.strain + spans]
+    free = p.spans["free_strain"] + p.web["expansion_1_K"] * mean_warming(p, lay, state.y)
     return Work(
         moving=moving,
         contacts=contacts,
-        tensions=np.maximum(0.0, p.spans["EA_N"] * (strain - p.spans["free_strain"])),
+        tensions=np.maximum(0.0, p.spans["EA_N"] * (strain - free)),
         rates=np.zeros((4, lay.size)),
         trial=np.zeros(lay.size),
     )
+
+
+def mean_warming(p: LineArrays, lay: Layout, y: Array) -> Array:
+    """Return the mean warming of the web in every span, K (n - 1,)."""
+    first, parts = p.spans["heat_first"], p.spans["heat_parts"]
+    found = np.zeros(lay.n - 1)
+    for i in np.flatnonzero(parts):
+        at = lay.heat + first[i]
+        found[i] = np.mean(y[at : at + parts[i]])
+    return found

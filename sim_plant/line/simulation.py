@@ -68,7 +68,8 @@ class LineSimulation:
     @property
     def log(self) -> LogLayout:
         """Where each value sits in a log row."""
-        return log_layout(self.arrays.cells.size, self.arrays.drives.size, self.layout.n)
+        p = self.arrays
+        return log_layout(p.cells.size, p.drives.size, self.layout.n, p.carriages.size)
 
     def noise(self, frames: int) -> Array:
         """Return the noise of so many frames, as ``run_frames`` takes it; one row: none."""
@@ -174,10 +175,18 @@ class LineSimulation:
                 self._speed = value
             elif name == "tension_ref_N":
                 self._tension[:] = value
+            elif name.startswith("travel_") and name.endswith("_m_s"):
+                self._drive_travel(name[7:-4], value)
             elif name.startswith("aff_") and name.endswith("_m_s"):
                 self._aff[self.drive_index(name[4:-4])] = value
             else:
                 raise PlantError(f"input {name!r} is unknown to this line")
+
+    def _drive_travel(self, name: str, speed_m_s: float) -> None:
+        if name not in self.driven_travels:
+            known = list(self.driven_travels)
+            raise PlantError(f"no accumulator {name!r} with a drive; this line has {known}")
+        self.arrays.carriages["speed_m_s"][self.declaration.carriage(name)] = speed_m_s
 
     def change_rolls(self) -> None:
         """Put full rolls on at both ends while the line runs; see ``RollChanger``."""
@@ -196,6 +205,13 @@ class LineSimulation:
         if drive is None:
             raise PlantError(f"roller {roller!r} has no drive in this line")
         return drive
+
+    @property
+    def driven_travels(self) -> tuple[str, ...]:
+        """Names of accumulators that have a drive of their own; see ``TravelDriver``."""
+        gains = self.arrays.carriages["gain_rad_s"]
+        carriages = self.declaration.carriages
+        return tuple(c.name for c, gain in zip(carriages, gains, strict=True) if gain > 0.0)
 
     def readings(self) -> dict[str, float]:
         """Return the channels of the last sample: measured, and ``true_`` twins."""
@@ -240,7 +256,7 @@ class LineSimulation:
             found[channel.name] = measured
             found["true_" + channel.name] = true
         at = self.log
-        found["span_tension_N"] = rows[:, at.tension_N : at.width]
+        found["span_tension_N"] = rows[:, at.tension_N : at.travel_m]
         found["body_angle_rad"] = rows[:, at.theta_rad : at.radius_m]
         return found
 

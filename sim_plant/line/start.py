@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.base.arrays import UNWIND, Array, LineArrays, LineState
+from sim_plant.base.arrays import UNWIND, Array, IntArray, LineArrays, LineState
 from sim_plant.elements.material_roll import wound_inertia
 from sim_plant.line.layout import Layout
-from sim_plant.line.operating_point import RestingLine, friction_at, steady_state
+from sim_plant.line.operating_point import RestingLine, SteadyLine, friction_at, steady_state
+from sim_plant.line.resting_bodies import RestingBodies, carriage_forces
 
 LARGEST_STRAIN = 0.1
 
@@ -33,7 +34,13 @@ def start_at_rest(
     omega = rest.speed_m_s / rest.radius_m
     y[lay.omega : lay.omega + n] = omega
     y[lay.strain : lay.strain + n - 1] = rest.strain
-    pull_N = np.concatenate(([0.0], line.EA_N * (rest.strain - line.free_strain), [0.0]))
+    y[lay.heat :] = rest.parts_K
+    span_N = line.EA_N * (rest.strain - line.free_strain - rest.warm_strain)
+    pull_N = np.concatenate(([0.0], span_N, [0.0]))
+    if line.bodies is not None and p.carriages.size:
+        _rest_carriages(
+            p, lay, state, rest, carriage_forces(line.bodies, line.radius_m, rest.travel_m, span_N)
+        )
     friction, _slope = friction_at(line.friction_constant_N_m, line.friction_viscous_N_m_s, omega)
     load = friction - rest.radius_m * (pull_N[1:] - pull_N[:-1])
     declared_radii_m = _radii(p, lay, state)
@@ -66,10 +73,12 @@ def resting_line(p: LineArrays, lay: Layout, state: LineState) -> RestingLine:
         if row >= 0:
             effective_radii_m[k] += float(np.mean(p.shape_h_m[row, :-1]))
     driven, ratio = p.drives["body"].copy(), 1.0 + p.drives["draw"]
-    acts_on = [
-        int(d["body"]) for loop in range(p.loops.size) for d in p.drives if d["loop"] == loop
-    ]
-    cells = p.cells[p.loops["cell"]]
+    acts_on = np.array(
+        [int(d["body"]) for loop in range(p.loops.size) for d in p.drives if d["loop"] == loop],
+        dtype=np.int64,
+    )
+    of_tension = p.loops["cell"] >= 0
+    cells = p.cells[p.loops["cell"][of_tension]]
     return RestingLine(
         radius_m=effective_radii_m,
         friction_constant_N_m=p.bodies["friction_constant_N_m"].copy(),
@@ -84,10 +93,45 @@ def resting_line(p: LineArrays, lay: Layout, state: LineState) -> RestingLine:
         * effective_radii_m[driven]
         / (declared_radii_m[driven] * p.drives["radius_ratio"]),
         cell=cells["body"].copy(),
-        acts_on=np.array(acts_on, dtype=np.int64),
+        acts_on=acts_on[of_tension],
         gain=cells["gain"].copy(),
         offset_N=cells["offset_N"].copy(),
+        bodies=_resting_bodies(p, acts_on),
     )
+
+
+def _resting_bodies(p: LineArrays, acts_on: IntArray) -> RestingBodies | None:
+    """Return what of a line moves rollers or warms the web; None without."""
+    if not p.carriages.size and not p.heats.size:
+        return None
+    of_travel = p.loops["carriage"] >= 0
+    return RestingBodies(
+        centre_m=np.column_stack((p.bodies["centre_x_m"], p.bodies["centre_y_m"])),
+        sigma=p.bodies["sigma"].copy(),
+        carriage=p.bodies["carriage"].copy(),
+        carriages=p.carriages.copy(),
+        acts_on=acts_on[of_travel],
+        held=p.loops["carriage"][of_travel],
+        reference_m=p.loops["reference_m"][of_travel],
+        heats=p.heats.copy(),
+        first=p.spans["heat_first"].copy(),
+        parts=p.spans["heat_parts"].copy(),
+        expansion_1_K=float(p.web["expansion_1_K"][0]),
+    )
+
+
+def _rest_carriages(
+    p: LineArrays, lay: Layout, state: LineState, rest: SteadyLine, left_N: Array
+) -> None:
+    """Put carriages where they rest; one with a drive of its own is held by it."""
+    for c, carriage in enumerate(p.carriages):
+        at = lay.carriage + 2 * c
+        state.y[at], state.y[at + 1] = rest.travel_m[c], 0.0
+        if carriage["gain_rad_s"] > 0.0:
+            gain = carriage["gain_rad_s"]
+            corner = gain / (4.0 * carriage["drive_damping"] ** 2)
+            state.carriage_force_N[c] = -left_N[c]
+            state.carriage_integral_m[c] = -left_N[c] / (carriage["mass_kg"] * gain * corner)
 
 
 def _radii(p: LineArrays, lay: Layout, state: LineState) -> Array:

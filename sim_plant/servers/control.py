@@ -2,7 +2,8 @@
 
 status                      one JSON object: what is applied at the plant, true tensions, counts
 history N                   time and applied corrections of the last N samples
-set REFERENCE VALUE         line_speed_ref_m_s or tension_ref_N
+set REFERENCE VALUE         line_speed_ref_m_s, tension_ref_N, or travel_NAME_m_s: the speed of
+                            an accumulator that has a drive of its own
 set STATUS_BIT 0|1          any bit of the status word
 fault SPEC                  as ``--fault``; a start counts from now; answers it in plant time
 clear [NAME]                end one fault, or all
@@ -33,7 +34,7 @@ from aff_runtime.base.errors import AffError, PlantError
 from aff_runtime.base.signals import Status
 from sim_plant.servers.answers import Answer, Done, History, PlantStatus, Refused, Value, to_json
 from sim_plant.servers.faults import Fault, parse_fault
-from sim_plant.servers.plant import REFERENCES, Plant
+from sim_plant.servers.plant import Plant
 
 _TAKES_A_SAMPLE = frozenset({"set", "fault", "clear"})
 
@@ -154,12 +155,12 @@ class ControlSocket:
 
     def _set(self, arguments: list[str]) -> Done:
         name, value = arguments
-        if name in REFERENCES:
+        if name in self._plant.references:
             self._plant.set_reference(name, float(value))
         elif name in Status.__members__ and value in {"0", "1"}:
             self._plant.set_status(Status[name], value == "1")
         else:
-            known = ", ".join((*REFERENCES, *Status.__members__))
+            known = ", ".join((*self._plant.references, *Status.__members__))
             raise PlantError(f"cannot set {name} to {value}; known are {known} (bits 0 or 1)")
         return Done()
 

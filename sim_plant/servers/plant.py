@@ -9,7 +9,7 @@ from itertools import islice
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Status
-from sim_plant.base.ports import RollChanger, SteppedLine
+from sim_plant.base.ports import RollChanger, SteppedLine, TravelDriver
 from sim_plant.servers.faults import Fault, FaultBoard, FaultEdge, parse_fault
 from sim_plant.servers.plc import Plc
 from sim_plant.servers.registers import Registers
@@ -76,16 +76,24 @@ class Plant:
         """Return the line's control sample time, s."""
         return self._line.sample_time_s
 
+    @property
+    def references(self) -> tuple[str, ...]:
+        """Names that ``set_reference`` takes: those of every line, then speeds of carriages."""
+        line = self._line
+        travels = line.driven_travels if isinstance(line, TravelDriver) else ()
+        return (*REFERENCES, *(f"travel_{name}_m_s" for name in travels))
+
     def set_reference(self, name: str, value: float) -> None:
-        """Give the line another reference (``REFERENCES``, SI) from the next sample on.
+        """Give the line another reference (``references``, SI) from the next sample on.
 
         Raises
         ------
         PlantError
             The name is no reference, the value is not finite, or the web is at its end.
         """
-        if name not in REFERENCES or not math.isfinite(value):
-            raise PlantError(f"cannot set {name} = {value}; references are {REFERENCES}")
+        known = self.references
+        if name not in known or not math.isfinite(value):
+            raise PlantError(f"cannot set {name} = {value}; references are {known}")
         if name == SPEED and self.web.at_end:
             raise PlantError("the web is at its end and the line stops; `roll` starts it again")
         self._inputs[name] = value

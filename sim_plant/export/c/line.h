@@ -63,7 +63,7 @@ static void line_connect(line *it) {
     it->p = (LineArrays){
         {n->bodies, BODIES}, {n->spans, SPANS}, {n->web, 1}, {n->drives, DRIVES},
         {n->cells, CELLS}, {n->loops, LOOPS}, {n->ripples, RIPPLES}, {n->changes, CHANGES},
-        {n->timing, 1},
+        {n->heats, HEATS}, {n->carriages, CARRIAGES}, {n->timing, 1},
         {(double *)SHAPE_H, SHAPES, POINTS}, {(double *)SHAPE_DH, SHAPES, POINTS},
         {(double *)SHAPE_RHO, SHAPES, POINTS}};
     it->s = (LineState){
@@ -71,6 +71,7 @@ static void line_connect(line *it) {
         {s->torque_N_m, DRIVES}, {s->reference_m_s, DRIVES}, {s->correction_m_s, DRIVES},
         {s->loop_integral, LOOPS}, {s->loop_correction_m_s, LOOPS}, {s->measured_N, CELLS},
         {s->true_N, CELLS}, {s->measured_rad_s, DRIVES},
+        {s->carriage_integral_m, CARRIAGES}, {s->carriage_force_N, CARRIAGES},
         {s->delay_m_s, DRIVES, RING}, {s->counters, 2}, {s->time_s, 1}};
     it->w = (Work){
         {s->moving, SPANS}, {s->contacts, SPANS, CONTACTS}, {s->tensions, SPANS},
@@ -245,6 +246,8 @@ static bool differs(const line *it) {
              memcmp(n->web, NUMBERS.web, sizeof n->web) == 0 &&
              memcmp(n->drives, NUMBERS.drives, sizeof n->drives) == 0 &&
              memcmp(n->cells, NUMBERS.cells, sizeof n->cells) == 0 &&
+             memcmp(n->heats, NUMBERS.heats, sizeof n->heats) == 0 &&
+             memcmp(n->carriages, NUMBERS.carriages, sizeof n->carriages) == 0 &&
              memcmp(n->loops, NUMBERS.loops, sizeof n->loops) == 0);
 }
 

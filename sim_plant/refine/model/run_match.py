@@ -10,6 +10,7 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import (
+    CarriagePosition,
     Declaration,
     DriveSpeed,
     LoadCell,
@@ -89,6 +90,8 @@ def _by_use(line: Declaration, run: RunFacts, sensor: Sensor) -> str:
         return uses.get("angle", "")
     if isinstance(sensor, RollRadius):
         return uses.get("radius", "")
+    if isinstance(sensor, CarriagePosition):
+        return ""  # a site file has no word for it
     if isinstance(sensor, LoadCell):
         return _signal_of(line, run, sensor)
     end = "_m_s" if sensor.scale_radius_m is not None else "_rad_s"

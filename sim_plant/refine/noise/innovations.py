@@ -11,7 +11,7 @@ from scipy.linalg import solve_toeplitz
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import RollAngle, RollRadius
+from sim_plant.line.declaration import CarriagePosition, RollAngle, RollRadius
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.noise.drift import drift_standard_deviations, drift_whitened
@@ -177,7 +177,9 @@ def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
         When a channel has no noise at all.
     """
     line = twin.declaration
-    steps = {s.channel: s.lsb_m for s in line.sensors if isinstance(s, RollRadius)}
+    steps = {
+        s.channel: s.lsb_m for s in line.sensors if isinstance(s, RollRadius | CarriagePosition)
+    }
     words = {s.channel for s in line.sensors if isinstance(s, RollAngle)}
     words |= _rounded(twin, runs)
     found = noise_model(

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from sim_plant.line.derivative import on_wrap
+from sim_plant.line.spliced_spans import on_wrap
 from tests.sim_plant.effects.running import (
     SPEED_M_S,
     at_rest,

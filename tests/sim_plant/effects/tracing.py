@@ -9,7 +9,7 @@ import numpy as np
 
 from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import CATALOGUE
-from sim_plant.line.declaration import EffectEntry
+from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.open import make_line
 from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.model.hypotheses import library
@@ -34,17 +34,31 @@ class Traced:
     unknown: tuple[str, ...]
 
 
-def traced(hidden: EffectEntry, among: tuple[str, ...] = ()) -> Traced:
+def traced(
+    hidden: EffectEntry,
+    among: tuple[str, ...] = (),
+    line: Declaration | None = None,
+    tolerances: dict[str, float] | None = None,
+) -> Traced:
     """Return what the library, the whole or these effects, finds in 12 s at two speeds with noise.
 
-    Every declared number is exact, so nothing but effects can explain the record.
+    Every declared number is exact unless ``tolerances`` say otherwise, so nothing but effects can
+    explain the record.
     """
-    exact = {"sample_time_s": STEP_S, "tolerances": {"*": 0.0}}
-    line = declared("euclid").model_copy(update=exact)
-    run = make_line(line.model_copy(update={"effects": (hidden,)}), seed=3, speed_m_s=0.9)
+    exact = {"sample_time_s": STEP_S, "tolerances": tolerances or {"*": 0.0}}
+    line = (line or declared("euclid")).model_copy(update=exact)
+    quick = line.operating_point.line_speed_m_s > 1.5  # a line of twice the speed
+    start, tension_N = (1.8, 90.0) if quick else (0.9, TENSION_N)
+    run = make_line(
+        line.model_copy(update={"effects": (hidden,)}),
+        seed=3,
+        speed_m_s=start,
+        tension_N=tension_N,
+    )
     run.settle(20.0)
-    out = run.simulate(SPEED_M_S, np.full(SAMPLES, TENSION_N))
-    columns = {"line_speed_ref_m_s": SPEED_M_S, "tension_ref_N": np.full(SAMPLES, TENSION_N)}
+    speed, tension = SPEED_M_S * (start / 0.9), np.full(SAMPLES, tension_N)
+    out = run.simulate(speed, tension)
+    columns = {"line_speed_ref_m_s": speed, "tension_ref_N": tension}
     columns |= {s.channel: out[s.channel] for s in line.sensors}
     record = Recording(path=Path("short.csv"), sha256="", sample_time_s=STEP_S, columns=columns)
     twin = twin_of(line, record)

@@ -84,7 +84,7 @@ def test_every_recorded_channel_is_an_output_with_its_true_twin(third: Export) -
 
 def test_units_have_the_exponents_of_what_they_are_named_after() -> None:
     newton = {"kg": 1, "m": 1, "s": -2}
-    factors = {"N": newton, "m": {"m": 1}, "s": {"s": 1}, "rad": {"rad": 1}, "kg": {"kg": 1}}
+    factors = {"N": newton, "1": {}} | {base: {base: 1} for base in ("m", "s", "rad", "kg", "K")}
     powers = {"kg.m2": {"kg": 1, "m": 2}, "kg/m3": {"kg": 1, "m": -3}, "Hz": {"s": -1}, "1": {}}
     for name, unit in UNITS.items():
         expected = dict(powers.get(name, {}))

@@ -70,8 +70,8 @@ def test_hold_factor_is_the_sampled_half_period_delay():
     ("drive", "channel", "said"),
     [
         ("R9", "unwind_tension_N", "'R9' has no drive"),
-        ("unwind", "unwind_radius_m", "no tension and no speed"),
-        ("unwind", "nothing", "no tension and no speed"),
+        ("unwind", "unwind_radius_m", "no tension, speed or travel"),
+        ("unwind", "nothing", "no tension, speed or travel"),
     ],
 )
 def test_refuses_what_it_cannot_answer(drive, channel, said):

@@ -10,8 +10,10 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
+from sim_plant.base.ports import SteppedLine
 from sim_plant.servers.answers import to_json
 from sim_plant.servers.control import ControlSocket
+from sim_plant.servers.plc_map import PlcMap
 from sim_plant.servers.serve import PlantService, ServeOptions
 from tests.sim_plant.servers.fake_line import FakeLine, default_map
 
@@ -50,16 +52,21 @@ def answered(control: ControlSocket, line: str) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def served(
-    line: FakeLine | None = None, said: list[str] | None = None, **options: Any
+    line: SteppedLine | None = None,
+    said: list[str] | None = None,
+    plc: PlcMap | None = None,
+    **options: Any,
 ) -> Iterator[Served]:
-    """Serve a line (a fake one) and let ``said`` have what the log gets."""
+    """Serve a line (a fake one) by a map, and let ``said`` have what the log gets."""
     heard: list[str] = [] if said is None else said
     ready = threading.Event()
     box: dict[str, Any] = {}
 
     async def main() -> None:
         chosen = ServeOptions(port=0, realtime=False, **options)
-        box["service"] = PlantService(line or FakeLine(SAMPLE_TIME_s), default_map(), chosen)
+        box["service"] = PlantService(
+            line or FakeLine(SAMPLE_TIME_s), plc or default_map(), chosen
+        )
         box["loop"] = asyncio.get_running_loop()
         await box["service"].run(lambda text: (heard.append(text), ready.set()))
 
