@@ -1,3 +1,21 @@
 """Site files: strict YAML, pydantic models, check."""
 
-__all__ = ["can_wire", "channel_units", "check", "crossings", "devices", "diff", "facts", "findings", "identified_drive", "loader", "models", "plain_file", "reference", "revision", "site_paths", "wire_table", "yaml_marks"]
+__all__ = [
+    "can_wire",
+    "channel_units",
+    "check",
+    "crossings",
+    "devices",
+    "diff",
+    "facts",
+    "findings",
+    "identified_drive",
+    "loader",
+    "models",
+    "plain_file",
+    "reference",
+    "revision",
+    "site_paths",
+    "wire_table",
+    "yaml_marks",
+]

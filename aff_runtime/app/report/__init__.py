@@ -1,3 +1,15 @@
 """A record of the ring as text, with units."""
 
-__all__ = ["alarm_table", "block_status", "comparison", "line_facts", "metrics", "roll_page", "run_export", "status", "status_answer", "tick_row", "watching"]
+__all__ = [
+    "alarm_table",
+    "block_status",
+    "comparison",
+    "line_facts",
+    "metrics",
+    "roll_page",
+    "run_export",
+    "status",
+    "status_answer",
+    "tick_row",
+    "watching",
+]

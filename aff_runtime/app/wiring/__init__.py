@@ -1,3 +1,12 @@
 """From a site file to the parts that the control process runs."""
 
-__all__ = ["assemble", "law_slot", "loops", "shape_file", "site_to_guard", "site_to_law", "site_to_wire", "wires"]
+__all__ = [
+    "assemble",
+    "law_slot",
+    "loops",
+    "shape_file",
+    "site_to_guard",
+    "site_to_law",
+    "site_to_wire",
+    "wires",
+]

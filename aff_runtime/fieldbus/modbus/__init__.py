@@ -1,3 +1,13 @@
 """Modbus: TCP, TLS and RTU."""
 
-__all__ = ["codec", "connections", "frames", "gateway", "probe_map", "registers", "serial_time", "tcp_wire", "udp_wire"]
+__all__ = [
+    "codec",
+    "connections",
+    "frames",
+    "gateway",
+    "probe_map",
+    "registers",
+    "serial_time",
+    "tcp_wire",
+    "udp_wire",
+]

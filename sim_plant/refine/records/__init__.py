@@ -1,3 +1,14 @@
 """Measured records: read from CSV, Parquet or MDF4, with what is odd about them."""
 
-__all__ = ["child", "in_child", "limits", "read", "recording", "run_phases", "run_record", "sanity", "text_table", "units"]
+__all__ = [
+    "child",
+    "in_child",
+    "limits",
+    "read",
+    "recording",
+    "run_phases",
+    "run_record",
+    "sanity",
+    "text_table",
+    "units",
+]

@@ -1,3 +1,15 @@
 """Verdict, amended line, AFF block and page."""
 
-__all__ = ["aff_block", "amend", "announce", "findings", "folder", "outcome", "page", "plain", "site_edit", "verdict", "wording"]
+__all__ = [
+    "aff_block",
+    "amend",
+    "announce",
+    "findings",
+    "folder",
+    "outcome",
+    "page",
+    "plain",
+    "site_edit",
+    "verdict",
+    "wording",
+]

@@ -1,3 +1,16 @@
 """What each step of the card measures: pure functions from evidence to a finding."""
 
-__all__ = ["limits", "load_cell", "machine", "orders", "plug", "proof", "response", "ripple", "search", "shadow", "trips", "words"]
+__all__ = [
+    "limits",
+    "load_cell",
+    "machine",
+    "orders",
+    "plug",
+    "proof",
+    "response",
+    "ripple",
+    "search",
+    "shadow",
+    "trips",
+    "words",
+]
