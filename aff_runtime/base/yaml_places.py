@@ -95,7 +95,7 @@ def as_text_error(error: yaml.MarkedYAMLError) -> YamlTextError:
     return YamlTextError(Fault.SYNTAX, said, _from_one(error.problem_mark or error.context_mark))
 
 
-def place_of(item: yaml.Node | yaml.Event) -> tuple[int, int]:
+def line_and_column(item: yaml.Node | yaml.Event) -> tuple[int, int]:
     """Return line and column of a node, from 1."""
     return _from_one(item.start_mark) or (1, 1)
 
@@ -126,8 +126,8 @@ def _stay_within(text: str, bounds: Bounds, loader: type[Any]) -> None:
         if isinstance(event, yaml.ScalarEvent) and bounds.characters is not None:
             length = len(event.value)
             if length > bounds.characters:
-                raise YamlTextError(Fault.LENGTH, str(length), place_of(event))
+                raise YamlTextError(Fault.LENGTH, str(length), line_and_column(event))
         if depth > bounds.depth:
-            raise YamlTextError(Fault.DEPTH, "", place_of(event))
+            raise YamlTextError(Fault.DEPTH, "", line_and_column(event))
         if count > bounds.events:
-            raise YamlTextError(Fault.COUNT, "", place_of(event))
+            raise YamlTextError(Fault.COUNT, "", line_and_column(event))

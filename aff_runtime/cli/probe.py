@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.link.answers import KeptResponse, ProbeDone
-from aff_runtime.app.supervisor.validation import load_record
+from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.cli.service import add_state_dir, connect
 from aff_runtime.cli.terminal import say
 from aff_runtime.config.identified_drive import numbers_of
@@ -38,7 +38,7 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
 
 def probe(options: argparse.Namespace) -> int:
     """Run a probe and print its table."""
-    site = load_record(options.site, options.state_dir).checked().site
+    site = load_parameters(options.site, options.state_dir).checked().site
     duration_s = site.probe.duration_s
     say(f"probing for about {duration_s:.0f} s; `aff-runtime bypass` ends it")
     client = connect(options)

@@ -15,7 +15,7 @@ from typing import TypeAlias
 import yaml
 
 from aff_runtime.base.units import plain
-from aff_runtime.base.yaml_places import Bounds, Fault, YamlTextError, compose, place_of
+from aff_runtime.base.yaml_places import Bounds, Fault, YamlTextError, compose, line_and_column
 from aff_runtime.config.findings import Finding, KeyPath, SiteFileError, dotted
 from aff_runtime.config.plain_file import TooLargeError, read_plain
 
@@ -183,8 +183,8 @@ class _Maker:
     def value(self, node: yaml.Node, path: KeyPath, key: yaml.Node) -> Tree:
         self.nodes += 1
         written = node.value if isinstance(node, yaml.ScalarNode) else ""
-        line, column = place_of(node)
-        key_line, key_column = place_of(key)
+        line, column = line_and_column(node)
+        key_line, key_column = line_and_column(key)
         self.marks[path] = Mark(
             line=line, column=column, key_line=key_line, key_column=key_column, written=written
         )
@@ -214,7 +214,7 @@ class _Maker:
             elif made and node.flow_style and self._is_comma_tail(key, item):
                 self._decimal_comma(node, list(made)[-1], path, key.value)
             else:
-                seen[key.value] = place_of(key)[0]
+                seen[key.value] = line_and_column(key)[0]
                 made[key.value] = self.value(item, (*path, key.value), key)
         for item in merged:
             self._merge(item, path, made)
@@ -299,7 +299,7 @@ class _Maker:
         return None
 
     def _find(self, node: yaml.Node, path: KeyPath, text: str) -> None:
-        line, column = place_of(node)
+        line, column = line_and_column(node)
         self.findings.append(
             Finding(file=self.file, line=line, column=column, path=dotted(path), text=text)
         )

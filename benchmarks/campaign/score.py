@@ -26,31 +26,31 @@ def wilson(hits: int, runs: int) -> tuple[float, float]:
     return float(found.low), float(found.high)
 
 
-class Place(NamedTuple):
+class EffectAt(NamedTuple):
     """An effect at a location, by the names of a version 1 verdict."""
 
     effect: str
     location: str
 
 
-def place(effect: str, location: str) -> Place:
+def place(effect: str, location: str) -> EffectAt:
     """Return where an effect is, as a verdict says it."""
     row = BY_NAME.get(effect)
-    return Place(row.said_as if row is not None and row.said_as else effect, location)
+    return EffectAt(row.said_as if row is not None and row.said_as else effect, location)
 
 
-def said_place(text: str) -> Place:
+def said_place(text: str) -> EffectAt:
     """Return what a verdict says in one text, ``effect at location``."""
     effect, _, location = text.partition(" at ")
     return place(effect, location)
 
 
-def keys(faults: Sequence[dict[str, Any]]) -> set[Place]:
+def keys(faults: Sequence[dict[str, Any]]) -> set[EffectAt]:
     """Return effects and locations as verdicts say them."""
     return {place(f["effect"], f["location"]) for f in faults}
 
 
-def left_open(verdict: dict[str, Any], truth: set[Place]) -> set[Place]:
+def left_open(verdict: dict[str, Any], truth: set[EffectAt]) -> set[EffectAt]:
     """Return what the verdict names but says may as well be one of the truth."""
     return {
         said_place(pair["effect"])

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from aff_runtime.app.supervisor.validation import load_record
+from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.app.wiring.assemble import assemble, cycle_of
 from aff_runtime.app.wiring.law_slot import LawSlot
 from aff_runtime.base.clock import MonotonicClock
@@ -113,7 +113,7 @@ def runtime_end(site: Path, seconds: float) -> dict[str, Any]:
     watch = Stopwatch(clock.now_ns)
     for owner, name, part in SEAMS:
         setattr(owner, name, watch.around(getattr(owner, name), part))
-    assembly = assemble(load_record(site).checked(), clock)
+    assembly = assemble(load_parameters(site).checked(), clock)
     outputs = [f"{name}_m_s" for name in assembly.site.actuators]
     columns = record_columns(tuple(assembly.site.gateway.read.channels), outputs, ())
     ring = RingWriter((*columns, *assembly.law.law_telemetry_names()), meta=RunMeta())

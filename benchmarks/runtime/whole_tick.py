@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.supervisor.validation import load_record
+from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.app.wiring.assemble import assemble, cycle_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.ports import Law
@@ -81,7 +81,7 @@ class Listener:
 
 def runtime_end(site: Path, seconds: float) -> dict[str, Any]:
     """Run the cycle of ``site``; return its times per tick, ns, and what it used when."""
-    record = load_record(site).checked()
+    record = load_parameters(site).checked()
     assembly = assemble(record, MonotonicClock())
     listener = Listener(seconds)
     cycle = cycle_of(assembly, listener)

@@ -17,7 +17,7 @@ from aff_runtime.base.yaml_places import (
     YamlTextError,
     as_text_error,
     compose,
-    place_of,
+    line_and_column,
 )
 from sim_plant.base.plain_file import read_plain_text
 
@@ -117,7 +117,7 @@ def _parsed(text: str) -> tuple[Any, Places]:
         raise as_text_error(error) from error
     except (ValueError, ArithmeticError, AttributeError, LookupError) as error:
         # of a date, or of a number, truth or stamp that a tag asks for
-        where = "" if loader.at is None else _colons(place_of(loader.at))
+        where = "" if loader.at is None else _colons(line_and_column(loader.at))
         said = f"not YAML: a value cannot be read ({printable(str(error), 200)})"
         raise _RefusedError((where, said)) from error
     finally:
@@ -137,11 +137,11 @@ class _Walk:
         self._values += 1
         if self._values > MOST_VALUES or len(at) > DEEPEST:
             said = "its aliases unfold to too much; write it out"
-            raise _RefusedError((_colons(place_of(node)), said))
+            raise _RefusedError((_colons(line_and_column(node)), said))
         if node.tag in _NUMBERS and len(node.value) > LONGEST_NUMBER:
             said = f"a number has {len(node.value)} characters, more than {LONGEST_NUMBER}"
-            raise _RefusedError((_colons(place_of(node)), said))
-        self.places.setdefault(at, place_of(node))
+            raise _RefusedError((_colons(line_and_column(node)), said))
+        self.places.setdefault(at, line_and_column(node))
         if isinstance(node, yaml.SequenceNode):
             for index, item in enumerate(node.value):
                 self.visit(item, (*at, index))
@@ -159,8 +159,8 @@ class _Walk:
             first = self.places[place][0]
             self.repeated.append(
                 (
-                    _colons(place_of(key)),
+                    _colons(line_and_column(key)),
                     f"{said}: is given twice, first in line {first}; keep one",
                 )
             )
-        self.places[place] = place_of(key)
+        self.places[place] = line_and_column(key)

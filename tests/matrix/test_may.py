@@ -54,7 +54,7 @@ class ServiceBench(MatrixBench):
             guard=self.guard,
             gateway=kept._gateway,
             law=slot(),
-            record=record_of(self.site),
+            parameters=record_of(self.site),
         )
         self.outside = ControlOutside(assembly, self.outside_link, RunMeta())  # type: ignore[arg-type]
         self.cycle = Cycle(

@@ -65,13 +65,13 @@ class House:
         self.live = True
         self.said: list[tuple[str, str]] = []
         self.sent: list[Message] = []
-        self.record = checked(site)
+        self.parameters = checked(site)
         self.probed = ResponseLedger(str)
         self.control = SimpleNamespace(link=SimpleNamespace(send=self._send))
         self._pending = Pending(VirtualClock())
         monkeypatch.setattr(edit_session, "Validation", CheckInProcess)
         self.edits = EditSession(
-            self, self._pending, site, CheckResult(record=self.record, findings=())
+            self, self._pending, site, CheckResult(parameters=self.parameters, findings=())
         )
 
     def note(self, name: str, text: str) -> None:
@@ -80,11 +80,11 @@ class House:
     def is_live(self) -> bool:
         return self.live
 
-    def revised(self, record: ParameterRecord) -> ParameterRecord:
-        return record.with_shapes({})
+    def revised(self, parameters: ParameterRecord) -> ParameterRecord:
+        return parameters.with_shapes({})
 
     def revision_words(self) -> str:
-        return "; ".join(learned_sentences(self.record, self.probed))
+        return "; ".join(learned_sentences(self.parameters, self.probed))
 
     def _send(self, message: Message) -> bool:
         self.sent.append(message)
@@ -103,7 +103,7 @@ class House:
 
     @property
     def running(self) -> str:
-        return str(self.record.learned.get("unwind", {}).get("response", "none"))
+        return str(self.parameters.learned.get("unwind", {}).get("response", "none"))
 
 
 class CheckInProcess:

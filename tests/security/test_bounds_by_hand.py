@@ -18,7 +18,7 @@ import cantools
 import pytest
 import yaml
 
-from aff_runtime.app.supervisor.validation import load_record
+from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import ConfigError, PlantError
 from aff_runtime.cli.main import main
@@ -187,7 +187,7 @@ def test_without_a_temporary_folder_the_check_says_so(monkeypatch: pytest.Monkey
 
     monkeypatch.setattr(tempfile, "TemporaryFile", none)
     with pytest.raises(ConfigError, match=r"site.yaml:1:1  cannot be checked: No usable temp"):
-        load_record(Path("site.yaml"))
+        load_parameters(Path("site.yaml"))
 
 
 # --- numba's file of the working folder -----------------------------------------------------

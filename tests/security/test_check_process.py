@@ -25,7 +25,7 @@ from aff_runtime.app.supervisor.validation import (
     MAX_FINDING_LENGTH,
     MAX_FINDINGS,
     Validation,
-    load_record,
+    load_parameters,
 )
 from aff_runtime.base.errors import ConfigError
 from tests.aff_runtime.config.shipped import edited
@@ -79,7 +79,7 @@ def test_a_check_that_dies_says_in_words_of_what(
     script, said = HUNGRY[name]
     instead(monkeypatch, script)
     with pytest.raises(ConfigError) as caught:
-        load_record(tmp_path / "site.yaml")
+        load_parameters(tmp_path / "site.yaml")
     assert str(caught.value).startswith(f"{tmp_path}/site.yaml:1:1  {said}")
 
 
@@ -103,7 +103,7 @@ validate.main(sys.argv[1:])
 @pytest.mark.parametrize("name", ["euclid.yaml", "euclid_can.yaml", "euclid_canopen.yaml"])
 @pytest.mark.sweep(every=3)
 def test_every_shipped_site_is_checked_well_within_the_bounds(name: str) -> None:
-    assert load_record(ROOT / "config" / name).record is not None
+    assert load_parameters(ROOT / "config" / name).parameters is not None
 
 
 def test_a_check_that_hangs_is_ended_after_its_patience_and_that_is_the_result() -> None:
@@ -129,14 +129,14 @@ def test_a_start_does_not_wait_for_a_check_without_end(
     instead(monkeypatch, "import signal\nsignal.pause()\n")
     monkeypatch.setattr(validation, "PATIENCE_S", 0.3)
     with pytest.raises(ConfigError, match="the check took longer than"):
-        load_record(tmp_path / "site.yaml")
+        load_parameters(tmp_path / "site.yaml")
 
 
 class Running:
     """The processes of a service as far as an edit session sees them."""
 
-    def __init__(self, record: ParameterRecord) -> None:
-        self.record = record
+    def __init__(self, parameters: ParameterRecord) -> None:
+        self.parameters = parameters
         self.control = None
         self.probed = ResponseLedger(lambda text: self.note("PROBE", text))
         self.notes: list[tuple[str, str]] = []
@@ -154,9 +154,9 @@ def test_an_edit_whose_check_hangs_is_told_and_the_next_one_is_taken(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = edited(tmp_path)
-    first = load_record(path)
-    assert first.record is not None
-    running = Running(first.record)
+    first = load_parameters(path)
+    assert first.parameters is not None
+    running = Running(first.parameters)
     clock = VirtualClock()
     monkeypatch.setattr(
         edit_session, "Validation", lambda site, state: Validation(site, state, clock)
@@ -170,14 +170,14 @@ def test_an_edit_whose_check_hangs_is_told_and_the_next_one_is_taken(
     clock.advance_ns(int(PATIENCE_S * 1e9))
     edits.step()
     assert not edits.is_busy
-    assert running.record is first.record
+    assert running.parameters is first.parameters
     assert "the check took longer than 30 s" in edits.differs[0]
     assert ("CONFIG_DIFFERS", edits.differs[0]) in running.notes
 
     edits.look_again()
     until("the edit is taken", lambda: edits.step() is None and not edits.is_busy)
     assert edits.differs == ()
-    assert running.record.config_hash != first.record.config_hash
+    assert running.parameters.config_hash != first.parameters.config_hash
 
 
 def _under_way(edits: EditSession) -> int:
@@ -189,16 +189,16 @@ def _under_way(edits: EditSession) -> int:
 def test_an_edit_saved_while_the_service_starts_is_taken_like_any_other(tmp_path: Path) -> None:
     path = edited(tmp_path)
     watch = FileWatch([path])
-    first = load_record(path)
-    assert first.record is not None
+    first = load_parameters(path)
+    assert first.parameters is not None
     path.write_text(path.read_text().replace("settle_s: 6,", "settle_s: 7,"))
-    running = Running(first.record)
+    running = Running(first.parameters)
     pending = Pending(VirtualClock())
     edits = EditSession(cast(Processes, running), pending, path, first, watch=watch)
 
     until("the edit is seen", lambda: edits.step() is None and edits.is_busy)
     until("the edit is taken", lambda: edits.step() is None and not edits.is_busy)
-    assert running.record.site_text == path.read_text()
+    assert running.parameters.site_text == path.read_text()
 
 
 def test_the_service_looks_at_its_file_before_the_check_reads_it(
@@ -228,7 +228,7 @@ def test_thousands_of_findings_do_not_fill_log_record_and_status(tmp_path: Path)
     path.write_text(path.read_text() + "".join(f"k{i}: 1\n" for i in range(5000)))
     found = Validation(path).result(wait_s=PATIENCE_S)
     assert found is not None
-    assert found.record is None
+    assert found.parameters is None
     assert len(found.findings) == MAX_FINDINGS + 1
     assert found.findings[-1].endswith("4950 more; `aff-runtime check` names every one")
 

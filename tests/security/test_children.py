@@ -19,7 +19,7 @@ from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.supervisor import recorder_child
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
-from aff_runtime.app.supervisor.validation import Validation, load_record
+from aff_runtime.app.supervisor.validation import Validation, load_parameters
 from aff_runtime.base.python_child import module_command
 from aff_runtime.config.yaml_marks import MAX_BYTES
 from aff_runtime.telemetry.recorder_messages import RunContext
@@ -159,14 +159,14 @@ def test_the_trap_works_where_the_folder_is_on_the_path(trap: Path) -> None:
 
 
 def test_the_check_runs_nothing_of_the_folder(trap: Path) -> None:
-    assert load_record(SITE).record is not None
+    assert load_parameters(SITE).parameters is not None
     assert ran(trap) == []
 
 
 @contextlib.contextmanager
-def both(record: ParameterRecord, runs: Path) -> Iterator[tuple[ControlChild, RecorderChild]]:
+def both(parameters: ParameterRecord, runs: Path) -> Iterator[tuple[ControlChild, RecorderChild]]:
     """Have a control process and its recorder at work."""
-    control = ControlChild(record, shadow=True)
+    control = ControlChild(parameters, shadow=True)
     try:
         until("the control process has made a ring", lambda: bool(control.replies()))
         reader = control.open_ring()
@@ -181,9 +181,9 @@ def both(record: ParameterRecord, runs: Path) -> Iterator[tuple[ControlChild, Re
 
 
 def test_control_process_and_recorder_run_nothing_of_the_folder(trap: Path) -> None:
-    record = load_record(SITE).record
-    assert record is not None
-    with both(record, trap / "runs"):
+    parameters = load_parameters(SITE).parameters
+    assert parameters is not None
+    with both(parameters, trap / "runs"):
         until("the recorder has made a run", lambda: bool([*trap.glob("runs/*/run.yaml")]))
     assert ran(trap) == []
 
@@ -228,8 +228,8 @@ def test_of_all_children_the_control_process_alone_can_speak_to_systemd(
     assert seen["PATH"] == os.environ["PATH"]
     result = check.result(wait_s=60.0)
     assert result is not None
-    assert result.record is not None
-    with both(result.record, tmp_path) as (control, recorder):
+    assert result.parameters is not None
+    with both(result.parameters, tmp_path) as (control, recorder):
         assert environment(control.pid)["NOTIFY_SOCKET"] == "/run/none"
         assert not told.keys() & environment(recorder.pid).keys()
 

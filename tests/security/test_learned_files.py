@@ -39,9 +39,9 @@ def site(tmp_path: Path) -> Path:
 
 
 def test_without_learned_files_the_revision_is_the_site_files_own(site: Path) -> None:
-    record = checked(site)
-    assert record.config_hash == record.site_hash
-    assert record.learned == {}
+    parameters = checked(site)
+    assert parameters.config_hash == parameters.site_hash
+    assert parameters.learned == {}
 
 
 def test_a_response_of_another_phase_is_another_revision_for_service_and_plc(site: Path) -> None:
@@ -58,13 +58,13 @@ def test_a_response_of_another_phase_is_another_revision_for_service_and_plc(sit
 
 
 def test_a_shape_that_the_service_starts_from_is_part_of_the_revision_too(site: Path) -> None:
-    record = checked(site)
+    parameters = checked(site)
     hashes = {
-        record.with_shapes(shapes).config_hash
+        parameters.with_shapes(shapes).config_hash
         for shapes in ({}, {"unwind": "a"}, {"unwind": "b"}, {"swrap_follower": "a"})
     }
     assert len(hashes) == 4
-    told = list(learned_sentences(record.with_shapes({"unwind": "a"}), ResponseLedger(str)))
+    told = list(learned_sentences(parameters.with_shapes({"unwind": "a"}), ResponseLedger(str)))
     assert told[0] == f"unwind: no response, shape {hashlib.sha256(b'a').hexdigest()[:12]}"
 
 
@@ -208,15 +208,15 @@ def test_what_our_own_probe_has_just_written_comes_in_at_once(house: House, site
 def test_an_edit_of_the_site_file_does_not_carry_a_strangers_response_in(
     house: House, site: Path
 ) -> None:
-    before, settled = house.running, house.record.site_hash
+    before, settled = house.running, house.parameters.site_hash
     learned(site).write_text(response("unwind", math.pi))
     site.write_text(site.read_text().replace("settle_s: 6", "settle_s: 9"))
     house.look()
-    assert (house.running, house.record.site_hash) == (before, settled)
+    assert (house.running, house.parameters.site_hash) == (before, settled)
     house.live = False
     house.step()
     assert house.running != before
-    assert house.record.site_hash != settled
+    assert house.parameters.site_hash != settled
 
 
 # --- the whole service ----------------------------------------------------------------------
@@ -343,11 +343,11 @@ def test_whatever_becomes_of_the_site_file_what_runs_goes_on_and_is_told(
     house: House, site: Path, spoil: Callable[[Path], None], live: bool
 ) -> None:
     house.live = live
-    before = house.record
+    before = house.parameters
     good = site.read_text()
     spoil(site)
     house.look()
-    assert house.record is before
+    assert house.parameters is before
     assert house.sent == [ConfigDiffers()]
     assert house.edits.differs
     for told in house.edits.differs:
@@ -358,4 +358,4 @@ def test_whatever_becomes_of_the_site_file_what_runs_goes_on_and_is_told(
     site.write_text(good)
     house.look()
     assert house.edits.differs == ()
-    assert house.record is before
+    assert house.parameters is before

@@ -72,13 +72,13 @@ class House:
 
     def __init__(self, site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(edit_session, "Validation", CheckInProcess)
-        self.record = checked(site)
+        self.parameters = checked(site)
         self.said: list[tuple[str, str]] = []
         self.starts: list[str] = []
         self.live = True
         self.control = SimpleNamespace(link=SimpleNamespace(send=lambda _: True))
         self.probed = ResponseLedger(lambda _: None)
-        found = CheckResult(record=self.record)
+        found = CheckResult(parameters=self.parameters)
         self.edits = EditSession(self, None, site, found)  # type: ignore[arg-type]
 
     def note(self, name: str, text: str) -> None:
@@ -87,37 +87,37 @@ class House:
     def is_live(self) -> bool:
         return self.live
 
-    def revised(self, record: ParameterRecord) -> ParameterRecord:
-        return record.with_shapes({})
+    def revised(self, parameters: ParameterRecord) -> ParameterRecord:
+        return parameters.with_shapes({})
 
     def stop(self) -> None:
         self.starts.append("stop")
 
     def start(self) -> None:
-        self.starts.append(self.record.config_hash)
+        self.starts.append(self.parameters.config_hash)
 
 
 def test_a_dbc_exchanged_while_armed_is_told_and_waits_for_bypass(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     house = House(folder / "euclid_can.yaml", monkeypatch)
-    before = house.record.config_hash
+    before = house.parameters.config_hash
     turn_tension_round(folder / "euclid.dbc")
     for _ in range(4):  # seen, settled, checked
         house.edits.step()
     (told,) = house.edits.differs
     assert re.search(r"euclid.dbc: describes the wire, \w{12} -> \w{12}: may not change", told)
-    assert house.record.config_hash == before
+    assert house.parameters.config_hash == before
     (edit,) = {text for name, text in house.said if name == "EDIT"}
     assert "euclid.dbc: describes the wire" in edit
     assert "file of uid" in edit
     house.live = False
     house.edits.step()
     assert house.edits.differs == ()
-    assert house.starts == ["stop", house.record.config_hash]
-    assert house.record.config_hash != before
+    assert house.starts == ["stop", house.parameters.config_hash]
+    assert house.parameters.config_hash != before
 
 
 def test_the_same_file_saved_again_is_no_exchange(folder: Path) -> None:
-    record = checked(folder / "euclid_can.yaml")
-    assert exchanged_wire_files(record, record) == []
+    parameters = checked(folder / "euclid_can.yaml")
+    assert exchanged_wire_files(parameters, parameters) == []

@@ -15,11 +15,11 @@ class CheckResult:
 
     Attributes
     ----------
-    record : complete parameter record when the file is good, else None.
+    parameters : complete parameter record when the file is good, else None.
     findings : ``file:line:column  key: text`` per fault, or per warning of a good file.
     """
 
-    record: ParameterRecord | None
+    parameters: ParameterRecord | None
     findings: tuple[str, ...] = ()
 
     def checked(self) -> ParameterRecord:
@@ -30,14 +30,14 @@ class CheckResult:
         ConfigError
             With every finding when the file is not good.
         """
-        if self.record is None:
+        if self.parameters is None:
             raise ConfigError("\n".join(self.findings))
-        return self.record
+        return self.parameters
 
     def to_json(self) -> dict[str, Any]:
         """Return plain values for JSON."""
-        record = None if self.record is None else self.record.to_json()
-        return {"record": record, "findings": list(self.findings)}
+        parameters = None if self.parameters is None else self.parameters.to_json()
+        return {"record": parameters, "findings": list(self.findings)}
 
     @classmethod
     def from_json(cls, said: Any) -> CheckResult:
@@ -48,8 +48,8 @@ class CheckResult:
         KeyError, TypeError, ValueError
             When they are no result of this release.
         """
-        record = said["record"]
+        parameters = said["record"]
         return cls(
-            record=None if record is None else ParameterRecord.from_json(record),
+            parameters=None if parameters is None else ParameterRecord.from_json(parameters),
             findings=tuple(said["findings"]),
         )

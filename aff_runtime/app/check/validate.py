@@ -55,11 +55,13 @@ def check_result(
     """
     try:
         reading = read_site(path, state, text)
-        record = parameter_record(path, reading)
+        parameters = parameter_record(path, reading)
     except AffError as error:
-        return CheckResult(record=None, findings=tuple(str(error).splitlines()))
+        return CheckResult(parameters=None, findings=tuple(str(error).splitlines()))
     findings = [str(warning) for warning in reading.warnings]
-    return CheckResult(record=record, findings=(*findings, *_outdated(reading, record)))
+    return CheckResult(
+        parameters=parameters, findings=(*findings, *_outdated(reading, parameters))
+    )
 
 
 def parameter_record(path: Path, reading: Reading) -> ParameterRecord:
@@ -87,7 +89,7 @@ def parameter_record(path: Path, reading: Reading) -> ParameterRecord:
     controller_of(site, responses, loops)
     learned = learned_digests(responses, {})
     wire_digests = {name: file_digest(text) for name, text in described.items()}
-    record = ParameterRecord(
+    parameters = ParameterRecord(
         site=site,
         site_text=reading.tree.raw.decode("utf-8"),
         site_hash=site_hash,
@@ -108,13 +110,13 @@ def parameter_record(path: Path, reading: Reading) -> ParameterRecord:
         folder=folder,
         versions=_versions(),
     )
-    n_bytes = len(json.dumps(record.for_control().to_json()))
+    n_bytes = len(json.dumps(parameters.for_control().to_json()))
     if n_bytes > MAX_RECORD_BYTES:
         raise ConfigError(
             f"{path}:1:1  with its responses it takes {n_bytes // 1000} kB, at most "
             f"{MAX_RECORD_BYTES // 1000} kB pass to the control process; make it shorter"
         )
-    return record
+    return parameters
 
 
 def _look_up(reading: Reading, folder: Path) -> None:
@@ -151,12 +153,12 @@ def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
     raise ConfigError(_finding(reading, actuator, f"{file}: {said}"))
 
 
-def _outdated(reading: Reading, record: ParameterRecord) -> list[str]:
+def _outdated(reading: Reading, parameters: ParameterRecord) -> list[str]:
     """Return a finding per response that is there and does not count: its cycle was another."""
     return [
         _finding(reading, name, f"{file}: measured at another cycle_ms; run the probe again")
-        for name, file in record.response_files.items()
-        if name not in record.responses and file.exists()
+        for name, file in parameters.response_files.items()
+        if name not in parameters.responses and file.exists()
     ]
 
 
@@ -195,7 +197,7 @@ def main(arguments: list[str]) -> int:
     with contextlib.suppress(MemoryError):  # what held the memory is freed below
         text = sys.stdin.buffer.read(MAX_BYTES + 1) if arguments[2:] else None
         said = check_result(site, state, text)
-    too_large = CheckResult(record=None, findings=(f"{site}:1:1  {TOO_LARGE}",))
+    too_large = CheckResult(parameters=None, findings=(f"{site}:1:1  {TOO_LARGE}",))
     json.dump((said or too_large).to_json(), sys.stdout)
     return 0
 

@@ -18,7 +18,7 @@ from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import own_process, user_name
 from aff_runtime.app.link.request_client import ServiceClient, login_behind
 from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
-from aff_runtime.app.supervisor.validation import load_record
+from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError, RefusedError, WireError
@@ -63,7 +63,7 @@ def parameters_of(site: Path, state: Path) -> ParameterRecord:
     ConfigError
         It is not good.
     """
-    return load_record(site, state).checked()
+    return load_parameters(site, state).checked()
 
 
 def sources(

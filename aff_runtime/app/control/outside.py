@@ -75,9 +75,11 @@ class ControlOutside:
         self._arm_tick = 0
         self._probe: ProbeRun | None = None
         self._next_law: LawSlot | None = None
-        self._revision = assembly.record.config_hash
+        self._revision = assembly.parameters.config_hash
         self._watch = LawWatch(self._note, self._say)
-        self._shapes = ShapeKeeper(assembly.record, tell=self._tell_shape, keep=self._keep_shape)
+        self._shapes = ShapeKeeper(
+            assembly.parameters, tell=self._tell_shape, keep=self._keep_shape
+        )
         self._advised_tick = 0
         self._ring = self._new_ring()
 
@@ -92,19 +94,19 @@ class ControlOutside:
 
     # --- what the cycle tells -----------------------------------------------------------------
 
-    def publish(self, record: Sequence[float]) -> None:
+    def publish(self, parameters: Sequence[float]) -> None:
         """Keep one record in the ring."""
-        self._tick = int(record[1])
-        self._record = record
+        self._tick = int(parameters[1])
+        self._record = parameters
         if self._next_law is not None and self._next_law.is_stepping:
             self._exchange_law(self._next_law)
-        self._ring.write((*record, *self._law.law_telemetry()))
+        self._ring.write((*parameters, *self._law.law_telemetry()))
         self._troubles.look(self._tick)
         first = len(HEAD)
         self._shapes.listen(
             self._law.controller,
-            record[first : first + len(self._site.gateway.read.channels)],
-            fresh=bool(record[FRESH]),
+            parameters[first : first + len(self._site.gateway.read.channels)],
+            fresh=bool(parameters[FRESH]),
             quiet=self._guard.quiet and self._law.probe is None,
         )
 
@@ -239,15 +241,15 @@ class ControlOutside:
         if self._probe is not None:
             self._reply(said, ok=False, message="a probe is under way; save the file after it")
             return []
-        record = said.record
-        site = record.site
+        parameters = said.record
+        site = parameters.site
         present = self._law.controller
-        successor = controller_of(site, record.responses, record.loops)
+        successor = controller_of(site, parameters.responses, parameters.loops)
         law = LawSlot(successor, adopt_from=present)
         loses = set(present.telemetry_names()) - set(law.controller.telemetry_names())
         self._site = site
-        self._shapes.follow(record)
-        self._revision = record.config_hash
+        self._shapes.follow(parameters)
+        self._revision = parameters.config_hash
         self._meta = replace(self._meta, config_hash=self._revision)  # of the next ring
         self._next_law = law
         self._reply(said, ok=True)
@@ -256,7 +258,7 @@ class ControlOutside:
                 law=law,
                 take_over=None if loses else _adopts_in_first_step,
                 guard_params=guard_params(site),
-                config_revision=record.revision_word,
+                config_revision=parameters.revision_word,
             )
         ]
 

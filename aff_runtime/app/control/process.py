@@ -48,12 +48,12 @@ def main(arguments: list[str]) -> int:
 def _run(start: Start, link: Link) -> int:
     """Wire the rooms and tick."""
     clock = MonotonicClock()
-    record = start.record
-    assembly = assemble(record, clock)
+    parameters = start.record
+    assembly = assemble(parameters, clock)
     rights = ask(RealtimeRequest(cpus=_own_processor()))
     meta = RunMeta(
-        config_hash=record.config_hash,
-        versions=record.versions,
+        config_hash=parameters.config_hash,
+        versions=parameters.versions,
         rights=tuple(
             Right(granted=grant.granted, text=text)
             for grant, text in zip(rights.grants, rights.lines(), strict=True)

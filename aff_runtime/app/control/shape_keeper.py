@@ -61,21 +61,21 @@ class ShapeKeeper:
 
     Parameters
     ----------
-    record : parameter record; ``shapes`` are the texts of the shape files.
+    parameters : parameter record; ``shapes`` are the texts of the shape files.
     tell : takes (actuator, sentence): what became of a shape.
     keep : takes (actuator, text of a shape file).
     """
 
     def __init__(
         self,
-        record: ParameterRecord,
+        parameters: ParameterRecord,
         *,
         tell: Callable[[str, str], None],
         keep: Callable[[str, str], None],
     ) -> None:
         self._tell, self._keep = tell, keep
-        self._version = record.version
-        self._shapes = dict(record.shapes)
+        self._version = parameters.version
+        self._shapes = dict(parameters.shapes)
         self._active_turns = 0.0
         self._roll_id: int | None = None
         self._active_roll_id: int | None = None
@@ -83,14 +83,14 @@ class ShapeKeeper:
         self._used: set[str] = set()
         self._announced: set[str] = set()
         self._refused: set[tuple[str, str]] = set()  # corrections of another response, as said
-        self.follow(record)
+        self.follow(parameters)
 
-    def follow(self, record: ParameterRecord) -> None:
+    def follow(self, parameters: ParameterRecord) -> None:
         """Go on with another parameter record; a shape that was used is not tried again."""
-        site = self._site = record.site
-        self._config_hash = record.config_hash
+        site = self._site = parameters.site
+        self._config_hash = parameters.config_hash
         self._hash = {name: shape_basis_hash(site, name) for name in site.actuators}
-        measured = record.responses
+        measured = parameters.responses
         self._response = {name: response_hash(measured.get(name)) for name in site.actuators}
         for name in site.actuators:
             if name in self._used:

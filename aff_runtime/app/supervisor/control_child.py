@@ -20,11 +20,11 @@ class ControlChild:
 
     Parameters
     ----------
-    record : complete parameter record, sent as the first message.
+    parameters : complete parameter record, sent as the first message.
     shadow : compute and record, transmit zero.
     """
 
-    def __init__(self, record: ParameterRecord, *, shadow: bool) -> None:
+    def __init__(self, parameters: ParameterRecord, *, shadow: bool) -> None:
         ours, theirs = link_pair()
         # A bypass that comes before the process listens waits for it, and does not kill it.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGUSR1})
@@ -45,7 +45,7 @@ class ControlChild:
             theirs.close()
         self.link = Link(ours)
         self._rings: deque[int] = deque()
-        self.link.send(Start(record=record.for_control(), shadow=shadow))
+        self.link.send(Start(record=parameters.for_control(), shadow=shadow))
 
     @property
     def pid(self) -> int:

@@ -52,7 +52,7 @@ class EditSession:
         self._site = site
         self._state = state
         self._watch = watch or FileWatch([site])
-        self._watch.watch(_watched(site, processes.record))
+        self._watch.watch(_watched(site, processes.parameters))
         self._check: Validation | None = None
         self._waiting: CheckResult | None = None
         self._handing_over = False
@@ -98,13 +98,13 @@ class EditSession:
     def _judge(self, result: CheckResult) -> None:
         """Apply, restart idle or let wait, whichever the edit allows."""
         self._waiting = None
-        record, running = result.record, self._processes.record
-        if record is None:
+        parameters, running = result.parameters, self._processes.parameters
+        if parameters is None:
             self._refuse(result.findings)
             return
-        found = diff_sites(running.site, record.site)
-        exchanged = exchanged_responses(running, record, self._processes.probed)
-        wire = exchanged_wire_files(running, record)
+        found = diff_sites(running.site, parameters.site)
+        exchanged = exchanged_responses(running, parameters, self._processes.probed)
+        wire = exchanged_wire_files(running, parameters)
         if found:
             self._processes.note("EDIT", f"{self._site}: {author_of(self._site)}")
         for edit in (*found, *exchanged, *(f"{what} ({author})" for what, author in wire)):
@@ -114,22 +114,22 @@ class EditSession:
         waits = [f"{what}: may not change while armed" for what in fixed]
         waits += [exchange.objection for exchange in exchanged if not exchange.is_ours]
         if self._processes.control is None:
-            self._accept(record)  # the next start takes it
+            self._accept(parameters)  # the next start takes it
         elif waits and self._processes.is_live():
             self._waiting = result
             self._refuse(f"{what}; waits for bypass" for what in waits)
         elif may_apply_while_active(found) and not wire:
             if found or exchanged:
-                self.hand_over(self._processes.revised(record))
+                self.hand_over(self._processes.revised(parameters))
             else:
                 self.differs = ()
         else:
             for finding in result.findings:
                 self._processes.note("CONFIG_WARNING", finding)
-            self.restart_on(record)
+            self.restart_on(parameters)
 
     def hand_over(
-        self, record: ParameterRecord, then: Callable[[Reply], None] | None = None
+        self, parameters: ParameterRecord, then: Callable[[Reply], None] | None = None
     ) -> None:
         """Send the record to the control process, which takes it between two ticks.
 
@@ -137,21 +137,21 @@ class EditSession:
         """
         self._handing_over = True
         ident = self._pending.expect(
-            None, lambda reply: self._adopted(record, reply, then), ADOPT_PATIENCE_S
+            None, lambda reply: self._adopted(parameters, reply, then), ADOPT_PATIENCE_S
         )
         control = self._processes.control
-        message = Parameters(id=ident, record=record.for_control())
+        message = Parameters(id=ident, record=parameters.for_control())
         if control is None or not control.link.send(message):
             text = "the control process did not take the edit; save the file again"
             self._pending.resolve(Reply(id=ident, ok=False, message=text))
 
     def _adopted(
-        self, record: ParameterRecord, reply: Reply, then: Callable[[Reply], None] | None
+        self, parameters: ParameterRecord, reply: Reply, then: Callable[[Reply], None] | None
     ) -> Done:
         """Take the control process's reply to a new parameter record."""
         self._handing_over = False
         if reply.ok:
-            self._accept(record)
+            self._accept(parameters)
             self._processes.note("CONFIG_APPLIED", self._processes.revision_words())
         elif then is None:
             self._refuse([reply.message or "refused"])
@@ -159,18 +159,18 @@ class EditSession:
             then(reply)
         return as_answer(reply)
 
-    def restart_on(self, record: ParameterRecord) -> None:
+    def restart_on(self, parameters: ParameterRecord) -> None:
         """Fade to zero and go on with a record in a control process that starts idle."""
         self._processes.stop()
-        self._accept(record)
+        self._accept(parameters)
         self._processes.start()
 
-    def _accept(self, record: ParameterRecord) -> None:
+    def _accept(self, parameters: ParameterRecord) -> None:
         """Take the record as the running one."""
         self.differs = ()
-        self._processes.record = record
-        self._watch.watch(_watched(self._site, record))
-        self.accepted(record)
+        self._processes.parameters = parameters
+        self._watch.watch(_watched(self._site, parameters))
+        self.accepted(parameters)
 
     def _refuse(self, why: Iterable[str]) -> None:
         """Keep what runs and say why."""
@@ -185,7 +185,7 @@ def _nobody_listens(_record: ParameterRecord) -> None:
     """Take no notice."""
 
 
-def _watched(site: Path, record: ParameterRecord) -> list[Path]:
+def _watched(site: Path, parameters: ParameterRecord) -> list[Path]:
     """Return the site file, the response files it names, and those that describe its wire."""
-    wire = [record.folder / name for name in record.wire_files]
-    return [site, *record.response_files.values(), *wire]
+    wire = [parameters.folder / name for name in parameters.wire_files]
+    return [site, *parameters.response_files.values(), *wire]

@@ -6,7 +6,7 @@ import logging
 from pathlib import Path
 
 from aff_runtime.app.supervisor.file_watch import FileWatch
-from aff_runtime.app.supervisor.validation import load_record
+from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock
@@ -32,7 +32,7 @@ def await_site(site: Path, state: Path, clock: Clock | None = None) -> None:
             clock.sleep_until_ns(clock.now_ns() + LOOK_NS)
         watch = FileWatch([site])
         try:
-            load_record(site, state)
+            load_parameters(site, state)
         except ConfigError as error:
             LOG.error("the service waits for a good site file: %s", error)
         else:

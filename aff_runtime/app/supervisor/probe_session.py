@@ -56,7 +56,7 @@ class ProbeSession:
 
     def _keep(self, result: ProbeResult) -> KeptResponse:
         """Replace one response file at once; return the result with its path."""
-        path = self._processes.record.response_files[result.actuator]
+        path = self._processes.parameters.response_files[result.actuator]
         text = result.text + "\n"
         self._processes.probed.add(path, text)
         replace_text(path, text)

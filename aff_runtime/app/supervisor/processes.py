@@ -33,7 +33,7 @@ class Processes:
 
     Attributes
     ----------
-    record : parameter record that the control process runs on, or will be started with.
+    parameters : parameter record that the control process runs on, or will be started with.
     control : None while there is no control process.
     ring : None until the control process has made one.
     blocked : the control process's sentence on what stands against an armed output.
@@ -46,7 +46,7 @@ class Processes:
     def __init__(
         self,
         options: RunOptions,
-        record: ParameterRecord,
+        parameters: ParameterRecord,
         clock: Clock,
         *,
         on_change: Callable[[], None],
@@ -61,7 +61,7 @@ class Processes:
         self._restart_at_ns: int | None = None
         self._started_at_ns = 0
         self._on_change = on_change
-        self.record = record
+        self.parameters = parameters
         self.control: ControlChild | None = None
         self.ring: RingReader | None = None
         self.blocked = ""
@@ -79,11 +79,11 @@ class Processes:
         self._started_at_ns = self._clock.now_ns()
         self.blocked = ""
         self.troubles = ()
-        self._shape_texts = self.shapes.load(self.record)
-        self.record = self.revised(self.record)
+        self._shape_texts = self.shapes.load(self.parameters)
+        self.parameters = self.revised(self.parameters)
         try:
-            record = self.record.starting_from(self._shape_texts)
-            self.control = ControlChild(record, shadow=self._options.shadow)
+            parameters = self.parameters.starting_from(self._shape_texts)
+            self.control = ControlChild(parameters, shadow=self._options.shadow)
         except OSError as error:
             LOG.error("the control process cannot be started (%s)", error.strerror)
             self._come_back()
@@ -92,14 +92,16 @@ class Processes:
         LOG.info("control process %d started", self.control.pid)
         self.note("CONFIG_APPLIED", self.revision_words())
 
-    def revised(self, record: ParameterRecord) -> ParameterRecord:
+    def revised(self, parameters: ParameterRecord) -> ParameterRecord:
         """Return a record with the revision that it has with the shapes in use."""
-        return record.with_shapes(self._shape_texts)
+        return parameters.with_shapes(self._shape_texts)
 
     def revision_words(self) -> str:
         """Return what runs: the whole revision, the site's, the learned files'."""
-        whole, site = self.record.config_hash[:SHORT], self.record.site_hash[:SHORT]
-        return f"{whole}: site {site}; {'; '.join(learned_sentences(self.record, self.probed))}"
+        whole, site = self.parameters.config_hash[:SHORT], self.parameters.site_hash[:SHORT]
+        return (
+            f"{whole}: site {site}; {'; '.join(learned_sentences(self.parameters, self.probed))}"
+        )
 
     def stop(self) -> bool:
         """Let the control process fade and end, and the recorder flush in its own time.
@@ -113,7 +115,7 @@ class Processes:
             if not reached_zero:
                 LOG.error("control process %d did not end in good order", pid)
             for message in self.control.replies():
-                self.shapes.hear(self.record, message)
+                self.shapes.hear(self.parameters, message)
             self._forget_control()
         self._release_ring()
         return reached_zero
@@ -144,7 +146,7 @@ class Processes:
         for message in self.control.replies():
             if isinstance(message, LogLine):
                 LOG.error("control: %s", message.text)
-            self.shapes.hear(self.record, message)
+            self.shapes.hear(self.parameters, message)
         self._forget_control()
         self._release_ring()
         self._come_back()
@@ -186,20 +188,20 @@ class Processes:
 
     def _start_recorder(self, ring: RingReader) -> None:
         """Begin a new record of ``ring``; the service goes on without one if need be."""
-        recording = self.record.site.recording
+        recording = self.parameters.site.recording
         directory = self._options.record_directory
         if directory is None:
             directory = self._options.site.absolute().parent / recording.directory
         context = RunContext(
-            name=self.record.site.line.name,
+            name=self.parameters.site.line.name,
             site_file=str(self._options.site.absolute()),
             started_by=self._started_by,
-            site_hash=self.record.site_hash,
-            learned=self.record.learned,
+            site_hash=self.parameters.site_hash,
+            learned=self.parameters.learned,
             max_MB=recording.max_MB,
             segment_s=recording.segment_s,
-            wire_files=self.record.wire_digests,
-            site_text=self.record.site_text,
+            wire_files=self.parameters.wire_digests,
+            site_text=self.parameters.site_text,
         )
         try:
             self._recorder = RecorderChild(ring, directory, context)

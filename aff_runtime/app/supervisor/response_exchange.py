@@ -45,20 +45,20 @@ class Exchange:
 
 
 def exchanged_responses(
-    running: ParameterRecord, record: ParameterRecord, ledger: ResponseLedger
+    running: ParameterRecord, parameters: ParameterRecord, ledger: ResponseLedger
 ) -> list[Exchange]:
     """Return the responses that differ between two parameter records."""
-    files = {**running.response_files, **record.response_files}
+    files = {**running.response_files, **parameters.response_files}
     found = []
     for name, file in files.items():
-        text = record.responses.get(name)
+        text = parameters.responses.get(name)
         if text == running.responses.get(name):
             continue
         found.append(
             Exchange(
                 file=file,
                 before=_short(running, name),
-                after=_short(record, name),
+                after=_short(parameters, name),
                 is_ours=text is not None and ledger.knows(file, text),
             )
         )
@@ -66,19 +66,19 @@ def exchanged_responses(
 
 
 def exchanged_wire_files(
-    running: ParameterRecord, record: ParameterRecord
+    running: ParameterRecord, parameters: ParameterRecord
 ) -> list[tuple[str, str]]:
     """Return, per DBC or EDS file with other content, what changed and who wrote it."""
-    before, after = running.wire_digests, record.wire_digests
+    before, after = running.wire_digests, parameters.wire_digests
     return [
         (
             f"{name}: describes the wire, {before[name][:SHORT]} -> {digest[:SHORT]}",
-            author_of(record.folder / name),
+            author_of(parameters.folder / name),
         )
         for name, digest in after.items()
         if before.get(name, digest) != digest
     ]
 
 
-def _short(record: ParameterRecord, name: str) -> str:
-    return record.learned.get(name, {}).get("response", "none")[:SHORT]
+def _short(parameters: ParameterRecord, name: str) -> str:
+    return parameters.learned.get(name, {}).get("response", "none")[:SHORT]

@@ -72,11 +72,11 @@ class ResponseLedger:
             self._digests.setdefault(folder / name, str(digest))
 
 
-def learned_sentences(record: ParameterRecord, ledger: ResponseLedger) -> Iterator[str]:
+def learned_sentences(parameters: ParameterRecord, ledger: ResponseLedger) -> Iterator[str]:
     """Yield short digests of what runs besides the site file: learned files, the wire's."""
-    for name, file in record.response_files.items():
-        learned = record.learned.get(name, {})
-        text = record.responses.get(name)
+    for name, file in parameters.response_files.items():
+        learned = parameters.learned.get(name, {})
+        text = parameters.responses.get(name)
         sentence = "no response"
         if text is not None:
             source = "probed here" if ledger.knows(file, text) else "brought from outside"
@@ -84,8 +84,8 @@ def learned_sentences(record: ParameterRecord, ledger: ResponseLedger) -> Iterat
         if "shape" in learned:
             sentence += f", shape {learned['shape'][:SHORT]}"
         yield f"{name}: {sentence}"
-    yield from record.drives
-    for name, digest in record.wire_digests.items():
+    yield from parameters.drives
+    for name, digest in parameters.wire_digests.items():
         yield f"{name}: describes the wire, {digest[:SHORT]}"
 
 

@@ -31,24 +31,24 @@ class ShapeShelf:
         self._note = note
         self.sentences: list[str] = []
 
-    def load(self, record: ParameterRecord) -> dict[str, str]:
+    def load(self, parameters: ParameterRecord) -> dict[str, str]:
         """Return the texts of the shape files of a parameter record."""
-        texts, faults = read_shapes(record.shape_files)
+        texts, faults = read_shapes(parameters.shape_files)
         for fault in faults:
             self._say(fault)
         return texts
 
-    def hear(self, record: ParameterRecord, message: Message) -> None:
+    def hear(self, parameters: ParameterRecord, message: Message) -> None:
         """Take what the control process says of shapes, and nothing else."""
         match message:
             case ShapeNews(actuator=actuator, text=text):
                 self._drop_waiting(actuator)
                 self._say(f"{actuator}: {text}")
             case ShapeLearned(actuator=actuator, file=file):
-                self._keep(record, actuator, file)
+                self._keep(parameters, actuator, file)
 
-    def _keep(self, record: ParameterRecord, actuator: str, text: str) -> None:
-        path = record.shape_files.get(actuator)
+    def _keep(self, parameters: ParameterRecord, actuator: str, text: str) -> None:
+        path = parameters.shape_files.get(actuator)
         if path is None:
             return
         try:
@@ -58,7 +58,7 @@ class ShapeShelf:
             return
         self._say(f"{actuator}: what was learned is kept in {path}")
 
-    def forget(self, record: ParameterRecord) -> None:
+    def forget(self, parameters: ParameterRecord) -> None:
         """Take the shapes of rolls that are exchanged out of the files; rollers stay.
 
         Raises
@@ -67,9 +67,9 @@ class ShapeShelf:
             When a file cannot be written.
         """
         exchanged = {
-            name for name, roll in record.site.rolls.items() if roll.resets_on == "splice"
+            name for name, roll in parameters.site.rolls.items() if roll.resets_on == "splice"
         }
-        for actuator, text in self.load(record).items():
+        for actuator, text in self.load(parameters).items():
             file = ShapeFile.from_json(text)
             left = {k: w for k, w in file.profile.weight_m.items() if k[0] not in exchanged}
             forgotten = {roll for roll, _ in file.profile.weight_m.keys() - left.keys()}
@@ -79,7 +79,7 @@ class ShapeShelf:
             kept = ShapeProfile(
                 weight_m=left, correction=file.profile.correction, imbalance_m=imbalance_m
             )
-            path = record.shape_files[actuator]
+            path = parameters.shape_files[actuator]
             try:
                 replace_text(path, replace(file, profile=kept).to_json() + "\n")
             except OSError as error:

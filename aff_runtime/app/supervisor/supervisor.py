@@ -45,7 +45,7 @@ from aff_runtime.app.supervisor.response_ledger import learned_sentences
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.settings.desk import SettingsDesk
 from aff_runtime.app.supervisor.state_log import StateLog
-from aff_runtime.app.supervisor.validation import load_record
+from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.signals import State
@@ -69,7 +69,7 @@ class Supervisor:
 
     def __init__(self, options: RunOptions) -> None:
         watch = FileWatch([options.site])  # before the check: it may take its time
-        result = load_record(options.site, options.state_directory)
+        result = load_parameters(options.site, options.state_directory)
         requests = RequestSocket(options.paths.socket)
         self._clock = MonotonicClock()
         self._notifier = ServiceNotifier(os.environ, every_ticks=1)
@@ -114,7 +114,7 @@ class Supervisor:
         for finding in self._edits.findings:
             LOG.warning("%s", finding)
         if self._forget:
-            self._processes.shapes.forget(self._processes.record)
+            self._processes.shapes.forget(self._processes.parameters)
         try:
             self._processes.start()
             while not self._stopping:
@@ -140,7 +140,7 @@ class Supervisor:
         latest = self._processes.latest()
         if not self._stopping:  # the way to zero is told as what it is
             self._states.step(latest)
-        self._forecast.step(self._processes.record, latest)
+        self._forecast.step(self._processes.parameters, latest)
         if self._processes.watch():
             self._pending.refuse_all("the control process died; see the log")
             self._probes.end("the control process died")
@@ -178,7 +178,7 @@ class Supervisor:
                 case Reply():
                     self._pending.resolve(message)
                 case _:
-                    self._processes.shapes.hear(self._processes.record, message)
+                    self._processes.shapes.hear(self._processes.parameters, message)
 
     def _announce_ready(self, made: RingMade) -> None:
         """Log real-time rights and tell the service manager, once."""
@@ -238,7 +238,7 @@ class Supervisor:
         """Forget in the files too once the control process has; a refusal leaves them alone."""
         if reply.ok:
             try:
-                self._processes.shapes.forget(self._processes.record)
+                self._processes.shapes.forget(self._processes.parameters)
             except ConfigError as error:
                 return refusal(error)
         return as_answer(reply)
@@ -264,18 +264,18 @@ class Supervisor:
 
     def _start_probe(self, asked: Asked) -> None:
         """Have the control process measure; the caller is answered when it is fitted."""
-        actuators = _known(asked.request.actuators, self._processes.record)
+        actuators = _known(asked.request.actuators, self._processes.parameters)
         self._probes.begin(actuators, asked.answer)
         self._note_command(asked, *actuators)
 
     def _status(self) -> StatusAnswer:
         """Return the answer to a status request."""
-        processes, record = self._processes, self._processes.record
+        processes, parameters = self._processes, self._processes.parameters
         standing = self._standing()
         state, live = standing.state, None
         latest = processes.latest()
         if processes.ring is not None and latest is not None:
-            guard_state, live = live_status(latest, record.permissives, record.site)
+            guard_state, live = live_status(latest, parameters.permissives, parameters.site)
             state = guard_state.name
             live = replace(
                 live,
@@ -296,13 +296,13 @@ class Supervisor:
 
     def _standing(self) -> StatusAnswer:
         """Return how the service stands, without what the newest tick says."""
-        processes, record = self._processes, self._processes.record
+        processes, parameters = self._processes, self._processes.parameters
         return StatusAnswer(
-            line=record.site.line.name,
+            line=parameters.site.line.name,
             state="STARTING" if processes.control is not None else State.FAULT.name,
-            config_hash=record.config_hash,
-            site_hash=record.site_hash,
-            learned=tuple(learned_sentences(record, processes.probed)),
+            config_hash=parameters.config_hash,
+            site_hash=parameters.site_hash,
+            learned=tuple(learned_sentences(parameters, processes.probed)),
             config_differs=tuple(self._edits.differs),
             control_pid=processes.control.pid if processes.control is not None else 0,
             probing=self._probes.is_under_way,
@@ -312,7 +312,7 @@ class Supervisor:
             shapes=tuple(processes.shapes.sentences),
             crossings=tuple(self._forecast.sentences()),
             meetings=self._forecast.meetings(),
-            facts=line_facts(record.site, record.permissives),
+            facts=line_facts(parameters.site, parameters.permissives),
         )
 
     def _bypass_by_signal(self) -> None:
@@ -348,9 +348,9 @@ class Supervisor:
         LOG.info("stopped%s", "; the correction reached zero" if zero else "")
 
 
-def _known(names: Sequence[str], record: ParameterRecord) -> list[str]:
+def _known(names: Sequence[str], parameters: ParameterRecord) -> list[str]:
     """Return the names of actuators in a request, or refuse what names none of the site's."""
-    actuators = record.site.actuators
+    actuators = parameters.site.actuators
     for name in names:
         if name not in actuators:
             known = ", ".join(actuators)

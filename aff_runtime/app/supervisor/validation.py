@@ -104,7 +104,7 @@ class Validation:
         return tuple(told)
 
     def _refused(self, why: str) -> CheckResult:
-        return CheckResult(record=None, findings=(f"{self._site}:1:1  {why}",))
+        return CheckResult(parameters=None, findings=(f"{self._site}:1:1  {why}",))
 
 
 @contextlib.contextmanager
@@ -131,7 +131,7 @@ def _how_it_died(code: int) -> str:
     return f"the check itself failed (exit {code}); the log has its own words."
 
 
-def load_record(site: Path, state: Path = STATE_DIRECTORY) -> CheckResult:
+def load_parameters(site: Path, state: Path = STATE_DIRECTORY) -> CheckResult:
     """Check ``site`` and return its result.
 
     Parameters

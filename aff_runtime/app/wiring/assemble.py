@@ -35,7 +35,7 @@ LEAST_OVERRUNS = 3
 class Assembly:
     """The rooms, wired but for the outside."""
 
-    record: ParameterRecord
+    parameters: ParameterRecord
     site: Site
     clock: Clock
     gateway: Gateway
@@ -43,7 +43,7 @@ class Assembly:
     law: LawSlot
 
 
-def assemble(record: ParameterRecord, clock: Clock) -> Assembly:
+def assemble(parameters: ParameterRecord, clock: Clock) -> Assembly:
     """Return the rooms of one site.
 
     Raises
@@ -51,11 +51,13 @@ def assemble(record: ParameterRecord, clock: Clock) -> Assembly:
     AffError
         When the record cannot be used or the PLC's name cannot be resolved.
     """
-    site = record.site
-    gateway = gateway_of(site, record.wire_files, clock, record.folder)
+    site = parameters.site
+    gateway = gateway_of(site, parameters.wire_files, clock, parameters.folder)
     guard = Guard(guard_params(site))
-    law = LawSlot(controller_of(site, record.responses, record.loops))
-    return Assembly(record=record, site=site, clock=clock, gateway=gateway, guard=guard, law=law)
+    law = LawSlot(controller_of(site, parameters.responses, parameters.loops))
+    return Assembly(
+        parameters=parameters, site=site, clock=clock, gateway=gateway, guard=guard, law=law
+    )
 
 
 def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
@@ -71,7 +73,7 @@ def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
         overruns_in_a_row=overruns_in_a_row(site),
         advice_every_ticks=max(1, round(ADVICE_S / site.cycle_s)),
         command_life_s=site.freshness.fault_after_ms * 1e-3,
-        config_revision=assembly.record.revision_word,
+        config_revision=assembly.parameters.revision_word,
         first_heartbeat=secrets.randbelow(1 << 16),  # two that start at once must be told apart
     )
     return Cycle(

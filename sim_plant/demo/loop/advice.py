@@ -10,7 +10,7 @@ from aff_runtime.base.run_files import yaml_values
 from sim_plant.demo.loop.correcting import Decision
 from sim_plant.refine.report.page import next_step
 from sim_plant.refine.report.verdict import EffectFinding, Verdict
-from sim_plant.refine.report.wording import place_of, remedy
+from sim_plant.refine.report.wording import location_words, remedy
 
 
 def cancelled_rolls(site: Path) -> frozenset[str]:
@@ -57,5 +57,5 @@ def _names(effects: Sequence[EffectFinding]) -> str:
 
 def _remedies(effects: Sequence[EffectFinding]) -> str:
     return "; ".join(
-        dict.fromkeys(remedy(e.place.effect, place_of(e.place.location)) for e in effects)
+        dict.fromkeys(remedy(e.place.effect, location_words(e.place.location)) for e in effects)
     )

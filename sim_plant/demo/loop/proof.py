@@ -13,7 +13,7 @@ from sim_plant.demo.loop.drawn import angle_of
 from sim_plant.demo.loop.session import Story, first_order
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.judge.holdout import evaluate
-from sim_plant.refine.model.place import Place
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
@@ -91,7 +91,7 @@ def proof_of(story: Story) -> Proof:
     lines = (story.files.line, amended if amended.exists() else story.files.line)
     return Proof(
         verdict=verdict,
-        named=verdict.names(Place(hidden.effect, hidden.location)),
+        named=verdict.names(EffectAt(hidden.effect, hidden.location)),
         before_N=sizes[0],
         after_N=sizes[1],
         errors=model_errors(lines, story.later_run),

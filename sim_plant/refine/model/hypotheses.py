@@ -14,7 +14,7 @@ from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.locations import candidate_locations, places_of
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.model.place import Place
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.twin import Added
 
 
@@ -47,9 +47,9 @@ class Hypothesis:
     record: int | None = None
 
     @property
-    def key(self) -> Place:
+    def key(self) -> EffectAt:
         """What it claims, by name."""
-        return Place(self.effect.name, self.location)
+        return EffectAt(self.effect.name, self.location)
 
     @property
     def moment(self) -> str:

@@ -15,7 +15,7 @@ from sim_plant.refine.model.run_match import APPLIED
 from sim_plant.refine.model.run_state import at_run, word_steps
 from sim_plant.refine.model.twin import REFERENCES, Case, Twin, modelled_channels
 from sim_plant.refine.records.recording import Recording
-from sim_plant.refine.records.sanity import place_of
+from sim_plant.refine.records.sanity import row_words
 
 MATCH = CRITERIA.match
 UNWIND_CORRECTION = "aff_correction_m_s"
@@ -213,7 +213,7 @@ def _within(record: Recording, name: str, low: float, high: float) -> None:
     bad = np.flatnonzero((values < low) | (values > high))
     if bad.size:
         raise PlantError(
-            f"{record.path}: {place_of(record.path, int(bad[0]))}: column {name}: read "
+            f"{record.path}: {row_words(record.path, int(bad[0]))}: column {name}: read "
             f"{values[bad[0]]:.6g}; this line can have {low:.4g} to {high:.4g} ({bad.size} rows "
             "are beyond); cut the record there, or correct the unit in the header"
         )

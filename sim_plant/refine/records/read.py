@@ -19,7 +19,7 @@ from sim_plant.refine.records.in_child import table_from_child
 from sim_plant.refine.records.limits import FILE_BYTES, check_name, shown
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.records.run_record import read_run_record
-from sim_plant.refine.records.sanity import even_grid, oddities, place_of, unwrapped
+from sim_plant.refine.records.sanity import even_grid, oddities, row_words, unwrapped
 from sim_plant.refine.records.text_table import text_table
 from sim_plant.refine.records.units import TO_SI, canonical, split_header
 
@@ -143,5 +143,5 @@ def _finite(path: Path, name: str, values: Array) -> None:
         said = "are too large for a reading" if finite else "are missing or not numbers"
         raise PlantError(
             f"{shown(path)}: column {name}: {bad.size} values {said}, the first in "
-            f"{place_of(path, int(bad[0]))}; cut the record there or record it again"
+            f"{row_words(path, int(bad[0]))}; cut the record there or record it again"
         )

@@ -41,7 +41,7 @@ def even_grid(
     back = np.flatnonzero(steps < 0.0)
     if back.size:
         raise PlantError(
-            f"{shown(path)}: {place_of(path, int(back[0]) + 1)}: time_s goes back; sort the rows "
+            f"{shown(path)}: {row_words(path, int(back[0]) + 1)}: time_s goes back; sort the rows "
             "by time, or give the part before it and the part after it as two records"
         )
     step = float(np.median(steps))
@@ -51,7 +51,7 @@ def even_grid(
     if gap.size:
         at = int(gap[0])
         raise PlantError(
-            f"{shown(path)}: {gap.size} gaps in time_s, the first after {place_of(path, at)} "
+            f"{shown(path)}: {gap.size} gaps in time_s, the first after {row_words(path, at)} "
             f"({steps[at]:.4g} s where {step:.4g} s is usual); give a record without gaps"
         )
     remarks = [f"{misplaced} misplaced stamp{'s' * (misplaced > 1)}"] if misplaced else []
@@ -67,7 +67,7 @@ def even_grid(
     return mean, even, [*remarks, uneven]
 
 
-def place_of(path: Path, row: int) -> str:
+def row_words(path: Path, row: int) -> str:
     """Return where data row ``row`` (from 0) stands: a line of a text file, a row of others."""
     text = path.name.lower().removesuffix(".gz").endswith((".csv", ".txt"))
     return f"line {row + 2}" if text else f"row {row + 1}"

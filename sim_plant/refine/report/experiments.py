@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.model.place import Place
+from sim_plant.refine.model.effect_at import EffectAt
 
 
-def experiment(one: Place, other: Place) -> str:
+def experiment(one: EffectAt, other: EffectAt) -> str:
     """Return the experiment that tells two effects apart, as a sentence.
 
     What the signatures of both say comes first, then what the effects themselves know.
@@ -35,7 +35,7 @@ def experiment(one: Place, other: Place) -> str:
     )
 
 
-def _of_the_effects(one: Place, other: Place) -> str:
+def _of_the_effects(one: EffectAt, other: EffectAt) -> str:
     """Return what either effect knows against the other, a fault of a sensor first."""
     ways = sorted(((one, other), (other, one)), key=lambda w: not BY_NAME[w[0].effect].sensor_only)
     for mine, theirs in ways:
@@ -46,6 +46,6 @@ def _of_the_effects(one: Place, other: Place) -> str:
     return ""
 
 
-def experiments(claimed: Place, rivals: Sequence[Place]) -> list[str]:
+def experiments(claimed: EffectAt, rivals: Sequence[EffectAt]) -> list[str]:
     """Return the experiments that tell ``claimed`` from its rivals, each once."""
     return list(dict.fromkeys(experiment(claimed, other) for other in rivals))

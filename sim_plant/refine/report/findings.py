@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from sim_plant.base.effects import Value
 from sim_plant.refine.judge.holdout import Evaluation
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.model.place import Place
 from sim_plant.refine.report.confidence import interval, standard_deviations
 from sim_plant.refine.report.experiments import experiments
 from sim_plant.refine.report.verdict import (
@@ -95,7 +95,7 @@ def _finding(
             parameters[pair.angle] = math.atan2(sin, cos)
             intervals[pair.amplitude] = interval(size, max(sd))
     return EffectFinding(
-        place=Place(h.effect.name_in_version_1 or h.effect.name, h.location),
+        place=EffectAt(h.effect.name_in_version_1 or h.effect.name, h.location),
         parameters=parameters,
         interval95=intervals,
         score=accepted.score,

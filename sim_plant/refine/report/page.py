@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 from jinja2 import Environment, PackageLoader
 
 from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.nuisances import declared_nuisances
-from sim_plant.refine.model.place import Place
 from sim_plant.refine.records.units import suffix_of
 from sim_plant.refine.report.figures import channels_by_gain, overlay, spectrum, wavenumber_map
 from sim_plant.refine.report.wording import (
     coordinate_text,
+    location_words,
     number_rows,
-    place_of,
     place_words,
     remedy,
     size_of,
@@ -102,7 +102,7 @@ def next_step(verdict: Verdict, block: bool, above: Collection[str] = ()) -> str
     """Return what the reader may do now; ``above``: channels that hold more than noise."""
     if verdict.ambiguous:
         return "Make the record that tells the candidates apart before anything is changed."
-    what = [remedy(e.place.effect, place_of(e.place.location)) for e in verdict.effects]
+    what = [remedy(e.place.effect, location_words(e.place.location)) for e in verdict.effects]
     said = []
     if block:
         said.append(
@@ -128,9 +128,9 @@ def next_step(verdict: Verdict, block: bool, above: Collection[str] = ()) -> str
     return "Nothing to do: the declaration stands."
 
 
-def best_each(rejected: Sequence[tuple[Place, float]]) -> list[tuple[Place, float]]:
+def best_each(rejected: Sequence[tuple[EffectAt, float]]) -> list[tuple[EffectAt, float]]:
     """Return the best score of each effect and place: some were tried in several forms."""
-    best: dict[Place, float] = {}
+    best: dict[EffectAt, float] = {}
     for place, score in rejected:
         best[place] = max(score, best.get(place, score))
     return list(best.items())
@@ -222,7 +222,7 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         best_each=best_each,
         numbers=number_rows,
         place_words=place_words,
-        place_of=place_of,
+        location_words=location_words,
         above=CRITERIA.report.above_noise,
         block=block.read_text(encoding="utf-8") if block else "",
         amended=amended.name if amended else "",

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.effects import Value
-from sim_plant.refine.model.place import Place
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.plain import plain
 
 VERSION = 1
@@ -32,11 +32,11 @@ class EffectFinding:
     text : what the effect is, a sentence without a stop.
     """
 
-    place: Place
+    place: EffectAt
     parameters: Mapping[str, Value]
     interval95: Mapping[str, tuple[float, float]]
     score: float
-    runner_up: Place | None
+    runner_up: EffectAt | None
     margin: float
     cancel: bool
     text: str
@@ -62,8 +62,8 @@ class UnknownFinding:
 class Ambiguity:
     """An effect that the record does not tell from others, and what on the machine would."""
 
-    place: Place
-    alternatives: tuple[Place, ...]
+    place: EffectAt
+    alternatives: tuple[EffectAt, ...]
     experiments: tuple[str, ...]
 
 
@@ -93,7 +93,7 @@ class Verdict:
     residual_rms: Mapping[str, ChannelError]
     holdout: str
 
-    def names(self, place: Place) -> bool:
+    def names(self, place: EffectAt) -> bool:
         """Whether ``place`` is an effect that was traced, or one that the record holds for it."""
         alike = (p for a in self.ambiguous for p in a.alternatives)
         return place in (*(e.place for e in self.effects), *alike)
@@ -173,8 +173,8 @@ def _unknown_of(row: Any) -> UnknownFinding:
 
 def _ambiguity_of(row: Any) -> Ambiguity:
     return Ambiguity(
-        place=Place.parse(row["effect"]),
-        alternatives=tuple(map(Place.parse, row["with"])),
+        place=EffectAt.parse(row["effect"]),
+        alternatives=tuple(map(EffectAt.parse, row["with"])),
         experiments=tuple(row["experiments"]),
     )
 
@@ -203,11 +203,11 @@ def _effect_row(e: EffectFinding) -> dict[str, Any]:
 
 def _effect_of(row: Mapping[str, Any]) -> EffectFinding:
     return EffectFinding(
-        place=Place(row["effect"], row["location"]),
+        place=EffectAt(row["effect"], row["location"]),
         parameters=row["parameters"],
         interval95={name: (low, high) for name, (low, high) in row["interval95"].items()},
         score=row["score"],
-        runner_up=Place.parse(row["runner_up"]) if row["runner_up"] else None,
+        runner_up=EffectAt.parse(row["runner_up"]) if row["runner_up"] else None,
         margin=row["margin"],
         cancel=row["cancel"],
         text=row["text"],

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.model.place import Place
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.records.units import suffix_of
 from sim_plant.refine.report.verdict import EffectFinding
 
@@ -42,14 +42,14 @@ def label(parameter: str, unit: str) -> str:
     return parameter.removesuffix(ending).replace("_", " ")
 
 
-def place_of(location: str) -> str:
+def location_words(location: str) -> str:
     """Return a location as text."""
     return "all load cells" if location == "all" else location
 
 
-def place_words(place: Place) -> str:
+def place_words(place: EffectAt) -> str:
     """Return ``effect at place`` as text."""
-    return f"{place.effect.replace('_', ' ')} at {place_of(place.location)}"
+    return f"{place.effect.replace('_', ' ')} at {location_words(place.location)}"
 
 
 def remedy(effect: str, place: str) -> str:

@@ -15,8 +15,8 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.candidate import Candidate, bic_penalty
 from sim_plant.refine.search.screening import sensitivities
 from sim_plant.refine.spectra.coordinates import Travel, wavenumbers_1_m
@@ -30,7 +30,7 @@ def better_pair(
     travel: Travel,
     chosen: Hypothesis,
     candidates: Sequence[Candidate],
-) -> tuple[Place, ...]:
+) -> tuple[EffectAt, ...]:
     """Return two places that together explain more than ``chosen``, or nothing.
 
     Both by one linear step, each number at its price; ``candidates`` are first looks at ``fit``.

@@ -14,8 +14,8 @@ from sim_plant.line.locations import bridles, candidate_locations
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
-from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.candidate import Progress, bic_penalty, sure_fall
 from sim_plant.refine.search.completeness import sure_excess
 from sim_plant.refine.search.selection import AcceptedEffect, Selection, alike_margin
@@ -134,17 +134,17 @@ def pruned(objective: Objective, selection: Selection, progress: Progress) -> Se
     return selection
 
 
-def _elsewhere(objective: Objective, h: Hypothesis, accepted: AcceptedEffect) -> list[Place]:
+def _elsewhere(objective: Objective, h: Hypothesis, accepted: AcceptedEffect) -> list[EffectAt]:
     """Return other places of the same effect worth a try: near by, and those that came close."""
     line = objective.pool.twins[0].declaration
     names = [roller.name for roller in line.rollers]
-    near: list[Place] = []
+    near: list[EffectAt] = []
     if h.location in names and h.effect.place == "body" and h.effect.profiles is None:
         at = names.index(h.location)
         reach = EXCHANGE.reach
         kinds = ("idler",) if line.rollers[at].kind == "idler" else ("driven",)
         near = [
-            Place(h.effect.name, r.name)
+            EffectAt(h.effect.name, r.name)
             for r in line.rollers[max(0, at - reach) : at + reach + 1]
             if r.kind in kinds
         ]
@@ -152,7 +152,7 @@ def _elsewhere(objective: Objective, h: Hypothesis, accepted: AcceptedEffect) ->
     return [p for p in dict.fromkeys([*close, *near]) if p != h.key]
 
 
-def _moved(objective: Objective, fit: Fit, k: int, place: Place) -> Fit:
+def _moved(objective: Objective, fit: Fit, k: int, place: EffectAt) -> Fit:
     h = fit.hypotheses[k]
     line = objective.pool.twins[0].declaration
     there = replace(hypothesis(h.effect, place.location, h.fixed, h.names, line), record=h.record)

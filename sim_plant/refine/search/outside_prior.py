@@ -14,9 +14,9 @@ import numpy as np
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, is_tolerance
 from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.parameter_effects import as_effects, declared_change
-from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.added_effect import rolling_only, with_effect
 from sim_plant.refine.search.candidate import FittedCandidate, Progress, fitted_candidate
 
@@ -57,7 +57,7 @@ def fit_conflicts(
 
     ``effects`` are the names in the library; no others are tried.
     """
-    found: dict[Place, FittedCandidate] = {}
+    found: dict[EffectAt, FittedCandidate] = {}
     for h, start, shifts in starts_outside_prior(objective, base, effects):
         if h.key in {k.key for k in base.hypotheses}:
             continue

@@ -12,8 +12,8 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.projection import Inner
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress, bic_penalty
 from sim_plant.refine.spectra.coordinates import Travel, periodic_support
 from sim_plant.refine.spectra.line_spectrum import LineSpectrum
@@ -165,7 +165,7 @@ def neighbours(
 
     ``candidates`` are those tried, best first.
     """
-    near: set[Place] = set()
+    near: set[EffectAt] = set()
     reach = SCREENING.neighbour_reach
     for name in {c.hypothesis.effect.name for c in candidates}:
         best = [c for c in candidates if c.hypothesis.effect.name == name]
@@ -177,7 +177,7 @@ def neighbours(
             ):
                 at = idlers.index(c.hypothesis.location)
                 near |= {
-                    Place(name, other) for other in idlers[max(0, at - reach) : at + reach + 1]
+                    EffectAt(name, other) for other in idlers[max(0, at - reach) : at + reach + 1]
                 }
     done = {c.hypothesis.key for c in candidates}
     return [h for h in hypotheses if h.key in near and h.key not in done]

@@ -9,8 +9,8 @@ import numpy as np
 
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
 from sim_plant.refine.search.completeness import Spectra
 from sim_plant.refine.search.unexplained import Unknown, periodic_left
@@ -33,10 +33,10 @@ class AcceptedEffect:
 
     hypothesis: Hypothesis
     score: float
-    runner_up: Place | None
+    runner_up: EffectAt | None
     margin: float
-    rejected: tuple[tuple[Place, float], ...]
-    ambiguous: tuple[Place, ...] = ()
+    rejected: tuple[tuple[EffectAt, float], ...]
+    ambiguous: tuple[EffectAt, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -127,7 +127,7 @@ def rank(fitted: Sequence[FittedCandidate]) -> list[FittedCandidate]:
     """Return the best fit of every effect and place, best score first."""
     found = [c for c in fitted if np.isfinite(c.score)]
     found.sort(key=lambda c: -c.score)
-    best: dict[Place, FittedCandidate] = {}
+    best: dict[EffectAt, FittedCandidate] = {}
     for c in found:
         best.setdefault(c.hypothesis.key, c)
     return list(best.values())
@@ -230,7 +230,7 @@ def without_accepted(selection: Selection, at: int) -> Selection:
     return replace(selection, fit=selection.fit.without_effect_at(at), accepted=kept)
 
 
-def also_explained_by(extension: Extension, places: Sequence[Place]) -> Extension:
+def also_explained_by(extension: Extension, places: Sequence[EffectAt]) -> Extension:
     """Return the extension with further places named that explain as much."""
     named = tuple(dict.fromkeys([*extension.accepted.ambiguous, *places]))
     return replace(extension, accepted=replace(extension.accepted, ambiguous=named))
@@ -287,7 +287,7 @@ def standing(found: Sequence[AcceptedEffect], excess: float) -> list[int]:
 
 def _others(
     scored: Sequence[FittedCandidate], candidates: Sequence[Candidate]
-) -> list[tuple[Place, float]]:
+) -> list[tuple[EffectAt, float]]:
     """Return all but the best with their scores, best first."""
     best = scored[0].hypothesis.key
     others = [(c.hypothesis.key, c.score) for c in scored[1:] if c.hypothesis.key != best]

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from aff_runtime.base.errors import AffError
-from aff_runtime.base.yaml_places import Bounds, Fault, YamlTextError, compose, place_of
+from aff_runtime.base.yaml_places import Bounds, Fault, YamlTextError, compose, line_and_column
 from aff_runtime.config import yaml_marks
 from aff_runtime.config.yaml_marks import parse_marked
 from sim_plant.line import yaml_file
@@ -22,7 +22,12 @@ def test_every_node_has_the_place_where_it_begins() -> None:
     root = compose("a: 1\nb:\n  - x\n", BOUNDS)
     assert isinstance(root, yaml.MappingNode)
     (_, one), (key, items) = root.value
-    assert [place_of(node) for node in (root, one, key, items)] == [(1, 1), (1, 4), (2, 1), (3, 3)]
+    assert [line_and_column(node) for node in (root, one, key, items)] == [
+        (1, 1),
+        (1, 4),
+        (2, 1),
+        (3, 3),
+    ]
 
 
 def test_a_text_without_a_value_has_no_root() -> None:

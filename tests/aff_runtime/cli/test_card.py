@@ -9,7 +9,7 @@ import pytest
 from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.check.validate import check_result
 from aff_runtime.app.commission import sources
-from aff_runtime.app.supervisor.validation import load_record
+from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.cli.main import main
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE, recorded, steady
 
@@ -47,7 +47,7 @@ def line(tmp_path, monkeypatch):
 
 
 def test_a_step_is_measured_signed_printed_and_verified(line, capsys, monkeypatch):
-    monkeypatch.setattr(sources, "load_record", load_record)
+    monkeypatch.setattr(sources, "load_record", load_parameters)
     assert line("step", "4", "--typed", "reaction=ramp", "--typed", "time=120 ms") == 0
     assert "step 4: pass" in capsys.readouterr().out
     assert line("sign", "4", "--as", "Ada Miller", "--reason", WHY) == 0

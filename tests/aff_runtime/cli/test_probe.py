@@ -23,7 +23,7 @@ def test_a_result_passes_the_socket_and_is_shown_as_measured(tmp_path: Path) -> 
     )
     answers: list[Answer] = []
     processes = SimpleNamespace(
-        record=record_of(response_files={"unwind": tmp_path / "unwind.json"}),
+        parameters=record_of(response_files={"unwind": tmp_path / "unwind.json"}),
         probed=SimpleNamespace(add=lambda *_: None),
         note=lambda *_: None,
     )

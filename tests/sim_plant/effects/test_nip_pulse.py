@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.refine.model.place import Place
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.experiments import experiment
 from tests.sim_plant.effects.running import effect, euclid, run
 from tests.sim_plant.effects.tracing import traced
@@ -50,7 +50,7 @@ def test_refine_finds_it_at_its_roller_with_the_radius_of_the_nip(among: tuple[s
     """Ground 0.06 mm too large, so no radius that is tried is its own."""
     hidden = {"nip_radius_m": 0.04003, "amplitude_N": 20.0, "angle_rad": 0.7}
     found = traced(effect("nip_pulse", "pull_roll", **hidden), among)
-    assert found.places == (Place("nip_pulse", "pull_roll"),)
+    assert found.places == (EffectAt("nip_pulse", "pull_roll"),)
     assert (found.ambiguous, found.unknown) == (((),), ())
     (numbers,) = found.numbers
     assert math.hypot(numbers["cos_N"], numbers["sin_N"]) == pytest.approx(20.0, rel=0.05)
@@ -61,8 +61,8 @@ def test_refine_finds_it_at_its_roller_with_the_radius_of_the_nip(among: tuple[s
 @pytest.mark.campaign
 def test_a_whole_ratio_is_a_ripple_of_that_order_until_the_nip_is_opened() -> None:
     nip = effect("nip_pulse", "pull_roll", nip_radius_m=RADIUS_M / 2.0, cos_N=20.0)
-    ripple = Place("torque_ripple", "pull_roll")
+    ripple = EffectAt("torque_ripple", "pull_roll")
     alike = ("nip_pulse", "torque_ripple", "unbalanced_roller", "eccentric_roller")
     assert traced(nip, alike).places == (ripple,)
-    said = experiment(Place("nip_pulse", "pull_roll"), ripple)
+    said = experiment(EffectAt("nip_pulse", "pull_roll"), ripple)
     assert said.startswith("open the nip of pull_roll")

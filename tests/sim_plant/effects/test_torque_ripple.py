@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from sim_plant.base.order_tracking import order_amplitudes
-from sim_plant.refine.model.place import Place
+from sim_plant.refine.model.effect_at import EffectAt
 from tests.sim_plant.effects.running import effect, run
 from tests.sim_plant.effects.tracing import traced
 
@@ -31,7 +31,7 @@ def test_a_mesh_of_a_few_teeth_shows_at_its_count() -> None:
 def test_refine_finds_it_at_its_drive_and_order(among: tuple[str, ...]) -> None:
     hidden = effect("torque_ripple", "pull_roll", order=5.0, cos_N_m=0.3, sin_N_m=-0.4)
     found = traced(hidden, among)
-    assert found.places == (Place("torque_ripple", "pull_roll"),)
+    assert found.places == (EffectAt("torque_ripple", "pull_roll"),)
     assert (found.ambiguous, found.unknown) == (((),), ())
     (numbers,) = found.numbers
     assert numbers == pytest.approx({"order": 5.0, "cos_N_m": 0.3, "sin_N_m": -0.4}, rel=0.05)

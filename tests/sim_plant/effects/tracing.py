@@ -12,8 +12,8 @@ from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.open import make_line
 from sim_plant.refine.fit.objective import declared_objective
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import library
-from sim_plant.refine.model.place import Place
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.records.recording import Recording
@@ -28,8 +28,8 @@ SPEED_M_S = np.interp(np.arange(SAMPLES), [0, 600, 720, 1200], [0.9, 0.9, 1.3, 1
 class Traced:
     """What was found: places in order, what each may as well be, its numbers; what was not."""
 
-    places: tuple[Place, ...]
-    ambiguous: tuple[tuple[Place, ...], ...]
+    places: tuple[EffectAt, ...]
+    ambiguous: tuple[tuple[EffectAt, ...], ...]
     numbers: tuple[dict[str, Value], ...]
     unknown: tuple[str, ...]
 

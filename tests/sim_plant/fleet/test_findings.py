@@ -8,7 +8,7 @@ from scipy import stats
 
 from sim_plant.fleet.findings import findings_of, slope_of, with_trends, write_parquet
 from sim_plant.fleet.refine_look import LookResult
-from sim_plant.refine.model.place import Place
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.verdict import (
     Ambiguity,
     ChannelError,
@@ -22,7 +22,7 @@ RMS = {
     "r3_tension_N": ChannelError(before=0.9, after=0.6, noise_floor=0.3),
     "line_speed_m_s": ChannelError(before=9.0, after=9.0, noise_floor=1.0),
 }
-R6 = Place("eccentric_roller", "R6")
+R6 = EffectAt("eccentric_roller", "R6")
 
 
 def look(answer="traced", error="", **found):
@@ -64,7 +64,7 @@ def test_an_effect_has_its_amplitude_its_unit_and_what_to_do():
 
 
 def test_one_of_several_says_how_to_tell_them_apart():
-    beside = Place("eccentric_roller", "R5")
+    beside = EffectAt("eccentric_roller", "R5")
     same = Ambiguity(place=R6, alternatives=(beside,), experiments=("turn R6 by hand",))
     (found,) = findings_of(look(effects=(traced(),), ambiguous=(same,)))
     assert found.sure == "one of several"

@@ -14,7 +14,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import declared_objective
-from sim_plant.refine.model.place import Place
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.report.verdict import EffectFinding, Verdict
@@ -137,7 +137,7 @@ def finding(effect, location, parameters, **more):
         "cancel": True,
         "text": BY_NAME[effect].text,
     }
-    return EffectFinding(place=Place(effect, location), parameters=parameters, **(given | more))
+    return EffectFinding(place=EffectAt(effect, location), parameters=parameters, **(given | more))
 
 
 def verdict_with(*effects, unknown=(), ambiguous=(), answer="traced"):

@@ -52,7 +52,7 @@ class ServiceEnd:
             state=latest.state if latest is not None and self._is_fresh(latest) else None,
             blocked=processes.blocked.removeprefix("blocked by "),
             tick=int(latest.number("tick")) if latest is not None else 0,
-            config=processes.record.config_hash[:SHORT],
+            config=processes.parameters.config_hash[:SHORT],
             bypassed_ns=processes.bypassed_ns,
             probing=self._probes.is_under_way,
         )
@@ -81,7 +81,7 @@ class ServiceEnd:
         def said(reply: Reply) -> None:
             try:
                 if reply.ok:
-                    self._processes.shapes.forget(self._processes.record)
+                    self._processes.shapes.forget(self._processes.parameters)
                 answer(reply)
             except ConfigError as error:
                 answer(replace(reply, ok=False, message=str(error)))

@@ -55,7 +55,7 @@ class SettingsDesk:
         self._tried: SettingsTry | None = None
         self._undo_asked: list[Asked] = []
         edits.accepted = self._accepted
-        self._record.see(processes.record, "started")
+        self._record.see(processes.parameters, "started")
 
     @property
     def trying(self) -> str:
@@ -64,7 +64,9 @@ class SettingsDesk:
         if tried is None or tried.is_over:
             return ""
         how = f"{tried.left_s:.0f} s left, then the former return" if tried.runs else "not yet"
-        return f"settings {digest(tried.plan.record.site_text)[:12]} by {tried.plan.who}: {how}"
+        return (
+            f"settings {digest(tried.plan.parameters.site_text)[:12]} by {tried.plan.who}: {how}"
+        )
 
     def refuse_while_trying(self) -> None:
         """Refuse what would mix with a try.
@@ -98,7 +100,7 @@ class SettingsDesk:
 
     def step(self, latest: TickRow | None) -> None:
         """Do what time brings: a check that has ended, ripple, the end of a try."""
-        hear(self._processes.ring, self._processes.record.site, self._ripple)
+        hear(self._processes.ring, self._processes.parameters.site, self._ripple)
         if self._check is not None:
             asked, check, then = self._check
             if (result := check.result()) is not None:
@@ -144,8 +146,8 @@ class SettingsDesk:
         except (ConfigError, RefusedError) as error:
             asked.refuse(error)
 
-    def _changes(self, record: ParameterRecord) -> tuple[Change, ...]:
-        return diff_sites(self._processes.record.site, record.site)
+    def _changes(self, parameters: ParameterRecord) -> tuple[Change, ...]:
+        return diff_sites(self._processes.parameters.site, parameters.site)
 
     def _new_remarks(self, result: CheckResult) -> tuple[str, ...]:
         """Return the warnings that what runs did not have when the service began."""
@@ -161,23 +163,23 @@ class SettingsDesk:
     # --- try, keep, undo ----------------------------------------------------------------------
 
     def _try(self, asked: Asked, result: CheckResult) -> None:
-        record, request = result.checked(), asked.request.settings
+        parameters, request = result.checked(), asked.request.settings
         assert request is not None
-        changes = self._changes(record)
+        changes = self._changes(parameters)
         if not changes:
             raise RefusedError("nothing differs from what runs")
         waits = [str(change) for change in changes if not change.may_change_while_active]
-        running = self._processes.record
-        exchanged = exchanged_responses(running, record, self._processes.probed)
+        running = self._processes.parameters
+        exchanged = exchanged_responses(running, parameters, self._processes.probed)
         waits += [f"{one} (changed on the disk as well)" for one in exchanged]
-        waits += [what for what, _ in exchanged_wire_files(running, record)]
+        waits += [what for what, _ in exchanged_wire_files(running, parameters)]
         if waits:
             raise RefusedError(
                 "\n".join([*waits, "to be saved in the site file: no try can take it back"])
             )
         if self._processes.control is None or self._edits.is_busy:
             raise RefusedError("the service is not ready for other settings; try again")
-        plan = Plan(record=record, seconds=request.seconds, who=asked.who, why=request.why)
+        plan = Plan(parameters=parameters, seconds=request.seconds, who=asked.who, why=request.why)
         tried = SettingsTry(
             plan, self._processes, self._edits, self._clock, self._ripple, ended=self._ended
         )
@@ -189,7 +191,7 @@ class SettingsDesk:
                 self._tried = None
                 asked.answer(Done(ok=False, message=reply.message, exit_code=4))
                 return
-            self._record.say("tried", record, plan.who, f"{plan.seconds:g} s: {plan.why}")
+            self._record.say("tried", parameters, plan.who, f"{plan.seconds:g} s: {plan.why}")
             for change in changes:
                 self._processes.note("SETTINGS", str(change))
             asked.answer(told)
@@ -202,7 +204,7 @@ class SettingsDesk:
             raise RefusedError("no settings are being tried")
         self._check_file(tried.former.site_text)
         tried.grant()
-        text, former = tried.plan.record.site_text, tried.former.site_text
+        text, former = tried.plan.parameters.site_text, tried.former.site_text
         self._record.announce(text, "kept", asked.who, request.why)
         asked.answer(self._answer(text=text, replaces=digest(former)))
 
@@ -215,7 +217,7 @@ class SettingsDesk:
             return
         self.refuse_while_trying()
         self._check_file()
-        running = self._processes.record.site_text
+        running = self._processes.parameters.site_text
         version = self._record.before(digest(running), request.version)
         text = self._record.text(version)
         why = f"{request.why} (version {version.number})"
@@ -224,7 +226,7 @@ class SettingsDesk:
 
     def _check_file(self, expected: str | None = None) -> None:
         """Refuse while the site file says something else than what runs, or ran."""
-        wanted = self._processes.record.site_text if expected is None else expected
+        wanted = self._processes.parameters.site_text if expected is None else expected
         if self._file_text() != wanted:
             raise RefusedError(
                 f"{self._site} is not what runs: somebody has saved it; see `aff-runtime status`"
@@ -243,27 +245,30 @@ class SettingsDesk:
             return False
         if found.until_ns <= self._clock.now_ns():
             return False
-        record = tried.plan.record
-        if found.sha256 != digest(record.site_text) or self._file_text() != record.site_text:
+        parameters = tried.plan.parameters
+        if (
+            found.sha256 != digest(parameters.site_text)
+            or self._file_text() != parameters.site_text
+        ):
             return False
         tried.kept()
-        self._record.see(record, found.verb)
+        self._record.see(parameters, found.verb)
         return True
 
     def _ended(self, why: str) -> None:
         """Put on record that the former settings run again; tell those who wanted that."""
         self._record.announced = None
-        self._record.say("returned", self._processes.record, "the service", why)
+        self._record.say("returned", self._processes.parameters, "the service", why)
         asked, self._undo_asked = self._undo_asked, []
         for one in asked:
             one.answer(self._answer())
 
     # --- record -------------------------------------------------------------------------------
 
-    def _accepted(self, record: ParameterRecord) -> None:
+    def _accepted(self, parameters: ParameterRecord) -> None:
         """Put on record what has become the running settings by way of the site file."""
-        if self._tried is None and record.site_text:
-            self._record.see(record, "edited")
+        if self._tried is None and parameters.site_text:
+            self._record.see(parameters, "edited")
 
     def _tell_history(self, asked: Asked, request: SettingsRequest) -> None:
         if not request.version:
@@ -283,7 +288,7 @@ class SettingsDesk:
     ) -> SettingsAnswer:
         return SettingsAnswer(
             site=str(self._site),
-            running=digest(self._processes.record.site_text),
+            running=digest(self._processes.parameters.site_text),
             trying=self.trying,
             changes=changes,
             remarks=remarks,

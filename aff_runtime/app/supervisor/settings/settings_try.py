@@ -28,11 +28,11 @@ class Plan:
 
     Attributes
     ----------
-    record : the settings. who, why : the caller, and the reason.
+    parameters : the settings. who, why : the caller, and the reason.
     seconds : until the former ones return.
     """
 
-    record: ParameterRecord
+    parameters: ParameterRecord
     seconds: float
     who: str
     why: str
@@ -63,7 +63,7 @@ class SettingsTry:
         ended: Callable[[str], None],
     ) -> None:
         self.plan = plan
-        self.former = processes.record
+        self.former = processes.parameters
         self.runs = self.is_over = False
         self._processes, self._edits, self._clock = processes, edits, clock
         self._ripple = ripple
@@ -92,7 +92,7 @@ class SettingsTry:
                 self._let_go()
             then(reply)
 
-        self._edits.hand_over(self._processes.revised(self.plan.record), taken)
+        self._edits.hand_over(self._processes.revised(self.plan.parameters), taken)
 
     def grant(self) -> None:
         """Leave time to save the site file."""
@@ -135,7 +135,7 @@ class SettingsTry:
         """Have the next start take the former settings: nothing goes out until somebody arms."""
         if self.is_over:
             return
-        self._processes.record = self.former
+        self._processes.parameters = self.former
         self._finish(self._returning or "the control process died")
 
     def kept(self) -> None:

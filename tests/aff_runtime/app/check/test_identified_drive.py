@@ -36,11 +36,11 @@ def site_with(folder: Path, found: IdentifiedDrive | None) -> Path:
 
 
 def test_the_record_has_the_whole_drive_and_says_where_it_is_from(tmp_path):
-    record = check_result(site_with(tmp_path, drive()), tmp_path).checked()
-    assert record.site.actuators["unwind"].uses_shape
-    assert "unwind" in record.loops
-    assert record.shape_files.keys() == {"unwind"}
-    (said,) = record.drives
+    parameters = check_result(site_with(tmp_path, drive()), tmp_path).checked()
+    assert parameters.site.actuators["unwind"].uses_shape
+    assert "unwind" in parameters.loops
+    assert parameters.shape_files.keys() == {"unwind"}
+    (said,) = parameters.drives
     assert said.startswith("unwind: drive identified 2026-11-23T10:00:00Z at 0.200 m")
     assert "site file 01234567" in said
 
@@ -55,9 +55,9 @@ def test_the_site_files_own_hash_is_that_of_the_file(tmp_path):
 
 
 def test_without_an_identified_drive_the_plain_blocks_stand_in_as_before(tmp_path):
-    record = check_result(site_with(tmp_path, None), tmp_path).checked()
-    assert record.site.actuators["unwind"].law_that_runs == "blocks"
-    assert record.drives[0].startswith("unwind: plain blocks stand in: ")
+    parameters = check_result(site_with(tmp_path, None), tmp_path).checked()
+    assert parameters.site.actuators["unwind"].law_that_runs == "blocks"
+    assert parameters.drives[0].startswith("unwind: plain blocks stand in: ")
 
 
 @pytest.mark.parametrize("found", [drive(), None], ids=["identified", "none"])

@@ -86,7 +86,7 @@ def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_e
     processes = SimpleNamespace(
         control=None,
         blocked="blocked by X=0",
-        record=SimpleNamespace(config_hash="3f9a" * 16),
+        parameters=SimpleNamespace(config_hash="3f9a" * 16),
         bypassed_ns=0,
         bypass=lambda: bypassed.append(1),
     )
@@ -110,7 +110,7 @@ def test_forgetting_reaches_the_files_once_the_control_process_has_forgotten() -
     pending, replies = Pending(VirtualClock(1)), list[Reply]()
     control = SimpleNamespace(link=SimpleNamespace(send=lambda one: sent.append(one) or True))
     processes = SimpleNamespace(
-        control=control, record="r", shapes=SimpleNamespace(forget=forgotten.append)
+        control=control, parameters="r", shapes=SimpleNamespace(forget=forgotten.append)
     )
     end = ServiceEnd(processes, pending, VirtualClock(1), NO_PROBE)  # type: ignore[arg-type]
     for ok, files in ((False, []), (True, ["r"])):
@@ -131,7 +131,7 @@ def test_the_state_of_a_tick_that_is_old_is_not_known(age_s: float, is_fresh: bo
         ring=SimpleNamespace(header=SimpleNamespace(meta=SimpleNamespace(start_ns=start_ns))),
         latest=lambda: TickRow(tick),
         blocked="",
-        record=SimpleNamespace(config_hash="3f9a" * 16),
+        parameters=SimpleNamespace(config_hash="3f9a" * 16),
         bypassed_ns=0,
     )
     now = ServiceEnd(processes, Pending(clock), clock, NO_PROBE).now()  # type: ignore[arg-type]

@@ -13,7 +13,7 @@ import pytest
 from aff_runtime.app.check.validate import MAX_RESPONSE_BYTES, check_result
 from aff_runtime.app.link.messages import Parameters, encode
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES
-from aff_runtime.app.supervisor.validation import load_record
+from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.app.wiring.assemble import controller_of
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
@@ -39,26 +39,26 @@ def checked(path: Path) -> dict[str, Any]:
 
 def test_the_process_of_the_check_says_what_the_check_says(tmp_path: Path) -> None:
     path, learned = _learned(tmp_path)
-    good = load_record(path)
+    good = load_parameters(path)
     assert json.loads(json.dumps(good.to_json())) == checked(path)
     learned.write_text("{}")
     with pytest.raises(ConfigError) as here:
         checked(path)
     with pytest.raises(ConfigError) as there:
-        load_record(path)
+        load_parameters(path)
     assert str(here.value) == str(there.value)
 
 
 def test_the_record_of_a_good_file_carries_the_whole_site() -> None:
-    result = load_record(SITE)
-    record = result.record
-    assert record is not None
-    assert record.site == load_site(SITE)
-    assert record.site_text == SITE.read_text()
+    result = load_parameters(SITE)
+    parameters = result.parameters
+    assert parameters is not None
+    assert parameters.site == load_site(SITE)
+    assert parameters.site_text == SITE.read_text()
     digest = revision_hash(load_site(SITE))
     assert len(digest) == 64
-    assert record.revision_word == int(digest, 16) % 65536
-    assert controller_of(record.site, {}, {}).arming_objections()
+    assert parameters.revision_word == int(digest, 16) % 65536
+    assert controller_of(parameters.site, {}, {}).arming_objections()
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_a_spoilt_response_file_is_a_finding_and_not_a_crash(tmp_path: Path, raw
     path, learned = _learned(tmp_path)
     learned.write_bytes(raw)
     with pytest.raises(ConfigError, match=r"site.yaml:\d+:.*unwind.response: .*not a resp"):
-        load_record(path)
+        load_parameters(path)
 
 
 def test_a_response_file_that_would_fill_the_memory_is_not_read(tmp_path: Path) -> None:
@@ -112,11 +112,11 @@ def test_a_pipe_in_place_of_a_file_is_refused_at_once(tmp_path: Path) -> None:
     path, learned = _learned(tmp_path)
     os.mkfifo(learned)
     with pytest.raises(ConfigError, match=r"euclid_unwind.json: is not a file"):
-        load_record(path)
+        load_parameters(path)
     path.unlink()
     os.mkfifo(path)
     with pytest.raises(ConfigError, match=r"site.yaml:1:1 .*it is not a file"):
-        load_record(path)
+        load_parameters(path)
 
 
 def test_a_response_of_another_actuator_is_refused(tmp_path: Path) -> None:
@@ -154,9 +154,9 @@ def test_a_record_that_does_not_pass_to_the_control_process_is_refused(tmp_path:
 def test_a_long_comment_does_not_keep_a_site_from_running(tmp_path: Path) -> None:
     path = tmp_path / "site.yaml"
     path.write_text(SITE.read_text() + "# " + "ü" * 100_000 + "\n")
-    record = load_record(path).record
-    assert record is not None
-    assert len(encode(Parameters(id=1, record=record.for_control()))) < MAX_PACKET_BYTES
+    parameters = load_parameters(path).parameters
+    assert parameters is not None
+    assert len(encode(Parameters(id=1, record=parameters.for_control()))) < MAX_PACKET_BYTES
 
 
 @pytest.mark.parametrize(("cycle_s", "counts"), [(0.005, True), (0.01, False), (math.nan, True)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from aff_runtime.app.supervisor.validation import load_record
+from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.app.wiring.assemble import controller_of
 from aff_runtime.app.wiring.law_slot import BRIDGED_S, LawSlot
 from aff_runtime.app.wiring.site_to_law import probe_params, site_params
@@ -36,11 +36,11 @@ def permission(adapt: bool) -> Permission:
 
 
 def probing() -> tuple[LawSlot, Probe]:
-    record = load_record(SITE).record
-    assert record is not None
-    site = record.site
+    parameters = load_parameters(SITE).parameters
+    assert parameters is not None
+    site = parameters.site
     probe = Probe(site_params(site), probe_params(site, ["unwind"]))
-    law = LawSlot(controller_of(site, record.responses, record.loops), probe=probe)
+    law = LawSlot(controller_of(site, parameters.responses, parameters.loops), probe=probe)
     tick = 0
     while probe.stage is not Stage.EXCITING:
         tick += 1

@@ -54,7 +54,7 @@ def file(**more: Any) -> ShapeFile:
     return ShapeFile(**{**known, **more})
 
 
-def record(folder: Path) -> ParameterRecord:
+def parameters(folder: Path) -> ParameterRecord:
     return record_of(load_site(SITE), shape_files={"unwind": folder / "x.shape.json"})
 
 
@@ -135,7 +135,7 @@ def test_a_shape_outlives_tuning_and_not_another_drive(
 def test_forgetting_takes_the_exchanged_roll_and_keeps_the_roller(tmp_path: Path) -> None:
     said: list[str] = []
     shelf = ShapeShelf(lambda _, text: said.append(text))
-    about = record(tmp_path)
+    about = parameters(tmp_path)
     shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
     shelf.forget(about)
     left = ShapeFile.from_json(shelf.load(about)["unwind"]).profile.weight_m
@@ -146,16 +146,16 @@ def test_forgetting_takes_the_exchanged_roll_and_keeps_the_roller(tmp_path: Path
 
 def test_the_shelf_hears_of_shapes_only(tmp_path: Path) -> None:
     shelf = ShapeShelf(lambda *_: None)
-    shelf.hear(record(tmp_path), LogLine(text="x"))
+    shelf.hear(parameters(tmp_path), LogLine(text="x"))
     assert shelf.sentences == []
-    shelf.hear(record(tmp_path), ShapeNews(actuator="unwind", text="kept"))
+    shelf.hear(parameters(tmp_path), ShapeNews(actuator="unwind", text="kept"))
     assert shelf.sentences == ["unwind: kept"]
 
 
 def test_a_shape_that_waits_is_no_longer_said_to_wait_when_something_became_of_it(
     tmp_path: Path,
 ) -> None:
-    shelf, about = ShapeShelf(lambda *_: None), record(tmp_path)
+    shelf, about = ShapeShelf(lambda *_: None), parameters(tmp_path)
     for actuator in ("unwind", "rewind"):
         waits = ShapeNews(actuator=actuator, text="x waits for its trial: 4 s")
         shelf.hear(about, waits)
@@ -166,7 +166,7 @@ def test_a_shape_that_waits_is_no_longer_said_to_wait_when_something_became_of_i
 def test_a_folder_that_cannot_be_written_is_said_and_ends_nothing(tmp_path: Path) -> None:
     said: list[str] = []
     (tmp_path / "file").write_text("")
-    about = record(tmp_path / "file")
+    about = parameters(tmp_path / "file")
     shelf = ShapeShelf(lambda _, text: said.append(text))
     shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
     assert "not kept" in said[0]
@@ -230,14 +230,14 @@ class Answered(Caller):
 
 @pytest.mark.parametrize("quiet", [True, False])
 def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) -> None:
-    about, shelf = record(tmp_path), ShapeShelf(lambda *_: None)
+    about, shelf = parameters(tmp_path), ShapeShelf(lambda *_: None)
     shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
     sent: list[Any] = []
     link = SimpleNamespace(send=lambda message: sent.append(message) or True)
     made = Supervisor.__new__(Supervisor)  # its requests alone, without processes
     made._pending = Pending(MonotonicClock())
     made._processes = SimpleNamespace(  # type: ignore[assignment]
-        record=about, shapes=shelf, control=SimpleNamespace(link=link), note=lambda *_: None
+        parameters=about, shapes=shelf, control=SimpleNamespace(link=link), note=lambda *_: None
     )
     caller = Answered()
     made._serve_request(Asked(caller, Request(do="forget")))
@@ -254,11 +254,11 @@ def test_a_file_that_cannot_be_forgotten_is_said_to_the_operator(
     def full(_: int) -> None:
         raise OSError(28, "No space left on device")
 
-    about, shelf = record(tmp_path), ShapeShelf(lambda *_: None)
+    about, shelf = parameters(tmp_path), ShapeShelf(lambda *_: None)
     shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
     monkeypatch.setattr(os, "fsync", full)  # for root too
     made = Supervisor.__new__(Supervisor)
-    made._processes = SimpleNamespace(record=about, shapes=shelf)  # type: ignore[assignment]
+    made._processes = SimpleNamespace(parameters=about, shapes=shelf)  # type: ignore[assignment]
     said = made._forget_files(Reply(id=1, ok=True))
     assert (said.ok, said.exit_code) == (False, 2)
     assert "is not forgotten" in said.message

@@ -1,10 +1,10 @@
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.nuisances import declared_nuisances
 from sim_plant.refine.model.parameter_effects import as_effects, within_tolerance
-from sim_plant.refine.model.place import Place
 from tests.sim_plant.line.lines import declared
 
 LINE = declared("euclid").model_copy(
@@ -75,13 +75,13 @@ def test_a_shifted_number_is_said_as_the_effect_that_changes_it(
     number, shift, effect, place, expected
 ):
     found = {h.key: (h, values) for h, values in as_effects(LINE, number, shift)}
-    h, values = found[Place(effect, place)]
+    h, values = found[EffectAt(effect, place)]
     assert dict(zip(h.names, values, strict=True)) == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_roll_that_turns_faster_is_said_as_a_radius_believed_wrong_or_as_strain_wound_in():
     keys = {h.key for h, _ in as_effects(LINE, "rollers.unwind.effective_radius", -0.005)}
-    assert keys == {Place("radius_error", "unwind"), Place("wound_in_strain", "unwind")}
+    assert keys == {EffectAt("radius_error", "unwind"), EffectAt("wound_in_strain", "unwind")}
 
 
 @pytest.mark.parametrize(

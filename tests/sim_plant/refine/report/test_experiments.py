@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.model.place import Place
 from sim_plant.refine.report.experiments import experiment, experiments
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.page import headline
@@ -27,16 +27,16 @@ from tests.sim_plant.refine.small import fit_of
     ],
 )
 def test_the_experiment_touches_what_differs(one, other, word):
-    assert word in experiment(Place(*one), Place(*other))
+    assert word in experiment(EffectAt(*one), EffectAt(*other))
 
 
 def test_there_is_one_for_every_pair_of_effects_and_each_is_said_once():
     for a in CATALOGUE:
         for b in CATALOGUE:
             for there in ("x", "y"):
-                assert experiment(Place(a.name, "x"), Place(b.name, there))
-    rivals = (Place("eccentric_roller", "R2"), Place("eccentric_roller", "R3"))
-    assert len(experiments(Place("eccentric_roller", "R1"), rivals)) == 1
+                assert experiment(EffectAt(a.name, "x"), EffectAt(b.name, there))
+    rivals = (EffectAt("eccentric_roller", "R2"), EffectAt("eccentric_roller", "R3"))
+    assert len(experiments(EffectAt("eccentric_roller", "R1"), rivals)) == 1
 
 
 def test_the_verdict_names_the_equals_and_the_experiment():
@@ -44,10 +44,10 @@ def test_the_verdict_names_the_equals_and_the_experiment():
     accepted = AcceptedEffect(
         hypothesis=h,
         score=500.0,
-        runner_up=Place("torque_ripple", "swrap"),
+        runner_up=EffectAt("torque_ripple", "swrap"),
         margin=2.0,
         rejected=(),
-        ambiguous=(Place("torque_ripple", "swrap"),),
+        ambiguous=(EffectAt("torque_ripple", "swrap"),),
     )
     fit = replace(fit_of(h, values=((1e-3, 2e-3),)), covariance=np.eye(2) * 1e-8)
     found = Selection(
@@ -56,7 +56,7 @@ def test_the_verdict_names_the_equals_and_the_experiment():
     verdict = verdict_of(found, None, "b.csv")
     assert verdict.answer == "not_identifiable"
     (same,) = verdict.ambiguous
-    assert same.alternatives == (Place("torque_ripple", "swrap"),)
+    assert same.alternatives == (EffectAt("torque_ripple", "swrap"),)
     assert "drive off" in same.experiments[0]
     assert same.experiments[0] in headline(verdict)
     written = json.loads(verdict.to_json())  # places are text in a file of version 1

@@ -7,8 +7,8 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.judge.holdout import Evaluation
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.model.place import Place
 from sim_plant.refine.report.confidence import standard_deviations
 from sim_plant.refine.report.figures import channels_by_gain, wavenumber_map, worst_part
 from sim_plant.refine.report.page import (
@@ -56,7 +56,7 @@ EFFECT = finding(
     interval95={"size_m": (0.0117, 0.0121)},
 )
 SAME = Ambiguity(
-    place=EFFECT.place, alternatives=(Place("roll_bounce", "unwind"),), experiments=()
+    place=EFFECT.place, alternatives=(EffectAt("roll_bounce", "unwind"),), experiments=()
 )
 
 
@@ -108,7 +108,7 @@ def test_how_sure_names_the_next_best_and_by_how_much_it_is_behind():
         "all",
         {},
         score=16173.2,
-        runner_up=Place("load_cell_filter", "R19"),
+        runner_up=EffectAt("load_cell_filter", "R19"),
         margin=10200.4,
     )
     assert confidence(verdict_with(slow)) == (
@@ -158,7 +158,7 @@ def test_numbers_that_used_most_of_their_tolerance_come_first():
 
 
 def test_every_form_of_a_rejected_effect_is_one_row():
-    one, other = Place("a", "R1"), Place("b", "R1")
+    one, other = EffectAt("a", "R1"), EffectAt("b", "R1")
     assert best_each([(one, 9.0), (other, 8.0), (one, 7.0)]) == [(one, 9.0), (other, 8.0)]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.refine.model.place import Place
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.verdict import (
     Ambiguity,
     ChannelError,
@@ -19,11 +19,11 @@ VERDICT = Verdict(
     answer="not_identifiable",
     effects=(
         EffectFinding(
-            place=Place("eccentric_roller", "R6"),
+            place=EffectAt("eccentric_roller", "R6"),
             parameters={"cos_m": np.float64(3e-4), "order": 1},
             interval95={"cos_m": (2.9e-4, 3.1e-4)},
             score=981535.25,
-            runner_up=Place("eccentric_roller", "R7"),
+            runner_up=EffectAt("eccentric_roller", "R7"),
             margin=4.5,
             cancel=True,
             text="a roller turns off its axis",
@@ -34,8 +34,8 @@ VERDICT = Verdict(
     ),
     ambiguous=(
         Ambiguity(
-            place=Place("eccentric_roller", "R6"),
-            alternatives=(Place("eccentric_roller", "R7"),),
+            place=EffectAt("eccentric_roller", "R6"),
+            alternatives=(EffectAt("eccentric_roller", "R7"),),
             experiments=("turn R6",),
         ),
     ),
@@ -139,5 +139,5 @@ def test_what_is_no_verdict_is_refused_with_the_reason(text, said):
     ("location", "named"), [("R6", True), ("R7", True), ("R8", False), ("unwind", False)]
 )
 def test_a_verdict_names_what_it_found_and_what_it_does_not_tell_from_that(location, named):
-    assert VERDICT.names(Place("eccentric_roller", location)) is named
-    assert not VERDICT.names(Place("unbalanced_roller", location))
+    assert VERDICT.names(EffectAt("eccentric_roller", location)) is named
+    assert not VERDICT.names(EffectAt("unbalanced_roller", location))

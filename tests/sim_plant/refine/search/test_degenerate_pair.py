@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.degenerate_pair import better_pair
 from sim_plant.refine.search.screening import linear_candidate, sensitivities
 from tests.sim_plant.refine.small import (
@@ -72,7 +72,7 @@ def instead(measured, chosen="R2", places=("R1", "R2", "R3", "R4")):
 
 def test_two_of_one_radius_that_explain_more_are_named():
     found = instead(record(R1=(25.0, 3.0), R3=(15.0, 9.0)))
-    assert set(found) == {Place("unbalanced_roller", "R1"), Place("unbalanced_roller", "R3")}
+    assert set(found) == {EffectAt("unbalanced_roller", "R1"), EffectAt("unbalanced_roller", "R3")}
 
 
 @pytest.mark.parametrize("seed", range(10))

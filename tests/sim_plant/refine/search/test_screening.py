@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.model.place import Place
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, bic_penalty
 from sim_plant.refine.search.screening import (
     every_third_idler,
@@ -94,8 +94,8 @@ def test_an_effect_is_fitted_at_three_places_at_most_and_a_curved_one_gets_a_sec
     ]
     kept = [c.hypothesis.key for c in shortlist(found)]
     assert kept == [
-        *(Place("eccentric_roller", f"R{k}") for k in range(3)),
-        Place("bearing_drag", "R6"),
+        *(EffectAt("eccentric_roller", f"R{k}") for k in range(3)),
+        EffectAt("bearing_drag", "R6"),
     ]
 
 

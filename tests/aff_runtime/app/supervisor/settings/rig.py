@@ -89,8 +89,8 @@ class Ring:
 class Running:
     """What the desk knows of the children."""
 
-    def __init__(self, record: ParameterRecord, clock: VirtualClock, pending: Pending) -> None:
-        self.record = record
+    def __init__(self, parameters: ParameterRecord, clock: VirtualClock, pending: Pending) -> None:
+        self.parameters = parameters
         self.control: Control | None = Control(pending)
         self.ring = Ring(clock)
         self.probed = None
@@ -101,11 +101,11 @@ class Running:
     def is_live(self) -> bool:
         return self.live
 
-    def revised(self, record: ParameterRecord) -> ParameterRecord:
-        return record
+    def revised(self, parameters: ParameterRecord) -> ParameterRecord:
+        return parameters
 
     def revision_words(self) -> str:
-        return self.record.site_hash
+        return self.parameters.site_hash
 
     def recorder_report(self) -> None:
         return None
@@ -117,7 +117,7 @@ class Running:
         pass
 
     def start(self) -> None:
-        self.starts.append(self.record.site_text)
+        self.starts.append(self.parameters.site_text)
 
 
 class Question:
@@ -203,8 +203,8 @@ class Rig:
         """Whether the former settings run, by the last word to the control process."""
         assert self.running.control is not None
         last = self.running.control.taken[-1:]
-        return self.running.record.site_text == self.former and all(
-            record.site == self.running.record.site for record in last
+        return self.running.parameters.site_text == self.former and all(
+            parameters.site == self.running.parameters.site for parameters in last
         )
 
     @property

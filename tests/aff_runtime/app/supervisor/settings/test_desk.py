@@ -50,10 +50,10 @@ def test_a_diff_warns_of_what_is_new_and_not_of_what_was_there(rig):
 def test_when_the_time_is_up_the_former_settings_return(rig):
     said = rig.begin(seconds=20.0)
     assert said.json["changes"] == (LINE,)
-    assert rig.running.record.site_text == rig.other()
+    assert rig.running.parameters.site_text == rig.other()
     assert "s left, then the former return" in rig.desk.trying
     rig.run(19.0)
-    assert rig.running.record.site_text == rig.other()
+    assert rig.running.parameters.site_text == rig.other()
     rig.run(1.5)
     assert rig.runs_the_former
     assert rig.desk.trying == ""
@@ -64,7 +64,7 @@ def test_when_the_time_is_up_the_former_settings_return(rig):
 def test_a_whole_block_and_its_roll_go_in_and_come_out_again(rig):
     text = rig.other(*ROLL).replace(LAST, LAST + BLOCK)
     rig.begin(text, seconds=10.0)
-    assert "r5" in rig.running.record.site.rolls
+    assert "r5" in rig.running.parameters.site.rolls
     rig.run(11.0)
     assert rig.runs_the_former
 
@@ -116,7 +116,7 @@ def test_a_site_file_that_is_gone_in_a_try_keeps_nothing_and_the_former_return(r
     said = rig.ask(act="keep", why="3 dB less at 1x")
     assert "is not what runs" in said.json["message"]
     rig.run(1.0)
-    assert rig.running.record.site_text == rig.former
+    assert rig.running.parameters.site_text == rig.former
     assert rig.rows[-1] == ("returned", "a file was saved meanwhile")
 
 
@@ -162,7 +162,7 @@ def test_it_is_kept_once_the_file_says_it_and_with_who_and_why(rig):
     row = rig.ask(act="history").json["versions"][-1]
     assert (row["verb"], row["who"], row["why"]) == ("kept", WHO, "3 dB less at 1x")
     rig.run(60.0)
-    assert rig.running.record.site_text == rig.other()
+    assert rig.running.parameters.site_text == rig.other()
     assert rig.edits.differs == ()
     assert any("kept by uid 1000 (tech1 via root), pid 4711" in note for note in rig.running.notes)
 
@@ -183,7 +183,7 @@ def test_a_keep_that_is_saved_too_late_is_an_edit_of_its_own(rig):
     rig.run(1.0)
     assert ("returned", "a file was saved meanwhile") in rig.rows
     assert rig.rows[-1] == ("edited", "")
-    assert rig.running.record.site_text == rig.other()
+    assert rig.running.parameters.site_text == rig.other()
 
 
 def test_a_try_saved_without_keep_is_an_edit_of_its_own(rig):
@@ -192,7 +192,7 @@ def test_a_try_saved_without_keep_is_an_edit_of_its_own(rig):
     rig.run(1.0)
     assert ("returned", "a file was saved meanwhile") in rig.rows
     assert rig.rows[-1][0] == "edited"
-    assert rig.running.record.site_text == rig.other()
+    assert rig.running.parameters.site_text == rig.other()
 
 
 def test_another_edit_in_a_try_is_judged_after_the_return(rig):
@@ -200,7 +200,7 @@ def test_another_edit_in_a_try_is_judged_after_the_return(rig):
     edited = rig.other("orders: [1, 2, 3, 4]", "orders: [1, 2]")
     rig.site.write_text(edited)
     rig.run(1.0)
-    assert rig.running.record.site_text == edited
+    assert rig.running.parameters.site_text == edited
     assert [verb for verb, _ in rig.rows][-3:] == ["tried", "returned", "edited"]
 
 
@@ -229,7 +229,7 @@ def test_a_control_process_that_dies_starts_on_the_former_settings(rig):
     rig.running.control = None
     rig.pending.refuse_all("the control process died; see the log")
     rig.desk.control_died()
-    assert rig.running.record.site_text == rig.former
+    assert rig.running.parameters.site_text == rig.former
     assert rig.rows[-1] == ("returned", "the control process died")
 
 
@@ -245,7 +245,7 @@ def test_settings_that_the_control_process_refuses_are_not_tried(rig):
     rig.running.control.no = "a probe is under way; save the file after it"
     said = rig.begin()
     assert said.json["message"] == "a probe is under way; save the file after it"
-    assert rig.running.record.site_text == rig.former
+    assert rig.running.parameters.site_text == rig.former
     assert rig.desk.trying == ""
     assert rig.rows == [("started", "")]
     rig.running.control.no = ""

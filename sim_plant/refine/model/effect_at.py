@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class EffectAt:
     """One effect at one location, both by their names in a declaration."""
 
     effect: str
@@ -17,7 +17,7 @@ class Place:
         return f"{self.effect} at {self.location}"
 
     @classmethod
-    def parse(cls, text: str) -> Place:
+    def parse(cls, text: str) -> EffectAt:
         """Return the effect and location that a version 1 verdict writes so.
 
         Raises
