@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from benchmarks.campaign.effect_table import LIBRARY
@@ -27,6 +27,7 @@ from benchmarks.campaign.score import (
     told_apart,
     wilson,
 )
+from sim_plant.effects.catalogue import BY_NAME as CATALOGUE
 
 Row = dict[str, Any]
 MOVING = (*CELLS, *SPEEDS)
@@ -37,12 +38,13 @@ HEAD = """# Campaign: `sim-plant refine` on records that other code made
 Written by `python -m benchmarks.campaign --cases N --seed S --workers 2 --out DIR --docs
 docs/results`, which goes on where it was stopped (`make campaign`: 696 cases of seed 100;
 `--group "no effect"`: healthy records alone; `--effect NAME`: those with this effect). The
-records come from `benchmarks/campaign`, which imports nothing of `sim_plant` but its command line
-and the folder for compiled code: circles with moving centres and polygons of 4096 points instead
-of support functions, velocity Verlet at 0.5 ms on unstretched lengths instead of Runge-Kutta on
-strains, its own drives, loops and sensors. On a healthy line both codes agree to 1 % of the noise
-in the tensions and 3 to 7 % in the speeds, and their answers to the same effect to 0 to 3 % where
-it is strongest, in every form (`tests/benchmarks/campaign`; mains hum 17 %: scans come late).
+records come from `benchmarks/campaign`, which imports nothing of `sim_plant` but its command line,
+the folder for compiled code and, for this page, the names in its catalogue of effects: circles
+with moving centres and polygons of 4096 points instead of support functions, velocity Verlet at
+0.5 ms on unstretched lengths instead of Runge-Kutta on strains, its own drives, loops and
+sensors. On a healthy line both codes agree to 1 % of the noise in the tensions and 3 to 7 % in
+the speeds, and their answers to the same effect to 0 to 3 % where it is strongest, in every form
+(`tests/benchmarks/campaign`; mains hum 17 %: scans come late).
 
 A line of nine bodies, three load cells, four drive speeds, two angles, one radius, 60 s at 10 ms,
 three speeds, a tension step. In every case every declared number lies anywhere within its
@@ -50,7 +52,7 @@ tolerance (drawn evenly over two standard deviations), and beside that: axes 0.3
 roller eccentric by up to half a micrometre, scans up to 0.5 ms late, 5 % of the load cells' noise
 power coloured.
 
-Every effect of the catalogue is drawn, dealt like cards: a round of a group gives each effect
+Every effect of the campaign's table is drawn, dealt like cards: a round of a group gives each
 once, so 696 cases draw each at least 20 times whatever the seed (four rounds of singles at SNR
 0.4, three at 0.2, seven of pairs, six of triples; new pairs in every round), and 300 healthy
 records. What has several forms comes in each in turn: drag, slip and warm web all along or from a
@@ -276,14 +278,24 @@ def claims(rows: Sequence[Row]) -> list[str]:
     return [*lines, *(f"| {s} | {n} |" for s, n in count.most_common())]
 
 
-def page(rows: Sequence[Row], note: str = "") -> str:
-    """Return the page of these rows as Markdown, ``note`` under its head."""
+def not_drawn(catalogue: Iterable[str]) -> list[str]:
+    """Return the effects of the catalogue that no row of the campaign's table draws."""
+    return sorted(set(catalogue) - {row.name for row in LIBRARY if row.forms})
+
+
+def page(rows: Sequence[Row], note: str = "", catalogue: Iterable[str] = CATALOGUE) -> str:
+    """Return the page of these rows as Markdown, ``note`` under its head.
+
+    ``catalogue`` names the effects of the library; which of them are not drawn is told.
+    """
     spent = sorted(r["refine_s"] for r in rows)
     burnt = sum(r["refine_cpu_s"] for r in rows)
     failed = [r["number"] for r in rows if not r["refine"]["verdict"]]
     seeds = sorted({r["seed"] for r in rows})
+    left = not_drawn(catalogue)
     parts = [
         HEAD,
+        f"Effects of the catalogue that are not drawn: {', '.join(left) or 'none'}.\n",
         *([note, ""] if note else []),
         f"{len(rows)} cases of seed {', '.join(map(str, seeds))}; refine took "
         f"{quantile(spent, 0.5):.1f} s in the median, {quantile(spent, 0.95):.1f} s at the 95th "

@@ -67,6 +67,8 @@ def test_only_one_module_knows_the_product_and_only_its_command_line():
     own = {row for row in found if row[1].startswith("benchmarks.campaign")}
     assert found - own == {
         ("refine_runs", "sim_plant.cli.main"),
+        # names of effects, to tell which are not drawn: no physics
+        ("report", "sim_plant.effects.catalogue"),
         # places on disk, worker processes and row files: no physics
         ("jit", "sim_plant.base.cache_folder"),
         ("jit", "sim_plant.base.numba_alone"),
