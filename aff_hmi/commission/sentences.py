@@ -1,7 +1,8 @@
 """Sentences of setup and card in the reader's language.
 
-The engine writes English sentences with numbers and names in them. Each is found again by its
-pattern and said with the same numbers; what is in no pattern stays English, and is told whole.
+Commissioner and card write English sentences with numbers and names in them. Each is found again
+by its pattern and said with the same numbers; what is in no pattern stays English, and is told
+whole. What has a pattern and more than ``LONGEST`` characters loses its tail to an ellipsis.
 What stands in a place called ``what`` or ``why`` is itself such a sentence, or a list of them.
 """
 
@@ -17,7 +18,7 @@ PATTERNS = (
     N_("a card is begun, {hash}"),
     N_("no card is begun"),
     N_("stopped"),
-    N_("stopped; look at the card"),
+    N_("stopped; look at the card and the site file"),
     N_("tried for {seconds} s: {rest}"),
     N_("kept; saved as the site file"),
     N_("undone; the former settings run"),
@@ -61,8 +62,9 @@ def sentence(text: str, say: Say, depth: int = 0) -> str:
     """Return a sentence in the reader's language; English where no pattern is of it."""
     if depth > DEEPEST:
         return text
+    bounded = _bounded(text)
     for pattern, template in _compiled():
-        found = pattern.fullmatch(text[:LONGEST])
+        found = pattern.fullmatch(bounded)
         if found is None:
             continue
         said = say(template)
@@ -71,6 +73,11 @@ def sentence(text: str, say: Say, depth: int = 0) -> str:
             said = said.replace(f"{{{name}}}", shown)
         return said
     return text
+
+
+def _bounded(text: str) -> str:
+    """Return at most ``LONGEST`` characters, for a pattern takes longer the longer a text is."""
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}\u2026"
 
 
 def _parts(text: str, say: Say, depth: int) -> str:

@@ -40,7 +40,11 @@ _PR_SET_PDEATHSIG = 1
 
 
 def main() -> int:
-    """Do what the first line says; the last line said is what became of it."""
+    """Do what the first line says; the last line said is what became of it.
+
+    Nothing is said of it, and 1 is returned, where the commissioner has gone: it had ended before
+    the job began, or stdin ends while a job waits for an answer that can do nothing without.
+    """
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     os.nice(NICE)
     _leave_to_control()

@@ -20,9 +20,9 @@ JOB = "aff_runtime.app.commission.job"
 KEPT_LINES = 40
 DIED = "its process ended without an answer; see the log of the commissioner"
 STOPPED = "stopped"
-CUT = "stopped; look at the card"  # of a job that may have kept something
-KEEPS = ("begin", "step", "sign", "keep", "undo")
-"""Jobs that may have put something on disk before they said so."""
+CUT = "stopped; look at the card and the site file"  # of a job that may have changed something
+KEEPS = ("begin", "step", "sign", "words", "try", "keep", "undo")
+"""Jobs that may have changed what lasts before they said so: a file, the settings that run."""
 
 
 class Worker:
@@ -32,7 +32,7 @@ class Worker:
     ----------
     asked : what it does. ``said`` : its newest lines.
     question : what it waits for; None where it waits for nothing.
-    is_unsure : it was ended without an answer, and may have kept something.
+    is_unsure : it was ended without an answer, and may have changed what lasts (``KEEPS``).
     """
 
     def __init__(self, asked: Request, where: Where) -> None:

@@ -65,7 +65,7 @@ def test_what_is_asked_of_a_display_is_translated_to_its_end(wanted) -> None:
 
 
 def told() -> list[str]:
-    """Return what the engine says in its code, with a number for each place."""
+    """Return what the setup says in its code, with a number for each place."""
     found = []
     for module in (flow, look, steps):
         tree = ast.parse(Path(str(module.__file__)).read_text(encoding="utf-8"))
@@ -142,3 +142,13 @@ def test_no_two_patterns_are_one_and_a_long_text_takes_no_time() -> None:
     assert len(set(PATTERNS)) == len(PATTERNS)
     hostile = "word 1: " + ", ".join(["a: b; c"] * 200)
     assert len(sentence(hostile, GERMAN)) >= len(hostile[:LONGEST]) - 8
+
+
+def test_a_sentence_that_is_cut_ends_with_an_ellipsis_and_one_that_is_not_does_not() -> None:
+    start, entry = "nothing was measured: ", "x" * LONGEST
+    said = sentence(start + entry, ENGLISH)
+    assert said == f"{start}{entry}"[: LONGEST - 1] + "\u2026"
+    assert sentence(start + entry, GERMAN).endswith("x\u2026")
+    fits = start + entry[: LONGEST - len(start)]
+    assert sentence(fits, ENGLISH) == fits
+    assert sentence(entry + entry, GERMAN) == entry + entry  # of no pattern: told whole

@@ -15,6 +15,7 @@ from aff_runtime.app.commission.listening import Listener
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.people import IDLE_NS
 from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.worker import CUT
 from aff_runtime.app.hand import accounts
 from aff_runtime.app.hand.accounts import Account, Accounts, secret_of, write_accounts
 from aff_runtime.app.hand.audit import Audit, verify
@@ -179,7 +180,7 @@ def test_one_job_at_a_time_and_it_can_be_stopped(line):
         return await line.done()
 
     last = asyncio.run(played())
-    assert (last["ok"], last["text"]) == (False, "stopped; look at the card")
+    assert (last["ok"], last["text"]) == (False, CUT)
     assert line.rows()[-1] == ("commissioning: begin", "noted")
 
 
@@ -246,7 +247,7 @@ def test_a_job_that_waits_for_somebody_who_is_not_in_any_more_is_stopped(
         return await line.done()
 
     last = asyncio.run(played())
-    assert (last["ok"], last["text"]) == (False, "stopped")
+    assert (last["ok"], last["text"]) == (False, CUT)
     assert "stopped: it waits for somebody who is not in" in line.whys()
 
 
@@ -263,7 +264,7 @@ def test_who_takes_it_over_does_not_answer_for_who_began(line, monkeypatch):
 
     found, last = asyncio.run(played())
     assert found == {"ok": False, "why": "running", "name": "words"}
-    assert last["text"] == "stopped"
+    assert last["text"] == CUT
     assert ("commissioning: answer", "refused") in line.rows()
 
 
@@ -303,7 +304,7 @@ def test_an_answer_that_cannot_be_put_on_record_is_not_passed_on(line, monkeypat
 
     found, last = asyncio.run(played())
     assert found["why"] == "unrecorded"
-    assert last["text"] == "stopped"
+    assert last["text"] == CUT
 
 
 def test_of_a_flood_of_refusals_sixty_are_written_and_then_their_number(line, clock):

@@ -4,9 +4,10 @@ import asyncio
 
 import pytest
 
+from aff_runtime.app.commission.job import JOBS
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.sources import Where
-from aff_runtime.app.commission.worker import CUT, DIED, STOPPED, Worker
+from aff_runtime.app.commission.worker import CUT, DIED, KEEPS, STOPPED, Worker
 from tests.aff_runtime.app.commission import made_jobs
 from tests.aff_runtime.app.commission.made_jobs import say
 from tests.aff_runtime.app.commission.said import plain
@@ -40,7 +41,16 @@ def test_an_answer_that_was_given_counts_though_a_stop_came_later(where, monkeyp
     assert not worker.is_unsure
 
 
-@pytest.mark.parametrize("do", ["begin", "step", "sign", "keep", "undo"])
+LASTING = ["begin", "step", "sign", "words", "try", "keep", "undo"]
+"""Jobs that write the card, the site file or answers of the setup, or change what runs."""
+
+
+def test_every_job_either_only_looks_or_may_have_changed_what_lasts():
+    assert set(KEEPS) == set(LASTING)
+    assert set(JOBS) - set(LASTING) == {"card", "page", "line", "verify"}
+
+
+@pytest.mark.parametrize("do", LASTING)
 def test_of_a_stopped_job_that_keeps_something_nobody_knows_whether_it_did(where, monkeypatch, do):
     made_jobs.play(monkeypatch, say(say="at it") + NEVER)
     told, worker = stopped_after_words(where, do)
