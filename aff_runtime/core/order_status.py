@@ -18,7 +18,8 @@ from aff_runtime.core.monitor import Trend
 Owner = TypeVar("Owner")
 IMBALANCE = "imbalance"
 STATE = "state"
-# the first column of a law says which law it is, and the unit of its size
+# the column of an order's size says the family of laws and its unit: all banks of blocks, the
+# iterative law too, write the same columns and read as ``blocks``
 SIZES: Mapping[str, tuple[str, str]] = {
     "shape_mm": ("shape", "mm"),
     "amplitude_m_s": ("blocks", "m/s"),
@@ -52,7 +53,8 @@ class OrderStatus:
     Attributes
     ----------
     name : ``unwind_1x``, or ``imbalance`` (order 1 of the drive's own roll; ``roll`` is empty).
-    law, size_unit : which law, and the unit of ``size``.
+    law : family of laws by the column of the size: ``shape``, or ``blocks`` (the iterative too).
+    size_unit : unit of ``size``.
     state : None when the number is no state.
     ripple_before, ripple : amplitude in the signal, in its unit.
     response_ratio : true response over the measured one. ``share`` : 0..1 of it goes out.

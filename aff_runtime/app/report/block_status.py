@@ -52,7 +52,9 @@ class BlockStatus:
     out : share of the order's correction that reaches the drive, 0..1.
     phase_deg, encoder_deg : angle of the order, in the service's count and where the encoder
         reads zero.
-    share, loop_gain : of a shape alone: share that the law lets out, true response over measured.
+    law : family of laws, ``shape`` or ``blocks`` (the iterative law too).
+    share, response_ratio : of a shape alone: share that the law lets out, true response over
+        the measured one.
     """
 
     actuator: str
@@ -75,7 +77,7 @@ class BlockStatus:
     ripple_unit: str
     settle_s: float | None
     share: float | None = None
-    loop_gain: float | None = None
+    response_ratio: float | None = None
 
 
 def blocks(tick: TickRow, site: Site) -> tuple[BlockStatus, ...]:
@@ -125,7 +127,7 @@ def _row(tick: TickRow, site: Site, order: OrderStatus) -> BlockStatus:
         ripple_unit="N" if signal.endswith("_N") else "m/s" if signal.endswith("_m_s") else "",
         settle_s=block.settle_s if block is not None else None,
         share=_finite(order.share) if shape else None,
-        loop_gain=_finite(order.response_ratio) if shape else None,
+        response_ratio=_finite(order.response_ratio) if shape else None,
     )
 
 

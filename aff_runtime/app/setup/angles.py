@@ -73,7 +73,7 @@ def angle_candidates(
     speeds_m_s: Sequence[float],
     radius_m: float,
     taken: frozenset[int] = frozenset(),
-    order: str = "",
+    word_order: str = "",
     does: Mapping[int, Behaviour] | None = None,
 ) -> list[AngleCandidate]:
     """Return the words that can be the angle of a roll, best first.
@@ -81,7 +81,7 @@ def angle_candidates(
     Parameters
     ----------
     speeds_m_s : of the web at each reading; ``radius_m`` : of the roll, above 0.
-    order : word order of the PLC where it is known.
+    word_order : order of two words of the PLC where it is known.
     does : the words' behaviours, where they are known.
     """
     found = []
@@ -95,7 +95,7 @@ def angle_candidates(
         for counts in _usual(measured):
             signed = round(math.copysign(counts, measured.counts))
             off = abs(counts / abs(measured.counts) - 1.0)
-            for decoding, score, why in _decodings(address, did, seen, taken, order):
+            for decoding, score, why in _decodings(address, did, seen, taken, word_order):
                 found.append(
                     AngleCandidate(
                         decoding=decoding,
@@ -163,7 +163,7 @@ def _usualness(counts: int) -> float:
 
 
 def _decodings(
-    address: int, does: Behaviour, seen: Watched, taken: frozenset[int], order: str
+    address: int, does: Behaviour, seen: Watched, taken: frozenset[int], word_order: str
 ) -> list[tuple[Decoding, float, tuple[str, ...]]]:
     """Return how the count may be stored: one word, or two with the carry in a neighbour."""
     if does.restarts_at:
@@ -184,7 +184,7 @@ def _decodings(
         first = min(address, high)
         decoding = Decoding(address=first, type="i32", order=name)
         proved = proved or carry
-        score = 6.0 if carry else (0.5 if name == order else -1.0 if order else -0.5)
+        score = 6.0 if carry else (0.5 if name == word_order else -1.0 if word_order else -0.5)
         why = (f"word {high} takes its carry",) if carry else (f"no carry into {high} seen yet",)
         rows.append((decoding, score, why))
     wrapped = does.wraps > 0

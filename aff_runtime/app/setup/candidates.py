@@ -60,17 +60,17 @@ class _Seen:
     shown: Shown
 
     def off(self, scale: float) -> float:
-        """Return how far the display is from ``scale``, in standard deviations."""
+        """Return how many deviations the display is from the value read with ``scale``."""
         digit = self.shown.half_digit / math.sqrt(3.0)
         return abs(self.shown.value - scale * self.mean) / math.hypot(digit, self.sd * scale)
 
-    def chance(self, scale: float) -> float:
-        """Return the log of how surely a wrong word would miss the display."""
+    def surprise(self, scale: float) -> float:
+        """Return -log P(a wrong word, read with ``scale``, shows the display's value)."""
         digit = self.shown.half_digit / math.sqrt(3.0)
         sigma = math.hypot(digit, self.sd * scale) / abs(self.shown.value)
         return -math.log(min(1.0, 2.5 * sigma / _RANGE))
 
-    def share(self) -> float:
+    def error_share(self) -> float:
         """Return the largest share of the value by which the display may be off."""
         digit = self.shown.half_digit / abs(self.shown.value)
         return digit + _FURTHEST * self.sd / abs(self.mean)
@@ -83,7 +83,7 @@ def candidates(
     signed: bool,
     moves: bool | None,
     taken: frozenset[int] = frozenset(),
-    order: str = "",
+    word_order: str = "",
 ) -> list[Candidate]:
     """Return what the words can be, best first; at least one observation is needed.
 
@@ -92,14 +92,14 @@ def candidates(
     si_unit : of the quantity.
     signed : whether its word is called signed where nothing tells.
     moves : whether it is measured (never quite still) or set; None for what moves slowly.
-    order : word order of the PLC where it is known; the other one is left out.
+    word_order : order of two words of the PLC where it is known; the other one is left out.
     taken : words that are something else already.
     """
     latest = observations[-1].seen
     does = behaviours(latest)
     found: list[Candidate] = []
     for decoding in all_decodings(latest, signed=signed):
-        if not taken.isdisjoint(decoding.addresses) or _is_other(decoding.order, order):
+        if not taken.isdisjoint(decoding.addresses) or _is_other(decoding.order, word_order):
             continue
         moments = [_moment(decoding, one) for one in observations]
         if any(one is None for one in moments):
@@ -111,8 +111,8 @@ def candidates(
     return list(best.values())
 
 
-def _is_other(order: str, known: str) -> bool:
-    return bool(order and known and order != known)
+def _is_other(word_order: str, known: str) -> bool:
+    return bool(word_order and known and word_order != known)
 
 
 def _moment(decoding: Decoding, one: Observation) -> _Seen | None:
@@ -133,28 +133,28 @@ def _of(
     moves: bool | None,
 ) -> Iterator[Candidate]:
     """Yield the best round scale of one decoding, and the scale that follows from the values."""
-    first = min(moments, key=_Seen.share)
-    implied = first.shown.value / first.mean
-    sign, share = math.copysign(1.0, implied), min(first.share(), 0.5)
+    surest = min(moments, key=_Seen.error_share)
+    implied = surest.shown.value / surest.mean
+    sign, share = math.copysign(1.0, implied), min(surest.error_share(), 0.5)
     low, high = abs(implied) * (1.0 - share), abs(implied) * (1.0 + share)
     tried = [
         (scale, scale.log_prior, _fit(moments, sign * scale.si))
         for _, scale in zip(
-            range(_TRIED_SCALES), round_scales(low, high, si_unit, first.shown.unit), strict=False
+            range(_TRIED_SCALES), round_scales(low, high, si_unit, surest.shown.unit), strict=False
         )
     ]
     fitting = [row for row in tried if row[2] is not None]
     habits, why = _habits(decoding, does, moves)
     if fitting:
         scale, prior, fit = max(fitting, key=lambda row: row[1] + (row[2] or 0.0))
-        score = prior + (fit or 0.0) + habits + _resolution(scale.si, first.shown)
+        score = prior + (fit or 0.0) + habits + _resolution(scale.si, surest.shown)
         text = scale.text if sign > 0 else f"-{scale.text}"
         reasons = (f"{text} is round", *_agreement(moments, sign * scale.si), *why)
         yield _candidate(decoding, sign * scale.si, text, True, moments, reasons, score)
     fit = _fit(moments, implied)
     if fit is not None:
-        gained = fit - first.chance(implied)  # the first value fits whatever the word is
-        score = _NO_ROUND_SCALE + gained + habits + _resolution(abs(implied), first.shown)
+        gained = fit - surest.surprise(implied)  # its value fits whatever the word is
+        score = _NO_ROUND_SCALE + gained + habits + _resolution(abs(implied), surest.shown)
         text = plain(float(f"{implied:.4g}"))
         reasons = ("the scale is not round", *_agreement(moments, implied), *why)
         yield _candidate(decoding, implied, text, False, moments, reasons, score)
@@ -187,7 +187,7 @@ def _fit(moments: Sequence[_Seen], scale: float) -> float | None:
         off = one.off(scale)
         if off > _FURTHEST:
             return None
-        total += one.chance(scale) - 0.5 * off * off
+        total += one.surprise(scale) - 0.5 * off * off
     return total
 
 

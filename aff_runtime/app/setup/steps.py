@@ -112,7 +112,7 @@ class Steps(Look):
                 signed=wanted.signed,
                 moves=wanted.moves,
                 taken=frozenset(self.dialogue.draft.owners),
-                order=draft.order,
+                word_order=draft.order,
             )[:SHOWN_BEST]
             pick = self._of_candidates(wanted, rows, seen, turn)
             if pick is not None:
@@ -242,7 +242,7 @@ class Steps(Look):
             speeds_m_s=speeds_m_s,
             radius_m=radius_m,
             taken=frozenset(draft.owners),
-            order=draft.order,
+            word_order=draft.order,
             does=does,
         )
 

@@ -59,8 +59,8 @@ class LawRow:
 LAW_ROWS: Mapping[str, LawRow] = {
     "blocks": LawRow(text="one amplitude and phase per order and speed.", build=_blocks),
     "shape": LawRow(
-        text="learns the roll's shape in mm through the declared drive, so a change of speed "
-        "needs no learning; needs drive.",
+        text="learns the roll's shape in mm through the drive, declared or identified, so a "
+        "change of speed needs no learning.",
         build=_shape,
     ),
     "iterative": LawRow(

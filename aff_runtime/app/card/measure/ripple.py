@@ -56,7 +56,7 @@ def measure(evidence: Evidence) -> Finding:
 
 
 def _wait_s(evidence: Evidence, actuator: Actuator, window: Window) -> float:
-    """Return three settle times, or ten turns of the roll that a shape is of."""
+    """Return three settle times, or ten turns of a shape's roll at the window's mean speed, s."""
     if not actuator.uses_shape or actuator.drive is None:
         return SETTLES * max((block.settle_s for block in actuator.blocks), default=0.0)
     roll = evidence.site.rolls[actuator.drive.roll]
@@ -86,7 +86,10 @@ def _ratios(on: Phase, window: Window) -> Iterator[Figure]:
 
 
 def _courses(evidence: Evidence, window: Window, off: Phase, on: Phase) -> Iterator[Sample]:
-    """Yield the amplitude of the first order of every block, turn by turn, from off to on."""
+    """Yield the amplitude of the first order of every block, turn by turn, from off to on.
+
+    The times of the turns assume constant speed: they divide the window evenly.
+    """
     inside = (window.time_s >= off.from_s) & (window.time_s < on.to_s)
     for actuator in evidence.site.actuators.values():
         values = window.readings(actuator.error.signal)

@@ -174,7 +174,7 @@ def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
         "ripple_unit": "N",
         "settle_s": 6,
         "share": None,
-        "loop_gain": None,
+        "response_ratio": None,
     }
 
 

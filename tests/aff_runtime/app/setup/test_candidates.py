@@ -55,7 +55,7 @@ def test_the_default_block_is_read_off_one_value_each(
     items = euclid(order)
     known = order if place > 2 else ""  # by the first quantity of two words
     one = observed(items, text, unit)
-    best = candidates([one], unit, signed=unit != "m", moves=moves, order=known)[0]
+    best = candidates([one], unit, signed=unit != "m", moves=moves, word_order=known)[0]
     assert same(best, next(item for item in items if item.address == place))
 
 
@@ -71,7 +71,7 @@ def test_a_taken_word_is_no_candidate_and_the_other_order_neither() -> None:
         signed=True,
         moves=True,
         taken=frozenset({7}),
-        order="high_first",
+        word_order="high_first",
     )
     assert rows[0].decoding == Decoding(address=5, type="i16")
     assert not any(7 in one.decoding.addresses for one in rows)
