@@ -20,6 +20,7 @@ from aff_runtime.app.link import messages
 from aff_runtime.app.link.packets import Link, link_pair
 from aff_runtime.app.wiring.assemble import controller_of
 from aff_runtime.app.wiring.law_slot import LawSlot
+from aff_runtime.base.events import BY_CODE, Reaction
 from aff_runtime.base.signals import LATCHED_STATES, State, Status
 from aff_runtime.loop.cycle import Cycle
 from aff_runtime.telemetry.header import RunMeta
@@ -296,8 +297,11 @@ def test_what_may_says_of_shadow_is_what_comes_of_it(
     bench.run(0.1)
     if not reasons or reasons[0].code is Code.SHADOWED:
         assert bench.guard.state in (State.SHADOW, State.FAULT), (before, bench.blocked)
-        if bench.guard.state is State.FAULT:  # what latches meanwhile is stronger
+        if bench.guard.state is State.FAULT:  # only what latches meanwhile leads there
             assert before not in LATCHED_STATES, (before, bench.blocked)
+            latched = BY_CODE[bench.alarm]
+            assert latched.reaction is Reaction.FADE_AND_LATCH, latched.name
+            assert latched.name != "POWER_UP"  # what FAULT says that nothing has led to
     else:
         assert bench.guard.state is before, (before, reasons[0].text)
     bench.link.send(messages.Shadow(id=99, on=False))
