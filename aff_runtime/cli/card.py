@@ -14,7 +14,7 @@ from aff_runtime.cli.terminal import complain, say
 if TYPE_CHECKING:
     from aff_runtime.app.card.entries import Measured
     from aff_runtime.app.card.work import CardFile
-    from aff_runtime.app.commission.sources import Where
+    from aff_runtime.app.commission.sources import Paths
 
 EXIT_BROKEN = EXIT_FAILED = 5
 PAGE = "card.html"
@@ -190,10 +190,10 @@ def _verify(options: argparse.Namespace) -> int:
     return 0
 
 
-def _where(options: argparse.Namespace, card: CardFile) -> Where:
-    from aff_runtime.app.commission.sources import Where  # noqa: PLC0415
+def _where(options: argparse.Namespace, card: CardFile) -> Paths:
+    from aff_runtime.app.commission.sources import Paths  # noqa: PLC0415
 
-    return Where(
+    return Paths(
         site=options.site or Path(card.begun.site),
         state=options.state_dir,
         socket=paths_of(options).socket,

@@ -52,7 +52,7 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
 def commission(options: argparse.Namespace) -> int:
     """Serve until ended."""
     from aff_runtime.app.commission.commissioner import Commissioner  # noqa: PLC0415 - numpy
-    from aff_runtime.app.commission.sources import Where  # noqa: PLC0415
+    from aff_runtime.app.commission.sources import Paths  # noqa: PLC0415
     from aff_runtime.app.hand.accounts import Accounts, read_accounts  # noqa: PLC0415
     from aff_runtime.app.hand.audit import Audit  # noqa: PLC0415
     from aff_runtime.app.link.runtime_directory import make_private  # noqa: PLC0415
@@ -65,7 +65,7 @@ def commission(options: argparse.Namespace) -> int:
     paths = paths_of(options)
     if options.dir is None:
         make_private(paths.directory)
-    where = Where(
+    where = Paths(
         site=options.site.absolute(),
         state=options.state_dir,
         socket=paths.socket,

@@ -9,7 +9,7 @@ from aff_runtime.app.commission.answers import Answer, CardShown, Done, Printed
 from aff_runtime.app.commission.card_view import card_view
 from aff_runtime.app.commission.messages import Refusal, Request, Why
 from aff_runtime.app.commission.sources import (
-    Where,
+    Paths,
     after_search,
     inputs_of,
     parameters_of,
@@ -24,7 +24,7 @@ LONGEST_S = 600.0
 MEMORY_BYTES = 4 << 30
 
 
-def card(where: Where, asked: Request, talk: Talk) -> Answer:
+def card(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return the card as it stands, compared with what holds now as far as that is known."""
     found = work.CardFile.of(where.card)
     try:
@@ -36,7 +36,7 @@ def card(where: Where, asked: Request, talk: Talk) -> Answer:
     return CardShown(card=card_view(found.card(now), at.checked, at.answer, said_of(at)))
 
 
-def printed(where: Where, asked: Request, talk: Talk) -> Answer:
+def printed(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return the page that prints."""
     found = work.CardFile.of(where.card)
     try:
@@ -46,13 +46,13 @@ def printed(where: Where, asked: Request, talk: Talk) -> Answer:
     return Printed(html=page.page(found.card(now), asked.paper))
 
 
-def begin(where: Where, asked: Request, talk: Talk) -> Answer:
+def begin(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Begin a card."""
     newest = work.begin(where.card, where.site, parameters_of(where.site, where.state))
     return Done(text=f"a card is begun, {newest[:12]}")
 
 
-def step(where: Where, asked: Request, talk: Talk) -> Answer:
+def step(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Measure a step, or put on the card that it does not apply."""
     found, number, by = work.CardFile.of(where.card), asked.step, asked.by
     at = sources(where, found, plc=asked.plc.strip())
@@ -68,7 +68,7 @@ def step(where: Where, asked: Request, talk: Talk) -> Answer:
     return Done(text=f"step {number}: {kept.verdict}")
 
 
-def sign(where: Where, asked: Request, talk: Talk) -> Answer:
+def sign(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Sign the measurement that the person has seen, and no other."""
     found, number = work.CardFile.of(where.card), asked.step
     now = inputs_of(sources(where, found))
@@ -79,7 +79,7 @@ def sign(where: Where, asked: Request, talk: Talk) -> Answer:
     return Done(text=f"step {kept.step} signed as {kept.name}")
 
 
-def verified(where: Where, asked: Request, talk: Talk) -> Answer:
+def verified(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return whether card and records are what was written."""
     found = verify(where.card, records=True)
     if found.wrong:

@@ -16,7 +16,7 @@ from aff_runtime.app.commission.audit_lines import AuditLines
 from aff_runtime.app.commission.looking import Looking
 from aff_runtime.app.commission.messages import LOOKS, Refusal, Request, Why
 from aff_runtime.app.commission.people import Holder, People
-from aff_runtime.app.commission.sources import Where, by_whom
+from aff_runtime.app.commission.sources import Paths, by_whom
 from aff_runtime.app.commission.views import JobView, LastJob
 from aff_runtime.app.commission.worker import CUT, KEEPS, STOPPED, Worker
 from aff_runtime.app.hand.accounts import Accounts
@@ -40,7 +40,7 @@ class Commissioner:
     """
 
     def __init__(
-        self, where: Where, accounts: Accounts, audit: Audit, clock: Clock, farthest: Place
+        self, where: Paths, accounts: Accounts, audit: Audit, clock: Clock, farthest: Place
     ) -> None:
         self._where = where
         self._audit = AuditLines(audit, clock)

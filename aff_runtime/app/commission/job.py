@@ -17,11 +17,11 @@ from aff_runtime.app.commission import card_jobs, line_view, settings_jobs, setu
 from aff_runtime.app.commission.answers import Answer
 from aff_runtime.app.commission.job_lines import Ended, Refused, read_start
 from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.base.errors import AffError
 
-Job = Callable[[Where, Request, Talk], Answer]
+Job = Callable[[Paths, Request, Talk], Answer]
 JOBS: dict[str, Job] = {
     "card": card_jobs.card,
     "page": card_jobs.printed,

@@ -16,7 +16,7 @@ from pydantic import TypeAdapter
 
 from aff_runtime.app.commission.answers import Answer, from_plain, to_plain
 from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.commission.views import QuestionView, SaidLine
 
 KINDS = ("say", "complain")
@@ -27,7 +27,7 @@ class Start:
     """What a job does; ``parent`` : process of its commissioner."""
 
     asked: Request
-    where: Where
+    where: Paths
     parent: int
 
 
@@ -69,7 +69,7 @@ def encode(line: JobLine | Start | Reply) -> str:
         case Refused():
             return json.dumps({"refused": line.text})
         case Start():
-            where = {one.name: os.fspath(getattr(line.where, one.name)) for one in fields(Where)}
+            where = {one.name: os.fspath(getattr(line.where, one.name)) for one in fields(Paths)}
             return json.dumps({**line.asked.to_json(), "where": where, "parent": line.parent})
         case Reply():
             return json.dumps(asdict(line))
@@ -85,7 +85,7 @@ def read_start(line: str) -> Start:
     """
     said = json.loads(line)
     parent = int(said.pop("parent"))
-    where = Where(**{name: Path(path) for name, path in said.pop("where").items()})
+    where = Paths(**{name: Path(path) for name, path in said.pop("where").items()})
     return Start(asked=Request.from_json(said), where=where, parent=parent)
 
 

@@ -9,7 +9,7 @@ from dataclasses import fields, replace
 from aff_runtime.app.commission.answers import LineShown
 from aff_runtime.app.commission.card_view import proof_times
 from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.sources import Where, standing_of
+from aff_runtime.app.commission.sources import Paths, standing_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.commission.views import (
     DriveRow,
@@ -30,7 +30,7 @@ from aff_runtime.core.response import Response
 MOST_LINES = 60
 
 
-def line(where: Where, asked: Request, talk: Talk) -> LineShown:
+def line(where: Paths, asked: Request, talk: Talk) -> LineShown:
     """Return what there is to know of the line before it is probed, and after."""
     with bounded_effort(str(where.site), ConfigError):
         report = check_site(where.site, (), where.state)
@@ -58,7 +58,7 @@ def line(where: Where, asked: Request, talk: Talk) -> LineShown:
     return LineShown(line=view)
 
 
-def _responses(site: Site, where: Where) -> dict[str, Response]:
+def _responses(site: Site, where: Paths) -> dict[str, Response]:
     """Return the measured responses as far as they can be read."""
     found: dict[str, Response] = {}
     for name, actuator in site.actuators.items():

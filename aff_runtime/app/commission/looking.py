@@ -9,7 +9,7 @@ from pathlib import Path
 from aff_runtime.app.card.book import NAME as CARD
 from aff_runtime.app.commission.answers import Answer
 from aff_runtime.app.commission.messages import Refusal, Request, Why
-from aff_runtime.app.commission.sources import Where, standing_of
+from aff_runtime.app.commission.sources import Paths, standing_of
 from aff_runtime.app.commission.views import NoService, ServiceView, SiteView
 from aff_runtime.app.commission.worker import Worker
 from aff_runtime.app.report.status_answer import StatusAnswer
@@ -33,7 +33,7 @@ class Looking:
     refusal is tried again: what it was for, memory or time, is in no file.
     """
 
-    def __init__(self, where: Where, clock: Clock) -> None:
+    def __init__(self, where: Paths, clock: Clock) -> None:
         self._where = where
         self._clock = clock
         self._service: StatusAnswer | None = None

@@ -13,7 +13,7 @@ from aff_runtime.app.check.limits import PATIENCE_S
 from aff_runtime.app.commission.answers import Answer, Done
 from aff_runtime.app.commission.messages import Refusal, Request, Why
 from aff_runtime.app.commission.saving import await_saved, save
-from aff_runtime.app.commission.sources import Where, parameters_of
+from aff_runtime.app.commission.sources import Paths, parameters_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.settings_answer import SettingsAnswer
@@ -44,7 +44,7 @@ def proposed(sentences: Sequence[str]) -> Mapping[Path, float]:
     return found
 
 
-def try_proposed(where: Where, asked: Request, talk: Talk) -> Answer:
+def try_proposed(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Have the service run what a step proposes for a while; it takes it back by itself."""
     found = CardFile.of(where.card).standing(asked.step, None)
     if found.last is None or found.measured is None or found.last.sha256 != asked.measured:
@@ -57,17 +57,17 @@ def try_proposed(where: Where, asked: Request, talk: Talk) -> Answer:
     return Done(text=f"tried for {asked.seconds} s: {'; '.join(map(str, answer.changes))}")
 
 
-def keep(where: Where, asked: Request, talk: Talk) -> Answer:
+def keep(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Save what is tried as the site file."""
     return _end(where, asked, "keep")
 
 
-def undo(where: Where, asked: Request, talk: Talk) -> Answer:
+def undo(where: Paths, asked: Request, talk: Talk) -> Answer:
     """End a try."""
     return _end(where, asked, "undo")
 
 
-def _end(where: Where, asked: Request, act: str) -> Answer:
+def _end(where: Paths, asked: Request, act: str) -> Answer:
     answer = _ask(where, act=act, why=_why(asked))
     if not answer.text:
         return Done(text="undone; the former settings run")
@@ -80,7 +80,7 @@ def _why(asked: Request) -> str:
     return f"{asked.reason} ({asked.account} at the screen)"
 
 
-def _ask(where: Where, **arguments: Any) -> SettingsAnswer:
+def _ask(where: Paths, **arguments: Any) -> SettingsAnswer:
     client = ServiceClient(where.socket)
     try:
         answer = client.ask("settings", timeout_s=PATIENCE_S + 5.0, **arguments)

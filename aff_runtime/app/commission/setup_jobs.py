@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from aff_runtime.app.commission.answers import Done
 from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.sources import Where, standing_of
+from aff_runtime.app.commission.sources import Paths, standing_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.setup.dialogue import Dialogue, LeftError
 from aff_runtime.app.setup.draft import read_draft
@@ -55,7 +55,7 @@ class Screen:
         self._talk.complain(line)
 
 
-def words(where: Where, asked: Request, talk: Talk) -> Done:
+def words(where: Paths, asked: Request, talk: Talk) -> Done:
     """Find the PLC's words and write the site file.
 
     Raises

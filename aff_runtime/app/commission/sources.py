@@ -27,7 +27,7 @@ from aff_runtime.base.run_window import run_window
 from aff_runtime.config.check import check_site
 
 __all__ = [
-    "Where",
+    "Paths",
     "after_search",
     "by_whom",
     "inputs_now",
@@ -40,8 +40,8 @@ __all__ = [
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Where:
-    """Where things lie.
+class Paths:
+    """Paths of what a job reads and writes.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ def parameters_of(site: Path, state: Path) -> ParameterRecord:
 
 
 def sources(
-    where: Where, card: CardFile, *, windows: Sequence[str] = (), plc: str = ""
+    where: Paths, card: CardFile, *, windows: Sequence[str] = (), plc: str = ""
 ) -> Sources:
     """Return everything that a step may be gathered from.
 
@@ -98,7 +98,7 @@ def sources(
 
 
 def after_search(
-    where: Where, found: Sources, values: Sequence[Typed], say: Callable[[str], None]
+    where: Paths, found: Sources, values: Sequence[Typed], say: Callable[[str], None]
 ) -> Sources:
     """Search with the running service; return sources that look at what was tried.
 
@@ -124,7 +124,7 @@ def after_search(
     return replace(found, answer=answer, windows=tried.windows, tries=tried.tries)
 
 
-def inputs_now(where: Where, card: CardFile) -> tuple[Inputs | None, tuple[str, ...]]:
+def inputs_now(where: Paths, card: CardFile) -> tuple[Inputs | None, tuple[str, ...]]:
     """Return what holds now, or None, and what is to be said about it."""
     try:
         found = sources(where, card)

@@ -11,7 +11,7 @@ from aff_runtime.app.check.limits import ONE_THREAD
 from aff_runtime.app.commission.answers import Answer
 from aff_runtime.app.commission.job_lines import Ended, Refused, Reply, Start, encode, read_line
 from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Refusal, Request, Why
-from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.commission.views import QuestionView, SaidLine
 from aff_runtime.app.supervisor.child_environment import without_service_manager
 from aff_runtime.base.python_child import talking_child
@@ -35,7 +35,7 @@ class Worker:
     is_unsure : it was ended without an answer, and may have changed what lasts (``KEEPS``).
     """
 
-    def __init__(self, asked: Request, where: Where) -> None:
+    def __init__(self, asked: Request, where: Paths) -> None:
         self.asked = asked
         self.said: deque[SaidLine] = deque(maxlen=KEPT_LINES)
         self.question: QuestionView | None = None

@@ -28,7 +28,7 @@ from aff_runtime.app.commission.job_lines import (
     read_start,
 )
 from aff_runtime.app.commission.messages import Refusal, Request
-from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.sources import Paths
 
 SEGMENT = views.SegmentView(name="0.csv", size=7, sha256="0" * 64)
 ENTRY = views.EntryView(
@@ -193,7 +193,7 @@ def test_what_is_no_line_of_a_job_is_refused(line):
 
 
 def test_what_a_job_is_told_comes_back_as_it_was_said():
-    where = Where(site=Path("s"), state=Path("t"), socket=Path("c"), card=Path("k"))
+    where = Paths(site=Path("s"), state=Path("t"), socket=Path("c"), card=Path("k"))
     start = Start(asked=Request(do="step", step=4, by="root"), where=where, parent=17)
     assert read_start(job_lines.encode(start)) == start
     reply = Reply(number=3, text="10.0.0.9")

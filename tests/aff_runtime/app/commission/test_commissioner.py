@@ -14,7 +14,7 @@ from aff_runtime.app.commission.commissioner import Commissioner
 from aff_runtime.app.commission.listening import Listener
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.people import IDLE_NS
-from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.commission.worker import CUT
 from aff_runtime.app.hand import accounts
 from aff_runtime.app.hand.accounts import Account, Accounts, secret_of, write_accounts
@@ -46,7 +46,7 @@ class Line:
             people, [Account(name=one, role=Role.COMMISSION, secret=secret) for one in names]
         )
         self.folder = folder
-        self.where = Where(
+        self.where = Paths(
             site=site,
             state=folder / "none",
             socket=folder / "rt" / "control.sock",

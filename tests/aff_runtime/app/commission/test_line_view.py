@@ -7,7 +7,7 @@ import pytest
 
 from aff_runtime.app.commission.line_view import line
 from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.sources import Paths
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
@@ -19,7 +19,7 @@ def where(tmp_path):
     site = tmp_path / "site.yaml"
     shutil.copyfile(SITE_FILE, site)
     (tmp_path / "rt").mkdir(mode=0o700)
-    return Where(
+    return Paths(
         site=site, state=tmp_path, socket=tmp_path / "rt" / "control.sock", card=tmp_path / "card"
     )
 

@@ -8,7 +8,7 @@ from aff_runtime.app.commission import looking
 from aff_runtime.app.commission.answers import Done
 from aff_runtime.app.commission.looking import LEAST_NS, Looking
 from aff_runtime.app.commission.messages import Refusal, Request
-from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.sources import Paths
 from tests.doubles.virtual_clock import VirtualClock
 
 REFUSED = Refusal(why="refused", name="card: takes more than 4096 MB to read")
@@ -20,7 +20,7 @@ def look(tmp_path, monkeypatch):
     """Return how a screen looks at the line after some nanoseconds, and the answers to come."""
     site = tmp_path / "site.yaml"
     site.write_text("site: 1\n")
-    where = Where(site=site, state=tmp_path, socket=tmp_path / "none", card=tmp_path)
+    where = Paths(site=site, state=tmp_path, socket=tmp_path / "none", card=tmp_path)
     clock, answers = VirtualClock(1), []
     found = Looking(where, clock)
 

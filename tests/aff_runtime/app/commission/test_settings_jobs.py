@@ -9,7 +9,7 @@ from aff_runtime.app.card.book import CardBook
 from aff_runtime.app.commission import settings_jobs
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.settings_jobs import keep, proposed, try_proposed, undo
-from aff_runtime.app.commission.sources import Where, parameters_of
+from aff_runtime.app.commission.sources import Paths, parameters_of
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.base.errors import RefusedError
 from tests.aff_runtime.app.card.made import add, book, measured
@@ -29,7 +29,7 @@ class Talk:
 def where(tmp_path):
     site = tmp_path / "site.yaml"
     shutil.copyfile(SITE_FILE, site)
-    return Where(site=site, state=tmp_path, socket=tmp_path / "none", card=tmp_path / "card")
+    return Paths(site=site, state=tmp_path, socket=tmp_path / "none", card=tmp_path / "card")
 
 
 @pytest.fixture

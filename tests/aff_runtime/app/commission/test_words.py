@@ -6,7 +6,7 @@ from aff_runtime.app.commission import setup_jobs
 from aff_runtime.app.commission.answers import Done
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.setup_jobs import words
-from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.config.loader import load_site
@@ -54,7 +54,7 @@ def plc(monkeypatch):
 
 @pytest.fixture
 def where(tmp_path):
-    return Where(
+    return Paths(
         site=tmp_path / "site.yaml",
         state=tmp_path,
         socket=tmp_path / "control.sock",

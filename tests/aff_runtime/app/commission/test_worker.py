@@ -6,7 +6,7 @@ import pytest
 
 from aff_runtime.app.commission.job import JOBS
 from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.sources import Where
+from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.commission.worker import CUT, DIED, KEEPS, STOPPED, Worker
 from tests.aff_runtime.app.commission import made_jobs
 from tests.aff_runtime.app.commission.made_jobs import say
@@ -17,7 +17,7 @@ NEVER = "time.sleep(600)\n"
 
 @pytest.fixture
 def where(tmp_path):
-    return Where(site=tmp_path, state=tmp_path, socket=tmp_path, card=tmp_path)
+    return Paths(site=tmp_path, state=tmp_path, socket=tmp_path, card=tmp_path)
 
 
 def stopped_after_words(where, do):
