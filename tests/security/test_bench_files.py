@@ -24,7 +24,7 @@ from sim_plant.demo.roll_figure import LearnedOrder, roll_figure
 from sim_plant.refine.report.figures import overlay, spectrum, wavenumber_map
 from sim_plant.refine.report.folder import FILES, FRESH, check_folder, publish
 from sim_plant.refine.report.outcome import Plan
-from sim_plant.refine.spectra.line_spectrum import LineSpectrum
+from sim_plant.refine.spectra.spectral_lines import SpectralLines
 from sim_plant.servers.control import ControlSocket
 from sim_plant.servers.frame_hub import FrameHub
 
@@ -136,7 +136,7 @@ def test_a_word_of_a_file_is_no_formula_in_any_figure():
         first=0,
         travel_m=0.01 * np.arange(4000.0),
     )
-    line = LineSpectrum(
+    line = SpectralLines(
         kind="angle",
         roll=word,
         coordinate=np.arange(1.0, 50.0),

@@ -255,7 +255,7 @@ class UnexplainedCriteria:
     periodic_share: float = criterion(
         0.12, "of what is left", "a free spectral line above is what is left", DEVELOPMENT
     )
-    line_cycles: float = criterion(
+    spectral_line_cycles: float = criterion(
         8.0,
         "cycles a record",
         "that a spectral line has which is no step: a step's are slow",

@@ -25,14 +25,14 @@ HEAD = """\
 # for the site file: each entry (from `- roll` on) goes into the list `blocks` of an actuator,
 # indented as here; it replaces the entry with the same `roll` if there is one, all others stay;
 # a roller that has an actuator of its own belongs there; then run `aff-runtime check` on the file
-# start: moment arm of each order for `law: shape`, tried on the roll before it is used; with
-# `law: blocks` remove start and all orders but the first four
+# start: deviation of the moment arm of each order for `law: shape`, tried on the roll before it is
+# used; with `law: blocks` remove start and all orders but the first four
 """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AffBlock:
-    """One entry of a site file's list ``blocks``: keys as that file has them.
+    """One entry of a site file's list ``blocks``; ``entry`` returns it with that file's keys.
 
     ``start`` are deviations that law shape may begin from; empty: none.
     """

@@ -10,7 +10,7 @@ from matplotlib.ticker import NullFormatter
 
 from sim_plant.base.svg import as_written, svg
 from sim_plant.refine.judge.holdout import Evaluation
-from sim_plant.refine.spectra.line_spectrum import LineSpectrum
+from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 BEFORE, AFTER, MEASURED = "#b3261e", "#1a7f37", "#9aa0a6"
 POINTS = 3000
@@ -69,7 +69,7 @@ def worst_part(judged: Evaluation, channel: int, samples: int) -> slice:
 
 
 def spectrum(
-    before: Sequence[LineSpectrum], after: Sequence[LineSpectrum], threshold: float
+    before: Sequence[SpectralLines], after: Sequence[SpectralLines], threshold: float
 ) -> str:
     """Return what a free line explains in time, travel and roll angle, with the threshold."""
     figure = Figure(figsize=(11, 2.6 * len(before)))

@@ -11,13 +11,13 @@ from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import sure_fall
 from sim_plant.refine.search.unexplained import strongest_peak
 from sim_plant.refine.spectra.coordinates import Travel, periodic_support, spectra
-from sim_plant.refine.spectra.line_spectrum import LineSpectrum
+from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 COMPLETENESS = CRITERIA.search.completeness
 NOISE_PEAK = CRITERIA.search.unexplained.periodic
 """A free line below this may be noise."""
 
-Spectra = tuple[tuple[LineSpectrum, ...], ...]
+Spectra = tuple[tuple[SpectralLines, ...], ...]
 """Free-line spectra, per record."""
 
 
@@ -35,7 +35,7 @@ def remaining_spectra(objective: Objective, fit: Fit, travels: Sequence[Travel])
     return tuple(tuple(spectra(travel, part[noise.analogue])) for travel, part, noise in rows)
 
 
-def explains_own_lines(
+def explains_own_spectral_lines(
     objective: Objective, base: Fit, before: Spectra, travels: Sequence[Travel], fit: Fit
 ) -> bool:
     """Return whether the effects that ``fit`` adds to ``base`` explain their own lines.

@@ -14,10 +14,14 @@ from sim_plant.refine.fit.objective import Objective, conditioned_on
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.added_effect import rolling_only
-from sim_plant.refine.search.apart_from_lines import Apart, apart_from_lines, own_lines
+from sim_plant.refine.search.apart_from_spectral_lines import (
+    Apart,
+    apart_from_spectral_lines,
+    own_spectral_lines,
+)
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress, sure_fall
 from sim_plant.refine.search.completeness import (
-    explains_own_lines,
+    explains_own_spectral_lines,
     leaves_much,
     remaining_spectra,
     sure_excess,
@@ -50,7 +54,7 @@ from sim_plant.refine.search.selection import (
     score,
     standing,
 )
-from sim_plant.refine.search.unexplained import Unknown, unexplained_parts
+from sim_plant.refine.search.unexplained import Unknown, what_is_left
 from sim_plant.refine.spectra.aliases import with_aliases, with_orders
 from sim_plant.refine.spectra.coordinates import is_periodic, travel_of
 
@@ -115,7 +119,7 @@ def select(
             after=remaining_spectra(objective, fit, selection.travels),
         )
         quiet = at_noise_floor(selection, objective.expected_cost, sure_excess(objective))
-        if quiet and not own_lines(selection):
+        if quiet and not own_spectral_lines(selection):
             break
     selection = looked_over(objective, selection, progress)
     return _with_remainder(objective, selection, progress)
@@ -197,9 +201,7 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
 
 def _classified(objective: Objective, selection: Selection) -> Selection:
     fit = selection.fit
-    unknown = unexplained_parts(
-        objective, selection.nominal, fit, selection.travels, selection.after
-    )
+    unknown = what_is_left(objective, selection.nominal, fit, selection.travels, selection.after)
     excess = objective.excess(fit.cost, fit.residual)
     there = selection.nominal.cost - objective.expected_cost
     if not unknown and imitates(selection.accepted, excess, there):
@@ -236,7 +238,7 @@ def next_extensions(
     apart: Apart | None = None
     for group in (plain, resonant, others):
         if group is others:
-            apart = apart_from_lines(objective, selection)
+            apart = apart_from_spectral_lines(objective, selection)
             weigh = objective if apart is None else apart.objective
             events = event_candidates(weigh, _looked_from(selection.fit, apart), without, progress)
             extension = best_of(objective, selection, group, progress, conflicts, events, apart)
@@ -244,7 +246,7 @@ def next_extensions(
             extension = best_of(objective, selection, group, progress)
         if extension is None:
             continue
-        if _explains_own_lines(objective, selection, extension.fit, apart):
+        if _explains_own_spectral_lines(objective, selection, extension.fit, apart):
             complete.append(extension)
             explained = cost - extension.fit.cost
             if group is plain and explained > ACCEPTANCE.decisive_share * left:
@@ -284,7 +286,7 @@ def _second_of_pair(
         if second is None:
             continue
         fit = profile_reinitialised(objective, second.fit)
-        if _explains_own_lines(objective, selection, fit):
+        if _explains_own_spectral_lines(objective, selection, fit):
             if group is not others and leaves_much(objective, selection.fit, fit):
                 progress("  two of them leave too much: not accepted")
                 continue
@@ -356,9 +358,11 @@ def chi2_without_last(objective: Objective, fit: Fit, apart: Apart | None = None
     return sure_fall(objective if apart is None else apart.objective, without, there)
 
 
-def _explains_own_lines(
+def _explains_own_spectral_lines(
     objective: Objective, selection: Selection, fit: Fit, apart: Apart | None = None
 ) -> bool:
     if apart is not None:
-        return apart.explains_own_lines(fit)
-    return explains_own_lines(objective, selection.fit, selection.after, selection.travels, fit)
+        return apart.explains_own_spectral_lines(fit)
+    return explains_own_spectral_lines(
+        objective, selection.fit, selection.after, selection.travels, fit
+    )

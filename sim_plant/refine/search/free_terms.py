@@ -17,7 +17,7 @@ from sim_plant.refine.spectra.coordinates import (
     shown_Hz,
     wavenumbers_1_m,
 )
-from sim_plant.refine.spectra.line_spectrum import speed_weights
+from sim_plant.refine.spectra.spectral_lines import speed_weights
 
 FREE_TERMS = CRITERIA.search.free_terms
 PERIODIC_KINDS = frozenset(FREE_TERMS.harmonics)

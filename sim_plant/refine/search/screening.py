@@ -16,7 +16,7 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress, bic_penalty
 from sim_plant.refine.spectra.coordinates import Travel, periodic_support
-from sim_plant.refine.spectra.line_spectrum import LineSpectrum
+from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 SCREENING = CRITERIA.search.screening
 
@@ -24,7 +24,7 @@ SCREENING = CRITERIA.search.screening
 def by_periodic_support(
     hypotheses: Sequence[Hypothesis],
     travels: Sequence[Travel],
-    spectra: Sequence[Sequence[LineSpectrum]],
+    spectra: Sequence[Sequence[SpectralLines]],
 ) -> tuple[list[Hypothesis], list[Hypothesis]]:
     """Return periodic hypotheses whose line is in some record, and those that are not periodic."""
     periodic, others = [], []

@@ -13,11 +13,11 @@ from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.noise.innovations import NoiseModel
 from sim_plant.refine.search.coherence import Coupling, least_likely_coupling
-from sim_plant.refine.search.line_in_noise import may_be_noise
 from sim_plant.refine.search.outside_prior import PriorConflict, joint_conflict
+from sim_plant.refine.search.spectral_line_in_noise import may_be_noise
 from sim_plant.refine.search.unknown_event import event_left
 from sim_plant.refine.spectra.coordinates import Travel
-from sim_plant.refine.spectra.line_spectrum import LineSpectrum
+from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 UNEXPLAINED = CRITERIA.search.unexplained
 
@@ -53,28 +53,30 @@ class Unknown:
         return f"{self.kind} ({where})"
 
 
-def strongest_peak(found: Sequence[Sequence[LineSpectrum]]) -> tuple[LineSpectrum, float, float]:
+def strongest_peak(found: Sequence[Sequence[SpectralLines]]) -> tuple[SpectralLines, float, float]:
     """Return the strongest free line of all records: spectrum, coordinate, chi-square."""
     best = max((s for record in found for s in record), key=lambda s: s.peak[1])
     return best, *best.peak
 
 
-def unexplained_parts(
+def what_is_left(
     objective: Objective,
     nominal: Fit,
     fit: Fit,
     travels: Sequence[Travel],
-    after: Sequence[Sequence[LineSpectrum]],
+    after: Sequence[Sequence[SpectralLines]],
 ) -> list[Unknown]:
-    """Return the class and coordinate of what ``fit`` leaves, nothing when it is noise.
+    """Return the class and coordinate of what ``fit`` leaves.
 
-    ``after`` are the free-line spectra of what it leaves, over ``travels``.
+    Nothing when it is noise, when it is little beside what there was without effects, or when it
+    is only coupled channels while free terms stand. ``after`` are the free-line spectra of what
+    it leaves, over ``travels``.
     """
     excess = objective.excess(fit.cost, fit.residual)
-    there = nominal.cost - objective.expected_cost
-    if fit.hypotheses and excess < UNEXPLAINED.remainder_share * there:
+    nominal_excess = nominal.cost - objective.expected_cost
+    if fit.hypotheses and excess < UNEXPLAINED.remainder_share * nominal_excess:
         return []
-    located = event_or_line(objective, fit, travels, after, excess)
+    located = event_or_spectral_line(objective, fit, travels, after, excess)
     if located is not None:
         return [located]
     conflict = joint_conflict(objective, fit)
@@ -85,14 +87,14 @@ def unexplained_parts(
     if any(terms is not None for terms in objective.whitening.basis):
         return []  # what free terms leave of a line is coupled as the line is
     coupling = least_likely_coupling(objective, fit)
-    return [pushed(coupling)] if coupling.score > UNEXPLAINED.coupled else []
+    return [coupled_channels(coupling)] if coupling.score > UNEXPLAINED.coupled else []
 
 
-def event_or_line(
+def event_or_spectral_line(
     objective: Objective,
     fit: Fit,
     travels: Sequence[Travel],
-    after: Sequence[Sequence[LineSpectrum]],
+    after: Sequence[Sequence[SpectralLines]],
     excess: float,
 ) -> Unknown | None:
     """Return what has a coordinate: a moment first, for a step looks like a slow rhythm."""
@@ -105,18 +107,18 @@ def event_or_line(
     return Unknown(kind="event", coordinate=event[0], strength=event[1])
 
 
-def rings(after: Sequence[Sequence[LineSpectrum]], strength: float) -> bool:
+def rings(after: Sequence[Sequence[SpectralLines]], strength: float) -> bool:
     """Return whether most of what begins at a moment, of this ``strength``, is a spectral line.
 
     A resonance begins to sound when the line comes to its speed. A step has strong lines too, but
     of a few cycles only.
     """
     spectrum, at, of_line = strongest_peak(after)
-    sure = at * spectrum.extent >= UNEXPLAINED.line_cycles
+    sure = at * spectrum.extent >= UNEXPLAINED.spectral_line_cycles
     return sure and of_line > UNEXPLAINED.ringing_share * strength
 
 
-def periodic_left(after: Sequence[Sequence[LineSpectrum]], excess: float) -> Unknown | None:
+def periodic_left(after: Sequence[Sequence[SpectralLines]], excess: float) -> Unknown | None:
     """Return the strongest free line where it is one, and a good part of the ``excess``."""
     spectrum, at, strength = strongest_peak(after)
     if strength > UNEXPLAINED.periodic and strength > UNEXPLAINED.periodic_share * excess:
@@ -133,7 +135,7 @@ def outside_tolerance(conflict: PriorConflict) -> Unknown:
     return Unknown(kind="state", strength=conflict.chi2, coordinate=where)
 
 
-def pushed(coupling: Coupling) -> Unknown:
+def coupled_channels(coupling: Coupling) -> Unknown:
     """Return two channels that move together as no noise does, as something irregular."""
     where: dict[str, float | str] = {
         "channels": " and ".join(coupling.channels),
@@ -153,7 +155,7 @@ def loudest(noise: Sequence[NoiseModel], left: Sequence[Array]) -> float:
     return max(float(np.mean(row**2)) for model, part in rows for row in part[model.analogue])
 
 
-def _where(spectrum: LineSpectrum, at: float) -> dict[str, float | str]:
+def _where(spectrum: SpectralLines, at: float) -> dict[str, float | str]:
     if spectrum.kind == "time":
         return {"frequency_Hz": at}
     if spectrum.kind == "travel":

@@ -9,7 +9,7 @@ from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.spectra.coordinates import Travel, line_at_body
-from sim_plant.refine.spectra.line_spectrum import LineSpectrum
+from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 SPECTRA = CRITERIA.spectra
 
@@ -17,7 +17,7 @@ SPECTRA = CRITERIA.spectra
 def with_aliases(
     library: Sequence[Hypothesis],
     travels: Sequence[Travel],
-    found: Sequence[Sequence[LineSpectrum]],
+    found: Sequence[Sequence[SpectralLines]],
 ) -> list[Hypothesis]:
     """Return the library with effects of a frequency where the strongest lines may come from.
 
@@ -46,7 +46,7 @@ def origins_Hz(
     h: Hypothesis,
     shows: Frequency,
     travels: Sequence[Travel],
-    found: Sequence[Sequence[LineSpectrum]],
+    found: Sequence[Sequence[SpectralLines]],
 ) -> list[float]:
     """Return the frequency from which the strongest line in time of each record may come.
 
@@ -71,7 +71,7 @@ def origins_Hz(
 def with_orders(
     library: Sequence[Hypothesis],
     travels: Sequence[Travel],
-    found: Sequence[Sequence[LineSpectrum]],
+    found: Sequence[Sequence[SpectralLines]],
 ) -> list[Hypothesis]:
     """Return the library with the whole order of a body that the strongest line may be.
 
@@ -91,7 +91,7 @@ def with_orders(
 
 
 def whole_orders(
-    h: Hypothesis, travels: Sequence[Travel], found: Sequence[Sequence[LineSpectrum]]
+    h: Hypothesis, travels: Sequence[Travel], found: Sequence[Sequence[SpectralLines]]
 ) -> list[int]:
     """Return the orders of the hypothesis' body that the strongest line of a record may be."""
     orders = []

@@ -14,7 +14,7 @@ from sim_plant.line.declaration import Declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.twin import Case, Twin
-from sim_plant.refine.spectra.line_spectrum import LineSpectrum, line_spectrum, speed_weights
+from sim_plant.refine.spectra.spectral_lines import SpectralLines, spectral_lines, speed_weights
 
 TWO_PI = 2.0 * math.pi
 SPECTRA = CRITERIA.spectra
@@ -58,7 +58,7 @@ def travel_of(twin: Twin, measured: Array, case: Case, first: int) -> Travel:
     )
 
 
-def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
+def spectra(travel: Travel, whitened: Array) -> list[SpectralLines]:
     """Return free-line spectra in time, travel and the angle of both material rolls.
 
     A line in time is one up to half the sample rate less as many cycles as the slowest has: mains
@@ -70,13 +70,13 @@ def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
     fastest = float(np.max(np.abs(travel.speed_m_s)))
     length = float(travel.travel_m[-1] - travel.travel_m[0])
     found = [
-        line_spectrum(
+        spectral_lines(
             whitened, travel.time_s, weights, kind="time", highest=nyquist - slow, lowest=slow
         )
     ]
     if length > SPECTRA.least_travel_m:
         found.append(
-            line_spectrum(
+            spectral_lines(
                 whitened,
                 travel.travel_m,
                 weights,
@@ -89,7 +89,7 @@ def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
         turns = travel.angles_rad[body] / TWO_PI
         if turns[-1] - turns[0] > SPECTRA.fewest_turns:
             found.append(
-                line_spectrum(
+                spectral_lines(
                     whitened,
                     turns,
                     weights,
@@ -103,7 +103,7 @@ def spectra(travel: Travel, whitened: Array) -> list[LineSpectrum]:
 
 
 def near(
-    spectrum: LineSpectrum, coordinate: float, width: float = SPECTRA.same_coordinate_share
+    spectrum: SpectralLines, coordinate: float, width: float = SPECTRA.same_coordinate_share
 ) -> float:
     """Return the highest drop within ``width`` (relative) of a coordinate, and one bin."""
     bin_width = float(spectrum.coordinate[1] - spectrum.coordinate[0])
@@ -149,7 +149,7 @@ def _radius_m(h: Hypothesis, travel: Travel) -> float:
 
 
 def line_at_body(
-    h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]
+    h: Hypothesis, travel: Travel, found: Sequence[SpectralLines]
 ) -> tuple[float, float] | None:
     """Return the strongest line over the turns of the hypothesis' body, and a bin; in orders."""
     seen = _over_turns(h, travel, found) if h.location != "all" else None
@@ -161,8 +161,8 @@ def line_at_body(
 
 
 def _over_turns(
-    h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]
-) -> tuple[LineSpectrum, float] | None:
+    h: Hypothesis, travel: Travel, found: Sequence[SpectralLines]
+) -> tuple[SpectralLines, float] | None:
     """Return the spectrum in which orders of a body show, and orders per unit of its coordinate.
 
     That of the body's own angle where there is one, else the travel's.
@@ -175,7 +175,9 @@ def _over_turns(
     return None if shared is None else (shared, TWO_PI * _radius_m(h, travel))
 
 
-def periodic_support(h: Hypothesis, travel: Travel, found: Sequence[LineSpectrum]) -> float | None:
+def periodic_support(
+    h: Hypothesis, travel: Travel, found: Sequence[SpectralLines]
+) -> float | None:
     """Return how strong the free lines are where this hypothesis would show; None: not a line."""
     if not is_periodic(h):
         return None

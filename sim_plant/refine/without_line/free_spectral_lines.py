@@ -11,7 +11,7 @@ from scipy.special import chdtri
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.spectra.line_spectrum import LineSpectrum, line_spectrum, speed_weights
+from sim_plant.refine.spectra.spectral_lines import SpectralLines, spectral_lines, speed_weights
 from sim_plant.refine.without_line.record_filter import Explained, whiten
 from sim_plant.refine.without_line.seen import Seen, as_orders, phase_of, seen
 
@@ -52,14 +52,14 @@ class SpectralLine:
         return 1.0 / (2.0 * math.pi * self.coordinate)
 
 
-def _spectra(item: Explained, white: Array) -> list[LineSpectrum]:
+def _spectra(item: Explained, white: Array) -> list[SpectralLines]:
     rate = 1.0 / item.record.sample_time_s
     size = white.shape[1]
     time_s: Array = np.arange(size, dtype=np.float64) * item.record.sample_time_s
     moving = item.speed_m_s if item.speed_m_s is not None else np.ones(size)
     weights = speed_weights(moving, 2)
     found = [
-        line_spectrum(
+        spectral_lines(
             white,
             time_s,
             weights,
@@ -75,7 +75,7 @@ def _spectra(item: Explained, white: Array) -> list[LineSpectrum]:
             WITHOUT_LINE.highest_wavenumber_1_m,
         )
         found.append(
-            line_spectrum(
+            spectral_lines(
                 white,
                 item.travel_m,
                 weights,
@@ -87,7 +87,7 @@ def _spectra(item: Explained, white: Array) -> list[LineSpectrum]:
     return found
 
 
-def threshold(spectrum: LineSpectrum) -> float:
+def threshold(spectrum: SpectralLines) -> float:
     """Return the drop that noise exceeds by chance ``false_alarm``, times ``safety``."""
     per_bin = WITHOUT_LINE.false_alarm / max(1, spectrum.coordinate.size)
     return WITHOUT_LINE.safety * float(chdtri(spectrum.degrees, per_bin))
@@ -199,7 +199,7 @@ def clocks(items: Sequence[Explained]) -> list[SpectralLine]:
     return found
 
 
-def _best(spectra: Sequence[Sequence[LineSpectrum]]) -> tuple[str, float, float] | None:
+def _best(spectra: Sequence[Sequence[SpectralLines]]) -> tuple[str, float, float] | None:
     best: tuple[str, float, float] | None = None
     for k, first in enumerate(spectra[0]):
         total = first.chi2_reduction.copy()
@@ -277,7 +277,7 @@ def _clock(items: Sequence[Explained], kind: str, coordinate: float) -> str:
             continue
         white = np.stack([whiten(row) for row in item.inputs])
         time_s = phase_of(item, "time")
-        spectrum = line_spectrum(
+        spectrum = spectral_lines(
             white,
             time_s,
             np.ones((1, time_s.size)),

@@ -11,7 +11,7 @@ from scipy.special import chdtri
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.spectra.line_spectrum import speed_weights
+from sim_plant.refine.spectra.spectral_lines import speed_weights
 from sim_plant.refine.without_line.record_filter import Explained
 
 WITHOUT_LINE = CRITERIA.without_line

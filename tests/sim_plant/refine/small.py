@@ -19,7 +19,7 @@ from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.report.verdict import EffectFinding, Verdict
 from sim_plant.refine.spectra.coordinates import Travel
-from sim_plant.refine.spectra.line_spectrum import LineSpectrum
+from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 LINE_FILE = Path(__file__).parents[3] / "config/lines/euclid.yaml"
 STEP_S = 0.01
@@ -96,7 +96,7 @@ def travel_at(speed_m_s, line=None):
 
 def one_peak(chi2_reduction=0.0):
     """Return the spectra of one record with one line of this strength, at 1 Hz."""
-    line = LineSpectrum(
+    line = SpectralLines(
         kind="time",
         roll="",
         coordinate=np.array([1.0, 1.1]),

@@ -60,7 +60,11 @@ EFFECT = GeneralEffect(
     name="state_dependence",
     stage="driven",
     text="the gain of an input changes with a slow state",
-    numbers=(Number(name="gain_share_per_unit", text="change of the gain per unit of the state"),),
+    numbers=(
+        Number(
+            name="gain_share_per_unit", text="relative change of the gain per unit of the state"
+        ),
+    ),
     starts=starts,
     change=change,
 )

@@ -7,7 +7,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.objective import conditioned_on
 from sim_plant.refine.search.coherence import least_likely_coupling
 from sim_plant.refine.search.completeness import remaining_spectra
-from sim_plant.refine.search.unexplained import loudest, unexplained_parts
+from sim_plant.refine.search.unexplained import loudest, what_is_left
 from tests.sim_plant.refine.small import (
     STEP_S,
     fit_of,
@@ -51,7 +51,7 @@ def left(sizes=(1.0, 1.0, 1.0), push=0.0):
 
 
 def parts(objective, fit):
-    return unexplained_parts(objective, fit, fit, TRAVELS, one_peak())
+    return what_is_left(objective, fit, fit, TRAVELS, one_peak())
 
 
 def power(objective, fit):
@@ -88,7 +88,7 @@ def test_channels_that_move_together_as_no_noise_does_are_broadband(push, kinds)
 @pytest.mark.parametrize(("strength", "kinds"), [(250.0, []), (300.0, ["time"])])
 def test_a_line_is_claimed_above_what_healthy_records_show(strength, kinds):
     fit = left()
-    found = unexplained_parts(OBJECTIVE, fit, fit, TRAVELS, one_peak(strength))
+    found = what_is_left(OBJECTIVE, fit, fit, TRAVELS, one_peak(strength))
     assert [u.kind for u in found] == kinds
     assert all(u.coordinate == {"frequency_Hz": 1.0} for u in found)
 
@@ -119,5 +119,5 @@ def begun(shape):
 )
 def test_what_a_speed_brings_to_sound_is_a_line_and_a_step_is_an_event(shape, kinds):
     fit, spectra = begun(shape)
-    found = unexplained_parts(OBJECTIVE, fit, fit, TRAVELS, spectra)
+    found = what_is_left(OBJECTIVE, fit, fit, TRAVELS, spectra)
     assert [u.kind in kinds for u in found] == [True]

@@ -15,7 +15,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective, conditioned_on
 from sim_plant.refine.search.candidate import FittedCandidate, sure_fall
-from sim_plant.refine.search.completeness import explains_own_lines, remaining_spectra
+from sim_plant.refine.search.completeness import explains_own_spectral_lines, remaining_spectra
 from sim_plant.refine.search.free_terms import free_term_basis
 from sim_plant.refine.search.selection import Selection
 from sim_plant.refine.search.unexplained import Unknown
@@ -47,22 +47,22 @@ class Apart:
         fall = sure_fall(self.objective, self.selection.fit, left)
         return replace(candidate, chi2_reduction=fall)
 
-    def explains_own_lines(self, fit: Fit) -> bool:
+    def explains_own_spectral_lines(self, fit: Fit) -> bool:
         """Return whether ``fit`` explains a fair share of what is left apart from the lines."""
         base = self.selection
-        return explains_own_lines(
+        return explains_own_spectral_lines(
             self.objective, base.fit, base.after, base.travels, self.weighed(fit)
         )
 
 
-def apart_from_lines(objective: Objective, selection: Selection) -> Apart | None:
+def apart_from_spectral_lines(objective: Objective, selection: Selection) -> Apart | None:
     """Return the selection as judged apart from its effects' spectral lines.
 
     None where that decides nothing: no effect has a line, they explain too little for their
     model error to hide another, or free terms are there already.
     """
     explained = selection.nominal.cost - selection.fit.cost
-    lines = own_lines(selection)
+    lines = own_spectral_lines(selection)
     free = any(terms is not None for terms in objective.whitening.basis)
     if free or not lines or ACCEPTANCE.explained_share * explained <= ACCEPTANCE.score:
         return None
@@ -78,7 +78,7 @@ def apart_from_lines(objective: Objective, selection: Selection) -> Apart | None
     return Apart(objective=conditioned, selection=there)
 
 
-def own_lines(selection: Selection) -> Sequence[Unknown]:
+def own_spectral_lines(selection: Selection) -> Sequence[Unknown]:
     """Return where the accepted effects show: all orders of a body, or a line in time."""
     bodies = [roller.name for roller in selection.travels[0].declaration.rollers]
     found: list[Unknown] = []

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from sim_plant.refine.spectra.line_spectrum import line_spectrum, speed_weights
+from sim_plant.refine.spectra.spectral_lines import spectral_lines, speed_weights
 
 STEP_S = 0.01
 TIME_S = np.arange(6000) * STEP_S
@@ -14,7 +14,7 @@ def noise(channels=3):
 
 
 def found(signal, phase, kind):
-    return line_spectrum(
+    return spectral_lines(
         signal, phase, speed_weights(SPEED, 2), kind=kind, highest=10.0, lowest=0.1
     )
 

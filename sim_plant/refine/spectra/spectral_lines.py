@@ -13,7 +13,7 @@ OVERSAMPLING = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class LineSpectrum:
+class SpectralLines:
     """What a free spectral line explains at every coordinate.
 
     Attributes
@@ -66,7 +66,7 @@ def speed_weights(speed_m_s: Array, count: int = 3) -> Array:
     return weights
 
 
-def line_spectrum(
+def spectral_lines(
     whitened: Array,
     phase_cycles: Array,
     weights: Array,
@@ -75,7 +75,7 @@ def line_spectrum(
     roll: str = "",
     highest: float,
     lowest: float,
-) -> LineSpectrum:
+) -> SpectralLines:
     """Return the chi-square reduction of a line in ``phase_cycles`` (samples,).
 
     Its size is free in every channel.
@@ -98,7 +98,7 @@ def line_spectrum(
             chi2_reduction += 2.0 / samples * np.abs(spectrum) ** 2
     coordinate = np.arange(chi2_reduction.size) / (2.0 * extent)
     keep = (coordinate >= lowest) & (coordinate <= highest)
-    return LineSpectrum(
+    return SpectralLines(
         kind=kind,
         roll=roll,
         coordinate=coordinate[keep],

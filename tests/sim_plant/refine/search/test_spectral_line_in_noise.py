@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from sim_plant.refine.search.completeness import remaining_spectra
-from sim_plant.refine.search.line_in_noise import may_be_noise
-from sim_plant.refine.search.unexplained import strongest_peak, unexplained_parts
+from sim_plant.refine.search.spectral_line_in_noise import may_be_noise
+from sim_plant.refine.search.unexplained import strongest_peak, what_is_left
 from tests.sim_plant.refine.small import (
     STEP_S,
     FormulaTwin,
@@ -62,7 +62,7 @@ def claimed(own, size):
     fit = fit_of(residual=residual, cost=float(residual @ residual))
     after = remaining_spectra(objective, fit, TRAVELS)
     spectrum, at, strength = strongest_peak(after)
-    said = unexplained_parts(objective, fit, fit, TRAVELS, after)
+    said = what_is_left(objective, fit, fit, TRAVELS, after)
     return (
         strength,
         may_be_noise(objective, TRAVELS, spectrum, at),

@@ -16,13 +16,13 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.spectra.coordinates import Travel, spectra
-from sim_plant.refine.spectra.line_spectrum import LineSpectrum
+from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 UNEXPLAINED = CRITERIA.search.unexplained
 
 
 def may_be_noise(
-    objective: Objective, travels: Sequence[Travel], spectrum: LineSpectrum, at: float
+    objective: Objective, travels: Sequence[Travel], spectrum: SpectralLines, at: float
 ) -> bool:
     """Return whether the line at ``at`` is likelier noise than ``periodic`` would be.
 
@@ -41,7 +41,9 @@ def may_be_noise(
     return bool(chdtrc(degrees, max(value, 0.0)) > alone)
 
 
-def noise_spectra(objective: Objective, travels: Sequence[Travel]) -> list[Sequence[LineSpectrum]]:
+def noise_spectra(
+    objective: Objective, travels: Sequence[Travel]
+) -> list[Sequence[SpectralLines]]:
     """Return the free-line spectra of every seeded run of noise, of all records."""
     rows = zip(travels, objective.whitening.noise, objective.whitening.realisations, strict=True)
     return [
@@ -51,7 +53,7 @@ def noise_spectra(objective: Objective, travels: Sequence[Travel]) -> list[Seque
     ]
 
 
-def _around(found: Sequence[LineSpectrum], spectrum: LineSpectrum, at: float) -> Array:
+def _around(found: Sequence[SpectralLines], spectrum: SpectralLines, at: float) -> Array:
     """Return the values of the same spectrum within half an octave to either side."""
     same = [s for s in found if (s.kind, s.roll) == (spectrum.kind, spectrum.roll)]
     root = np.sqrt(2.0)
