@@ -203,8 +203,8 @@ def _classified(objective: Objective, selection: Selection) -> Selection:
     fit = selection.fit
     unknown = what_is_left(objective, selection.nominal, fit, selection.travels, selection.after)
     excess = objective.excess(fit.cost, fit.residual)
-    there = selection.nominal.cost - objective.expected_cost
-    if not unknown and imitates(selection.accepted, excess, there):
+    nominal_excess = selection.nominal.cost - objective.expected_cost
+    if not unknown and imitates(selection.accepted, excess, nominal_excess):
         unknown = [Unknown(kind="broadband", strength=excess, coordinate={})]
     return replace(selection, unknown=tuple(unknown))
 

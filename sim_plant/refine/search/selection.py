@@ -262,17 +262,18 @@ def at_noise_floor(selection: Selection, expected_cost: float, sure_excess: floa
     return excess + sure_excess < ACCEPTANCE.floor_share * explained
 
 
-def imitates(found: Sequence[AcceptedEffect], excess: float, there: float) -> bool:
+def imitates(found: Sequence[AcceptedEffect], excess: float, nominal_excess: float) -> bool:
     """Return whether effects beside a spectral line leave too much to be more than an imitation.
 
-    What is left counts against what those without a line explain, not against the line that was
-    ``there``: of a strong roll four hundredths are more than any delay. ``excess`` is chi2.
+    What is left counts against what those without a spectral line explain, and against no more
+    than a small share of what there was without effects (``nominal_excess``): of a strong roll
+    four hundredths are more than any delay. ``excess`` and ``nominal_excess`` are chi-squares.
     """
     beside = [e for e in found if not is_periodic(e.hypothesis)]
     if not beside or len(beside) == len(found):
         return False
     most = CRITERIA.search.completeness.fair_share * (excess + sum(e.score for e in beside))
-    return excess > max(most, CRITERIA.search.unexplained.imitated_share * there)
+    return excess > max(most, CRITERIA.search.unexplained.imitated_share * nominal_excess)
 
 
 def standing(found: Sequence[AcceptedEffect], excess: float) -> list[int]:
