@@ -265,9 +265,9 @@ def at_noise_floor(selection: Selection, expected_cost: float, sure_excess: floa
 def imitates(found: Sequence[AcceptedEffect], excess: float, nominal_excess: float) -> bool:
     """Return whether effects beside a spectral line leave too much to be more than an imitation.
 
-    What is left counts against what those without a spectral line explain, and against no more
-    than a small share of what there was without effects (``nominal_excess``): of a strong roll
-    four hundredths are more than any delay. ``excess`` and ``nominal_excess`` are chi-squares.
+    What is left counts against what those without a spectral line explain, once it is
+    more than a small share of what there was without effects (``nominal_excess``): of a strong
+    roll four hundredths are more than any delay. Both excesses are chi-squares.
     """
     beside = [e for e in found if not is_periodic(e.hypothesis)]
     if not beside or len(beside) == len(found):
