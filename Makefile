@@ -1,4 +1,4 @@
-# The one door. Every target sets up what it needs.
+# Where to begin. Every target sets up what it needs.
 PYTHON ?= python3.11
 VENV   ?= .venv
 BIN    := $(VENV)/bin
