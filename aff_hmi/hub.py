@@ -107,11 +107,13 @@ class Hub:
         """Poll for ever; a frame for those who look on every ``FRAME_S``, then ``alive``.
 
         Who comes gets one at once. While nobody looks the ring is read less often: a poll costs
-        as much for one tick as for fifty.
+        as much for one tick as for fifty. Until a tick was seen to arrive it is read as if somebody
+        looked: what is not known to be fresh, nobody may press.
         """
         due_ns = self._clock.now_ns()
         while True:
-            period_ns = round(1e9 * (FRAME_S if self._viewers else QUIET_S))
+            is_quiet = not self._viewers and self._watch.hears_ticks
+            period_ns = round(1e9 * (QUIET_S if is_quiet else FRAME_S))
             due_ns = await self._until(max(due_ns + period_ns, self._clock.now_ns()))
             self._watch.poll()
             if self.rooms is not None:

@@ -109,6 +109,11 @@ class Watch:
                 self._leave(str(error), now_ns)
         self._follow(now_ns)
 
+    @property
+    def hears_ticks(self) -> bool:
+        """Whether a tick of this ring was seen to arrive."""
+        return self._tick_ns is not None
+
     def seen(self) -> Seen:
         """Return what is known now."""
         now_ns = self._clock.now_ns()

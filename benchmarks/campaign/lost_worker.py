@@ -22,6 +22,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.base.python_child import module_command
 from benchmarks.campaign.__main__ import ROOT, place, rows_of, run
 from benchmarks.campaign.cases import cases_for, numbers_of
 
@@ -29,7 +30,6 @@ OF_THE_CLOCK = ("made_s", "refine_s", "refine_cpu_s")
 """What no two runs have in common."""
 FOR_EVER_S = 1e9
 PATIENCE_S = 120.0
-DASK = (sys.executable, "-m")
 
 
 def differences(
@@ -77,7 +77,8 @@ def by_hand(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
 
 def _begun(command: Sequence[str], log: Path) -> subprocess.Popen[bytes]:
     with log.open("wb") as said:
-        return subprocess.Popen([*DASK, *command], stdout=said, stderr=said)
+        begun = [*module_command(command[0]), *command[1:]]
+        return subprocess.Popen(begun, stdout=said, stderr=said)
 
 
 def _told(file: Path) -> str:

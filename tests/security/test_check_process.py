@@ -90,7 +90,7 @@ def test_the_check_bounds_itself_before_it_reads(
 def look(*_):
     said = [str(resource.getrlimit(kind)[0]) for kind in (resource.RLIMIT_AS, resource.RLIMIT_CPU)]
     with open("/proc/self/oom_score_adj") as file:
-        return CheckResult(record=None, findings=(*said, file.read().strip()))
+        return CheckResult(parameters=None, findings=(*said, file.read().strip()))
 validate.check_result = look
 validate.main(sys.argv[1:])
 """
@@ -116,7 +116,7 @@ def test_a_check_that_hangs_is_ended_after_its_patience_and_that_is_the_result()
     clock.advance_ns(1)
     said = check.result()
     assert said is not None
-    assert said.record is None
+    assert said.parameters is None
     assert said.findings[0].startswith(
         f"{SITE}:1:1  the check took longer than 30 s and was ended"
     )
@@ -205,14 +205,14 @@ def test_the_service_looks_at_its_file_before_the_check_reads_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = edited(tmp_path)
-    real = supervisor.load_record
+    real = supervisor.load_parameters
 
     def slow(site: Path, state: Path) -> CheckResult:
         found = real(site, state)
         site.write_text(site.read_text() + "# saved while the check ran\n")
         return found
 
-    monkeypatch.setattr(supervisor, "load_record", slow)
+    monkeypatch.setattr(supervisor, "load_parameters", slow)
     paths = runtime_paths(tmp_path / "rt")
     paths.directory.mkdir(mode=0o700)
     service = supervisor.Supervisor(RunOptions(site=path, paths=paths))

@@ -65,7 +65,7 @@ RESPONSES = {
 def test_a_response_file_that_is_none_is_refused_in_one_sentence(site: Path, raw: bytes) -> None:
     learned(site).write_bytes(raw)
     said = check_result(site)
-    assert said.record is None
+    assert said.parameters is None
     (finding,) = said.findings
     assert finding.isprintable()
     assert finding.startswith(f"{site}:")
@@ -84,6 +84,6 @@ def test_what_is_no_file_in_place_of_a_response_is_refused_at_once(site: Path, k
     else:
         path.symlink_to("/dev/zero")
     said = check_result(site)
-    assert said.record is None
+    assert said.parameters is None
     (finding,) = said.findings
     assert str(path) in finding

@@ -214,7 +214,7 @@ def test_what_does_not_end_is_refused_wherever_the_site_names_it(
     else:
         NO_FILES[kind](folder / name)
     said = check_result(folder / site)
-    assert said.record is None
+    assert said.parameters is None
     (finding,) = [line for line in said.findings if f"  {key}" in line]
     assert re.match(rf"{folder / site}:\d+:\d+  ", finding)
     wanted = {"a pipe": "not a file", "a folder": "Is a directory", "too large": "larger|too long"}

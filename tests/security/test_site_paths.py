@@ -105,7 +105,7 @@ def test_odd_names_of_a_response_are_no_crash(folder: Path, name: str) -> None:
     path = folder / "euclid_can.yaml"
     path.write_text(path.read_text().replace("learned/euclid_can_unwind.json", name))
     said = check_result(path)
-    assert said.record is None
+    assert said.parameters is None
     assert any("actuators.unwind.response: " in line for line in said.findings)
 
 

@@ -30,7 +30,7 @@ def line(tmp_path, monkeypatch):
     The site file is checked here, not in a process for each command; the process is asked in
     `test_a_step_is_measured_signed_printed_and_verified`.
     """
-    monkeypatch.setattr(sources, "load_record", judged_here)
+    monkeypatch.setattr(sources, "load_parameters", judged_here)
     site, card = tmp_path / "site.yaml", tmp_path / "card"
     shutil.copyfile(SITE_FILE, site)
     assert main(["card", "new", str(site), str(card)]) == 0
@@ -47,7 +47,7 @@ def line(tmp_path, monkeypatch):
 
 
 def test_a_step_is_measured_signed_printed_and_verified(line, capsys, monkeypatch):
-    monkeypatch.setattr(sources, "load_record", load_parameters)
+    monkeypatch.setattr(sources, "load_parameters", load_parameters)
     assert line("step", "4", "--typed", "reaction=ramp", "--typed", "time=120 ms") == 0
     assert "step 4: pass" in capsys.readouterr().out
     assert line("sign", "4", "--as", "Ada Miller", "--reason", WHY) == 0

@@ -36,7 +36,7 @@ def checked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         if found[-1] != "good":
             raise ConfigError("1:1  is not good")
 
-    monkeypatch.setattr(first_file, "load_record", load)
+    monkeypatch.setattr(first_file, "load_parameters", load)
     return found
 
 

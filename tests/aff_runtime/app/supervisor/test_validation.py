@@ -29,7 +29,7 @@ def checked(path: Path) -> dict[str, Any]:
     Raises
     ------
     ConfigError
-        As ``load_record``: the file is not good.
+        As ``load_parameters``: the file is not good.
     """
     said: dict[str, Any] = json.loads(json.dumps(check_result(path).to_json()))
     if said["record"] is None:
