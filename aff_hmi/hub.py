@@ -107,7 +107,7 @@ class Hub:
         """Poll for ever; a frame for those who look on every ``FRAME_S``, then ``alive``.
 
         Who comes gets one at once. While nobody looks the ring is read less often: a poll costs
-        as much for one tick as for fifty. Until a tick was seen to arrive it is read as if somebody
+        as much for one tick as for fifty. Until a tick was seen to arrive it is as if somebody
         looked: what is not known to be fresh, nobody may press.
         """
         due_ns = self._clock.now_ns()
