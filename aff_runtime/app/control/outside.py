@@ -94,19 +94,19 @@ class ControlOutside:
 
     # --- what the cycle tells -----------------------------------------------------------------
 
-    def publish(self, parameters: Sequence[float]) -> None:
+    def publish(self, record: Sequence[float]) -> None:
         """Keep one record in the ring."""
-        self._tick = int(parameters[1])
-        self._record = parameters
+        self._tick = int(record[1])
+        self._record = record
         if self._next_law is not None and self._next_law.is_stepping:
             self._exchange_law(self._next_law)
-        self._ring.write((*parameters, *self._law.law_telemetry()))
+        self._ring.write((*record, *self._law.law_telemetry()))
         self._troubles.look(self._tick)
         first = len(HEAD)
         self._shapes.listen(
             self._law.controller,
-            parameters[first : first + len(self._site.gateway.read.channels)],
-            fresh=bool(parameters[FRESH]),
+            record[first : first + len(self._site.gateway.read.channels)],
+            fresh=bool(record[FRESH]),
             quiet=self._guard.quiet and self._law.probe is None,
         )
 
