@@ -24,6 +24,15 @@ def ask_for_realtime(priority: int = _PRIORITY) -> bool:
     return True
 
 
+def shorten_garbage_collections() -> None:
+    """Leave what this process has loaded out of every collection from here on.
+
+    It holds for the whole process and for good, so it is for a process that serves and then ends.
+    """
+    gc.collect()
+    gc.freeze()
+
+
 class RealTimeStepper:
     """Calls ``step`` once per period.
 
@@ -50,8 +59,6 @@ class RealTimeStepper:
         """Begin; the future never completes but carries the exception of a failed step."""
         loop = asyncio.get_running_loop()
         self.failure = loop.create_future()
-        gc.collect()
-        gc.freeze()
         self._timer = PeriodicTimer(self._period_s)
         loop.add_reader(self._timer.fileno(), self._on_timer)
         return self.failure
@@ -65,7 +72,6 @@ class RealTimeStepper:
             asyncio.get_running_loop().remove_reader(self._timer.fileno())
             self._timer.close()
             self._timer = None
-            gc.unfreeze()
 
     async def next_sample(self) -> None:
         """Wait for the end of the next sample."""

@@ -22,7 +22,11 @@ from sim_plant.servers.modbus_udp import ModbusUdpServer
 from sim_plant.servers.plant import Plant
 from sim_plant.servers.plc import Plc
 from sim_plant.servers.plc_map import PlcMap
-from sim_plant.servers.realtime import RealTimeStepper, ask_for_realtime
+from sim_plant.servers.realtime import (
+    RealTimeStepper,
+    ask_for_realtime,
+    shorten_garbage_collections,
+)
 from sim_plant.servers.recorder import PlantRecorder
 from sim_plant.servers.stepped import SteppedClock
 from sim_plant.servers.web_end import WebState
@@ -173,6 +177,7 @@ class PlantService:
                 self._scheduler = "stepped"
             elif options.realtime:
                 self._scheduler = "granted" if ask_for_realtime() else "refused"
+                shorten_garbage_collections()
             self.plant.web.observers.append(lambda state: announce(self._web_says(state)))
             failure = self.stepper.start()
             announce(
