@@ -73,6 +73,7 @@ def _assert_goes_to_zero_and_comes_back(bench: Bench, trouble: Trouble) -> None:
 
 
 @pytest.mark.parametrize("name", TROUBLES)
+@pytest.mark.sweep(every=2)
 def test_fault_takes_the_correction_to_zero_and_only_an_edge_brings_it_back(bench, name):
     _assert_goes_to_zero_and_comes_back(bench, TROUBLES[name])
 

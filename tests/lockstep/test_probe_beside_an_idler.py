@@ -101,6 +101,7 @@ def test_the_probe_says_that_there_is_ripple_of_a_roll_that_the_file_does_not_ha
     assert "belongs to no roll of the site file" in remark
 
 
+@pytest.mark.campaign
 def test_a_block_that_is_added_live_takes_the_idlers_ripple_down_by_25_dB(probed, tmp_path):
     bench = probed.bench
     responses = {name: found.response for name, found in probed.results.items()}

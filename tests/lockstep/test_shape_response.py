@@ -46,6 +46,7 @@ def test_what_was_learned_names_its_response(responses, learned):
 
 
 @pytest.mark.parametrize("named", ["0123456789abcdef", None])
+@pytest.mark.sweep(every=2)
 def test_after_a_new_probe_the_shape_stays_and_the_old_delay_is_no_moved_encoder(
     responses, learned, named
 ):

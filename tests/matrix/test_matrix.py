@@ -26,6 +26,20 @@ def covering() -> Iterator[Cell]:
         yield from pair if wires[pair[0].fault] == 1 else (pair[number % 2],)
 
 
+def quick() -> list[object]:
+    """Return the covering cells; of a fault on several wires one is quick, each wire by turns."""
+    chosen: list[object] = []
+    seen: Counter[str] = Counter()
+    turn = {fault: at for at, fault in enumerate(dict.fromkeys(c.fault for c in covering()))}
+    wires = Counter(cell.fault for cell in covering())
+    for cell in covering():
+        first = turn[cell.fault] % wires[cell.fault]
+        marks = () if seen[cell.fault] == first else (pytest.mark.campaign,)
+        chosen.append(pytest.param(cell, marks=marks, id=str(cell)))
+        seen[cell.fault] += 1
+    return chosen
+
+
 def test_the_covering_cells_have_every_fault_on_every_wire_and_in_both_states() -> None:
     chosen, every = list(covering()), list(cells())
     assert {(c.fault, c.wire, c.reaction) for c in chosen} == {
@@ -35,7 +49,7 @@ def test_the_covering_cells_have_every_fault_on_every_wire_and_in_both_states() 
     assert {(c.fault, c.state) for c in chosen} == both
 
 
-@pytest.mark.parametrize("cell", list(covering()), ids=str)
+@pytest.mark.parametrize("cell", quick())
 def test_every_cell_reacts_as_the_table_says(cell: Cell) -> None:
     assert judge(cell) == ""
 

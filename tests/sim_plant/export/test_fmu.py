@@ -33,7 +33,7 @@ from benchmarks.fmu.imported import Imported
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler on this machine")
 LINES = Path(__file__).parents[3] / "config" / "lines"
 LINE = load_declaration(LINES / "euclid.yaml")
-QUICK = {"eccentric_roller", "splice", "shaft_compliance_backlash", "encoder_eccentricity"}
+QUICK = {"splice", "shaft_compliance_backlash"}
 VERSIONS = ("3.0", "2.0")
 
 
@@ -105,6 +105,7 @@ def test_fmpy_simulates_it_as_any_other_and_its_outputs_are_the_kernels(fmu: Pat
     assert np.max(np.abs(found["true_unwind_tension_N"] - mine)) == 0.0
 
 
+@pytest.mark.sweep(every=2)
 def test_an_importer_compiles_it_from_its_source(fmu: Path, tmp_path: Path) -> None:
     folder = tmp_path / "unpacked"
     with zipfile.ZipFile(fmu) as archive:
@@ -120,6 +121,7 @@ def test_an_importer_compiles_it_from_its_source(fmu: Path, tmp_path: Path) -> N
     assert found["unwind_tension_N"][0] == start
 
 
+@pytest.mark.sweep(every=2)
 def test_two_exports_are_the_same_bytes(fmu: Path, tmp_path: Path) -> None:
     version = "3.0" if b"instantiationToken" in _description(fmu) else "2.0"
     again = exported(tmp_path / "euclid.fmu", settled_line(LINE), version)
