@@ -70,6 +70,7 @@ def test_many_imports_between_two_rooms_are_one_arrow():
 
 
 @pytest.mark.parametrize("package", ["aff_runtime", "sim_plant"])
+@pytest.mark.sweep(every=2)
 def test_imports_are_those_that_grimp_finds(package):
     graph = grimp.build_graph(package, cache_dir=None)
     ours = read_modules(ROOT, [package])

@@ -118,6 +118,7 @@ def test_a_modulus_within_four_standard_deviations_hardly_shows(record):
     assert beside(true, tolerated(case, record, [modulus])) < 16.5 < 0.1 * float(true @ true)
 
 
+@pytest.mark.campaign
 def test_web_warm_between_two_speeds_is_a_wrong_zero_of_the_cell_there(record):
     fault = Fault(effect="thermal_strain", location="pull_roll_zone", size=1e-3)
     assert alike(record, fault) == [("load_cell_calibration", "R5")]

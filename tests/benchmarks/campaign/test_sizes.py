@@ -45,6 +45,7 @@ def healthy():
     return at, quiet, floors(noisy, quiet)
 
 
+@pytest.mark.campaign
 def test_what_a_tolerance_takes_up_does_not_count(healthy):
     at, quiet, floor = healthy
     fault, reached = sized(
