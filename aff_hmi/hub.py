@@ -163,9 +163,9 @@ class Hub:
             return
         self._layout_of = (seen.facts, columns)
         assert seen.row is not None
-        found = layout_of(seen.facts, tuple(channel.name for channel in seen.row.channels))
-        if found != self.layout:  # one that stays has its digest already
-            self.layout = found
+        layout = layout_of(seen.facts, tuple(channel.name for channel in seen.row.channels))
+        if layout != self.layout:  # one that stays has its digest already
+            self.layout = layout
 
     def _with_part(self, head: str, topic: str, language: str) -> str:
         if self.kept is None or topic not in self.kept.topics:
