@@ -117,9 +117,9 @@ def read_parquet(path: Path, layout: Sequence[Field]) -> tuple[Columns, dict[str
     """
     pyarrow, parquet = _library()
     try:
-        found = parquet.read_table(path)
-        about = {k.decode(): v.decode() for k, v in (found.schema.metadata or {}).items()}
-        columns = {c.name: _column(found.column(c.name), c) for c in layout}
+        table = parquet.read_table(path)
+        about = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
+        columns = {c.name: _column(table.column(c.name), c) for c in layout}
     except (OSError, KeyError, ValueError, TypeError, pyarrow.lib.ArrowException) as error:
         raise ConfigError(
             f"{path}: cannot be read ({printable(str(error), 200)}); expected a table of "
