@@ -90,7 +90,7 @@ def write_parquet(
         "moment": pyarrow.timestamp("us", tz="UTC"),
     }
     schema = pyarrow.schema(
-        [pyarrow.field(c.name, kinds[c.kind], metadata=_said(c)) for c in layout],
+        [pyarrow.field(c.name, kinds[c.kind], metadata=_metadata(c)) for c in layout],
         metadata=dict(about),
     )
     arrays = [pyarrow.array(columns[c.name], type=kinds[c.kind]) for c in layout]
@@ -103,7 +103,7 @@ def write_parquet(
         raise ConfigError(f"{path}: cannot be written ({reason}); nothing is changed") from None
 
 
-def _said(column: Field) -> Mapping[str, str] | None:
+def _metadata(column: Field) -> Mapping[str, str] | None:
     return {UNIT: column.unit} if column.unit else None
 
 
