@@ -46,7 +46,7 @@ def source(name: str) -> str:
 
 def served(*, has_hand: bool) -> Mapping[str, tuple[bytes, str]]:
     """Return every file that a browser may ask for by its name: what is in it, and its kind."""
-    found = {
+    files = {
         STYLE: ("\n".join(map(source, STYLES)).encode(), CSS),
         "icon.svg": (source("icon.svg").encode(), "image/svg+xml"),
         "uPlot.iife.min.js": (source("uPlot.iife.min.js").encode(), SCRIPT),
@@ -54,8 +54,8 @@ def served(*, has_hand: bool) -> Mapping[str, tuple[bytes, str]]:
     for page, modules in PAGES.items():
         more = (HAND,) if has_hand and page not in NO_HAND else ()
         first, *rest = modules
-        found[f"{page}.js"] = (joined((first, *more, *rest)).encode(), SCRIPT)
-    return found
+        files[f"{page}.js"] = (joined((first, *more, *rest)).encode(), SCRIPT)
+    return files
 
 
 def joined(modules: Iterable[str]) -> str:

@@ -32,7 +32,7 @@ MAX_SOCKETS = 32
 MAX_IN_FLIGHT = 2
 MAX_SAID_PER_S = 20
 PATIENCE_S = 10.0
-POLICY, TRY_LATER = 1008, 1013
+POLICY, TRY_LATER = 1008, 1013  # why a WebSocket is closed, as registered with IANA
 
 
 class Viewer:
@@ -40,8 +40,10 @@ class Viewer:
 
     Attributes
     ----------
-    shown : number of the newest frame that it has shown. ``echo_ms`` : its newest stamp.
-    own : returns what is of its session alone, as JSON. ``topic`` : of its page, empty for none.
+    own : returns what is of its session alone, as JSON.
+    topic : of its page, empty for none.
+    in_flight : numbers of the frames that were sent to it and that it has not acknowledged.
+    echo_ms : its newest stamp, said back to it; None until it was heard.
     """
 
     def __init__(self, language: str, address: str, own: Callable[[], str], topic: str) -> None:
@@ -49,8 +51,6 @@ class Viewer:
         self.topic = topic
         self.address = address
         self.own = own
-        self.shown = 0
-        self.sent = 0
         self.in_flight: list[int] = []
         self.echo_ms: float | None = None
         self.heard_ns = 0
@@ -67,14 +67,16 @@ class Hub:
 
     Parameters
     ----------
-    watch : of the service. ``hand`` : None on a screen for looking only.
+    watch : of the service.
+    hand : None on a screen for looking only.
     kept : history, and the pages of it; None on a screen with the overview alone.
     commission : the way to the commissioner; None on a screen without one.
 
     Attributes
     ----------
     boot : changes with every start; a page of an earlier one begins anew.
-    counts : what the screen counts of itself. ``rooms`` : of the pages beside the overview.
+    counts : what the screen counts of itself.
+    rooms : of the pages beside the overview.
     """
 
     def __init__(
@@ -163,9 +165,9 @@ class Hub:
             return
         self._layout_of = (seen.facts, columns)
         assert seen.row is not None
-        found = layout_of(seen.facts, tuple(channel.name for channel in seen.row.channels))
-        if found != self.layout:  # one that stays has its digest already
-            self.layout = found
+        layout = layout_of(seen.facts, tuple(channel.name for channel in seen.row.channels))
+        if layout != self.layout:  # one that stays has its digest already
+            self.layout = layout
 
     def _with_part(self, head: str, topic: str, language: str) -> str:
         if self.kept is None or topic not in self.kept.topics:

@@ -42,6 +42,22 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="SOCKET",
         help="door of the service (default %(default)s)",
     )
+    _add_address(parser)
+    _add_hand(parser)
+    parser.add_argument(
+        "--state",
+        type=Path,
+        default=os.environ.get("STATE_DIRECTORY") or None,
+        metavar="FOLDER",
+        help="keep events and trends there, up to 200 MB (default: $STATE_DIRECTORY, else in "
+        "memory until the screen ends)",
+    )
+    parser.add_argument("--language", choices=LANGUAGES, default="en", help="where none is asked")
+    return parser
+
+
+def _add_address(parser: argparse.ArgumentParser) -> None:
+    """Add where the screen is reached, and by whom."""
     parser.add_argument(
         "--listen",
         default=f"127.0.0.1:{PORT}",
@@ -61,6 +77,10 @@ def build_parser() -> argparse.ArgumentParser:
         ("--client-ca", "let in only browsers with a certificate of this authority, PEM"),
     ):
         parser.add_argument(option, type=Path, metavar="FILE", help=text)
+
+
+def _add_hand(parser: argparse.ArgumentParser) -> None:
+    """Add what a screen may do beside looking, and who."""
     parser.add_argument(
         "--hand-socket",
         type=Path,
@@ -89,16 +109,6 @@ def build_parser() -> argparse.ArgumentParser:
         help="who may bypass without a login: nobody, who is at the machine itself, or everybody "
         "who reaches the address (default %(default)s)",
     )
-    parser.add_argument(
-        "--state",
-        type=Path,
-        default=os.environ.get("STATE_DIRECTORY") or None,
-        metavar="FOLDER",
-        help="keep events and trends there, up to 200 MB (default: $STATE_DIRECTORY, else in "
-        "memory until the screen ends)",
-    )
-    parser.add_argument("--language", choices=LANGUAGES, default="en", help="where none is asked")
-    return parser
 
 
 def default_door() -> Path:

@@ -68,8 +68,8 @@ def notices_of(seen: Seen, state: str, say: Say) -> tuple[Notice, ...]:
 
 def conditions_of(seen: Seen, state: str) -> tuple[Condition, ...]:
     """Return what stands now, the most urgent first."""
-    found = [*_alarm(seen), *_service(seen), *_resting(seen, state)]
-    return tuple(sorted(found, key=lambda one: one.rank))
+    conditions = [*_alarm(seen), *_service(seen), *_resting(seen, state)]
+    return tuple(sorted(conditions, key=lambda one: one.rank))
 
 
 def filled(text: str, values: Mapping[str, str], say: Say) -> str:

@@ -41,7 +41,9 @@ TO_DO = {
     State.SHADOW.name: N_("nothing; shadow off lets it be armed"),
     STARTING: N_("wait"),
 }
+# an output that is zero because nobody has armed yet, or somebody took it back: no alarm
 CALM = (POWER_UP, BYPASSED)
+# states that last until somebody arms
 RESTING = (State.FAULT.name, State.BYPASS.name)
 
 
@@ -59,12 +61,17 @@ def reason_of(state: str, alarm: int, blocked: str, say: Say) -> Reason:
     Parameters
     ----------
     state : name of the guard's state, or ``STARTING``.
-    alarm : code of the alarm that stands. ``blocked`` : what stands against an armed output.
+    alarm : code of the alarm that stands.
+    blocked : what stands against an armed output.
     """
     event = BY_CODE.get(alarm, BY_CODE[0])
     if state in RESTING and event.code:
         return _resting(event, blocked, say)
-    if blocked and state in State.__members__ and state not in (State.ACTIVE.name, "ARMED"):
+    if (
+        blocked
+        and state in State.__members__
+        and state not in (State.ACTIVE.name, State.ARMED.name)
+    ):
         why, to_do = explained(blocked, say)
         return Reason(why=f"{say(N_('blocked by'))} {why}", to_do=to_do)
     if state == State.FADING.name and event.code:

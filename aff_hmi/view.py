@@ -239,7 +239,7 @@ def _told_apart(row: TickRow, orders: list[OrderStatus]) -> list[OrderStatus]:
     slower roll's turn: there two orders show one and the same ripple.
     """
     kept: list[tuple[float, float]] = []
-    found = []
+    orders_kept = []
     turns = {name: abs(row.roll(name).omega_rad_s) for name in {one.roll for one in orders}}
     for order in sorted(orders, key=lambda one: -_finite(one.ripple)):
         turn = turns[order.roll]
@@ -247,8 +247,8 @@ def _told_apart(row: TickRow, orders: list[OrderStatus]) -> list[OrderStatus]:
         if any(abs(frequency - f) * TURNS < min(turn, t) for f, t in kept if t != turn):
             continue
         kept.append((frequency, turn))
-        found.append(order)
-    return found
+        orders_kept.append(order)
+    return orders_kept
 
 
 def _notes(

@@ -33,8 +33,12 @@ class Seen:
 
     Attributes
     ----------
-    tick_age_s : since a tick was last seen to arrive. ``facts_age_s`` : since the facts were told.
-    writer_lives : whether the control process exists. ``meta`` : what it says of itself.
+    facts_age_s : since the facts were told.
+    row : the newest tick record.
+    tick_age_s : since a tick was last seen to arrive.
+    writer_lives : whether the control process exists.
+    meta : what it says of itself.
+    window : the last seconds of readings and corrections.
     unread : ticks of the ring that were overwritten before they were read here.
     events : (code, argument, age in s), the newest first.
     trouble : why there is no door, in words.
@@ -58,7 +62,8 @@ class News:
 
     Attributes
     ----------
-    ring : which ring it is of. ``columns`` : of ``records``.
+    ring : which ring it is of.
+    columns : of ``records``.
     records : ticks that were seen to arrive; those that a new ring held already are not.
     events : (tick, monotonic time in ns, code, argument), those that it held already too.
     """
@@ -76,7 +81,8 @@ class Watch:
     ----------
     news : what the newest poll has brought.
 
-
+    Notes
+    -----
     A ring says nothing of its age until a tick is seen to arrive: one that is found standing
     still has no age, and is not taken for a live one.
     """
@@ -157,7 +163,9 @@ class Watch:
                     self._trouble = ""
                 case RingPassed(descriptor=descriptor):
                     self._drop_ring()
-                    with contextlib.suppress(ValueError, OSError):  # none: as if none had come
+                    with contextlib.suppress(
+                        ValueError, OSError
+                    ):  # what is no ring counts as none
                         self._ring = RingReader(descriptor)
                 case RingGone():
                     self._drop_ring()

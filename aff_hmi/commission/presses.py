@@ -12,9 +12,9 @@ from functools import partial
 from starlette.responses import Response
 
 from aff_hmi.asked import DONE, Answering, Asked, because, done, refusal
+from aff_hmi.commission.in_language import refusal_in
 from aff_hmi.commission.link import Commission
 from aff_hmi.commission.sentences import sentence
-from aff_hmi.commission.told import refusal_in
 from aff_hmi.sessions import Session, Sessions
 from aff_runtime.app.commission.answers import Answer, Done
 from aff_runtime.app.commission.messages import WORDS, Refusal, Request, Why

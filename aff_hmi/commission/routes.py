@@ -9,8 +9,8 @@ from starlette.requests import HTTPConnection, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route
 
+from aff_hmi.commission.in_language import card_in, line_in, refusal_in, state_in
 from aff_hmi.commission.link import Commission
-from aff_hmi.commission.told import card_in, line_in, refusal_in, state_in
 from aff_hmi.sessions import Session
 from aff_hmi.words import Say
 from aff_runtime.app.commission.answers import CardShown, LineShown, Printed, State
@@ -53,20 +53,20 @@ class CommissionData:
         say = self._say_of(request)
         if self._session_of(request) is None:
             return _stranger(say)
-        found = await self._commission.look(Asked(do="card"), CardShown)
-        if isinstance(found, Refusal):
-            return JSONResponse({"ok": False, "text": refusal_in(found, say)})
-        return JSONResponse({"ok": True, "card": asdict(card_in(found.card, say))})
+        shown = await self._commission.look(Asked(do="card"), CardShown)
+        if isinstance(shown, Refusal):
+            return JSONResponse({"ok": False, "text": refusal_in(shown, say)})
+        return JSONResponse({"ok": True, "card": asdict(card_in(shown.card, say))})
 
     async def line(self, request: Request) -> Response:
         """Return the site file as it was checked, the probe's bounds, and what was found."""
         say = self._say_of(request)
         if self._session_of(request) is None:
             return _stranger(say)
-        found = await self._commission.look(Asked(do="line"), LineShown)
-        if isinstance(found, Refusal):
-            return JSONResponse({"ok": False, "text": refusal_in(found, say)})
-        return JSONResponse({"ok": True, "line": asdict(line_in(found.line, say))})
+        shown = await self._commission.look(Asked(do="line"), LineShown)
+        if isinstance(shown, Refusal):
+            return JSONResponse({"ok": False, "text": refusal_in(shown, say)})
+        return JSONResponse({"ok": True, "line": asdict(line_in(shown.line, say))})
 
     async def page(self, request: Request) -> Response:
         """Return the card as one page that prints, as a file: it has a style of its own."""
@@ -74,23 +74,23 @@ class CommissionData:
         if self._session_of(request) is None:
             return _stranger(say)
         paper = "letter" if request.query_params.get("paper") == "letter" else "a4"
-        found = await self._commission.look(Asked(do="page", paper=paper), Printed)
-        if isinstance(found, Refusal):
-            return JSONResponse({"ok": False, "text": refusal_in(found, say)}, 404)
+        printed = await self._commission.look(Asked(do="page", paper=paper), Printed)
+        if isinstance(printed, Refusal):
+            return JSONResponse({"ok": False, "text": refusal_in(printed, say)}, 404)
         head = {"content-disposition": f'attachment; filename="{FILE}"'}
-        return Response(found.html, media_type="text/html; charset=utf-8", headers=head)
+        return Response(printed.html, media_type="text/html; charset=utf-8", headers=head)
 
     async def state(self, request: Request) -> Response:
         """Return how commissioning stands."""
         say, session = self._say_of(request), self._session_of(request)
         if session is None:
             return _stranger(say)
-        found = await self._commission.look(Asked(do="state"), State)
-        if isinstance(found, Refusal):
-            return JSONResponse({"ok": False, "text": refusal_in(found, say)})
+        stands = await self._commission.look(Asked(do="state"), State)
+        if isinstance(stands, Refusal):
+            return JSONResponse({"ok": False, "text": refusal_in(stands, say)})
         sees_all = session.account.role >= Role.COMMISSION
-        is_open = self._commission.is_open(session, found.by)
-        return JSONResponse(asdict(state_in(found, say, sees_all=sees_all, is_open=is_open)))
+        is_open = self._commission.is_open(session, stands.by)
+        return JSONResponse(asdict(state_in(stands, say, sees_all=sees_all, is_open=is_open)))
 
 
 def _stranger(say: Say) -> Response:

@@ -108,23 +108,23 @@ def table(shot: Shot, asked: Asked) -> Iterator[list[str]]:
 
 
 def _wanted(cut: Cut, asked: Asked) -> list[Signal]:
-    found = {one.name: one for one in cut.signals}
-    return [found[name] for name in asked.names]
+    signals = {one.name: one for one in cut.signals}
+    return [signals[name] for name in asked.names]
 
 
 def _orders(turns: NDArray[np.float64], column: NDArray[np.float32]) -> Orders:
-    found, floor = orders_of(turns, column)
-    return Orders(amplitudes=[_known(one) for one in found.tolist()], floor=_known(floor))
+    amplitudes, floor = orders_of(turns, column)
+    return Orders(amplitudes=[_known(one) for one in amplitudes.tolist()], floor=_known(floor))
 
 
 def _marks(cut: Cut) -> Iterator[Mark]:
     """Yield what happened in the window: changes of state, events of the service."""
     changes = np.flatnonzero(np.diff(cut.states) != 0) + 1
-    found = [(int(at), _state(int(cut.states[at]))) for at in changes]
+    marks = [(int(at), _state(int(cut.states[at]))) for at in changes]
     for tick, code in cut.events:
         name = BY_CODE[code].name if code in BY_CODE else f"CODE {code}"
-        found.append((int(np.searchsorted(cut.ticks, tick)), name))
-    for at, name in sorted(found)[:SHOWN_EVENTS]:
+        marks.append((int(np.searchsorted(cut.ticks, tick)), name))
+    for at, name in sorted(marks)[:SHOWN_EVENTS]:
         yield Mark(at_s=round(float(cut.time_s[at] - cut.time_s[0]), 6), name=name)
 
 

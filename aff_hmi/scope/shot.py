@@ -116,12 +116,12 @@ def shot_of(cut: Cut, asked: Asked) -> Shot | None:
             end = int(np.searchsorted(cut.ticks, asked.end, side="right"))
         return Shot(cut=cut.part(max(0, end - count), end))
     before = min(count - 1, round(0.01 * asked.pre_percent * count))
-    found = places(cut, asked.trigger)
-    found = found[cut.ticks[found] > asked.after]
+    fired = places(cut, asked.trigger)
+    fired = fired[cut.ticks[fired] > asked.after]
     if asked.trigger.on in LEVELS:  # what happened is shown with what there is before it
-        found = found[found >= before]
-    if not len(found):
+        fired = fired[fired >= before]
+    if not len(fired):
         return None
-    at = int(found[0])
+    at = int(fired[0])
     begin, end = max(0, at - before), at - before + count
     return Shot(cut=cut.part(begin, end), at=at - begin) if end <= len(cut) else None

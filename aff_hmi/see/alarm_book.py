@@ -235,13 +235,13 @@ class AlarmBook:
         if not alarm.is_first or alarm.tick is None:
             return
         first_ns = alarm.came_ns
-        found: dict[str, float] = {}
+        followers: dict[str, float] = {}
         for t_ns, code, _ in self._events:
             name = BY_CODE[code].name if code in BY_CODE else ""
             is_other = code != alarm.condition.code and name in PRIORITIES
             if is_other and 0 <= t_ns - first_ns <= TOGETHER_NS:
-                found.setdefault(name, (t_ns - first_ns) * _S)
-        alarm.followers = tuple(Follower(name=n, after_s=s) for n, s in found.items())
+                followers.setdefault(name, (t_ns - first_ns) * _S)
+        alarm.followers = tuple(Follower(name=n, after_s=s) for n, s in followers.items())
 
     def _let_go(self, key: str, alarm: Alarm, now_ns: int) -> None:
         if alarm.seen_by or not self._can_be_seen:

@@ -55,10 +55,10 @@ class Data:
         if wanted is None:
             return refused(400, say(NO_SENSE))
         try:
-            found = await self._kept.store.ask(lambda c: events.select(c, wanted))
+            entries = await self._kept.store.ask(lambda c: events.select(c, wanted))
         except (sqlite3.Error, BlockingIOError):
             return refused(503, say(NOT_NOW))
-        return JSONResponse({"ok": True, "events": [asdict(event_line(e, say)) for e in found]})
+        return JSONResponse({"ok": True, "events": [asdict(event_line(e, say)) for e in entries]})
 
     async def events_file(self, request: Request) -> Response:
         """Return events as a file for a spreadsheet, times in UTC."""
@@ -68,13 +68,13 @@ class Data:
             return refused(400, say(NO_SENSE))
         try:
             whole = replace(wanted, most=MOST_IN_FILE)
-            found = await self._kept.store.ask(lambda c: events.select(c, whole))
+            entries = await self._kept.store.ask(lambda c: events.select(c, whole))
         except (sqlite3.Error, BlockingIOError):
             return refused(503, say(NOT_NOW))
         text = io.StringIO()
         writer = csv.writer(text)
         writer.writerow(("utc", "tick", "kind", "roll", "name", "text", "who"))
-        for entry in found:
+        for entry in entries:
             line = event_line(entry, say)
             cells = (line.kind, line.roll, line.name, line.text, line.who)
             tick = "" if line.tick is None else line.tick
@@ -93,10 +93,10 @@ class Data:
         except KeyError:
             return refused(400, say(NO_SENSE))
         try:
-            found = await self._kept.store.ask(read)
+            curves = await self._kept.store.ask(read)
         except (sqlite3.Error, BlockingIOError):
             return refused(503, say(NOT_NOW))
-        return JSONResponse({"ok": True, "trend": asdict(trend_part(found, say))})
+        return JSONResponse({"ok": True, "trend": asdict(trend_part(curves, say))})
 
 
 def wanted_of(request: Request) -> events.Wanted | None:

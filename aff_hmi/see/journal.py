@@ -22,10 +22,10 @@ from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
 
 STANDS_NS = 5_000_000_000  # that an order rests, before it is told
-PRUNE_NS = 600_000_000_000
-MOST_AT_ONCE = 200
-LONGEST = 200
-MISSED_NS = 60_000_000_000
+PRUNE_NS = 600_000_000_000  # between two looks for what is too old
+MOST_AT_ONCE = 200  # entries from one look to the next
+LONGEST = 200  # characters of a value
+MISSED_NS = 60_000_000_000  # between two sentences about ticks that never happened
 _S = 1e-9
 NEEDED, ROLL_ID = ("time_s", "tick", "state"), "roll_id"
 ROLL_EVENTS = ("SPLICE", "RADIUS_JUMP")

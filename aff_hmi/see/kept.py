@@ -150,9 +150,9 @@ class Kept:
         self._texts.clear()
         state = state_of(seen)
         is_fresh = seen.writer_lives and seen.tick_age_s is not None
-        found = conditions_of(seen, state)
+        conditions = conditions_of(seen, state)
         self.book.look(
-            (*found, NO_SERVICE) if state == GONE else found,
+            (*conditions, NO_SERVICE) if state == GONE else conditions,
             is_known=is_fresh and seen.tick_age_s < FRESH_S,  # type: ignore[operator]
         )
         self.journal.look(seen)

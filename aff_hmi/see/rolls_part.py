@@ -235,7 +235,7 @@ def _crossings(
     if not facts.radius_channel or not now_m > 0.0:
         return
     fixed = {one.name: one.radius_m for one in site.rolls if one.radius_m is not None}
-    found: dict[float, list[str]] = {}
+    meetings: dict[float, list[str]] = {}
     for order in orders:
         for other in others:
             name = _roll_of(other, site)
@@ -244,10 +244,10 @@ def _crossings(
             radius_m = order.order * fixed[name] / other.order if other.order else math.nan
             if NEAR * now_m <= radius_m <= FAR * now_m and order.order:
                 meets = f"{order.order}× – {label_of(name)} {other.order}×"
-                found.setdefault(round(1e3 * radius_m, 1), []).append(meets)
-    near = sorted(found, key=lambda mm: abs(mm - 1e3 * now_m))[:MOST_CROSSINGS]
+                meetings.setdefault(round(1e3 * radius_m, 1), []).append(meets)
+    near = sorted(meetings, key=lambda mm: abs(mm - 1e3 * now_m))[:MOST_CROSSINGS]
     for mm in sorted(near, reverse=True):
-        yield CrossingLine(radius_mm=mm, text=", ".join(dict.fromkeys(found[mm])))
+        yield CrossingLine(radius_mm=mm, text=", ".join(dict.fromkeys(meetings[mm])))
 
 
 def _roll_of(order: OrderStatus, site: LineFacts) -> str:

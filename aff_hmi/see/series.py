@@ -76,15 +76,15 @@ class SeriesSet:
         ----------
         values : of the overview, by slot.
         """
-        found = dict(values)
+        by_slot = dict(values)
         for order in row.orders():
             key = f"{order.actuator}.{order.name}"
             before, now = order.ripple_before, order.ripple
             is_both = before > 0.0 and now > 0.0 and row.state is State.ACTIVE
-            found[f"dB:{key}"] = 20.0 * math.log10(now / before) if is_both else math.nan
-            found[f"mm:{key}"] = order.size
+            by_slot[f"dB:{key}"] = 20.0 * math.log10(now / before) if is_both else math.nan
+            by_slot[f"mm:{key}"] = order.size
         sample = np.full((1, len(self.all)), np.nan)
-        sample[0, len(self._ticks) :] = [found.get(slot, math.nan) for slot in self._samples]
+        sample[0, len(self._ticks) :] = [by_slot.get(slot, math.nan) for slot in self._samples]
         return sample
 
 

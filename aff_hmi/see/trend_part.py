@@ -80,17 +80,17 @@ def group_name(group: str, say: Say) -> str:
     return say(GROUPS[group])
 
 
-def trend_part(found: Curves, say: Say) -> TrendPart:
+def trend_part(curves: Curves, say: Say) -> TrendPart:
     """Return curves for a page."""
-    shown = [(n, one) for n, one in enumerate(found.series) if one.group != "state"]
-    states = {one.label: n for n, one in enumerate(found.series) if one.group == "state"}
+    shown = [(n, one) for n, one in enumerate(curves.series) if one.group != "state"]
+    states = {one.label: n for n, one in enumerate(curves.series) if one.group == "state"}
     kind = shown[0][1].group.partition(" ")[0]
-    bins = found.stretch.bins
+    bins = curves.stretch.bins
     return TrendPart(
-        from_s=round(found.from_s, 1),
-        to_s=round(found.to_s, 1),
-        bin_s=found.stretch.bin_s,
-        t_s=[int(t) for t in found.stretch.t_s],
+        from_s=round(curves.from_s, 1),
+        to_s=round(curves.to_s, 1),
+        bin_s=curves.stretch.bin_s,
+        t_s=[int(t) for t in curves.stretch.t_s],
         curves=[
             Curve(
                 label=label(one, say),

@@ -139,12 +139,12 @@ class Trends:
 
     # --- bins -------------------------------------------------------------------------------
 
-    def _begin(self, found: SeriesSet, of: tuple[tuple[str, ...], str]) -> None:
+    def _begin(self, series: SeriesSet, of: tuple[tuple[str, ...], str]) -> None:
         """Follow another line, or other columns: what is kept of curves that stay, stays."""
         before, old = self.series, self._fine
-        self._set, self._of, self._rows = found, of, []
-        self._fine = np.full((FINE, 3, len(found.all)), np.nan, dtype=np.float32)
-        for at, one in enumerate(found.all):
+        self._set, self._of, self._rows = series, of, []
+        self._fine = np.full((FINE, 3, len(series.all)), np.nan, dtype=np.float32)
+        for at, one in enumerate(series.all):
             if one in before:
                 self._fine[:, :, at] = old[:, :, before.index(one)]
 

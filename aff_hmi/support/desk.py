@@ -70,11 +70,11 @@ class SupportDesk:
     async def _make(self) -> bytes:
         say, kept, seen = say_in("en"), self._kept, self._seen
         wanted = replace(events.Wanted(), most=MOST_EVENTS)
-        found = await kept.store.ask(lambda c: events.select(c, wanted))
+        entries = await kept.store.ask(lambda c: events.select(c, wanted))
         files = files_of(
             seen,
             alarms=alarm_part(kept.book, kept.journal.number, kept.store.trouble, say),
-            events=[event_line(one, say) for one in found],
+            events=[event_line(one, say) for one in entries],
             timing=self._timing.part(say),
             metrics=self._metrics(),
             utc=datetime.fromtimestamp(kept.wall(), UTC).isoformat(timespec="seconds"),

@@ -17,7 +17,7 @@ MINUTE_S = 60
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figures:
-    """Percentiles and the largest, us; None before the first tick."""
+    """How many times, their percentiles and the largest, us; None before the first tick."""
 
     count: int
     p50: float | None
@@ -86,8 +86,8 @@ class Times:
 
     def minute(self, second: int) -> Histogram:
         """Return the last minute before a second."""
-        found = Histogram()
+        total = Histogram()
         for at, one in self._seconds:
             if second - at < MINUTE_S:
-                found.join(one)
-        return found
+                total.join(one)
+        return total

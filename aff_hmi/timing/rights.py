@@ -48,8 +48,8 @@ class RightLine:
 
 def right_lines(rights: Sequence[Right], say: Say) -> tuple[RightLine, ...]:
     """Return the rights of the control process, those that are refused first."""
-    found = [_line(one, say) for one in rights]
-    return tuple(sorted(found, key=lambda one: one.granted))
+    lines = [_line(one, say) for one in rights]
+    return tuple(sorted(lines, key=lambda one: one.granted))
 
 
 def _line(right: Right, say: Say) -> RightLine:

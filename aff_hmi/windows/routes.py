@@ -52,12 +52,12 @@ class ScopeData:
     async def ticks(self, request: Request) -> Response:
         """Return a shot as bytes; one without ticks while a trigger has not fired."""
         asked = asked_of(request.query_params)
-        found = await self._shot(request, asked)
-        if isinstance(found, Response):
-            return found
+        shot = await self._shot(request, asked)
+        if isinstance(shot, Response):
+            return shot
         assert asked is not None
         ring = "" if asked.kept else self._scope.ticks.ident
-        body = waiting() if found is None else encode(found, asked, self._say_of(request), ring)
+        body = waiting() if shot is None else encode(shot, asked, self._say_of(request), ring)
         return Response(body, media_type="application/octet-stream")
 
     async def file(self, request: Request) -> Response:
@@ -66,11 +66,11 @@ class ScopeData:
         if self._one.locked():
             return refused(503, self._say_of(request)(NOT_NOW))
         async with self._one:
-            found = await self._shot(request, asked)
-            if isinstance(found, Response):
-                return found
+            shot = await self._shot(request, asked)
+            if isinstance(shot, Response):
+                return shot
             assert asked is not None
-            text = "" if found is None else await asyncio.to_thread(_written, found, asked)
+            text = "" if shot is None else await asyncio.to_thread(_written, shot, asked)
         return Response(
             text,
             media_type="text/csv; charset=utf-8",
@@ -80,10 +80,10 @@ class ScopeData:
     async def windows(self, request: Request) -> Response:
         """Return what is said of every kept window."""
         try:
-            found = await self._windows.windows()
+            kept = await self._windows.windows()
         except (sqlite3.Error, BlockingIOError):
             return refused(503, self._say_of(request)(NOT_NOW))
-        return JSONResponse({"ok": True, "windows": [asdict(one) for one in found]})
+        return JSONResponse({"ok": True, "windows": [asdict(one) for one in kept]})
 
     async def _shot(self, request: Request, asked: Asked | None) -> Shot | Response | None:
         say = self._say_of(request)

@@ -167,7 +167,7 @@ def _about(folder: Path) -> Section:
     try:
         about = yaml_values(text_of(folder / MARK, _LARGEST_YAML))
         if not isinstance(about, Mapping):
-            raise TypeError(_why_none(folder))
+            raise AffError(no_run(folder))
         names = about["columns"]
         if not isinstance(names, list) or not names or names[0] != "time_s":
             raise ValueError("its columns do not begin with time_s")
@@ -178,16 +178,22 @@ def _about(folder: Path) -> Section:
         if len(set(names)) != len(names):
             raise ValueError("a column stands twice in it")
     except (KeyError, TypeError, ValueError) as error:
-        said = printable(str(error), 200)
-        raise AffError(
-            f"{printable(str(folder))}: not a run folder ({said or 'no run.yaml'}); "
-            f"name one that has {MARK}"
-        ) from None
+        raise AffError(_not_a_run(folder, str(error))) from None
     return Section(dict(about))
 
 
+def no_run(folder: Path) -> str:
+    """Return what to say of a path that names no run: why not, and what was meant perhaps."""
+    return _not_a_run(folder, _why_none(folder))
+
+
+def _not_a_run(folder: Path, why: str) -> str:
+    said = printable(why, 200) or f"no {MARK}"
+    return f"{printable(str(folder))}: not a run folder ({said}); name one that has {MARK}"
+
+
 def _why_none(folder: Path) -> str:
-    """Return why a folder has no ``run.yaml`` that can be read, and what was meant perhaps."""
+    """Return why a folder has no ``run.yaml`` that can be read."""
     named, at, _ = folder.name.rpartition("@")
     if at and (folder.parent / named).is_dir():
         return HOW_WRITTEN
@@ -195,7 +201,11 @@ def _why_none(folder: Path) -> str:
         return "it is not there"
     if not folder.is_dir():
         return "it is a file"
-    runs = any((path / MARK).exists() for path in itertools.islice(folder.iterdir(), MOST_SAID))
+    try:
+        inside = list(itertools.islice(folder.iterdir(), MOST_SAID))
+        runs = any((path / MARK).exists() for path in inside)
+    except OSError as error:
+        return error.strerror or "it cannot be listed"
     return "a folder of runs, name one of them" if runs else f"it has no {MARK}, or an empty one"
 
 

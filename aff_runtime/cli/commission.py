@@ -1,4 +1,4 @@
-"""``aff-runtime commission``: let a screen commission; it moves nothing and arms nothing."""
+"""``aff-runtime commission``: let a screen commission; sends no correction."""
 
 from __future__ import annotations
 

@@ -221,20 +221,22 @@ def arming_objections(
     """
     if response is None:
         return ("no measured response; run the probe",)
-    found: list[str] = []
+    objections: list[str] = []
     low, high = response.band_Hz
     for name, signed_Hz in wanted_Hz:
         f = abs(signed_Hz)
         if not f > 0.0:
-            found.append(f"{name}: its roll does not turn, or its angle is not known")
+            objections.append(f"{name}: its roll does not turn, or its angle is not known")
             continue
         if not low / BAND_SLACK <= f <= high * BAND_SLACK:
-            found.append(f"{name}: {f:.2f} Hz is outside the probed {low:.2f}..{high:.2f} Hz")
+            objections.append(f"{name}: {f:.2f} Hz is outside the probed {low:.2f}..{high:.2f} Hz")
         bound = response.phase_error_bound_rad(f)
         if bound > MAX_PHASE_ERROR_RAD:
             degrees = math.degrees(bound)
-            found.append(f"{name}: phase error at {f:.2f} Hz may reach {degrees:.0f} deg")
+            objections.append(f"{name}: phase error at {f:.2f} Hz may reach {degrees:.0f} deg")
         nearest = min(response.points, key=lambda point: abs(point.frequency_Hz - f))
         if nearest.coherence < MIN_COHERENCE:
-            found.append(f"{name}: coherence {nearest.coherence:.2f} near {f:.2f} Hz is too low")
-    return tuple(found)
+            objections.append(
+                f"{name}: coherence {nearest.coherence:.2f} near {f:.2f} Hz is too low"
+            )
+    return tuple(objections)

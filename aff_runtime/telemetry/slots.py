@@ -89,7 +89,7 @@ class SlotReader:
         return self._words[self._head]
 
     def latest(self) -> tuple[float, ...] | None:
-        """Return the newest complete record, or None before the first; moves nothing."""
+        """Return the newest complete record, or None before the first; it stays unread."""
         for _ in range(self._capacity):
             count = self.written_count()
             if count == 0:

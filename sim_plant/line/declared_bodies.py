@@ -111,17 +111,17 @@ class PositionPi(Section):
 
 
 class HeatedSpan(Section):
-    """A span through an oven or past a cooler, in zones of equal length.
+    """A span through an oven or past a cooler, in sections of equal length.
 
     Temperatures count from that of the web on the unwind. Behind the first heated span the web
-    goes towards the room, with ``web.room_exchange_s``.
+    goes towards the temperature of the room, with ``web.room_exchange_s``.
     """
 
     name: Name
     start: Name
     end: Name
     warming_K: Annotated[tuple[Finite, ...], Field(min_length=1, max_length=32)] = Field(
-        description="surroundings of each zone over the temperature of the web on the unwind"
+        description="surroundings of each section over the temperature of the web on the unwind"
     )
     exchange_s: Positive = Field(
         description="time constant of the web in them: density*heat capacity*thickness over the "

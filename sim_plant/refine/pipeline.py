@@ -112,10 +112,10 @@ def proposal_of(outcome: Outcome, site: SiteFile, progress: Progress) -> Proposa
     blocks = started_blocks(outcome.verdict.effects, line, first)
     if not blocks:
         return None
-    found = proposed(site, blocks, line, outcome.selection.corrections)
-    for text in found.said:
+    proposal = proposed(site, blocks, line, outcome.selection.corrections)
+    for text in proposal.said:
         progress(f"{site.path.name}: {text}")
-    return found if found.text != site.text else None
+    return proposal if proposal.text != site.text else None
 
 
 def read_all(plan: Plan, line: Declaration) -> tuple[list[Recorded], list[Recorded]]:
@@ -159,11 +159,11 @@ def find(
         progress("simulating the declared line, its noise and its tolerances")
         check_runs(pool, [f.record for f in fitted])
         objective = declared_objective(pool, [f.measured for f in fitted])
-        found = forward_selection(
+        selection = forward_selection(
             objective, library(twins[0].declaration, without), progress, without
         )
         progress(f"{pool.simulations} simulations")
-    return found
+    return selection
 
 
 def check_runs(pool: SimulationPool, records: Sequence[Recording]) -> None:
@@ -237,8 +237,8 @@ def denied(selection: Selection, evaluation: Evaluation) -> str:
 
 def not_confirmed(selection: Selection, record: Recording, against: str) -> str:
     """Return what is said of effects that the record held out speaks against."""
-    found = " and ".join(str(accepted.hypothesis.key) for accepted in selection.accepted)
-    return f"not claimed: {found}: {against} {record.path.name}"
+    effects = " and ".join(str(accepted.hypothesis.key) for accepted in selection.accepted)
+    return f"not claimed: {effects}: {against} {record.path.name}"
 
 
 def write_all(outcome: Outcome, command: str) -> None:

@@ -16,20 +16,23 @@ from aff_runtime.app.commission.messages import NAME as SOCKET
 from aff_runtime.app.link.runtime_directory import INSTALLED
 from aff_runtime.cli.main import build_parser
 from aff_runtime.config.site_paths import STATE_DIRECTORY
-from tests.security.test_screen_unit import install, stub
-from tests.security.test_unit import DEPLOY, calls, needs_analyze, settings
+from tests.security.installed_units import (
+    DEPLOY,
+    analyze,
+    install,
+    left_calls,
+    needs_analyze,
+    runnable,
+    settings,
+    stub_in,
+    words_of,
+)
 
-__all__ = ["stub"]
 UNIT = settings("aff-commission.service")
 SERVICE = settings("aff-runtime.service")
 DOOR = settings("aff-runtime.hmi.conf")
 SCREEN = settings("aff-hmi.service")
 SITE = STATE_DIRECTORY / "site" / "site.yaml"
-
-
-def words_of(unit: dict[str, list[str]]) -> list[str]:
-    """Return what a unit starts, as a shell would split it."""
-    return unit["ExecStart"][-1].split()
 
 
 @pytest.mark.parametrize(
@@ -118,10 +121,7 @@ def test_the_service_takes_what_the_technicians_file_would_give_it() -> None:
 
 @needs_analyze
 def test_the_filter_leaves_jobs_that_give_way_and_takes_what_is_privileged() -> None:
-    left: set[str] = set()
-    for words in UNIT["SystemCallFilter"]:
-        for word in words.lstrip("~").split():
-            left = left - calls(word) if words.startswith("~") else left | calls(word)
+    left = left_calls(UNIT)
     assert {"accept4", "epoll_wait", "execve", "setpriority", "sched_setaffinity"} <= left
     assert not left & {"ptrace", "setuid", "mount", "bpf", "reboot", "init_module"}
 
@@ -131,22 +131,15 @@ def test_the_filter_leaves_jobs_that_give_way_and_takes_what_is_privileged() -> 
 def test_systemd_accepts_the_unit_and_it_is_exposed_no_more_than_2_0_of_10(
     words: list[str], tmp_path: Path
 ) -> None:
-    path = tmp_path / "aff-commission.service"
-    path.write_text(
-        re.sub(r"/opt/\S*/bin/aff-runtime", sys.executable, (DEPLOY / path.name).read_text())
-    )
+    path = runnable(tmp_path, "aff-commission.service")
     (tmp_path / "system-affview.slice").write_text((DEPLOY / "system-affview.slice").read_text())
-    done = subprocess.run(
-        ["systemd-analyze", *words, str(path)], capture_output=True, text=True, check=False
-    )
+    done = analyze(*words, str(path))
     assert done.returncode == 0, done.stdout[-300:] + done.stderr
     assert words != ["verify"] or (done.stdout, done.stderr) == ("", "")
 
 
-def test_hmi_brings_it_with_the_network_of_the_service_and_takes_it_away(
-    tmp_path: Path, stub: str
-) -> None:
-    root = tmp_path / "root"
+def test_hmi_brings_it_with_the_network_of_the_service_and_takes_it_away(tmp_path: Path) -> None:
+    stub, root = stub_in(tmp_path), tmp_path / "root"
     assert install(root, "--hmi", python=stub).returncode == 0
     units = root / "etc/systemd/system"
     assert (units / "aff-commission.service").read_bytes() == (

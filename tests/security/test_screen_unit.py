@@ -18,7 +18,19 @@ from aff_runtime.app.link.runtime_directory import check_trusted
 from aff_runtime.app.supervisor.door import Door
 from aff_runtime.app.supervisor.packet_listener import SCREEN_USER
 from tests.doubles.virtual_clock import VirtualClock
-from tests.security.test_unit import DEPLOY, STUB, calls, needs_analyze, networks, settings
+from tests.security.installed_units import (
+    DEPLOY,
+    STUB,
+    analyze,
+    install,
+    left_calls,
+    needs_analyze,
+    networks,
+    runnable,
+    settings,
+    stub_in,
+    without_written_and_run_memory,
+)
 
 SCREEN = settings("aff-hmi.service")
 SERVICE = settings("aff-runtime.service")
@@ -149,62 +161,44 @@ def test_a_door_in_that_folder_opens_to_its_group_and_to_nobody_else(tmp_path: P
 
 @needs_analyze
 def test_the_filter_leaves_a_web_server_and_takes_what_starves_others() -> None:
-    left: set[str] = set()
-    for words in SCREEN["SystemCallFilter"]:
-        for word in words.lstrip("~").split():
-            left = left - calls(word) if words.startswith("~") else left | calls(word)
+    left = left_calls(SCREEN)
     assert {"accept4", "epoll_wait", "recvmsg", "mmap", "futex", "getrandom", "flock"} <= left
     assert not left & {"sched_setscheduler", "sched_setaffinity", "mlockall", "setpriority"}
     assert not left & {"ptrace", "setuid", "mount", "bpf", "reboot", "init_module"}
 
 
-def unit(tmp_path: Path) -> Path:
-    """Return the screen's unit with a program that exists here, its slice and drop-ins."""
-    path = tmp_path / "aff-hmi.service"
-    text = (DEPLOY / path.name).read_text()
-    path.write_text(re.sub(r"/opt/\S*/bin/aff-hmi", sys.executable, text))
-    (tmp_path / SLICE).write_text((DEPLOY / SLICE).read_text())
-    folder = tmp_path / "aff-hmi.service.d"
-    folder.mkdir()
+def unit(folder: Path) -> Path:
+    """Return the screen's unit as it can be read here, its slice and drop-ins beside it."""
+    (folder / SLICE).write_text((DEPLOY / SLICE).read_text())
     listen = (DEPLOY / "aff-hmi.listen.conf").read_text()
-    (folder / "listen.conf").write_text(re.sub(r"(?m)^#(Environment|IPAddress)", r"\1", listen))
-    (folder / "cpu.conf").write_text("[Service]\nCPUAffinity=0-0\n")
-    return path
+    return runnable(
+        folder,
+        "aff-hmi.service",
+        listen=re.sub(r"(?m)^#(Environment|IPAddress)", r"\1", listen),
+        cpu="[Service]\nCPUAffinity=0-0\n",
+    )
 
 
 @needs_analyze
 def test_systemd_accepts_unit_slice_and_drop_ins_without_a_word(tmp_path: Path) -> None:
-    command = ["systemd-analyze", "verify", str(unit(tmp_path)), str(tmp_path / SLICE)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = analyze("verify", str(unit(tmp_path)), str(tmp_path / SLICE))
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
 @needs_analyze
 def test_the_unit_is_exposed_no_more_than_2_0_of_10(tmp_path: Path) -> None:
-    command = ["systemd-analyze", "security", "--offline=true", "--threshold=20"]
-    command.append(str(unit(tmp_path)))
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = analyze("security", "--offline=true", "--threshold=20", str(unit(tmp_path)))
     assert done.returncode == 0, done.stdout[-300:]
 
 
 @needs_analyze
 def test_systemd_accepts_the_service_with_its_door(tmp_path: Path) -> None:
-    path = tmp_path / "aff-runtime.service"
-    program = re.compile(r"/opt/\S*/bin/aff-runtime")
-    path.write_text(program.sub(sys.executable, (DEPLOY / path.name).read_text()))
-    folder = tmp_path / "aff-runtime.service.d"
-    folder.mkdir()
     door = (DEPLOY / "aff-runtime.hmi.conf").read_text()
-    (folder / "hmi.conf").write_text(program.sub(sys.executable, door))
-    command = ["systemd-analyze", "verify", str(path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = analyze("verify", str(runnable(tmp_path, "aff-runtime.service", hmi=door)))
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
-MDWE = """
-import ctypes, sys
-if ctypes.CDLL(None, use_errno=True).prctl(65, 1, 0, 0, 0) != 0:  # PR_SET_MDWE
-    sys.exit(77)
+SHOWS = """
 from aff_hmi.hub import Hub
 from aff_hmi.listening import listening
 from aff_hmi.server import config_of
@@ -218,29 +212,13 @@ assert "aff_control_up 0.0" in hub.metrics()
 
 
 def test_the_screen_works_where_no_memory_is_both_written_and_run() -> None:
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", MDWE], capture_output=True, text=True, check=False
-    )
-    if done.returncode == 77:
-        pytest.skip("this kernel has no PR_SET_MDWE, the stand-in for MemoryDenyWriteExecute")
-    assert done.returncode == 0, done.stderr
-
-
-def install(prefix: Path, *options: str, python: str = sys.executable):
-    """Run the installer below a prefix."""
-    command = ["sh", str(DEPLOY / "install.sh"), "--prefix", str(prefix), "--python", python]
-    if "--dry-run" not in options:
-        command.append("--unlocked")  # a stub of Python needs no packages
-    return subprocess.run([*command, *options], capture_output=True, text=True, check=False)
+    without_written_and_run_memory(SHOWS)
 
 
 @pytest.fixture
 def stub(tmp_path: Path) -> str:
     """A Python that makes an environment of nothing."""
-    path = tmp_path / "python"
-    path.write_text(STUB)
-    path.chmod(0o755)
-    return str(path)
+    return stub_in(tmp_path)
 
 
 def tree(root: Path) -> dict[str, bytes]:
@@ -341,10 +319,9 @@ def test_an_update_brings_the_screen_along_and_keeps_the_technicians_file(
 
 
 def test_a_screen_that_cannot_be_installed_leaves_a_whole_service(tmp_path: Path) -> None:
-    stub, root = tmp_path / "python", tmp_path / "root"
-    stub.write_text(STUB.replace("esac", '    *"[hmi]"*) exit 1 ;;\nesac'))
-    stub.chmod(0o755)
-    assert install(root, "--hmi", python=str(stub)).returncode != 0
+    stub = stub_in(tmp_path, STUB.replace("esac", '    *"[hmi]"*) exit 1 ;;\nesac'))
+    root = tmp_path / "root"
+    assert install(root, "--hmi", python=stub).returncode != 0
     units = root / "etc/systemd/system"
     assert (units / "aff-runtime.service").exists()
     assert not (units / "aff-runtime.service.d/hmi.conf").exists()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ipaddress
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,25 +11,18 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.app.check.limits import MEMORY_BYTES, PATIENCE_S
-
-ROOT = Path(__file__).parents[2]
-DEPLOY = ROOT / "deploy"
-UNIT = DEPLOY / "aff-runtime.service"
-needs_analyze = pytest.mark.skipif(
-    shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed"
+from tests.security.installed_units import (
+    DEPLOY,
+    analyze,
+    install,
+    left_calls,
+    needs_analyze,
+    networks,
+    runnable,
+    settings,
+    stub_in,
+    without_written_and_run_memory,
 )
-
-
-def settings(name: str) -> dict[str, list[str]]:
-    """Return the words after each key of [Service], of all its lines together, as systemd does."""
-    found: dict[str, list[str]] = {}
-    section = (DEPLOY / name).read_text().partition("[Service]")[2].partition("\n[")[0]
-    for line in section.splitlines():
-        if line and not line.startswith("#"):
-            key, _, words = line.partition("=")
-            found.setdefault(key, []).append(words)
-    return found
-
 
 SERVICE = settings("aff-runtime.service")
 
@@ -80,14 +72,6 @@ def test_a_start_lasts_longer_than_the_check_may() -> None:
     assert int(SERVICE["TimeoutStartSec"][0]) > PATIENCE_S + 10
 
 
-def networks(words: str) -> list[ipaddress.IPv4Network | ipaddress.IPv6Network]:
-    named = {
-        "localhost": ["127.0.0.0/8", "::1/128"],
-        "link-local": ["169.254.0.0/16", "fe80::/64"],
-    }
-    return [ipaddress.ip_network(one) for word in words.split() for one in named.get(word, [word])]
-
-
 @pytest.mark.parametrize(
     ("address", "reached"),
     [
@@ -120,14 +104,12 @@ def test_the_technicians_file_narrows_it_to_the_plc_by_two_lines() -> None:
 def test_the_installer_brings_the_file_once_and_names_a_foreign_interpreter(
     tmp_path: Path,
 ) -> None:
-    def install() -> str:
-        command = ["sh", str(DEPLOY / "install.sh"), "--dry-run", "--python", sys.executable]
-        done = subprocess.run(
-            [*command, "--prefix", str(tmp_path)], capture_output=True, text=True, check=True
-        )
+    def dry_run() -> str:
+        done = install(tmp_path, "--dry-run")
+        assert done.returncode == 0, done.stderr
         return done.stdout.partition("Next:")[0]
 
-    said = install()
+    said = dry_run()
     assert "aff-runtime.service.d/plc.conf" in said
     if Path(sys.base_prefix).is_relative_to("/usr"):
         assert "rm -f" in said
@@ -136,7 +118,7 @@ def test_the_installer_brings_the_file_once_and_names_a_foreign_interpreter(
     folder = tmp_path / "etc/systemd/system/aff-runtime.service.d"
     folder.mkdir(parents=True)
     (folder / "plc.conf").touch()
-    assert "plc.conf" not in install()
+    assert "plc.conf" not in dry_run()
 
 
 def test_can_adds_its_bus_and_devices_and_takes_nothing_away() -> None:
@@ -146,26 +128,9 @@ def test_can_adds_its_bus_and_devices_and_takes_nothing_away() -> None:
     assert all(line.startswith("char-tty") for line in added["DeviceAllow"])
 
 
-def calls(group: str) -> set[str]:
-    """Return every system call of a group of systemd."""
-    done = subprocess.run(
-        ["systemd-analyze", "syscall-filter", group], capture_output=True, text=True, check=True
-    )
-    words = [line.split("#")[0].strip() for line in done.stdout.splitlines()[1:]]
-    found = {word for word in words if word and not word.startswith("@")}
-    for inner in (word for word in words if word.startswith("@")):
-        found |= calls(inner)
-    return found
-
-
 @needs_analyze
 def test_the_filter_leaves_real_time_and_limits_and_takes_privileges() -> None:
-    left: set[str] = set()
-    for words in SERVICE["SystemCallFilter"]:
-        takes = words.startswith("~")
-        for word in words.lstrip("~").split():
-            found = calls(word) if word.startswith("@") else {word}
-            left = left - found if takes else left | found
+    left = left_calls(SERVICE)
     needed = {"sched_setscheduler", "sched_setaffinity", "sched_setattr", "mlockall", "setrlimit"}
     needed |= {"prlimit64", "rt_sigprocmask", "clone", "execve", "fsync", "fchmod", "renameat2"}
     needed |= {"unlinkat", "flock", "sendmsg", "mmap", "futex", "clock_nanosleep", "memfd_create"}
@@ -183,11 +148,8 @@ def test_the_filter_leaves_real_time_and_limits_and_takes_privileges() -> None:
     assert not left & {"init_module", "kexec_load", "reboot", "swapon", "open_by_handle_at"}
 
 
-MDWE = """
-import ctypes, sys
-said = ctypes.CDLL(None, use_errno=True).prctl(65, 1, 0, 0, 0)  # PR_SET_MDWE
-if said != 0:
-    sys.exit(77)
+COMPUTES = """
+import ctypes
 import aff_runtime.app.control.process, aff_runtime.telemetry.recorder, numpy
 called = ctypes.CFUNCTYPE(ctypes.c_int)(lambda: 3)
 assert called() == 3
@@ -196,35 +158,15 @@ assert float(numpy.linalg.solve(numpy.eye(3), numpy.ones(3)).sum()) == 3.0
 
 
 def test_the_service_works_where_no_memory_is_both_written_and_run() -> None:
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", MDWE], capture_output=True, text=True, check=False
-    )
-    if done.returncode == 77:
-        pytest.skip("this kernel has no PR_SET_MDWE, the stand-in for MemoryDenyWriteExecute")
-    assert done.returncode == 0, done.stderr
+    without_written_and_run_memory(COMPUTES)
 
 
 @needs_analyze
 def test_with_the_drop_ins_systemd_accepts_the_unit_without_a_word(tmp_path: Path) -> None:
-    text = re.sub(r"/opt/\S*/bin/aff-runtime", sys.executable, UNIT.read_text())
-    unit = tmp_path / "aff-runtime.service"
-    unit.write_text(text)
-    folder = tmp_path / "aff-runtime.service.d"
-    folder.mkdir()
-    for name in ("can", "plc"):
-        shutil.copy(DEPLOY / f"aff-runtime.{name}.conf", folder / f"{name}.conf")
-    done = subprocess.run(
-        ["systemd-analyze", "verify", str(unit)], capture_output=True, text=True, check=False
-    )
+    can, plc = ((DEPLOY / f"aff-runtime.{name}.conf").read_text() for name in ("can", "plc"))
+    unit = runnable(tmp_path, "aff-runtime.service", can=can, plc=plc)
+    done = analyze("verify", str(unit))
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-
-
-STUB = """#!/bin/sh
-case "$*" in
-    *"-m venv"*) for folder; do :; done; mkdir -p "$folder/bin"; cp "$0" "$folder/bin/python" ;;
-    *base_prefix*) echo /usr ;;
-esac
-"""
 
 
 @pytest.mark.parametrize("umask", ["000", "002", "077"])
@@ -232,9 +174,7 @@ def test_what_is_installed_is_read_by_the_service_and_written_by_root_alone(
     tmp_path: Path, umask: str
 ) -> None:
     """A shell of root's may have any umask; the folders of programs and settings had it too."""
-    stub, root = tmp_path / "python", tmp_path / "root"
-    stub.write_text(STUB)
-    stub.chmod(0o755)
+    stub, root = stub_in(tmp_path), tmp_path / "root"
     script = (
         f"umask {umask}; exec sh {DEPLOY}/install.sh --unlocked --prefix {root} --python {stub}"
     )

@@ -87,18 +87,18 @@ def follow(content: bytes) -> Chain:
     lines, rest = content.split(b"\n")[:-1], content.rpartition(b"\n")[2]
     if len(lines) > MOST_ENTRIES:
         return Chain(wrong=f"has more than {MOST_ENTRIES} entries: no card of ours")
-    found: list[Link] = []
+    links: list[Link] = []
     prev = START
     for at, line in enumerate(lines, start=1):
         try:
             link = _link(line, at, prev)
         except _RefusedError as error:
-            return Chain(links=tuple(found), wrong=f"entry {at}: {error}")
-        found.append(link)
+            return Chain(links=tuple(links), wrong=f"entry {at}: {error}")
+        links.append(link)
         prev = link.sha256
     if rest:
-        return Chain(links=tuple(found), wrong=f"entry {len(lines) + 1}: ends in half a line")
-    return Chain(links=tuple(found))
+        return Chain(links=tuple(links), wrong=f"entry {len(lines) + 1}: ends in half a line")
+    return Chain(links=tuple(links))
 
 
 def _link(line: bytes, at: int, prev: str) -> Link:

@@ -9,8 +9,8 @@ from html import escape
 from aff_runtime.app.card.figures import Figure, Sample
 from aff_runtime.base.printable import printable
 
-ROW, LEFT, WIDE = 18, 330, 640
-HIGH, MOST = 120, 40
+ROW, LEFT, WIDE, HIGH = 18, 330, 640, 120  # pixels: a row, the room for its name, a chart
+MOST = 40  # rows
 COURSE = ("time_s", "amplitude")
 BODE = ("frequency_Hz", "gain", "phase_rad", "relative_error")
 

@@ -128,14 +128,14 @@ def entries_of(chain: Chain) -> tuple[Entry, ...]:
     ConfigError
         An entry is none of this release; the message says which, and where.
     """
-    found = tuple(
+    entries = tuple(
         Entry(number=link.number, utc=link.utc, sha256=link.sha256, said=_said(link))
         for link in chain.links
     )
-    begun = [entry for entry in found if isinstance(entry.said, Begun)]
-    if not found or begun != [found[0]]:
+    begun = [entry for entry in entries if isinstance(entry.said, Begun)]
+    if not entries or begun != [entries[0]]:
         raise ConfigError("entry 1: a card begins with what it is of, once; no card of ours")
-    return found
+    return entries
 
 
 def read_back(kind: str, body: Any) -> Begun | Measured | Signed:
@@ -200,7 +200,7 @@ def _figure(said: Fields) -> Figure:
 
 
 def _sample(said: Fields) -> Sample:
-    found = Sample(
+    sample = Sample(
         kind=said.text("kind"),
         of=said.text("of"),
         names=said.texts("names"),
@@ -208,11 +208,11 @@ def _sample(said: Fields) -> Sample:
         columns=said.texts("columns"),
         rows=said.table("rows"),
     )
-    if len(found.names) != len(found.numbers) or any(
-        len(row) != len(found.columns) for row in found.rows
+    if len(sample.names) != len(sample.numbers) or any(
+        len(row) != len(sample.columns) for row in sample.rows
     ):
         raise ConfigError("entry: a sample's names and numbers are not alike; no card of ours")
-    return found
+    return sample
 
 
 def _inputs(said: Fields) -> Inputs:
@@ -251,9 +251,9 @@ def _typed(said: Fields) -> Typed:
 def as_plain(value: Any) -> Any:
     """Return a record as plain values for an entry; a number that is none is null."""
     if hasattr(value, "__dataclass_fields__"):
-        found = {name: as_plain(getattr(value, name)) for name in value.__dataclass_fields__}
-        finding = found.pop("finding", {}) if isinstance(value, Measured) else {}
-        return {**found, **finding}
+        row = {name: as_plain(getattr(value, name)) for name in value.__dataclass_fields__}
+        finding = row.pop("finding", {}) if isinstance(value, Measured) else {}
+        return {**row, **finding}
     if isinstance(value, Mapping):
         return {str(key): as_plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):

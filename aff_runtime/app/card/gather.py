@@ -177,11 +177,11 @@ def _check_settings(window: Window, sources: Sources) -> None:
     folder = window.table.window.folder
     if recorder is not None and os.path.realpath(recorder.folder) == os.path.realpath(folder):
         return  # the service itself says what it runs on
-    found = revision_hash(load_recorded_site(window.table.site_text, f"{folder}/site.yaml"))
-    if found != sources.parameters.site_hash:
+    recorded = revision_hash(load_recorded_site(window.table.site_text, f"{folder}/site.yaml"))
+    if recorded != sources.parameters.site_hash:
         raise RefusedError(
-            f"{window.table.window}: recorded on other settings ({found[:SHORT]}) than the site "
-            f"file says now ({sources.parameters.site_hash[:SHORT]})"
+            f"{window.table.window}: recorded on other settings ({recorded[:SHORT]}) than the "
+            f"site file says now ({sources.parameters.site_hash[:SHORT]})"
         )
 
 

@@ -20,17 +20,17 @@ def card_lines(card: Card) -> Iterator[str]:
         yield f"not done: {sentence}"
 
 
-def measured_lines(found: Measured) -> Iterator[str]:
+def measured_lines(measured: Measured) -> Iterator[str]:
     """Yield the figures of a measurement, and what it says."""
-    for figure in found.finding.figures:
+    for figure in measured.finding.figures:
         yield _figure(figure)
-    for text in found.finding.waits_for:
+    for text in measured.finding.waits_for:
         yield f"missing   {text}"
-    for text in found.finding.proposals:
+    for text in measured.finding.proposals:
         yield f"proposed  {text}"
-    for text in found.finding.remarks:
+    for text in measured.finding.remarks:
         yield f"remark    {text}"
-    yield f"step {found.step}: {found.verdict}"
+    yield f"step {measured.step}: {measured.verdict}"
 
 
 def _figure(figure: Figure) -> str:

@@ -82,10 +82,10 @@ def _segment(path: Path) -> Segment:
 
 def _digest(path: Path, size: int) -> tuple[int, str]:
     """Return how many bytes were there of ``size``, and their SHA-256."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     left = size
     with open_plain(path) as file:
         while left and (chunk := file.read(min(left, _CHUNK))):
-            found.update(chunk)
+            digest.update(chunk)
             left -= len(chunk)
-    return size - left, found.hexdigest()
+    return size - left, digest.hexdigest()

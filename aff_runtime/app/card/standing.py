@@ -131,13 +131,13 @@ def former_samples(step: Step, entries: Sequence[Entry], now: Inputs) -> tuple[S
 
     A learned response is what step 7 itself makes, so a new one takes none of them away.
     """
-    found: list[Sample] = []
+    samples: list[Sample] = []
     for entry in entries:
         said = entry.said
         if isinstance(said, Measured) and said.step == step.number:
             same = (said.inputs.site_hash, said.inputs.plc) == (now.site_hash, now.plc)
-            found = [*found, *said.finding.samples] if same else []
-    return tuple(found)
+            samples = [*samples, *said.finding.samples] if same else []
+    return tuple(samples)
 
 
 def newest_plc(entries: Sequence[Entry]) -> str:

@@ -36,21 +36,21 @@ class TypedValues:
         ConfigError
             It is a word, or has another unit.
         """
-        found = self._values.get(name)
-        if found is None:
+        typed = self._values.get(name)
+        if typed is None:
             return math.nan
-        if not math.isfinite(found.number) or found.unit not in ("", unit):
+        if not math.isfinite(typed.number) or typed.unit not in ("", unit):
             wanted = f"a number in {unit}" if unit else "a plain number"
             raise ConfigError(
-                f"--typed {name}={printable(found.text, 40)}: expected {wanted}, or in a unit "
+                f"--typed {name}={printable(typed.text, 40)}: expected {wanted}, or in a unit "
                 "of that kind"
             )
-        return found.number
+        return typed.number
 
     def word(self, name: str) -> str:
         """Return a word as it was typed, empty where it was not."""
-        found = self._values.get(name)
-        return found.text if found is not None else ""
+        typed = self._values.get(name)
+        return typed.text if typed is not None else ""
 
     def refuse_others(self, known: Iterable[str]) -> None:
         """Refuse what a step does not ask for.

@@ -35,17 +35,17 @@ def verify(given: Path, newest: str = "", *, records: bool = False) -> Verified:
         The file cannot be read.
     """
     path = card_file(given)
-    found = follow(content_of(path))
-    wrong = [found.wrong] if found.wrong else []
-    if not wrong and newest and found.newest != newest:
-        number = next((k.number for k in found.links if k.sha256 == newest), 0)
+    chain = follow(content_of(path))
+    wrong = [chain.wrong] if chain.wrong else []
+    if not wrong and newest and chain.newest != newest:
+        number = next((k.number for k in chain.links if k.sha256 == newest), 0)
         wrong.append(
-            f"the page's hash is that of entry {number}: {len(found.links) - number} were added"
+            f"the page's hash is that of entry {number}: {len(chain.links) - number} were added"
             if number
             else "no entry has the page's hash: entries were taken away, or it is another card"
         )
     if not wrong and records:
-        said = [one.said for one in entries_of(found)]
+        said = [one.said for one in entries_of(chain)]
         measured = [one for one in said if isinstance(one, Measured)]
         wrong = [text for one in measured for w in one.windows for text in differences(w)]
-    return Verified(path=path, entries=len(found.links), newest=found.newest, wrong=tuple(wrong))
+    return Verified(path=path, entries=len(chain.links), newest=chain.newest, wrong=tuple(wrong))

@@ -136,14 +136,14 @@ def measure(
     """
     step = step_of(number)
     former = former_samples(step, card.entries, inputs_of(sources))
-    found = gather(step, sources, TypedValues(typed), former)
-    finding = _bounded(step.measure(found.evidence))
+    gathered = gather(step, sources, TypedValues(typed), former)
+    finding = _bounded(step.measure(gathered.evidence))
     kept = Measured(
         step=number,
         verdict=finding.verdict,
         finding=finding,
-        inputs=found.inputs,
-        windows=found.windows,
+        inputs=gathered.inputs,
+        windows=gathered.windows,
         typed=typed,
         by=by,
         release=release_text(),
@@ -183,15 +183,17 @@ def sign(card: CardFile, number: int, now: Inputs, *, name: str, reason: str, by
     ConfigError
         Name or reason are too short or too long.
     """
-    found = card.standing(number, now)
-    if found.stand not in SIGNABLE or found.last is None:
-        why = "; ".join((*found.why, *(found.measured.finding.missing if found.measured else ())))
+    standing = card.standing(number, now)
+    if standing.stand not in SIGNABLE or standing.last is None:
+        why = "; ".join(
+            (*standing.why, *(standing.measured.finding.missing if standing.measured else ()))
+        )
         raise RefusedError(
-            f"step {number} is {found.stand}{f' ({why})' if why else ''}: nothing to sign"
+            f"step {number} is {standing.stand}{f' ({why})' if why else ''}: nothing to sign"
         )
     kept = Signed(
         step=number,
-        measured=found.last.sha256,
+        measured=standing.last.sha256,
         name=_said(name, "name", SHORTEST_NAME, LONGEST_NAME),
         reason=_said(reason, "reason", SHORTEST_REASON, LONGEST_REASON),
         by=by,

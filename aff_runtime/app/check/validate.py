@@ -110,13 +110,18 @@ def parameter_record(path: Path, reading: Reading) -> ParameterRecord:
         folder=folder,
         versions=_versions(),
     )
+    _check_size(path, parameters)
+    return parameters
+
+
+def _check_size(path: Path, parameters: ParameterRecord) -> None:
+    """Refuse a site file that with its responses is too long for the control process."""
     n_bytes = len(json.dumps(parameters.for_control().to_json()))
     if n_bytes > MAX_RECORD_BYTES:
         raise ConfigError(
             f"{path}:1:1  with its responses it takes {n_bytes // 1000} kB, at most "
             f"{MAX_RECORD_BYTES // 1000} kB pass to the control process; make it shorter"
         )
-    return parameters
 
 
 def _look_up(reading: Reading, folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""The commissioner: what a screen may have done before a line runs; it moves nothing."""
+"""The commissioner: what a screen may have done so that a line is commissioned."""
 
 __all__ = [
     "answers",

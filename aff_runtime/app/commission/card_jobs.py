@@ -26,24 +26,24 @@ MEMORY_BYTES = 4 << 30
 
 def card(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return the card as it stands, compared with what holds now as far as that is known."""
-    found = work.CardFile.of(where.card)
+    card_file = work.CardFile.of(where.card)
     try:
-        at = sources(where, found)
+        at = sources(where, card_file)
         now = inputs_of(at)
     except AffError as error:
         remark = f"not compared with what holds now: {error}"
-        return CardShown(card=card_view(found.card(), None, None, [remark]))
-    return CardShown(card=card_view(found.card(now), at.checked, at.answer, said_of(at)))
+        return CardShown(card=card_view(card_file.card(), None, None, [remark]))
+    return CardShown(card=card_view(card_file.card(now), at.checked, at.answer, said_of(at)))
 
 
 def printed(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return the page that prints."""
-    found = work.CardFile.of(where.card)
+    card_file = work.CardFile.of(where.card)
     try:
-        now = inputs_of(sources(where, found))
+        now = inputs_of(sources(where, card_file))
     except AffError:
         now = None
-    return Printed(html=page.page(found.card(now), asked.paper))
+    return Printed(html=page.page(card_file.card(now), asked.paper))
 
 
 def begin(where: Paths, asked: Request, talk: Talk) -> Answer:
@@ -54,34 +54,34 @@ def begin(where: Paths, asked: Request, talk: Talk) -> Answer:
 
 def step(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Measure a step, or put on the card that it does not apply."""
-    found, number, by = work.CardFile.of(where.card), asked.step, asked.by
-    at = sources(where, found, plc=asked.plc.strip())
+    card_file, number, by = work.CardFile.of(where.card), asked.step, asked.by
+    at = sources(where, card_file, plc=asked.plc.strip())
     if asked.leave_out.strip():
-        kept = work.leave_out(found, number, asked.leave_out, inputs_of(at), by)
+        kept = work.leave_out(card_file, number, asked.leave_out, inputs_of(at), by)
     else:
         values = tuple(typed(line) for line in asked.typed.splitlines() if line.strip())
         if number == steps.SEARCH:
             at = after_search(where, at, values, talk.say)
         with bounded_effort("card", ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
-            kept = work.measure(found, number, at, values, by)
+            kept = work.measure(card_file, number, at, values, by)
     work.keep_site(where.card, at.parameters)
     return Done(text=f"step {number}: {kept.verdict}")
 
 
 def sign(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Sign the measurement that the person has seen, and no other."""
-    found, number = work.CardFile.of(where.card), asked.step
-    now = inputs_of(sources(where, found))
-    last = found.standing(number, now).last
+    card_file, number = work.CardFile.of(where.card), asked.step
+    now = inputs_of(sources(where, card_file))
+    last = card_file.standing(number, now).last
     if last is None or last.sha256 != asked.measured:
         return Refusal(why=Why.CHANGED)
-    kept = work.sign(found, number, now, name=asked.account, reason=asked.reason, by=asked.by)
+    kept = work.sign(card_file, number, now, name=asked.account, reason=asked.reason, by=asked.by)
     return Done(text=f"step {kept.step} signed as {kept.name}")
 
 
 def verified(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return whether card and records are what was written."""
-    found = verify(where.card, records=True)
-    if found.wrong:
-        return Done(text=f"does not hold: {'; '.join(found.wrong[:5])}")
-    return Done(text=f"{found.entries} entries, whole; newest {found.newest}")
+    result = verify(where.card, records=True)
+    if result.wrong:
+        return Done(text=f"does not hold: {'; '.join(result.wrong[:5])}")
+    return Done(text=f"{result.entries} entries, whole; newest {result.newest}")

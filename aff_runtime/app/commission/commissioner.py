@@ -1,8 +1,10 @@
 """The commissioner: hears a screen, lets one person have jobs done, keeps what was asked.
 
-It moves nothing: it arms nothing, and writes no word of the PLC. Figures come from records and
-from the running service; what a screen says of itself is a name, a value that a display shows, an
-answer. A signature is below what was shown, with a password that is checked here.
+It sends no correction, arms nothing and writes no word of the PLC. What it changes is the site
+file, and settings that it asks the service to try: the service bounds a try and takes it back.
+Figures come from records and from the running service; what a screen says of itself is a name, a
+value that a display shows, an answer. A signature is below what was shown, with a password that
+is checked here.
 """
 
 from __future__ import annotations
@@ -105,7 +107,7 @@ class Commissioner:
     # --- who ----------------------------------------------------------------------------------
 
     async def _open(self, asked: Request, peer: Peer) -> Answer:
-        found = await self._people.open(
+        opened = await self._people.open(
             asked.account, asked.password, Place(asked.place), over=asked.over
         )
         said = Entry(
@@ -115,13 +117,13 @@ class Commissioner:
             place=asked.place,
             peer=str(peer),
         )
-        if isinstance(found, Refusal):
-            self._audit.refuse(said, found.why)
-            return found
+        if isinstance(opened, Refusal):
+            self._audit.refuse(said, opened.why)
+            return opened
         if not self._audit.write(said, "done"):
             self._people.close()
             return Refusal(why=Why.UNRECORDED)
-        return Opened(key=found.key)
+        return Opened(key=opened.key)
 
     # --- jobs ---------------------------------------------------------------------------------
 
@@ -176,19 +178,19 @@ class Commissioner:
 
     async def _run(self, worker: Worker, entry: Entry) -> Answer:
         try:
-            found = await worker.run()
+            answer = await worker.run()
         except OSError as error:
-            found = Refusal(why=Why.REFUSED, name=str(error))
+            answer = Refusal(why=Why.REFUSED, name=str(error))
         except asyncio.CancelledError:
             self._audit.write(entry, "noted", CUT if worker.asked.do in KEEPS else STOPPED)
             raise
         finally:
             self._worker = None
-        is_done, text = _became(found)
+        is_done, text = _became(answer)
         result = "done" if is_done else "noted" if worker.is_unsure else "refused"
         self._audit.write(entry, result, text)
         self._last = LastJob(do=worker.asked.do, step=worker.asked.step, ok=is_done, text=text)
-        return found
+        return answer
 
     # --- how it stands ------------------------------------------------------------------------
 

@@ -42,7 +42,7 @@ def line(where: Paths, asked: Request, talk: Talk) -> LineShown:
     site, facts = report.site, report.facts
     if site is None or facts is None:
         return LineShown(line=view)
-    found = _responses(site, where)
+    responses = _responses(site, where)
     proof = None
     with contextlib.suppress(AffError):
         standing = standing_of(where.socket)
@@ -51,30 +51,32 @@ def line(where: Paths, asked: Request, talk: Talk) -> LineShown:
         view,
         orders=tuple(str(one) for one in (*facts.orders, *facts.shapes))[:MOST_LINES],
         limits=tuple(str(one) for one in facts.limits)[:MOST_LINES],
-        probe=_bounds(site, found),
+        probe=_bounds(site, responses),
         proof=proof,
-        responses=tuple(_response(name, one, site) for name, one in found.items()),
+        responses=tuple(_response(name, one, site) for name, one in responses.items()),
     )
     return LineShown(line=view)
 
 
 def _responses(site: Site, where: Paths) -> dict[str, Response]:
     """Return the measured responses as far as they can be read."""
-    found: dict[str, Response] = {}
+    responses: dict[str, Response] = {}
     for name, actuator in site.actuators.items():
         path = where.site.parent / actuator.response
         with contextlib.suppress(OSError, ValueError, AffError):
-            found[name] = Response.from_json(read_plain(path, MAX_RESPONSE_BYTES).decode("utf-8"))
-    return found
+            responses[name] = Response.from_json(
+                read_plain(path, MAX_RESPONSE_BYTES).decode("utf-8")
+            )
+    return responses
 
 
-def _bounds(site: Site, found: dict[str, Response]) -> ProbeView:
+def _bounds(site: Site, responses: dict[str, Response]) -> ProbeView:
     """Return what a probe sends at most, and how large its ripple then was by the last probe."""
     rows = []
     for name, actuator in site.actuators.items():
         of_speed = actuator.output == "velocity_reference"
         amplitude = site.probe.amplitude_m_s if of_speed else site.probe.amplitude_N_m
-        former = found.get(name)
+        former = responses.get(name)
         gain = max((one.gain for one in former.points), default=math.nan) if former else math.nan
         rows.append(
             ProbeRow(
@@ -90,15 +92,15 @@ def _bounds(site: Site, found: dict[str, Response]) -> ProbeView:
     return ProbeView(duration_s=site.probe.duration_s, rows=tuple(rows))
 
 
-def _response(name: str, found: Response, site: Site) -> ResponseView:
-    about = found.provenance
+def _response(name: str, response: Response, site: Site) -> ResponseView:
+    about = response.provenance
     return ResponseView(
         actuator=name,
         unit=_gain_unit(site.actuators[name]),
         measured_at=about.measured_at,
         speed_m_s=_known(about.line_speed_m_s),
         radius_m=_known(about.radius_m),
-        delay_s=found.delay_s,
+        delay_s=response.delay_s,
         points=tuple(
             PointView(
                 frequency_Hz=one.frequency_Hz,
@@ -107,15 +109,15 @@ def _response(name: str, found: Response, site: Site) -> ResponseView:
                 error_percent=100.0 * one.relative_error,
                 coherence=one.coherence,
             )
-            for one in found.points
+            for one in response.points
         ),
-        drive=_drive(found.drive) if found.drive is not None else (),
+        drive=_drive(response.drive) if response.drive is not None else (),
     )
 
 
-def _drive(found: IdentifiedDrive) -> tuple[DriveRow, ...]:
+def _drive(drive: IdentifiedDrive) -> tuple[DriveRow, ...]:
     """Return every identified number with its interval."""
-    numbers = ((one.name, getattr(found, one.name)) for one in fields(found))
+    numbers = ((one.name, getattr(drive, one.name)) for one in fields(drive))
     return tuple(
         DriveRow(name=name, value=one.value, low=one.low, high=one.high, is_sure=one.is_sure)
         for name, one in numbers

@@ -92,9 +92,9 @@ class Looking:
                 is_same = kept[0] == stamp and not isinstance(kept[2], Refusal)
                 if is_same or now_ns - kept[1] < LEAST_NS:
                     return kept[2]
-            found = await Worker(asked, self._where).run()
-            self._made[key] = (stamp, self._clock.now_ns(), found)
-            return found
+            answer = await Worker(asked, self._where).run()
+            self._made[key] = (stamp, self._clock.now_ns(), answer)
+            return answer
 
     def _stamp(self) -> Stamp:
         now = self._service

@@ -99,15 +99,15 @@ class People:
         self._queue += 1
         try:
             async with self._one:
-                found: Account | None = await asyncio.to_thread(
+                account: Account | None = await asyncio.to_thread(
                     self._accounts.check, name, password
                 )
         finally:
             self._queue -= 1
-        if found is None:
+        if account is None:
             return Refusal(why=Why.PASSWORD)
         self._buckets.pop(name, None)  # who signs thirteen steps does not guess
-        return None if found.role >= Role.COMMISSION else Refusal(why=Why.ROLE)
+        return None if account.role >= Role.COMMISSION else Refusal(why=Why.ROLE)
 
     def _bucket(self, name: str) -> Bucket:
         """Return the bucket of an account, or that of all names that are none.

@@ -58,7 +58,7 @@ def search(
     RefusedError
         The correction is not on, or the service refuses a try.
     """
-    found, windows, table = list[Try](), list[RunWindow](), list[Candidate]()
+    tries, windows, table = list[Try](), list[RunWindow](), list[Candidate]()
     while (factor := next_factor(table)) is not None:
         settle_s, look_s = _times_s(parameters, actuator, factor, read_answer(ask("status")))
         say(f"{factor:g} of the present setting: {settle_s + look_s:.0f} s")
@@ -74,9 +74,9 @@ def search(
         one = Try(actuator=actuator, factor=factor, measured=window is not None, ended=ended)
         seen = load_window(window) if window is not None else None
         table.append(candidate(Evidence(checked=checked, typed=TypedValues(())), one, seen))
-        found.append(one)
+        tries.append(one)
         windows += [window] if window is not None else []
-    return Tried(tries=tuple(found), windows=tuple(windows))
+    return Tried(tries=tuple(tries), windows=tuple(windows))
 
 
 def _times_s(

@@ -32,25 +32,29 @@ def proposed(sentences: Sequence[str]) -> Mapping[Path, float]:
     RefusedError
         There is none, or one that is no number.
     """
-    found: dict[Path, float] = {}
+    settings: dict[Path, float] = {}
     for text in sentences:
         match = _PROPOSED.fullmatch(text)
         if match is None:
             raise RefusedError(f"{text}: is tried by hand: `aff-runtime settings try`")
         place = tuple(int(key) if key.isdecimal() else key for key in match[1].split("."))
-        found[place] = float(match[2])
-    if not found:
+        settings[place] = float(match[2])
+    if not settings:
         raise RefusedError("this step proposes nothing")
-    return found
+    return settings
 
 
 def try_proposed(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Have the service run what a step proposes for a while; it takes it back by itself."""
-    found = CardFile.of(where.card).standing(asked.step, None)
-    if found.last is None or found.measured is None or found.last.sha256 != asked.measured:
+    standing = CardFile.of(where.card).standing(asked.step, None)
+    if (
+        standing.last is None
+        or standing.measured is None
+        or standing.last.sha256 != asked.measured
+    ):
         return Refusal(why=Why.CHANGED)
     now = parameters_of(where.site, where.state)
-    text = text_with(now.site_text, proposed(found.measured.finding.proposals))
+    text = text_with(now.site_text, proposed(standing.measured.finding.proposals))
     answer = _ask(where, act="try", text=text, seconds=float(asked.seconds), why=_why(asked))
     for change in (*answer.remarks, *answer.changes):
         talk.say(str(change))

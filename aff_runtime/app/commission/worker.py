@@ -49,21 +49,21 @@ class Worker:
         environment = without_service_manager() | ONE_THREAD
         self._process = process = await talking_child(JOB, environment, MAX_TOLD_BYTES)
         self._write(Start(asked=self.asked, where=self._where, parent=os.getpid()))
-        found: Answer | None = None
+        answer: Answer | None = None
         if self._is_stopped:
             process.kill()
         assert process.stdout is not None
         try:
             with contextlib.suppress(ValueError):  # no line of ours: it has not answered
                 while line := await process.stdout.readline():
-                    found = self._hear(line) or found
+                    answer = self._hear(line) or answer
         finally:
-            self.is_unsure = found is None and self.asked.do in KEEPS
+            self.is_unsure = answer is None and self.asked.do in KEEPS
             if process.returncode is None and not self._is_stopped:
                 process.kill()
             await process.wait()
         self.question = None
-        return found or Refusal(why=Why.REFUSED, name=self._unanswered())
+        return answer or Refusal(why=Why.REFUSED, name=self._unanswered())
 
     def answer(self, number: int, text: str) -> bool:
         """Give a person's answer to the job; False when it waits for another question or none."""

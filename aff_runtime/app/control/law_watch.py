@@ -36,14 +36,14 @@ class LawWatch:
         self._event = event
         self._say = say
         self._watches: dict[str, RippleWatch] = {}
-        self._wrong: set[str] = set()
+        self._unbelieved: set[str] = set()
         self._held = HeldBlocks()
         self._tick = 0
 
     @property
     def unbelieved(self) -> frozenset[str]:
         """Actuators that made ripple rise and whose weights are about to be dropped."""
-        return frozenset(self._wrong)
+        return frozenset(self._unbelieved)
 
     def advise(self, law: LawSlot, site: Site, *, state: State, quiet: bool, tick: int) -> Advice:
         """Return the law side's advice to the guard.
@@ -62,7 +62,7 @@ class LawWatch:
         is_open = state is State.ACTIVE
         self._note_blocks(controller, is_open)
         rose = self._watch_ripple(controller, site, is_open, elapsed_s)
-        self._forget_wrong(controller, site, quiet)
+        self._forget_unbelieved(controller, site, quiet)
         return Advice(
             objections=tuple(
                 f"{actuator}: {text}"
@@ -83,21 +83,21 @@ class LawWatch:
             if not watch.step(ripple, is_open=is_open, speed_m_s=speed_m_s, turns=turns):
                 continue
             rose = True
-            if name not in self._wrong:
-                self._wrong.add(name)
+            if name not in self._unbelieved:
+                self._unbelieved.add(name)
                 signal = site.actuators[name].error.signal
                 now, before = ripple[1], watch.reference
                 self._say(f"RIPPLE_ROSE {name}: {signal} {before:.3g} before, {now:.3g} now")
         return rose
 
-    def _forget_wrong(self, controller: Controller, site: Site, quiet: bool) -> None:
+    def _forget_unbelieved(self, controller: Controller, site: Site, quiet: bool) -> None:
         """Drop what made ripple rise, once nothing of it goes out any more."""
         if not quiet:
             return
-        for name in self._wrong:
+        for name in self._unbelieved:
             if name in site.actuators:
                 controller.forget(list(site.actuators).index(name))
-        self._wrong.clear()
+        self._unbelieved.clear()
 
     def _note_blocks(self, controller: Controller, is_open: bool) -> None:
         for order, state in self._held.step(controller.order_statuses(), is_open=is_open):

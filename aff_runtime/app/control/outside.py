@@ -177,25 +177,25 @@ class ControlOutside:
 
     def _obey(self, said: messages.Message) -> list[Message]:
         """Return what one command means to the cycle."""
-        found: list[Message] = []
+        for_cycle: list[Message] = []
         match said:
             case messages.Arm():
-                found = self._arm(said)
+                for_cycle = self._arm(said)
             case messages.Bypass():
-                found = [Bypass()]
+                for_cycle = [Bypass()]
             case messages.Shadow():
-                found = self._shadow(said)
+                for_cycle = self._shadow(said)
             case messages.MeasureResponse():
-                found = self._start_probe(said)
+                for_cycle = self._start_probe(said)
             case messages.Parameters():
-                found = self._parameters(said)
+                for_cycle = self._parameters(said)
             case messages.Stop():
-                found = [Stop()]
+                for_cycle = [Stop()]
             case messages.ConfigDiffers():
                 self._note(CONFIG_DIFFERS)
             case messages.Forget():
                 self._forget(said)
-        return found
+        return for_cycle
 
     def _arm(self, said: messages.Arm) -> list[Message]:
         """Pass on the operator's edge; the reply waits until the guard has decided."""

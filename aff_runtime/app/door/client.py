@@ -83,13 +83,13 @@ class DoorClient:
 
 def _first(passed: Sequence[tuple[int, int, bytes]]) -> int | None:
     """Return the first descriptor that came with a packet; any other is closed."""
-    found: list[int] = []
+    descriptors: list[int] = []
     for _, _, data in passed:
         whole = data[: len(data) // _DESCRIPTOR.size * _DESCRIPTOR.size]
-        found += [one for (one,) in _DESCRIPTOR.iter_unpack(whole)]
-    for other in found[1:]:
+        descriptors += [one for (one,) in _DESCRIPTOR.iter_unpack(whole)]
+    for other in descriptors[1:]:
         _close(other)
-    return found[0] if found else None
+    return descriptors[0] if descriptors else None
 
 
 def _close(descriptor: int | None) -> None:

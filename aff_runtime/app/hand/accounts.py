@@ -81,11 +81,11 @@ class Accounts:
         ----------
         at_panel : a PIN counts as well; nowhere else it does.
         """
-        found = self.find(name)
-        secret = (found or self._nobody).secret
-        if at_panel and is_pin(password) and found is not None and found.has_pin:
+        account = self.find(name)
+        secret = (account or self._nobody).secret
+        if at_panel and is_pin(password) and account is not None and account.has_pin:
             secret = _secret_of_pin(secret)
-        return found if is_password(password, secret) else None
+        return account if is_password(password, secret) else None
 
     def _look(self) -> None:
         try:

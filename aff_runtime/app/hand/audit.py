@@ -140,9 +140,9 @@ class Audit:
     def _continue(self) -> None:
         """Go on after the last line; half a line, left by a loss of power, is cut off and told."""
         longest = self._max_bytes + LONGEST_LINE
-        found = os.pread(self._file, longest + 1, 0)
-        whole, _, rest = found.rpartition(b"\n")
-        if len(found) > longest or len(rest) > LONGEST_LINE:
+        content = os.pread(self._file, longest + 1, 0)
+        whole, _, rest = content.rpartition(b"\n")
+        if len(content) > longest or len(rest) > LONGEST_LINE:
             raise RefusedError(f"{self.path}: is no audit of ours; look at it, then move it away")
         chain = follow(whole.split(b"\n")) if whole else self._of_older()
         if chain.wrong:
@@ -150,7 +150,7 @@ class Audit:
                 f"{self.path}: the chain does not hold: {chain.wrong}; look, then move it away"
             )
         self._last, self.newest = chain.last, chain.newest
-        self._size = len(found) - len(rest)
+        self._size = len(content) - len(rest)
         if rest:
             os.ftruncate(self._file, self._size)
             self.add(
@@ -246,10 +246,10 @@ def verify(path: Path) -> Chain:
     chain: Chain | None = None
     for file in _oldest_first(path):
         try:
-            found = file.read_bytes()
+            content = file.read_bytes()
         except OSError as error:
             raise ConfigError(f"{file}: {error.strerror}; name an audit file") from None
-        whole, _, rest = found.rpartition(b"\n")
+        whole, _, rest = content.rpartition(b"\n")
         chain = follow(whole.split(b"\n") if whole else [], chain)
         if not chain.wrong and rest:
             chain = Chain(

@@ -27,7 +27,7 @@ class Action(StrEnum):
     FORGET = "forget"
 
 
-# what the console calls what a screen may not do
+# the console's word for what no screen may do at this service
 ON_CONSOLE = {
     Action.ARM: "arm",
     Action.SHADOW: "shadow on",
@@ -137,7 +137,8 @@ class Person:
     Attributes
     ----------
     role : of the account; None for somebody who has not logged in.
-    has_hand : whether this very session has it. ``is_idle`` : nothing was pressed for too long.
+    has_hand : whether this very session has it.
+    is_idle : nothing was pressed for too long.
     """
 
     role: Role | None
@@ -154,10 +155,13 @@ class Circumstances:
     ----------
     state : of the guard; None where no fresh tick is known.
     blocked : the guard's first reason against an armed output, empty for none; REMOTE is one.
-    ceiling : the most that a screen may do here. ``arms_from`` : the farthest place to arm from.
-    hand_of : account that has the hand, empty for none. ``probing`` : a probe is under way.
-    remote : the line is in remote. ``bypass_from`` : the farthest place from which somebody who
-        has not logged in may bypass; None: from nowhere.
+    ceiling : the most that a screen may do here.
+    arms_from : the farthest place to arm from.
+    hand_of : account that has the hand, empty for none.
+    probing : a probe is under way.
+    remote : the line is in remote.
+    bypass_from : the farthest place from which somebody who has not logged in may bypass; None:
+        from nowhere.
     """
 
     state: State | None
@@ -178,26 +182,27 @@ WANTS_SHADOW = "SHADOW=1"
 def may(action: Action, person: Person, now: Circumstances) -> tuple[Reason, ...]:
     """Return every reason why not, the first to be said first; empty when it is allowed.
 
-    Towards zero needs a login at most: no state, place, hand or age stands against it.
-    Of an output that is armed that alone is said: nobody has to do anything.
+    A bypass needs a login at most, and none from where ``bypass_from`` lets it: no state, no
+    hand and no idle time stands against it. Of an output that is armed already that alone is
+    said: nobody has to do anything.
     """
     if action is Action.BYPASS:
         is_open = now.bypass_from is Place.NETWORK or now.bypass_from is person.place
         return () if person.role is not None or is_open else (Reason(code=Code.LOGGED_OUT),)
     if action is Action.ARM and now.state in (State.ARMED, State.ACTIVE):
         return (Reason(code=Code.ALREADY),)
-    found = [
+    reasons = [
         Reason(code=code, name=ON_CONSOLE[action] if code is Code.CEILING else "")
         for code in _of_person(action, person, now)
     ]
     if not person.has_hand and now.hand_of:
-        found.append(Reason(code=Code.OTHER_HAND, name=now.hand_of))
+        reasons.append(Reason(code=Code.OTHER_HAND, name=now.hand_of))
     elif not person.has_hand:
-        found.append(Reason(code=Code.NO_HAND))
+        reasons.append(Reason(code=Code.NO_HAND))
     if action is Action.PROBE and now.probing:
-        found.append(Reason(code=Code.PROBING))
+        reasons.append(Reason(code=Code.PROBING))
     of_service = _of_guard if action in (Action.ARM, Action.PROBE) else _of_rest
-    return (*found, *of_service(action, now))
+    return (*reasons, *of_service(action, now))
 
 
 def _of_person(action: Action, person: Person, now: Circumstances) -> list[Code]:
@@ -237,10 +242,10 @@ def _of_rest(action: Action, now: Circumstances) -> tuple[Reason, ...]:
         and not (is_shadow or now.blocked == WANTS_SHADOW),
         Code.GOES_OUT: action is Action.FORGET and now.state in (State.ACTIVE, State.FADING),
     }
-    found = [Reason(code=code) for code, stands in against.items() if stands]
+    reasons = [Reason(code=code) for code, stands in against.items() if stands]
     if action is Action.SHADOW and now.state in LATCHED_STATES and _is_latching(now.blocked):
-        found.append(Reason(code=Code.GUARD, name=now.blocked))
-    return tuple(found)
+        reasons.append(Reason(code=Code.GUARD, name=now.blocked))
+    return tuple(reasons)
 
 
 def _is_latching(blocked: str) -> bool:

@@ -90,7 +90,7 @@ def write_parquet(
         "moment": pyarrow.timestamp("us", tz="UTC"),
     }
     schema = pyarrow.schema(
-        [pyarrow.field(c.name, kinds[c.kind], metadata=_said(c)) for c in layout],
+        [pyarrow.field(c.name, kinds[c.kind], metadata=_metadata(c)) for c in layout],
         metadata=dict(about),
     )
     arrays = [pyarrow.array(columns[c.name], type=kinds[c.kind]) for c in layout]
@@ -103,7 +103,7 @@ def write_parquet(
         raise ConfigError(f"{path}: cannot be written ({reason}); nothing is changed") from None
 
 
-def _said(column: Field) -> Mapping[str, str] | None:
+def _metadata(column: Field) -> Mapping[str, str] | None:
     return {UNIT: column.unit} if column.unit else None
 
 
@@ -117,9 +117,9 @@ def read_parquet(path: Path, layout: Sequence[Field]) -> tuple[Columns, dict[str
     """
     pyarrow, parquet = _library()
     try:
-        found = parquet.read_table(path)
-        about = {k.decode(): v.decode() for k, v in (found.schema.metadata or {}).items()}
-        columns = {c.name: _column(found.column(c.name), c) for c in layout}
+        table = parquet.read_table(path)
+        about = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
+        columns = {c.name: _column(table.column(c.name), c) for c in layout}
     except (OSError, KeyError, ValueError, TypeError, pyarrow.lib.ArrowException) as error:
         raise ConfigError(
             f"{path}: cannot be read ({printable(str(error), 200)}); expected a table of "

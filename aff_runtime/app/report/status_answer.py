@@ -110,10 +110,10 @@ class StatusAnswer:
 
     def to_json(self) -> dict[str, Any]:
         """Return plain values for JSON: what is live is added to the rest."""
-        found = asdict(self)
-        live = found.pop("live")
-        found["recorder"] = found["recorder"] or {}
-        return {"ok": True, **found, **(live or {})}
+        plain = asdict(self)
+        live = plain.pop("live")
+        plain["recorder"] = plain["recorder"] or {}
+        return {"ok": True, **plain, **(live or {})}
 
 
 def read_answer(said: Any) -> StatusAnswer:

@@ -84,7 +84,7 @@ def angle_candidates(
     word_order : order of two words of the PLC where it is known.
     does : the words' behaviours, where they are known.
     """
-    found = []
+    candidates = []
     for address, did in (does or behaviours(seen)).items():
         if address in taken or did.kind not in (Kind.COUNTER, Kind.RAMP):
             continue
@@ -96,7 +96,7 @@ def angle_candidates(
             signed = round(math.copysign(counts, measured.counts))
             off = abs(counts / abs(measured.counts) - 1.0)
             for decoding, score, why in _decodings(address, did, seen, taken, word_order):
-                found.append(
+                candidates.append(
                     AngleCandidate(
                         decoding=decoding,
                         counts_per_turn=signed,
@@ -107,7 +107,7 @@ def angle_candidates(
                         usable=not did.restarts_at,
                     )
                 )
-    return _sorted(found)
+    return _sorted(candidates)
 
 
 def beside(

@@ -174,7 +174,7 @@ class HeartbeatCandidate:
 
 def heartbeats(seen: Watched) -> list[HeartbeatCandidate]:
     """Return the words that may be the PLC's heartbeat, best first."""
-    found = []
+    candidates = []
     for address, does in behaviours(seen).items():
         if does.kind is not Kind.COUNTER or does.restarts_at:
             continue
@@ -188,7 +188,7 @@ def heartbeats(seen: Watched) -> list[HeartbeatCandidate]:
             score += 3.0 * (1.0 - off / 0.02) + 1.0
         if does.evenness < 1.0:
             why.append("evenly")
-        found.append(
+        candidates.append(
             HeartbeatCandidate(address=address, period_ms=period_ms, why=tuple(why), score=score)
         )
-    return sorted(found, key=lambda one: -one.score)
+    return sorted(candidates, key=lambda one: -one.score)

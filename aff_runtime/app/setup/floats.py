@@ -12,7 +12,7 @@ from aff_runtime.fieldbus.modbus.probe_map import decodings
 
 def float_hints(shown: Shown, seen: Watched, si_unit: str) -> list[str]:
     """Return what to tell of words that show the typed value as a float in some unit."""
-    found = []
+    hints = []
     for address, series in sorted(seen.words.items()):
         second = seen.words.get(address + 1)
         if second is None:
@@ -21,9 +21,9 @@ def float_hints(shown: Shown, seen: Watched, si_unit: str) -> list[str]:
             for unit in accepted_units(si_unit):
                 si = row.f32 * to_si(unit)[1]
                 if math.isfinite(si) and abs(si - shown.value) <= 1.5 * shown.half_digit:
-                    found.append(
+                    hints.append(
                         f"words {address} and {address + 1} read {row.f32:.6g} {unit} as a float "
                         f"({row.order}). AFF takes whole numbers: let the PLC scale it."
                     )
                     break
-    return found
+    return hints

@@ -204,16 +204,7 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
         ),
     ]
     if second != NONE:
-        asked += [
-            Question(
-                name="second_radius", text=f"Radius of {second}", read=number("m", 0.005, 3.0)
-            ),
-            Question(
-                name="limit_second",
-                text=f"Largest correction that the PLC allows at {second}",
-                read=number("m/s", 0.0, 1.0),
-            ),
-        ]
+        asked += _of_second(second)
     asked += [
         Question(
             name="probe",
@@ -232,6 +223,18 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
         ),
     ]
     return tuple(asked)
+
+
+def _of_second(second: str) -> list[Question]:
+    """Return what is asked of the second driven roller."""
+    return [
+        Question(name="second_radius", text=f"Radius of {second}", read=number("m", 0.005, 3.0)),
+        Question(
+            name="limit_second",
+            text=f"Largest correction that the PLC allows at {second}",
+            read=number("m/s", 0.0, 1.0),
+        ),
+    ]
 
 
 @dataclass(frozen=True, slots=True)

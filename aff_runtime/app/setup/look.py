@@ -66,10 +66,10 @@ class Look:
 
     def keep_word(self, channel: str, decoding: Decoding, scale: str) -> None:
         """Keep where a quantity was found."""
-        found = FoundWord(
+        word = FoundWord(
             address=decoding.address, type=decoding.type, order=decoding.order, scale=scale
         )
-        self.dialogue.keep(self.dialogue.draft.with_word(channel, found))
+        self.dialogue.keep(self.dialogue.draft.with_word(channel, word))
 
     def pick(
         self,

@@ -1,4 +1,4 @@
-"""Scales that PLC programmers choose: 1, 2 or 5 by a power of ten, or a power of two."""
+"""Scales that PLC programmers choose: 1, 2, 2.5, 5 by a power of ten, or 1/16, 1/32 and so on."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ _DECADES = 12.0  # over which a scale may lie
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RoundScale:
-    """One scale: SI in a count, as a site file writes it, and how usual it is (log of a share)."""
+    """One scale: SI units per count, as a site file writes it, and how usual it is.
+
+    ``log_prior``: natural logarithm of the share of scales that are this one.
+    """
 
     si: float
     text: str
@@ -29,11 +32,12 @@ class RoundScale:
 
 
 def round_scales(low: float, high: float, si_unit: str, display: str) -> Iterator[RoundScale]:
-    """Yield the round scales between ``low`` and ``high`` SI in a count, 0 < low <= high.
+    """Yield the round scales from ``low`` to ``high`` SI units per count, 0 < low <= high.
 
     Parameters
     ----------
-    si_unit : of the quantity. ``display`` : unit in which it is displayed.
+    si_unit : of the quantity.
+    display : unit in which it is displayed.
     """
     shares = {si_unit: 0.5}
     for unit in _USUAL.get(si_unit, ()):
@@ -61,5 +65,5 @@ def _numbers(low: float, high: float) -> Iterator[tuple[float, float]]:
             if low <= number <= high:
                 yield number, share
     for exponent in range(math.ceil(math.log2(low)), math.floor(math.log2(high)) + 1):
-        if exponent < -3:  # 1, 2, 1/2, 1/4 are among the others, or as good as
+        if exponent < -3:  # of 1/8 and coarser, 2, 1, 1/2, 1/4 are among the others
             yield 2.0**exponent, 0.02

@@ -166,7 +166,7 @@ def _limits(draft: Draft) -> dict[str, str]:
     speed_m_s = quantity_value(draft, "speed_max", "m/s")
     limit = quantity_value(draft, "limit", "m/s")
     count = quantity_value(draft, "correction_scale", "m/s")
-    found = {
+    limits = {
         "limit": draft.answers["limit"],
         "limit_second": draft.answers.get("limit_second", ""),
         "tension_min": plain(float(f"{tension_N / 400.0:.2g}")),
@@ -177,10 +177,10 @@ def _limits(draft: Draft) -> dict[str, str]:
         "amp_second": _amplitude(min(0.01, limit), count),
         "amp_follower": "",
     }
-    if found["limit_second"]:
+    if limits["limit_second"]:
         follower = quantity_value(draft, "limit_second", "m/s")
-        found["amp_follower"] = _amplitude(min(0.03, follower), count)
-    return found
+        limits["amp_follower"] = _amplitude(min(0.03, follower), count)
+    return limits
 
 
 def _amplitude(wanted: float, count: float) -> str:

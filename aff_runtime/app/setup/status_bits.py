@@ -48,7 +48,7 @@ def changed_bits(
     taken : words of quantities that were found.
     owned : (word, bit) of states that were found: they may change along with this one.
     """
-    found = []
+    changes = []
     for address, was in sorted(before.words.items()):
         now = after.words.get(address)
         if now is None or address in taken:
@@ -64,12 +64,12 @@ def changed_bits(
         for bit in range(16):
             if changed >> bit & 1 and (address, bit) not in owned:
                 was_set = bool(was[0] >> bit & 1)
-                found.append(
+                changes.append(
                     BitChange(address=address, bit=bit, inverted=was_set is not true_before)
                 )
-    return sorted(found, key=lambda one: (_company(found, one), one))
+    return sorted(changes, key=lambda one: (_company(changes, one), one))
 
 
-def _company(found: list[BitChange], one: BitChange) -> int:
+def _company(changes: list[BitChange], one: BitChange) -> int:
     """Return how many bits of the same word changed: a state changes few."""
-    return sum(other.address == one.address for other in found)
+    return sum(other.address == one.address for other in changes)

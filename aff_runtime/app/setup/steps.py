@@ -78,15 +78,17 @@ class Steps(Look):
         if "heartbeat" in self.dialogue.draft.answers:
             self.dialogue.ask(kept)
             return
-        found = heartbeats(self.table())
-        if not found:
+        candidates = heartbeats(self.table())
+        if not candidates:
             raise ConfigError(
                 "no word counts up each scan. AFF needs one: let the PLC add 1 to a word in every "
                 "scan, then run setup again."
             )
-        rows = {n: f"word {one.address}: {', '.join(one.why)}" for n, one in enumerate(found, 1)}
+        rows = {
+            n: f"word {one.address}: {', '.join(one.why)}" for n, one in enumerate(candidates, 1)
+        }
         pick = self.pick("heartbeat", "Which is the PLC's heartbeat?", rows)
-        best = found[int(pick) - 1]
+        best = candidates[int(pick) - 1]
         draft = self.dialogue.draft.with_answer("heartbeat", str(best.address))
         self.dialogue.keep(draft.with_answer("scan_ms", plain(float(f"{best.period_ms:.4g}"))))
 
@@ -286,18 +288,18 @@ class Steps(Look):
             words = self.dialogue.draft.words.values()
             taken = frozenset(place for word in words for place in word.decoding.addresses)
             after = self.watch(BIT_S)
-            found = changed_bits(
+            changes = changed_bits(
                 before,
                 after,
                 true_before=now == "yes",
                 taken=taken,
                 owned=frozenset(owned_bits(self.dialogue.draft, name)),
             )
-            rows = {n: str(one) for n, one in enumerate(found, 1)}
+            rows = {n: str(one) for n, one in enumerate(changes, 1)}
             pick = self.pick(f"{name}.pick", "Which one?", rows, AGAIN, NONE)
             if pick == AGAIN:
                 continue
-            one = found[int(pick) - 1] if pick != NONE else None
+            one = changes[int(pick) - 1] if pick != NONE else None
             place = one.place if one else NONE
             self.dialogue.keep(self.dialogue.draft.with_answer(name, place))
             return

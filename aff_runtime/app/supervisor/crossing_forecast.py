@@ -109,13 +109,13 @@ class CrossingForecast:
         if self._site is None:
             return []
         speed_m_s = self._latest.number(self._site.line.speed)
-        found = []
+        meetings = []
         for name, crossings in self._crossings.items():
             coming = [(self._time_s(c, speed_m_s), c) for c in crossings]
             ahead = [(t, c) for t, c in coming if 0.0 < t < FORESEEN_S]
             if ahead:
-                found.append((name, *min(ahead, key=lambda one: one[0])))
-        return found
+                meetings.append((name, *min(ahead, key=lambda one: one[0])))
+        return meetings
 
     def _time_s(self, crossing: Crossing, speed_m_s: float) -> float:
         """Return the time to a meeting at this speed, s; negative: behind, NaN: not known."""

@@ -102,14 +102,14 @@ class EditSession:
         if parameters is None:
             self._refuse(result.findings)
             return
-        found = diff_sites(running.site, parameters.site)
+        changes = diff_sites(running.site, parameters.site)
         exchanged = exchanged_responses(running, parameters, self._processes.probed)
         wire = exchanged_wire_files(running, parameters)
-        if found:
+        if changes:
             self._processes.note("EDIT", f"{self._site}: {author_of(self._site)}")
-        for edit in (*found, *exchanged, *(f"{what} ({author})" for what, author in wire)):
+        for edit in (*changes, *exchanged, *(f"{what} ({author})" for what, author in wire)):
             self._processes.note("EDIT", str(edit))
-        fixed = [change.path for change in found if not change.may_change_while_active]
+        fixed = [change.path for change in changes if not change.may_change_while_active]
         fixed += [what for what, _ in wire]
         waits = [f"{what}: may not change while armed" for what in fixed]
         waits += [exchange.objection for exchange in exchanged if not exchange.is_ours]
@@ -118,8 +118,8 @@ class EditSession:
         elif waits and self._processes.is_live():
             self._waiting = result
             self._refuse(f"{what}; waits for bypass" for what in waits)
-        elif may_apply_while_active(found) and not wire:
-            if found or exchanged:
+        elif may_apply_while_active(changes) and not wire:
+            if changes or exchanged:
                 self.hand_over(self._processes.revised(parameters))
             else:
                 self.differs = ()

@@ -13,8 +13,8 @@ from aff_runtime.base.python_child import module_command
 from aff_runtime.telemetry.recorder_messages import Note, RecorderReport, RunContext, report_of
 from aff_runtime.telemetry.ring import RingReader
 
-# A pipe that holds the whole context, a site file of 256 kB with every letter escaped: who serves
-# the operator must not wait for a recorder that starts slowly, or not at all.
+# A pipe that holds the whole context, a site file of 256 kB with every letter escaped: the
+# supervisor must not wait for a recorder that starts slowly, or not at all.
 _CONTEXT_BYTES = 1 << 20
 
 

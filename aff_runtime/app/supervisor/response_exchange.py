@@ -49,12 +49,12 @@ def exchanged_responses(
 ) -> list[Exchange]:
     """Return the responses that differ between two parameter records."""
     files = {**running.response_files, **parameters.response_files}
-    found = []
+    exchanges = []
     for name, file in files.items():
         text = parameters.responses.get(name)
         if text == running.responses.get(name):
             continue
-        found.append(
+        exchanges.append(
             Exchange(
                 file=file,
                 before=_short(running, name),
@@ -62,7 +62,7 @@ def exchanged_responses(
                 is_ours=text is not None and ledger.knows(file, text),
             )
         )
-    return found
+    return exchanges
 
 
 def exchanged_wire_files(

@@ -85,10 +85,10 @@ class Validation:
         except ValueError:
             return self._refused(_how_it_died(self._process.returncode))
         try:
-            found = CheckResult.from_json(said)
+            checked = CheckResult.from_json(said)
         except (ValueError, KeyError, TypeError):
             return self._refused(OTHER_RELEASE)
-        return replace(found, findings=self._told(found.findings))
+        return replace(checked, findings=self._told(checked.findings))
 
     def abandon(self) -> None:
         """End a check whose result nobody wants any more."""

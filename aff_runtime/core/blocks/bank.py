@@ -259,12 +259,14 @@ class Bank:
     def objections(self) -> tuple[str, ...]:
         """Return why this actuator may not arm at the present speed."""
         wanted = [(slot.name, slot.omega_rad_s / math.tau) for slot in self.slots]
-        found = list(arming_objections(self._response, wanted))
+        sentences = list(arming_objections(self._response, wanted))
         limit_Hz = self._omega_max / math.tau
         for name, frequency_Hz in wanted:
             if abs(frequency_Hz) > limit_Hz:
-                found.append(f"{name}: {abs(frequency_Hz):.2f} Hz exceeds 1/20 of the sample rate")
-        return tuple(found)
+                sentences.append(
+                    f"{name}: {abs(frequency_Hz):.2f} Hz exceeds 1/20 of the sample rate"
+                )
+        return tuple(sentences)
 
     def ripple(self) -> tuple[float, float]:
         """Return the root sum of squares of all orders' amplitudes, before and now."""

@@ -145,15 +145,15 @@ def _with_gain(gain_rad_s: float) -> Floats:
 
 def _fit_paths(phasors: Phasors, cycle_s: float, starts: Iterable[Floats]) -> list[_Fitted]:
     """Return the fit of every path, the likeliest first."""
-    found = []
+    fits = []
     given = list(starts)
     for idlers, cell in PATHS:
         model = DriveModel(phasors=phasors, cycle_s=cycle_s, idlers=idlers, cell=cell)
         minima = [least_squares(model.all_residuals, start) for start in given]
         minimum = min(minima, key=lambda one: one.cost)
         given = [minimum.at]
-        found.append(_Fitted(model=model, minimum=minimum))
-    return sorted(found, key=lambda one: one.minimum.cost)
+        fits.append(_Fitted(model=model, minimum=minimum))
+    return sorted(fits, key=lambda one: one.minimum.cost)
 
 
 def _fit_sound(phasors: Phasors, cycle_s: float, starts: Iterable[Floats]) -> list[_Fitted]:

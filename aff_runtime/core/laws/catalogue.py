@@ -28,13 +28,13 @@ def in_blocks(block: BlockKind) -> LawBuilder:
     return build
 
 
-_blocks = in_blocks(HarmonicBlock)
+PLAIN = in_blocks(HarmonicBlock)
 
 
 def _shape(setup: LawSetup) -> ActuatorLaw:
     params, response = setup.params, setup.response
     if params.drive is None or response is None:
-        return _blocks(setup)  # the plain blocks stand in
+        return PLAIN(setup)  # the plain blocks stand in
     loop = setup.loop or from_response(
         response, cycle_s=setup.cycle_s, memory_s=params.shape.response_s
     )
@@ -57,7 +57,7 @@ class LawRow:
 
 
 LAW_ROWS: Mapping[str, LawRow] = {
-    "blocks": LawRow(text="one amplitude and phase per order and speed.", build=_blocks),
+    "blocks": LawRow(text="one amplitude and phase per order and speed.", build=PLAIN),
     "shape": LawRow(
         text="learns the roll's shape in mm through the drive, declared or identified, so a "
         "change of speed needs no learning.",

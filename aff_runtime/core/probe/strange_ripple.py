@@ -55,18 +55,18 @@ def strange_lines(
     basis = _basis(design)
     residual = signal - basis @ (basis.T @ signal)
     faint = FAINTEST * float(np.std(signal))
-    found: list[RippleLine] = []
+    lines: list[RippleLine] = []
     for _ in range(ROUNDS):
         new = [one for one in _lines(time_s, residual, highest_Hz) if one.amplitude > faint]
         if not new:
             break
-        found += new
+        lines += new
         turns = [math.tau * line.frequency_Hz * time_s for line in new]
         more = np.column_stack([column for turn in turns for column in drifting(turn, drift)])
         more = _basis(more - basis @ (basis.T @ more))
         basis = np.column_stack([basis, more])
         residual = residual - more @ (more.T @ residual)
-    return tuple(found)
+    return tuple(lines)
 
 
 def _basis(columns: Floats) -> Floats:
@@ -93,20 +93,20 @@ def _lines(time_s: Floats, residual: Floats, highest_Hz: float) -> list[RippleLi
     power = power[: round(to_Hz * padded * cycle_s)]
     clear = power > CLEAR_OF_NOISE * _around(power)
     lobe = round(LOBE_BINS * PADDED)
-    found: dict[int, float] = {}
+    peaks: dict[int, float] = {}
     for k in np.argsort(power[lobe:-1])[::-1] + lobe:
         low, peak, high = power[k - 1 : k + 2]
-        if not clear[k] or peak < max(low, high) or any(abs(k - f) < lobe for f in found):
+        if not clear[k] or peak < max(low, high) or any(abs(k - f) < lobe for f in peaks):
             continue
-        found[int(k)] = k + 0.5 * (low - high) / (low - 2.0 * peak + high)
-        if len(found) == MOST:
+        peaks[int(k)] = k + 0.5 * (low - high) / (low - 2.0 * peak + high)
+        if len(peaks) == MOST:
             break
     return [
         RippleLine(
             frequency_Hz=float(place / (padded * cycle_s)),
             amplitude=float(2.0 * math.sqrt(power[k]) / window.sum()),
         )
-        for k, place in found.items()
+        for k, place in peaks.items()
     ]
 
 

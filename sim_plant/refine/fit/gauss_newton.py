@@ -284,12 +284,12 @@ def _moved_shifts(
     objective: Objective, shifts: dict[str, float], change: Array
 ) -> dict[str, float]:
     """Return shifts with those moved that are strong enough to be simulated."""
-    found = dict(shifts)
+    moved = dict(shifts)
     norms = np.linalg.norm(objective.projector.nuisances[: objective.rows], axis=0)
     for row, delta, norm in zip(objective.nuisances, change, norms, strict=False):
         if abs(delta) * norm > FIT.simulated_norm:
-            found[row.name] = found.get(row.name, 0.0) + float(delta)
-    return found
+            moved[row.name] = moved.get(row.name, 0.0) + float(delta)
+    return moved
 
 
 def _astray(objective: Objective, shifts: dict[str, float], trial: dict[str, float]) -> bool:

@@ -280,11 +280,11 @@ def _matrix(whitening: Whitening, changes: Sequence[Sequence[Array]], tolerances
 
 def _zeros(pool: SimulationPool, measured: Sequence[Array]) -> list[list[Array]]:
     """Return free offsets of angle channels: their zero is the first row, with its noise."""
-    found = []
+    offsets = []
     for t, twin in enumerate(pool.twins):
         for c, name in enumerate(twin.channels):
             if name.endswith("_angle_rad"):
                 ones = [np.zeros_like(m) for m in measured]
                 ones[t][c] = 1.0
-                found.append(ones)
-    return found
+                offsets.append(ones)
+    return offsets

@@ -111,7 +111,7 @@ class Projector:
     def inners(self, residual: Array, groups: Sequence[Array]) -> list[Inner]:
         """Return the products of every group of columns (rows, q), many at a time."""
         left = cho_solve(self._factor, self._unit.T @ residual)
-        found: list[Inner] = []
+        products: list[Inner] = []
         for some in _bundles(groups):
             every = np.concatenate(some, axis=1)
             along = self._unit.T @ every
@@ -121,7 +121,7 @@ class Projector:
             for columns in some:
                 here = slice(at, at + columns.shape[1])
                 plain = columns.T @ columns
-                found.append(
+                products.append(
                     Inner(
                         gram=plain - along[:, here].T @ taken[:, here],
                         against=against[here],
@@ -129,7 +129,7 @@ class Projector:
                     )
                 )
                 at = here.stop
-        return found
+        return products
 
     def linear_fit(self, residual: Array, columns: Array) -> LinearFit:
         """Return what ``columns`` (rows, q) of free size save on the cost."""
@@ -160,8 +160,8 @@ class Projector:
         own = (columns.T @ columns) / np.outer(size, size) + RIDGE * np.eye(size.size)
         normal = np.block([[self._normal, beside], [beside.T, own]])
         against = np.concatenate([self._unit.T @ residual, (columns.T @ residual) / size])
-        found: Array = cho_solve(cho_factor(normal), against)
-        sizes: Array = found / np.concatenate([self._scale, size])
+        scaled: Array = cho_solve(cho_factor(normal), against)
+        sizes: Array = scaled / np.concatenate([self._scale, size])
         return sizes
 
     def cost_with_fixed(self, residual: Array, fixed: Sequence[int]) -> float:
@@ -174,12 +174,12 @@ class Projector:
 
 def _bundles(groups: Sequence[Array]) -> list[list[Array]]:
     """Return the groups in order, together as long as they have ``AT_ONCE`` columns at most."""
-    found: list[list[Array]] = []
+    bundles: list[list[Array]] = []
     held = AT_ONCE
     for columns in groups:
         if held + columns.shape[1] > AT_ONCE:
-            found.append([])
+            bundles.append([])
             held = 0
-        found[-1].append(columns)
+        bundles[-1].append(columns)
         held += columns.shape[1]
-    return found
+    return bundles

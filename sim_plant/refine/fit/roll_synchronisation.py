@@ -33,17 +33,17 @@ def synchronising_shifts(
     Rounds of simulation: a shift is a length, so its share of the radius grows as a roll is
     unwound. Rolls count of which an angle or a speed in rad/s is recorded.
     """
-    found = dict(shifts)
+    moved = dict(shifts)
     twins = objective.pool.twins
     measured = [recorded_angles(t, m) for t, m in zip(twins, objective.measured, strict=True)]
     for _ in range(ROUNDS):
-        runs = objective.pool.one(case_of(hypotheses, values, found))
+        runs = objective.pool.one(case_of(hypotheses, values, moved))
         moves = _slope_errors(objective, runs, measured)
         if not moves or not np.isfinite(list(moves.values())).all():
             break
         for name, move in moves.items():
-            found[name] = found.get(name, 0.0) + move
-    return found
+            moved[name] = moved.get(name, 0.0) + move
+    return moved
 
 
 def synchronised(objective: Objective, fit: Fit) -> Fit:
@@ -59,15 +59,15 @@ def recorded_angles(twin: Twin, channels: Array) -> dict[str, Array]:
 
     Speeds are added up where no angle is recorded.
     """
-    found: dict[str, Array] = {}
+    angles: dict[str, Array] = {}
     for name, values in zip(twin.channels, channels, strict=True):
         if name.endswith("_angle_rad"):
-            found[effective_radius_of(name.removesuffix("_angle_rad"))] = values
+            angles[effective_radius_of(name.removesuffix("_angle_rad"))] = values
     for name, values in zip(twin.channels, channels, strict=True):
         if name.endswith("_speed_rad_s"):
             roller = effective_radius_of(name.removesuffix("_speed_rad_s"))
-            found.setdefault(roller, np.cumsum(values) * twin.declaration.sample_time_s)
-    return found
+            angles.setdefault(roller, np.cumsum(values) * twin.declaration.sample_time_s)
+    return angles
 
 
 def _slope_errors(

@@ -58,8 +58,8 @@ def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]
     if not all(np.isfinite(run[0]).all() for run in runs):
         return twin, {}
     model = declared_noise(bare, (runs[1][0] - runs[0][0])[None])
-    found, angles = start_angles(pool, measured, case, model)
-    return _with_effects(twin, (*others, *(e.entry() for e in found))), angles
+    effects, angles = start_angles(pool, measured, case, model)
+    return _with_effects(twin, (*others, *(e.entry() for e in effects))), angles
 
 
 def _added(entry: EffectEntry) -> Added:

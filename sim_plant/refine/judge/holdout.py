@@ -121,13 +121,13 @@ def with_unwound_lengths(
 
     Only where the fit has that number. It changes the length of a turn, so the angle goes with it.
     """
-    found: dict[str, float] = {}
+    unwound: dict[str, float] = {}
     for at, effect in enumerate(case.effects):
         profiles = BY_NAME[effect.effect].profiles
         if profiles is not None and profiles.age in dict(effect.parameters):
             case = _with_best_age(pool, measured, case, model, at, profiles.age)
-            found[effect.location] = float(dict(case.effects[at].parameters)[profiles.age])
-    return case.effects, found
+            unwound[effect.location] = float(dict(case.effects[at].parameters)[profiles.age])
+    return case.effects, unwound
 
 
 def _with_best_age(

@@ -105,13 +105,13 @@ def _tries(
     cases = [replace(rest, effects=(*rest.effects, _at(event, onset, p.middle))) for p in parts]
     base, *runs = (run[0] for run in pool.run([rest, *cases], keep=False))
     white = resampled(model.whiten(measured - base), axis.moments, axis.grid)
-    found = [
+    peaks = [
         one
         for part, run in zip(parts, runs, strict=True)
         for one in best_moments(axis, white, model.whiten(run - base), part, onset.unit)
     ]
-    found.sort(reverse=True)
-    near = [m + d for _, m in found[: EVENTS.most_told] for d in EVENTS.coarse_grid[::2]]
+    peaks.sort(reverse=True)
+    near = [m + d for _, m in peaks[: EVENTS.most_told] for d in EVENTS.coarse_grid[::2]]
     return [_at(event, onset, moment) for moment in near]
 
 

@@ -21,8 +21,9 @@ def refuted(evaluation: Evaluation) -> bool:
     So does a line that does not run there with them: an outline that no web follows on a smaller
     roll.
 
-    Equation: sum max(0, (after / floor)^2 - 1) > share sum max(0, (before / floor)^2 - 1) over all
-    channels but angles and radii, whose start differs from record to record  [own].
+    Equation: mean max(0, (after / floor)^2 - 1) > ``refuted_share`` mean max(0, (before /
+    floor)^2 - 1), and the latter mean at least ``least_power``; over all channels but angles and
+    radii, whose start differs from record to record  [own].
     """
     if not np.isfinite(evaluation.after).all():
         return True
@@ -62,8 +63,8 @@ def _beyond_noise(evaluation: Evaluation, rms: Array) -> float:
 def made_worse(evaluation: Evaluation) -> tuple[str, ...]:
     """Return the channels of force and speed to which the effects found add what is not there.
 
-    Equation: after^2 - before^2 > share floor^2  [own]. Beside something unknown nothing tells
-    how much effects have to explain; but what an effect adds is there or not.
+    Equation: after^2 - before^2 > ``worse_power`` floor^2  [own]. Beside something unknown
+    nothing tells how much effects have to explain; but what an effect adds is there or not.
     """
     added = (evaluation.after**2 - evaluation.before**2) / evaluation.floor**2
     return tuple(

@@ -74,13 +74,13 @@ def simulated(twin: Twin, number: int, cases: Sequence[Case]) -> list[Array]:
     seen = [seen_by(case, number) for case in cases]
     if not takes_lanes(twin) or fitting(1) is None:
         return [attempt(twin, case) for case in seen]
-    found: dict[int, Array] = {}
+    by_case: dict[int, Array] = {}
     alike: dict[bytes, list[tuple[int, LineSimulation]]] = {}
     for at, case in enumerate(seen):
         try:
             line = twin.line(case)
         except PlantError:
-            found[at] = nothing_of(twin)
+            by_case[at] = nothing_of(twin)
             continue
         alike.setdefault(make_of(line), []).append((at, line))
     for members in alike.values():
@@ -89,8 +89,8 @@ def simulated(twin: Twin, number: int, cases: Sequence[Case]) -> list[Array]:
         for first in range(0, len(members), lanes.width):
             places, lines = zip(*members[first : first + lanes.width], strict=True)
             records = _side_by_side(twin, lanes, [seen[at] for at in places], lines)
-            found.update(zip(places, records, strict=True))
-    return [found[at] for at in range(len(seen))]
+            by_case.update(zip(places, records, strict=True))
+    return [by_case[at] for at in range(len(seen))]
 
 
 def _side_by_side(

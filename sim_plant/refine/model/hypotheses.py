@@ -101,13 +101,13 @@ class Hypothesis:
         """
         if self.curved:
             return [self.added(self.start)]
-        found = []
+        cases = []
         for at in range(self.strengths):
             values = list(self.absent)
             values[self.strengths :] = self.start[self.strengths :]
             values[at] = self.start[at]
-            found.append(self.added(values))
-        return found
+            cases.append(self.added(values))
+        return cases
 
     def increments(self, values: Sequence[float]) -> list[float]:
         """Return a finite-difference step per number, large against the chaos of quantised loops.
@@ -115,21 +115,21 @@ class Hypothesis:
         A quarter of the value or of the typical size where the response is linear; else a
         twentieth of the value, or a hundredth of the typical size.
         """
-        found = []
+        steps = []
         for name, value, start, absent in zip(
             self.names, values, self.start, self.absent, strict=True
         ):
             row = self.effect.accepts[name]
             if row.role == "angle" or row.step > 0.0:
-                found.append(row.step or 0.02)
+                steps.append(row.step or 0.02)
                 continue
             size, typical = abs(value - absent), abs(start - absent)
             if row.role == "strength" and row.linear:
                 step = 0.25 * max(size, typical)
             else:
                 step = 0.05 * max(size, 0.2 * typical)
-            found.append(step if step > 0.0 else 1e-6)
-        return [-s if v + s > hi else s for s, v, hi in zip(found, values, self.high, strict=True)]
+            steps.append(step if step > 0.0 else 1e-6)
+        return [-s if v + s > hi else s for s, v, hi in zip(steps, values, self.high, strict=True)]
 
 
 def variants(effect: Effect) -> list[tuple[tuple[str, Value], ...]]:
@@ -181,7 +181,7 @@ def onset_library(
     line: Declaration, record: int, without: Collection[str] = ()
 ) -> list[Hypothesis]:
     """Return every effect that may begin at a moment of one record, each way and at each place."""
-    found = []
+    library = []
     for effect in CATALOGUE:
         onset = effect.onset
         if onset is None or effect.name in without:
@@ -190,14 +190,14 @@ def onset_library(
         for form in onset.forms:
             choice = (*onset.fixed, *((n, v) for n, v in shapes if n in form))
             names = (*form, onset.moment)
-            found += [
+            library += [
                 replace(
                     hypothesis(effect, location, (*choice, (onset.moment, 0.0)), names, line),
                     record=record,
                 )
                 for location in candidate_locations(line, effect)
             ]
-    return found
+    return library
 
 
 def limits_at(line: Declaration, effect: Effect, location: str) -> dict[str, tuple[float, float]]:
@@ -205,12 +205,12 @@ def limits_at(line: Declaration, effect: Effect, location: str) -> dict[str, tup
     if effect.limits is None:
         return {}
     arrays = build_arrays(line, timing_of(line, line.sample_time_s))
-    found: dict[str, tuple[float, float]] = {}
+    limits: dict[str, tuple[float, float]] = {}
     for place in places_of(line, effect, location, effect.name):
         for name, (low, high) in effect.limits(arrays, place).items():
-            old = found.get(name, (low, high))
-            found[name] = max(low, old[0]), min(high, old[1])
-    return found
+            old = limits.get(name, (low, high))
+            limits[name] = max(low, old[0]), min(high, old[1])
+    return limits
 
 
 def library(line: Declaration, without: Collection[str] = ()) -> list[Hypothesis]:
@@ -230,17 +230,17 @@ def turned(effect: Effect, values: dict[str, Value], angle_rad: float) -> dict[s
     Pairs are taken as orders 1, 2, 3 ... when there are several (or as the order they name), as
     one free phase otherwise; those of a line in time as one.
     """
-    found = dict(values)
+    parameters = dict(values)
     for place, pair in enumerate(effect.quadratures, start=1):
         order = 1.0 if isinstance(effect.shows, Frequency) else float(place)
         if pair.order:
             order = float(values.get(pair.order, effect.parameters[pair.order]))
-        if pair.cos not in found and pair.sin not in found:
+        if pair.cos not in parameters and pair.sin not in parameters:
             continue
-        size = complex(float(found.get(pair.cos, 0.0)), float(found.get(pair.sin, 0.0)))
+        size = complex(float(parameters.get(pair.cos, 0.0)), float(parameters.get(pair.sin, 0.0)))
         size *= complex(math.cos(order * angle_rad), math.sin(order * angle_rad))
-        found[pair.cos], found[pair.sin] = size.real, size.imag
+        parameters[pair.cos], parameters[pair.sin] = size.real, size.imag
     for name, value in values.items():
         if effect.accepts[name].role == "angle":
-            found[name] = float(value) + angle_rad
-    return found
+            parameters[name] = float(value) + angle_rad
+    return parameters

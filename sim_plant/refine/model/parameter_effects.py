@@ -99,7 +99,7 @@ def as_effects(
 
     None where no effect is proposed for that number, or where it cannot go that way.
     """
-    found = []
+    effects = []
     for e in equivalents(line):
         if e.number != number or not e.proposed:
             continue
@@ -108,5 +108,5 @@ def as_effects(
         values = [*h.absent]
         values[at] += shift / e.scale
         if h.linear[at] or values[at] > h.absent[at]:
-            found.append((h, tuple(values)))
-    return found
+            effects.append((h, tuple(values)))
+    return effects

@@ -111,13 +111,13 @@ def _acted(line: Declaration, record: Recording, unit: str) -> dict[str, Array]:
         A column of corrections names a roller without a drive.
     """
     drives = [drive.roller for drive in line.control.drives]
-    found: dict[str, Array] = {}
+    acted: dict[str, Array] = {}
     for name, values in record.columns.items():
         if not np.any(values):
             continue
         if name == UNWIND_CORRECTION and unit == "_m_s":
             first = line.rollers[0].name
-            found[first] = found.get(first, 0.0) + values
+            acted[first] = acted.get(first, 0.0) + values
         elif name.startswith(APPLIED) and name.endswith(unit):
             roller = name[len(APPLIED) : -len(unit)]
             if roller not in drives:
@@ -125,8 +125,8 @@ def _acted(line: Declaration, record: Recording, unit: str) -> dict[str, Array]:
                     f"{record.path}: column {name}: {roller} has no drive in this line "
                     f"({', '.join(drives)}); name the column after the drive's roller"
                 )
-            found[roller] = found.get(roller, 0.0) + values
-    return found
+            acted[roller] = acted.get(roller, 0.0) + values
+    return acted
 
 
 def _plausible(line: Declaration, record: Recording) -> None:
@@ -256,18 +256,18 @@ def _compare_angle(record: Recording, name: str, expected: Array) -> None:
 
 def limits(twin: Twin) -> list[str]:
     """Return what cannot be claimed from this record, as sentences."""
-    found = []
+    sentences = []
     angles = [c for c in twin.channels if c.endswith("_angle_rad")]
     if not angles:
-        found.append("no roll angle is recorded: orders rest on simulated angles")
+        sentences.append("no roll angle is recorded: orders rest on simulated angles")
     recorded = [s for s in twin.declaration.sensors if s.channel in twin.channels]
     if not any(isinstance(s, DriveSpeed) and s.scale_radius_m for s in recorded):
-        found.append("no web speed is recorded: wavelengths rest on the speed reference")
+        sentences.append("no web speed is recorded: wavelengths rest on the speed reference")
     if float(np.ptp(twin.speed_m_s)) < MATCH.one_speed_share * float(
         np.mean(np.abs(twin.speed_m_s))
     ):
-        found.append("one speed only: a line in time and a line in travel look the same")
+        sentences.append("one speed only: a line in time and a line in travel look the same")
     if len([c for c in twin.channels if c.endswith("_N")]) < 2:
-        found.append("one tension only: where an effect sits rests on the drive speeds")
-    found.append("a wrong scale or zero of a load cell: the tension loop's integral hides it")
-    return found
+        sentences.append("one tension only: where an effect sits rests on the drive speeds")
+    sentences.append("a wrong scale or zero of a load cell: the tension loop's integral hides it")
+    return sentences

@@ -23,33 +23,33 @@ def run_limits(record: Recording, twin: Twin) -> list[str]:
     if record.run is None:
         return []
     line, name = twin.declaration, record.path.name
-    found = []
+    sentences = []
     if not _reference_mapped(record):
-        found.append(
+        sentences.append(
             f"{name}: no speed reference: the measured speed stands in, some 100 ppm off; at "
             "which of several like idlers of a zone an effect sits is not told, nor what only "
             "the drives' common speed shows"
         )
     if float(np.ptp(twin.tension_N)) < STEP_SHARE * float(np.mean(np.abs(twin.tension_N))):
-        found.append(
+        sentences.append(
             f"{name}: no step of the tension reference: the modulus, a loop's gains and a "
             "delay are told by ripple alone"
         )
     if _radius_change(line, record) < RADIUS_SHARE:
-        found.append(
+        sentences.append(
             f"{name}: the unwind roll keeps its radius: an order of it and a roller of that "
             "radius look the same"
         )
     missing = [s.channel for s in line.sensors if s.channel not in record.columns]
     if missing:
-        found.append(f"{name}: not recorded: {', '.join(missing)}; {_cost(line, record)}")
+        sentences.append(f"{name}: not recorded: {', '.join(missing)}; {_cost(line, record)}")
     for actuator, known in record.run.delivery_known.items():
         if not known and np.any(twin.aff_m_s.get(actuator, 0.0)):
-            found.append(
+            sentences.append(
                 f"{name}: when a correction of {actuator} acted is not recorded, the usual delay "
                 "is taken: a delay of that drive is not told from it (map aff_echo or applied)"
             )
-    return found
+    return sentences
 
 
 def lines_of(records: Sequence[Recording]) -> list[str]:

@@ -166,7 +166,7 @@ def _corrections(line: Declaration, record: Recording) -> dict[str, Array]:
     """
     assert record.run is not None
     drives = {drive.roller.lower(): drive.roller for drive in line.control.drives}
-    found: dict[str, Array] = {}
+    corrections: dict[str, Array] = {}
     for name, actuator in record.run.site.actuators.items():
         values = record.columns.get(f"{CORRECTION}{name}_{actuator.suffix}")
         if values is None or not np.any(values):
@@ -179,5 +179,5 @@ def _corrections(line: Declaration, record: Recording) -> dict[str, Array]:
                 "as the site file does, or give a window in which they did not"
             )
         column = f"{APPLIED}{roller}_{actuator.suffix}"
-        found[column] = found.get(column, 0.0) + values
-    return found
+        corrections[column] = corrections.get(column, 0.0) + values
+    return corrections

@@ -98,12 +98,12 @@ class SimulationPool:
             done = self._pool.map(groups)
         else:
             done = [simulated(self.twins[number], number, cases) for number, cases in groups]
-        found = dict(self._known)
+        known = dict(self._known)
         for (number, members), records in zip(groups, done, strict=True):
-            found.update(zip([(number, case) for case in members], records, strict=True))
+            known.update(zip([(number, case) for case in members], records, strict=True))
         if keep:
-            self._known = found
-        return [[found[t, case] for t in range(len(self.twins))] for case in cases]
+            self._known = known
+        return [[known[t, case] for t in range(len(self.twins))] for case in cases]
 
     def forget(self) -> None:
         """Drop all results: a search that goes on from elsewhere does not come back to them."""

@@ -56,16 +56,16 @@ def stand_in_speed(
     turned = _turned_m(line, columns)
     source = speeds[0] if turned is None else f"{speeds[0]}, with the turns of {turned[0]},"
     travel = np.cumsum(speed) * step_s if turned is None else turned[1]
-    found, bent = _straight_parts(speed, travel, step_s)
+    straight, bent = _straight_parts(speed, travel, step_s)
     said = [f"no speed reference is recorded: the measured {source} stands in"]
     if bent:
         said.append(f"{bent} changes of speed are no straight ramps: smoothed there")
-    return found, said
+    return straight, said
 
 
 def _straight_parts(speed: Array, travel_m: Array, step_s: float) -> tuple[Array, int]:
     """Return levels joined by straight ramps (samples,), and how many changes are none."""
-    found = box_mean(speed, max(1, round(SMOOTHED_S / step_s)))
+    straight = box_mean(speed, max(1, round(SMOOTHED_S / step_s)))
     changing = box_mean(ramps(speed, step_s).astype(np.float64), round(MARGIN_S / step_s)) > 0.0
     edges = [0, *(np.flatnonzero(np.diff(changing.astype(np.int8))) + 1), speed.size]
     parts = [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
@@ -74,7 +74,7 @@ def _straight_parts(speed: Array, travel_m: Array, step_s: float) -> tuple[Array
         length = part.stop - part.start
         if not changing[part.start] and length * step_s >= SHORTEST_REST_S:
             run = float(travel_m[part.stop - 1] - travel_m[part.start])
-            levels[k] = found[part] = run / ((length - 1) * step_s)
+            levels[k] = straight[part] = run / ((length - 1) * step_s)
     bent = 0
     for k, part in enumerate(parts):
         if changing[part.start]:
@@ -83,8 +83,8 @@ def _straight_parts(speed: Array, travel_m: Array, step_s: float) -> tuple[Array
                 run = float(travel_m[part.stop] - travel_m[part.start])
                 ramp = _ramp(speed[part], run, (levels[k - 1], levels[k + 1]), step_s)
             bent += ramp is None
-            found[part] = found[part] if ramp is None else ramp
-    return found, bent
+            straight[part] = straight[part] if ramp is None else ramp
+    return straight, bent
 
 
 def _ramp(

@@ -203,12 +203,12 @@ class Twin:
         """
         if seed is None:
             return channels
-        rng, found = np.random.default_rng([seed, WORDS]), channels.copy()
+        rng, worded = np.random.default_rng([seed, WORDS]), channels.copy()
         for name, step in sorted(self.word_steps.items()):
             share = rng.random(channels.shape[1]) - 0.5
             if name in self.channels:
-                found[self.channels.index(name)] += step * share
-        return found
+                worded[self.channels.index(name)] += step * share
+        return worded
 
 
 def modelled_channels(line: Declaration, columns: Sequence[str]) -> tuple[str, ...]:
@@ -217,9 +217,9 @@ def modelled_channels(line: Declaration, columns: Sequence[str]) -> tuple[str, .
     Two declared names of one physical signal (line speed is the lead roller's) count once.
     """
     seen: set[tuple[str, str]] = set()
-    found = []
+    channels = []
     for sensor in line.sensors:
         if sensor.channel in columns and (sensor.roller, sensor.kind) not in seen:
             seen.add((sensor.roller, sensor.kind))
-            found.append(sensor.channel)
-    return tuple(found)
+            channels.append(sensor.channel)
+    return tuple(channels)

@@ -182,20 +182,20 @@ def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
     }
     words = {s.channel for s in line.sensors if isinstance(s, RollAngle)}
     words |= _rounded(twin, runs)
-    found = noise_model(
+    noise = noise_model(
         runs,
         first_judged(runs.shape[2], line.sample_time_s),
         np.array([steps.get(c, 0.0) for c in twin.channels]),
         [c in words for c in twin.channels],
     )
-    silent = [name for name, rms in zip(twin.channels, found.floor, strict=True) if not rms > 0.0]
+    silent = [name for name, rms in zip(twin.channels, noise.floor, strict=True) if not rms > 0.0]
     if silent:
         raise PlantError(
             f"sensors.{silent[0]}: the line file declares no noise that reaches this channel: no "
             "difference can be weighed; give its noise_sd or lsb"
         )
     return replace(
-        found, slow=drift_standard_deviations(np.stack([found.whiten(run) for run in runs]))
+        noise, slow=drift_standard_deviations(np.stack([noise.whiten(run) for run in runs]))
     )
 
 
@@ -230,11 +230,11 @@ def band_power(whitened: Array) -> Array:
     edges = np.round(np.array(NOISE.bands) * power.size).astype(int)
     tail = 1.0 - NOISE.calm_share
     calm = 1.0 + tail * np.log(tail) / NOISE.calm_share
-    found = []
+    powers = []
     for low, high in itertools.pairwise(edges):
         part = np.sort(power[low:high])
-        found.append(float(part[: max(1, round(NOISE.calm_share * part.size))].mean()) / calm)
-    return np.array(found)
+        powers.append(float(part[: max(1, round(NOISE.calm_share * part.size))].mean()) / calm)
+    return np.array(powers)
 
 
 def noise_power(whitened: Array) -> Array:

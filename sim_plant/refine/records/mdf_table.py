@@ -68,7 +68,7 @@ def _on_one_clock(path: Path, signals: list[Any]) -> Table:
         raise PlantError(f"{shown(path)}: holds no channel with values")
     master = max((s.timestamps for s in signals), key=lambda stamps: stamps.size)
     time_s: Array = np.asarray(master - master[0], dtype=np.float64)
-    found, said = {"time_s": time_s}, []
+    table, said = {"time_s": time_s}, []
     for signal in signals:
         values, name = numbers(path, signal.name, signal.samples), printable(signal.name, 60)
         if values.size != signal.timestamps.size:
@@ -81,8 +81,8 @@ def _on_one_clock(path: Path, signals: list[Any]) -> Table:
         if not np.array_equal(signal.timestamps, master):
             values = _on_stamps(path, signal, values, master)
             said.append(f"{name} has stamps of its own: put on those of the fastest group")
-        found[header_of(path, found, signal.name, signal.unit)] = values
-    return found, said
+        table[header_of(path, table, signal.name, signal.unit)] = values
+    return table, said
 
 
 def _on_stamps(path: Path, signal: Any, values: Array, master: Array) -> Array:

@@ -42,15 +42,15 @@ def parquet_table(path: Path, payload: bytes) -> Table:
 
 def _columns(path: Path, file: Any) -> dict[str, Array]:
     """Return the columns, each read and made plain before the next: half the memory of a table."""
-    found: dict[str, Array] = {}
+    columns: dict[str, Array] = {}
     for field in file.schema_arrow:
         part = file.read(columns=[field.name], use_threads=False)
         values = part.column(part.schema.get_field_index(field.name)).to_numpy()
         unit = (field.metadata or {}).get(b"unit", b"").decode("utf-8", "replace")
         if values.dtype.kind == "M":
             values, unit = (values - values[:1]) / np.timedelta64(1, "s"), "s"
-        found[header_of(path, found, field.name, unit)] = numbers(path, field.name, values)
-    return found
+        columns[header_of(path, columns, field.name, unit)] = numbers(path, field.name, values)
+    return columns
 
 
 def _check_footer(path: Path, file: Any, schema: Any, types: Any) -> None:

@@ -11,7 +11,8 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_window import HOW_WRITTEN, MARK, names_a_run
+from aff_runtime.base.run_table import no_run
+from aff_runtime.base.run_window import names_a_run
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import read_plain
 from sim_plant.refine.criteria.criteria import CRITERIA
@@ -59,8 +60,8 @@ def read_record(path: str | Path) -> Recording:
     columns = _si_columns(path, raw)
     time_name = next((n for n in columns if n.lower().removesuffix("_s") in TIME_NAMES), None)
     if time_name is None:
-        found = printable(str(sorted(columns)), 500)
-        raise PlantError(f"{shown(path)}: no time column; name one time_s (found {found})")
+        names = printable(str(sorted(columns)), 500)
+        raise PlantError(f"{shown(path)}: no time column; name one time_s (found {names})")
     time_s = columns.pop(time_name)
     if not columns:
         raise PlantError(f"{shown(path)}: holds no channel beside {time_name}")
@@ -88,15 +89,8 @@ def kind_of(path: Path) -> str:
         if path.name.lower().endswith(endings):
             return kind
     folder, at, _ = str(path).rpartition("@")
-    if os.path.isdir(path):
-        raise PlantError(
-            f"{shown(path)}: a folder without {MARK}; name one run, a folder that has it"
-        )
-    if at and os.path.isdir(folder):
-        raise PlantError(
-            f"{shown(path)}: is a part of a run meant? The {HOW_WRITTEN}, of a folder that "
-            f"has {MARK}"
-        )
+    if os.path.isdir(path) or (at and os.path.isdir(folder)):
+        raise PlantError(no_run(path))
     what = "unknown kind of file" if os.path.exists(path) else "is not there"
     raise PlantError(
         f"{shown(path)}: {what}; give .csv, .csv.gz, .parquet, .mf4 or "

@@ -166,17 +166,17 @@ def _beyond_one(steps: Array) -> Array:
 def line_breaks(columns: Mapping[str, Array], rows: Rows) -> list[Break]:
     """Return where the line itself is another one: a splice, another roll, a stop."""
     status = columns["status"][rows].astype(np.int64)
-    found = []
+    breaks = []
     spliced = (status & int(Status.SPLICE_ACTIVE)) != 0
     for k in np.flatnonzero(np.diff(spliced.astype(np.int8))) + 1:
-        found.append(Break(row=int(k), why="a splice begins" if spliced[k] else "a splice ends"))
+        breaks.append(Break(row=int(k), why="a splice begins" if spliced[k] else "a splice ends"))
     for k in np.flatnonzero(np.diff(columns["roll_id"][rows])) + 1:
-        found.append(Break(row=int(k), why="another roll is on"))
+        breaks.append(Break(row=int(k), why="another roll is on"))
     for bit, name in ((Status.LINE_RUN, "LINE_RUN"), (Status.WEB_INTACT, "WEB_INTACT")):
         on = (status & int(bit)) != 0
         for k in np.flatnonzero(np.diff(on.astype(np.int8))) + 1:
-            found.append(Break(row=int(k), why=f"{name} {'comes' if on[k] else 'goes'}"))
-    return found
+            breaks.append(Break(row=int(k), why=f"{name} {'comes' if on[k] else 'goes'}"))
+    return breaks
 
 
 def angle_breaks(values: Array, taken_s: Array, name: str) -> list[Break]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -50,7 +50,13 @@ CORRECTION = "correction_"
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Piece:
-    """Rows of the scans from ``first`` to before ``end`` without a break in them."""
+    """Rows of the scans from ``first`` to before ``end`` without a break in them.
+
+    Attributes
+    ----------
+    from_s, to_s : times of the first and the last row, s of the run's ``time_s``.
+    running : the line runs there, or is never said to run; and no splice passes.
+    """
 
     first: int
     end: int
@@ -95,38 +101,37 @@ def read_run_record(path: Path) -> Recording:
     whole = {n: filled(values, scans.taken_s, scans.step_s) for n, values in read.items()}
     readings, counted = unwrapped({n: one.values for n, one in whole.items()})
     pieces, breaks = _pieces(table.columns, scans, readings)
-    piece = max((p for p in pieces if p.running), key=lambda p: p.length_s, default=None)
-    if piece is None or piece.length_s < SHORTEST_S:
-        raise PlantError(
-            f"{path}: no {SHORTEST_S:g} s of the running line without a break: "
-            f"{'; '.join([*table.lost[:6], *breaks[:6]]) or 'the window is too short'}; "
-            "give another window"
-        )
+    piece = _longest(path, pieces, [*table.lost[:6], *breaks[:6]])
     lost = {n: one.holes_in(piece.first, piece.end) for n, one in whole.items()}
     kept = {n: values for n, values in readings.items() if not lost[n]}
-    found = _on_grid(table, site, scans, piece, kept)
+    grid = _on_grid(table, site, scans, piece, kept)
     said = [_unread(name, table.columns) for name in site.steps if name not in channels]
     said += [f"{n} is left out: {text}" for n, text in lost.items() if text]
     said += [*table.lost, *few(_edits(table)), *scans.findings, *few(breaks), *counted]
     if len(pieces) > 1:
         others = ", ".join(few([str(p) for p in pieces if p is not piece]))
         said.append(f"taken is {piece} of the run; left out {others}")
-    measured = {n: v for n, v in found.columns.items() if not n.startswith(CORRECTION)}
+    measured = {n: v for n, v in grid.columns.items() if not n.startswith(CORRECTION)}
     return Recording(
         path=path,
-        sha256=_digest(found.columns),
+        sha256=_digest(grid.columns),
         sample_time_s=scans.step_s,
-        columns=found.columns,
-        findings=(*said, *found.said, *oddities(measured)),
-        zeros_rad=found.zeros_rad,
+        columns=grid.columns,
+        findings=(*said, *grid.said, *oddities(measured)),
+        zeros_rad=grid.zeros_rad,
         run=RunFacts(
-            site=site, phases=found.phases, delivery_known=found.known, scan_s=scans.scan_s
+            site=site, phases=grid.phases, delivery_known=grid.known, scan_s=scans.scan_s
         ),
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Grid:
+    """What a piece holds, on its even grid; ``zeros_rad``: what was taken off the angles.
+
+    ``known``: by actuator, whether it is recorded when a correction acted.
+    """
+
     columns: dict[str, Array]
     zeros_rad: dict[str, float]
     phases: Phases
@@ -143,19 +148,30 @@ def _refuse_other_columns(path: Path, columns: Mapping[str, Array]) -> None:
         )
 
 
+def _longest(path: Path, pieces: Sequence[Piece], why: Sequence[str]) -> Piece:
+    """Return the longest piece of the running line; ``why``: what is said where none will do."""
+    piece = max((p for p in pieces if p.running), key=lambda p: p.length_s, default=None)
+    if piece is None or piece.length_s < SHORTEST_S:
+        raise PlantError(
+            f"{path}: no {SHORTEST_S:g} s of the running line without a break: "
+            f"{'; '.join(why) or 'the window is too short'}; give another window"
+        )
+    return piece
+
+
 def _pieces(
     columns: Mapping[str, Array], scans: Scans, readings: Mapping[str, Array]
 ) -> tuple[list[Piece], list[str]]:
     """Return the unbroken pieces, and every break as a sentence with its time."""
-    found: list[Break] = [*scans.breaks, *line_breaks(columns, scans.rows)]
+    breaks: list[Break] = [*scans.breaks, *line_breaks(columns, scans.rows)]
     for name, values in readings.items():
         if name.endswith("_rad"):
-            found += angle_breaks(values, scans.taken_s, name)
+            breaks += angle_breaks(values, scans.taken_s, name)
     rows, time_s = scans.rows, columns["time_s"]
     status = columns["status"][rows].astype(np.int64)
     runs = (status & int(Status.LINE_RUN)) != 0
     spliced = (status & int(Status.SPLICE_ACTIVE)) != 0
-    edges = sorted({0, rows.size, *(b.row for b in found)})
+    edges = sorted({0, rows.size, *(b.row for b in breaks)})
     pieces = [
         Piece(
             first=first,
@@ -168,7 +184,7 @@ def _pieces(
         if end - first >= CRITERIA.records.fewest_rows
     ]
     by_row: dict[int, list[str]] = {}
-    for b in found:
+    for b in breaks:
         by_row.setdefault(b.row, []).append(b.why)
     said = [f"at {time_s[rows[r]]:.2f} s {', '.join(by_row[r])}" for r in sorted(by_row)]
     return pieces, said
@@ -182,20 +198,21 @@ def _on_grid(
     rows, taken_s = scans.rows[part], scans.taken_s[part] - scans.taken_s[piece.first]
     grid: Array = np.arange(round(taken_s[-1] / scans.step_s) + 1) * scans.step_s
     columns = {name: np.interp(grid, taken_s, values[part]) for name, values in readings.items()}
-    filled = grid.size - np.unique(np.rint(taken_s / scans.step_s)).size
-    said = [f"{filled} missing samples are filled in between"] if filled > 0 else []
+    missing = grid.size - np.unique(np.rint(taken_s / scans.step_s)).size
+    said = [f"{missing} missing samples are filled in between"] if missing > 0 else []
+    # per sample of the grid, the newest row that was there
     held = np.searchsorted(taken_s, grid + 1e-9, side="right") - 1
     acted = _acted(table.columns, site, rows, scans.step_s)
-    for name, found in acted.items():
+    for name, correction in acted.items():
         suffix = site.actuators[name].suffix
-        columns[f"{CORRECTION}{name}_{suffix}"] = found.values[held]
-        said.append(f"corrections of {name}: {found.how}")
+        columns[f"{CORRECTION}{name}_{suffix}"] = correction.values[held]
+        said.append(f"corrections of {name}: {correction.how}")
     zeros = {n: float(v[0]) for n, v in columns.items() if n.endswith("_rad")}
     columns |= {name: columns[name] - zero for name, zero in zeros.items()}
     speed = columns.get(site.speed, columns.get(DEFAULT_SPEED, np.zeros(grid.size)))
     phases = phases_of(
         {n: v[rows][held] for n, v in table.columns.items() if _of_service(n)},
-        [found.values[held] for found in acted.values()],
+        [correction.values[held] for correction in acted.values()],
         speed,
         scans.step_s,
     )
@@ -203,7 +220,7 @@ def _on_grid(
         columns=columns,
         zeros_rad=zeros,
         phases=phases,
-        known={name: found.known for name, found in acted.items()},
+        known={name: correction.known for name, correction in acted.items()},
         said=[*said, *phases.sentences()],
     )
 

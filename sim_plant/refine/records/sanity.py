@@ -58,11 +58,11 @@ def even_grid(
     mean = float((time_s[-1] - time_s[0]) / (time_s.size - 1))
     grid = time_s[0] + mean * np.arange(time_s.size)
     largest_offset_s = float(np.max(np.abs(time_s - grid)))
-    found = {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
+    arrays = {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
     if largest_offset_s < RECORDS.jitter_share * mean:
-        return mean, found, remarks
+        return mean, arrays, remarks
     increasing_s = np.maximum.accumulate(time_s + 1e-9 * step * np.arange(time_s.size))
-    even = {name: np.interp(grid, increasing_s, values) for name, values in found.items()}
+    even = {name: np.interp(grid, increasing_s, values) for name, values in arrays.items()}
     uneven = f"stamps are uneven by up to {largest_offset_s:.2g} s: put on a grid of {mean:.6g} s"
     return mean, even, [*remarks, uneven]
 
@@ -78,16 +78,16 @@ def unwrapped(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str]
 
     A step of more than half a turn against the way the roll turns is taken for a start over.
     """
-    found, remarks = dict(columns), []
+    continuous, remarks = dict(columns), []
     for name, values in columns.items():
         if not name.endswith("_angle_rad") or values.size < 2:
             continue
         steps = np.diff(values)
         over = int(np.sum(steps * np.sign(np.median(steps)) < -np.pi))
         if over:
-            found[name] = np.unwrap(values)
+            continuous[name] = np.unwrap(values)
             remarks.append(f"{name} starts over {over} times: unwrapped")
-    return found, remarks
+    return continuous, remarks
 
 
 def _one_stamp_off(steps: Array, step: float) -> Flags:
@@ -112,10 +112,10 @@ def _stamps_beside(odd: Flags) -> int:
 
 def oddities(columns: Mapping[str, Array]) -> list[str]:
     """Return sentences about spikes, saturation, resolution and columns that stand still."""
-    found = []
+    sentences = []
     for name, values in columns.items():
         if np.ptp(values) == 0.0:
-            found.append(f"{name} stands still at {values[0]:g}")
+            sentences.append(f"{name} stands still at {values[0]:g}")
             continue
         levels, unit = np.unique(values), suffix_of(name).replace("_s", "/s")
         smallest = _smallest_step(levels)
@@ -124,7 +124,7 @@ def oddities(columns: Mapping[str, Array]) -> list[str]:
             and smallest > 0.0
             and "_ref_" not in name
         ):
-            found.append(f"{name} is read in steps of {smallest:.3g} {unit}".rstrip())
+            sentences.append(f"{name} is read in steps of {smallest:.3g} {unit}".rstrip())
         for level, side in ((levels[-1], "top"), (levels[0], "bottom")):
             stuck = float(np.mean(values == level))
             if (
@@ -132,11 +132,11 @@ def oddities(columns: Mapping[str, Array]) -> list[str]:
                 and levels.size > RECORDS.stuck_levels
                 and "_ref_" not in name
             ):
-                found.append(f"{name} sits at its {side} {level:g} for {100 * stuck:.0f} %")
+                sentences.append(f"{name} sits at its {side} {level:g} for {100 * stuck:.0f} %")
         spikes = count_spikes(values, smallest if levels.size > RECORDS.stuck_levels else 0.0)
         if spikes:
-            found.append(f"{name} has {spikes} spike{'s' * (spikes > 1)}")
-    return found
+            sentences.append(f"{name} has {spikes} spike{'s' * (spikes > 1)}")
+    return sentences
 
 
 def _smallest_step(levels: Array) -> float:

@@ -21,7 +21,7 @@ def standard_deviations(fit: Fit) -> list[float]:
             for h in fit.hypotheses
             for low, high in zip(h.low, h.high, strict=True)
         ]
-    found: list[float] = []
+    deviations: list[float] = []
     for h, values in zip(fit.hypotheses, fit.values, strict=True):
         change = {n: v - a for n, v, a in zip(h.names, values, h.absent, strict=True)}
         phasors = {name for pair in h.effect.quadratures for name in (pair.cos, pair.sin)}
@@ -29,10 +29,10 @@ def standard_deviations(fit: Fit) -> list[float]:
         for name, value in change.items():
             strength = h.effect.accepts[name].role == "strength"
             own = phasor if name in phasors else value
-            found.append(
-                math.hypot(noise[len(found)], CRITERIA.report.model_share * own * strength)
+            deviations.append(
+                math.hypot(noise[len(deviations)], CRITERIA.report.model_share * own * strength)
             )
-    return found
+    return deviations
 
 
 def _anywhere(low: float, high: float) -> float:

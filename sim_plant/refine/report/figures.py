@@ -20,9 +20,9 @@ HIGHEST_HZ = 15.0
 def overlay(judged: Evaluation, sample_time_s: float, seconds: float = 8.0) -> str:
     """Return measured against declared and amended, and the error of both, where it is worst.
 
-    The channels that gained most, and at least one tension where there is one.
+    The channels with the largest error before, and at least one tension where there is one.
     """
-    ranked = channels_by_gain(judged)
+    ranked = channels_by_error(judged)
     show = ranked[:3]
     tensions = [k for k in ranked if judged.channels[k].endswith("_N")]
     if tensions and not set(tensions) & set(show):
@@ -97,8 +97,11 @@ def spectrum(
     return svg(figure)
 
 
-def channels_by_gain(judged: Evaluation) -> list[int]:
-    """Return channels by what they gained, most first; sums (angles, radius) are left out."""
+def channels_by_error(judged: Evaluation) -> list[int]:
+    """Return channels by the declared line's error over noise, largest first; no angle or radius.
+
+    An angle or a radius adds up what a speed shows: its error says nothing more.
+    """
     ratio = judged.before / np.maximum(judged.floor, 1e-12)
     kept = [int(k) for k in np.argsort(-ratio) if not judged.channels[k].endswith(("rad", "_m"))]
     return kept or [0]
@@ -109,7 +112,7 @@ def wavenumber_map(judged: Evaluation, sample_time_s: float) -> str:
 
     A roller stands still in it at 1 / (2 pi R), at every speed; a roll drifts as it grows.
     """
-    at, travel_m = channels_by_gain(judged)[0], judged.travel_m
+    at, travel_m = channels_by_error(judged)[0], judged.travel_m
     step_m = float(np.max(np.gradient(travel_m)))
     grid = np.arange(travel_m[0], travel_m[-1], max(step_m, 1e-9))
     size = max(16, min(512, grid.size // 4))

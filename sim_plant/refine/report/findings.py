@@ -72,13 +72,13 @@ def channel_errors(evaluation: Evaluation) -> dict[str, ChannelError]:
 
 def effect_findings(selection: Selection) -> tuple[EffectFinding, ...]:
     """Return one finding per effect: parameters, 95 % intervals, score and runner-up."""
-    found, at = [], 0
+    findings, at = [], 0
     sd = standard_deviations(selection.fit)
     fit = selection.fit
     for accepted, h, values in zip(selection.accepted, fit.hypotheses, fit.values, strict=True):
-        found.append(_finding(accepted, h, values, sd[at : at + len(values)]))
+        findings.append(_finding(accepted, h, values, sd[at : at + len(values)]))
         at += len(values)
-    return tuple(found)
+    return tuple(findings)
 
 
 def _finding(

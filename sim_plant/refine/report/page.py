@@ -13,7 +13,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.nuisances import declared_nuisances
 from sim_plant.refine.records.units import suffix_of
-from sim_plant.refine.report.figures import channels_by_gain, overlay, spectrum, wavenumber_map
+from sim_plant.refine.report.figures import channels_by_error, overlay, spectrum, wavenumber_map
 from sim_plant.refine.report.wording import (
     coordinate_text,
     location_words,
@@ -66,7 +66,7 @@ def confidence(verdict: Verdict) -> str:
 
 def gain(judged: Evaluation, held: bool) -> str:
     """Return what the amended line explains: on the tension and the channel that gained most."""
-    ranked = channels_by_gain(judged)
+    ranked = channels_by_error(judged)
     tensions = [k for k in ranked if judged.channels[k].endswith("_N")]
     where = "On the held-out record" if held else "On the record fitted (no proof)"
     said = []
@@ -198,7 +198,7 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
     judged, selection = outcome.evaluation, outcome.selection
     verdict, step_s = outcome.verdict, selection.travels[0].sample_time_s
     tolerances = {n.name: n.tolerance for n in declared_nuisances(outcome.declared)}
-    above = above_noise(judged, channels_by_gain(judged))
+    above = above_noise(judged, channels_by_error(judged))
     template = Environment(
         loader=PackageLoader("sim_plant.refine.report", "."), autoescape=True
     ).get_template("page.html.j2")

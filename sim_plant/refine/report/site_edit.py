@@ -155,15 +155,15 @@ def _radius_m(name: str, declaration: Declaration, corrections: Mapping[str, flo
 def _actuator(block: AffBlock, site: SiteFile, declaration: Declaration) -> tuple[str, str]:
     """Return the actuator that a block belongs to, or an empty name and why there is none."""
     at = declaration.body(block.roll)
-    found = _of_drive(block.roll, site) or _of_zone(at, site, declaration)
-    if not found:
+    actuator = _of_drive(block.roll, site) or _of_zone(at, site, declaration)
+    if not actuator:
         return "", (
             f"{block.roll}: no actuator of the site file corrects the tension where it runs; "
             "nothing is added"
         )
-    if site.actuators[found].get("output") != "velocity_reference":
-        return "", f"{block.roll}: actuators.{found} is no velocity reference; nothing is added"
-    return found, ""
+    if site.actuators[actuator].get("output") != "velocity_reference":
+        return "", f"{block.roll}: actuators.{actuator} is no velocity reference; nothing is added"
+    return actuator, ""
 
 
 def _of_drive(roller: str, site: SiteFile) -> str:

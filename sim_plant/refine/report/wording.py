@@ -110,7 +110,7 @@ def assumed(effect: str, parameter: str) -> bool:
 
 def size_of(finding: EffectFinding) -> str:
     """Return how much of an effect there is, with units and 95 % intervals."""
-    found, effect = [], finding.place.effect
+    sizes, effect = [], finding.place.effect
     for number in number_rows(finding):
         if not tells_size(effect, number.key):
             continue
@@ -120,8 +120,8 @@ def size_of(finding: EffectFinding) -> str:
             text += " (assumed; the others hold for it)"
         if number.low:
             text += f" (95 %: {number.low} to {number.high})"
-        found.append(text)
-    return ", ".join([*found, *_orders_of(finding)])
+        sizes.append(text)
+    return ", ".join([*sizes, *_orders_of(finding)])
 
 
 def _orders_of(finding: EffectFinding) -> list[str]:
@@ -136,11 +136,11 @@ def _orders_of(finding: EffectFinding) -> list[str]:
         if not pair.amplitude and pair.cos in values and pair.sin in values
     ]
     told = sorted(sorted(sizes, reverse=True)[:TOLD_ORDERS], key=lambda row: row[1])
-    found = []
+    orders = []
     for size, order, name in told:
         factor, unit = scaled(size, unit_of(finding.place.effect, name))
-        found.append(f"{order}x {factor * size:.4g} {unit}")
-    return found
+        orders.append(f"{order}x {factor * size:.4g} {unit}")
+    return orders
 
 
 def coordinate_text(kind: str, where: Mapping[str, float | str]) -> str:

@@ -37,9 +37,9 @@ class SpelledFloat(float):
     @classmethod
     def read(cls, constructor: RoundTripConstructor, node: ScalarNode) -> SpelledFloat:
         """Return the number of a node."""
-        found = cls(constructor.construct_yaml_float(node))
-        found.text = node.value
-        return found
+        number = cls(constructor.construct_yaml_float(node))
+        number.text = node.value
+        return number
 
     @staticmethod
     def write(representer: RoundTripRepresenter, data: SpelledFloat) -> ScalarNode:
@@ -76,11 +76,11 @@ def with_keys(text: str, changes: Mapping[str, Any], *, short: bool = False) -> 
     """
     wanted = {**yaml.safe_load(text), **changes}
     try:
-        found = "" if _is_too_alike(text) else _edited(text, changes, short=short)
-        faithful = yaml.safe_load(found) == wanted
+        edited = "" if _is_too_alike(text) else _edited(text, changes, short=short)
+        faithful = yaml.safe_load(edited) == wanted
     except (YAMLError, yaml.YAMLError):
         faithful = False
-    return found if faithful else yaml.safe_dump(wanted, sort_keys=False, width=WIDTH)
+    return edited if faithful else yaml.safe_dump(wanted, sort_keys=False, width=WIDTH)
 
 
 def _is_too_alike(text: str) -> bool:
@@ -109,12 +109,12 @@ def _edited(text: str, changes: Mapping[str, Any], *, short: bool) -> str:
 def _round_trip(text: str) -> RoundTrip:
     """Return a reader and writer that indents as ``text`` does."""
     _, indent, offset = load_yaml_guess_indent(text)
-    found = RoundTrip()
-    found.Constructor, found.Representer = Constructor, Representer
-    found.preserve_quotes = True
-    found.width = WIDTH
-    found.indent(mapping=2, sequence=indent or 2, offset=offset or 0)
-    return found
+    editor = RoundTrip()
+    editor.Constructor, editor.Representer = Constructor, Representer
+    editor.preserve_quotes = True
+    editor.width = WIDTH
+    editor.indent(mapping=2, sequence=indent or 2, offset=offset or 0)
+    return editor
 
 
 def _rendered(round_trip: RoundTrip, data: CommentedMap) -> list[str]:
@@ -128,7 +128,7 @@ def _put(round_trip: RoundTrip, node: Any, value: Any) -> Any:
     if isinstance(node, CommentedMap | CommentedSeq) and (
         node.anchor.value or not node or not value
     ):
-        return _new(round_trip, value)  # what is named elsewhere too stays as it is there
+        return _new(round_trip, value)  # an anchor's own value stays for those who name it
     if isinstance(node, CommentedMap) and isinstance(value, Mapping):
         return _put_mapping(round_trip, node, value)
     if isinstance(node, CommentedSeq) and isinstance(value, list):
@@ -235,10 +235,10 @@ def _spelled_as(own: Sequence[str], before: Sequence[str], after: Sequence[str])
     for _, a1, a2, b1, b2 in _opcodes(before, own):
         for k in range(a1, a2 + 1):
             ends[k] = b1 + k - a1 if a2 - a1 == b2 - b1 else (b1 if k < a2 else b2)
-    found: list[str] = []
+    lines: list[str] = []
     for tag, a1, a2, b1, b2 in _opcodes(before, after):
-        found += own[ends[a1] : ends[a2]] if tag == "equal" else after[b1:b2]
-    return found
+        lines += own[ends[a1] : ends[a2]] if tag == "equal" else after[b1:b2]
+    return lines
 
 
 def _opcodes(

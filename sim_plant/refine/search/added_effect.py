@@ -40,10 +40,10 @@ def with_effect(
     if h.curved and np.isfinite(fit.cost):
         fit = without_idle(objective, fit)
         h = fit.hypotheses[-1]
-    found, line = fit.values[-1], objective.pool.twins[0].declaration
-    if not np.isfinite(fit.cost) or h.at_bound(found) or not certain_size(fit):
+    values, line = fit.values[-1], objective.pool.twins[0].declaration
+    if not np.isfinite(fit.cost) or h.at_bound(values) or not certain_size(fit):
         return None
-    return None if within_tolerance(line, objective.nuisances, h, found) else fit
+    return None if within_tolerance(line, objective.nuisances, h, values) else fit
 
 
 def without_idle(objective: Objective, fit: Fit) -> Fit:

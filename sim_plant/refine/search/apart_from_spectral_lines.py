@@ -81,15 +81,15 @@ def apart_from_spectral_lines(objective: Objective, selection: Selection) -> Apa
 def own_spectral_lines(selection: Selection) -> Sequence[Unknown]:
     """Return where the accepted effects show: all orders of a body, or a line in time."""
     bodies = [roller.name for roller in selection.travels[0].declaration.rollers]
-    found: list[Unknown] = []
+    lines: list[Unknown] = []
     for accepted in selection.accepted:
         h = accepted.hypothesis
         in_time = shown_Hz(h, selection.travels[0])
         if in_time is not None:
-            found.append(_line("time", {"frequency_Hz": in_time}))
+            lines.append(_line("time", {"frequency_Hz": in_time}))
         elif orders_of(h, 1.0) and h.location in bodies:
-            found.append(_line("angle", {"roll": h.location, "order": 1.0}))
-    return found
+            lines.append(_line("angle", {"roll": h.location, "order": 1.0}))
+    return lines
 
 
 def _line(kind: str, coordinate: dict[str, float | str]) -> Unknown:

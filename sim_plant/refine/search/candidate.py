@@ -106,10 +106,20 @@ def sure_fall(objective: Objective, base: Fit, fit: Fit) -> float:
 
     What the steps of coarse words leave wanders slowly, and anything slow explains some of it: an
     effect is there where other channels, or more of a word than its steps, show it.
-    Equation: min of the falls of the cost and of the cost less ``Objective.doubt``  [own].
+    See ``sure_part``.
     """
-    fall = base.cost - fit.cost
-    return min(fall, fall - objective.doubt(base.residual) + objective.doubt(fit.residual))
+    doubt = objective.doubt
+    return sure_part(base.cost - fit.cost, before=doubt(base.residual), after=doubt(fit.residual))
+
+
+def sure_part(fall: float, *, before: float, after: float) -> float:
+    """Return the sure part of a fall of the cost.
+
+    ``before`` and ``after`` are the doubt (``Objective.doubt``) of the residuals that it fell from
+    and to.
+    Equation: min of the falls of the cost and of the cost less its doubt  [own].
+    """
+    return min(fall, fall - before + after)
 
 
 def fitted_candidate(objective: Objective, base: Fit, fit: Fit) -> FittedCandidate:

@@ -44,7 +44,7 @@ NO_COUPLING = Coupling(channels=("", ""), from_Hz=0.0, to_Hz=0.0, score=0.0)
 
 def least_likely_coupling(objective: Objective, fit: Fit) -> Coupling:
     """Return the pair of channels and the band that are least like the declared noise."""
-    found = [NO_COUPLING]
+    couplings = [NO_COUPLING]
     rows = zip(
         objective.pool.twins,
         objective.whitening.noise,
@@ -56,8 +56,8 @@ def least_likely_coupling(objective: Objective, fit: Fit) -> Coupling:
         use = np.flatnonzero(noise.analogue)
         names = [twin.channels[c] for c in use]
         runs = [noise.whiten(run)[use] for run in realisations]
-        found.append(least_likely_pair(part[use], runs, names, twin.declaration.sample_time_s))
-    return max(found, key=lambda c: c.score)
+        couplings.append(least_likely_pair(part[use], runs, names, twin.declaration.sample_time_s))
+    return max(couplings, key=lambda c: c.score)
 
 
 def least_likely_pair(

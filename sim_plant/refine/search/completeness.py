@@ -74,6 +74,6 @@ def leaves_much(objective: Objective, base: Fit, fit: Fit) -> bool:
     return left > COMPLETENESS.twins_left_share * (base.cost - fit.cost)
 
 
-def _strongest_support(h: Hypothesis, travels: Sequence[Travel], found: Spectra) -> float:
-    rows = zip(travels, found, strict=True)
+def _strongest_support(h: Hypothesis, travels: Sequence[Travel], spectra: Spectra) -> float:
+    rows = zip(travels, spectra, strict=True)
     return max(periodic_support(h, travel, record) or 0.0 for travel, record in rows)

@@ -68,5 +68,5 @@ def same_wavenumbers(travel: Travel, chosen: Hypothesis, h: Hypothesis) -> bool:
 def pair_score(objective: Objective, residual: Array, one: Array, other: Array) -> float:
     """Return the score of two places from their columns (rows, numbers), penalty taken off."""
     columns = np.concatenate([one, other], axis=1)
-    found = objective.projector.linear_fit(residual, columns)
-    return found.chi2_reduction - bic_penalty(objective, columns.shape[1])
+    joint = objective.projector.linear_fit(residual, columns)
+    return joint.chi2_reduction - bic_penalty(objective, columns.shape[1])

@@ -97,12 +97,12 @@ def as_profile(objective: Objective, free: Fit, named: Fit | None) -> Fit:
     it was where neither is as good.
     """
     h = free.hypotheses[-1]
-    profiles, found = h.effect.profiles, dict(zip(h.names, free.values[-1], strict=True))
-    used = [k for k, pair in enumerate(h.effect.quadratures) if pair.cos in found]
+    profiles, sizes = h.effect.profiles, dict(zip(h.names, free.values[-1], strict=True))
+    used = [k for k, pair in enumerate(h.effect.quadratures) if pair.cos in sizes]
     if profiles is None or not used:
         return free
     pairs = h.effect.quadratures[: used[-1] + 1]
-    orders = np.array([[found.get(p.cos, 0.0), found.get(p.sin, 0.0)] for p in pairs])
+    orders = np.array([[sizes.get(p.cos, 0.0), sizes.get(p.sin, 0.0)] for p in pairs])
     line = objective.pool.twins[0].declaration
     radius_m = line.rollers[line.body(h.location)].radius_m
     tried = [profiles.nearest(radius_m, orders)]
@@ -194,5 +194,5 @@ def _profile_starts(
     inner = objective.projector.inner(objective.residual(runs[0], shifts), columns)
     line = objective.pool.twins[0].declaration
     radius = line.rollers[line.body(h.location)].radius_m
-    found = profiles.starts(radius, inner.gram, inner.against, h.start)
-    return [(hypothesis(h.effect, h.location, p.choice, p.names), p.start) for p in found]
+    starts = profiles.starts(radius, inner.gram, inner.against, h.start)
+    return [(hypothesis(h.effect, h.location, p.choice, p.names), p.start) for p in starts]

@@ -47,7 +47,7 @@ def event_candidates(
 
     ``without`` are names left out of the library.
     """
-    found: list[Candidate] = []
+    candidates: list[Candidate] = []
     for record, twin in enumerate(objective.pool.twins):
         line = twin.declaration
         library = onset_library(line, record, without)
@@ -76,11 +76,11 @@ def event_candidates(
             for h in near
             if len(starts.get(h.effect.name, ())) == len(h.names)
         ]
-        found += [*tried, *_placed(objective, fit, beside, residual)]
-    found.sort(key=lambda c: -c.score)
-    for c in found[: EVENTS.most_told]:
+        candidates += [*tried, *_placed(objective, fit, beside, residual)]
+    candidates.sort(key=lambda c: -c.score)
+    for c in candidates[: EVENTS.most_told]:
         progress(f"  {c.hypothesis.key} from {_moment(c):.2f}: score {c.score:.0f}")
-    return found
+    return candidates
 
 
 def placed_anew(objective: Objective, fit: Fit) -> Fit:
@@ -149,7 +149,7 @@ def _by_matched_filter(
     axis, white = axes[onset.unit], on_grid[onset.unit]
     parts = parts_of(axis)
     columns = sensitivities(objective, fit, [_beginning(h, part.middle) for part in parts])
-    found: list[Candidate] = []
+    candidates: list[Candidate] = []
     for part, column in zip(parts, columns, strict=True):
         if not np.isfinite(column).all():
             continue
@@ -158,8 +158,10 @@ def _by_matched_filter(
         response = response[objective.whitening.noise[record].analogue]
         for chi2, moment in best_moments(axis, white, response, part, onset.unit):
             start = _beginning(h, moment).start
-            found.append(Candidate(hypothesis=h, chi2_reduction=chi2, penalty=0.0, start=start))
-    return found
+            candidates.append(
+                Candidate(hypothesis=h, chi2_reduction=chi2, penalty=0.0, start=start)
+            )
+    return candidates
 
 
 def _weighed_at_their_moments(
@@ -175,14 +177,14 @@ def _weighed_at_their_moments(
     up a step at the end, not one in the middle. So the best places of every effect are looked at
     over the record too, and all of its places at the moment that is found there.
     """
-    found: list[Candidate] = []
+    candidates: list[Candidate] = []
     for name in dict.fromkeys(c.hypothesis.effect.name for c in seen):
         mine = sorted(
             (c for c in seen if c.hypothesis.effect.name == name), key=lambda c: -c.score
         )
         onset = mine[0].hypothesis.effect.onset
         if onset is None or onset.unit != "s":
-            found += mine
+            candidates += mine
             continue
         axis, shown = axes[onset.unit], mine[: EVENTS.places]
         best = _over_the_record(objective, axis, shown, residual)
@@ -193,8 +195,8 @@ def _weighed_at_their_moments(
             if h.effect.name == name
             for shaped in _shapes_of(h)
         ]
-        found += _shifted(objective, axis, looks, residual)
-    return found
+        candidates += _shifted(objective, axis, looks, residual)
+    return candidates
 
 
 def _over_the_record(
@@ -281,7 +283,7 @@ def _placed(
     objective: Objective, fit: Fit, seen: Sequence[Candidate], residual: Array
 ) -> list[Candidate]:
     """Return candidates with their moment and shapes found on grids, best first."""
-    found = []
+    placed = []
     for c in seen:
         best, onset = c, c.hypothesis.effect.onset
         ends = HOLD_S in c.hypothesis.names
@@ -300,8 +302,8 @@ def _placed(
         if not ends:
             best = _best_moment(objective, fit, best, residual, EVENTS.fine_grid)
         if best.score > EVENTS.floor:
-            found.append(_without_end(objective, best))
-    return sorted(found, key=lambda c: -c.score)
+            placed.append(_without_end(objective, best))
+    return sorted(placed, key=lambda c: -c.score)
 
 
 def _best_moment(
@@ -371,7 +373,8 @@ def _best_of_starts(
             by = replace(best, hypothesis=each), columns
     if by is None:
         return best
-    shown = sure_look(objective, objective.projector.project(residual), *by)
+    left = objective.projector.project(residual)
+    shown = sure_look(objective, left, objective.doubt(left), *by)
     return replace(best, chi2_reduction=shown.chi2_reduction)
 
 

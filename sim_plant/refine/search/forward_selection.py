@@ -86,10 +86,10 @@ def forward_selection(
         conditioned = conditioned_on(objective, [free_term_basis(free_terms, t) for t in travels])
         rest = [h for h in library if not explained_by_free_term(h, free_terms, travels[0])]
         taken_up = sum(term.strength for term in free_terms)
-        found = select(conditioned, rest, progress, without, chi2_of_free_terms=taken_up)
-        more = [u for u in found.unknown if not any(u.same_roll_as(t) for t in free_terms)]
+        further = select(conditioned, rest, progress, without, chi2_of_free_terms=taken_up)
+        more = [u for u in further.unknown if not any(u.same_roll_as(t) for t in free_terms)]
         # before: with the lines that are now free terms, for the report
-        selection = replace(found, unknown=(*free_terms, *more), before=first.before)
+        selection = replace(further, unknown=(*free_terms, *more), before=first.before)
     return selection
 
 

@@ -24,7 +24,7 @@ PERIODIC_KINDS = frozenset(FREE_TERMS.harmonics)
 """Coordinates of spectral lines."""
 
 
-def free_term_basis(found: Sequence[Unknown], travel: Travel) -> Array:
+def free_term_basis(lines: Sequence[Unknown], travel: Travel) -> Array:
     """Return orthonormal columns (judged samples, terms) of free lines and their harmonics.
 
     Every line may grow with speed, and change slowly with time: that takes up a coordinate that
@@ -36,7 +36,7 @@ def free_term_basis(found: Sequence[Unknown], travel: Travel) -> Array:
     slow = np.cos(np.outer(np.arange(1, FREE_TERMS.half_waves + 1), run))
     weights = np.vstack([speed_weights(travel.speed_m_s), slow])
     columns: list[Array] = []
-    for item in found:
+    for item in lines:
         cycles, first = _cycles(item, travel)
         rate = float(np.max(np.abs(np.gradient(cycles, travel.sample_time_s))))
         for n in range(1, FREE_TERMS.harmonics[item.kind] + 1):
@@ -49,12 +49,12 @@ def free_term_basis(found: Sequence[Unknown], travel: Travel) -> Array:
     return kept
 
 
-def explained_by_free_term(h: Hypothesis, found: Sequence[Unknown], travel: Travel) -> bool:
+def explained_by_free_term(h: Hypothesis, lines: Sequence[Unknown], travel: Travel) -> bool:
     """Return whether a hypothesis shows where one of the free lines is, or at its harmonics.
 
     A free term takes up all there, up to its own imperfection: no effect is claimed for that.
     """
-    return is_periodic(h) and any(_meets(h, item, travel) for item in found)
+    return is_periodic(h) and any(_meets(h, item, travel) for item in lines)
 
 
 def _meets(h: Hypothesis, item: Unknown, travel: Travel) -> bool:

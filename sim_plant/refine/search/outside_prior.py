@@ -57,17 +57,17 @@ def fit_conflicts(
 
     ``effects`` are the names in the library; no others are tried.
     """
-    found: dict[EffectAt, FittedCandidate] = {}
+    conflicts: dict[EffectAt, FittedCandidate] = {}
     for h, start, shifts in starts_outside_prior(objective, base, effects):
         if h.key in {k.key for k in base.hypotheses}:
             continue
         fit = with_effect(objective, base, h, start, shifts)
-        if fit is None or (h.key in found and found[h.key].fit.cost <= fit.cost):
+        if fit is None or (h.key in conflicts and conflicts[h.key].fit.cost <= fit.cost):
             continue
         candidate = fitted_candidate(objective, base, fit)
         progress(f"  {h.key}, beyond tolerance: score {candidate.score:.0f}")
-        found[h.key] = candidate
-    return list(found.values())
+        conflicts[h.key] = candidate
+    return list(conflicts.values())
 
 
 def starts_outside_prior(
@@ -83,7 +83,7 @@ def starts_outside_prior(
     total = total_shifts(objective, fit)
     rows = zip(objective.nuisances, objective.prior_sd, strict=True)
     z = {n.name: total[n.name] / sd for n, sd in rows}
-    found: list[tuple[Hypothesis, tuple[float, ...], dict[str, float]]] = []
+    starts: list[tuple[Hypothesis, tuple[float, ...], dict[str, float]]] = []
 
     def effects_of(name: str, shift: float) -> list[tuple[Hypothesis, tuple[float, ...]]]:
         return [p for p in as_effects(line, name, shift) if p[0].effect.name in effects]
@@ -94,11 +94,11 @@ def starts_outside_prior(
             break
         others = {k: v for k, v in fit.shifts.items() if k != name}
         if name in fit.shifts:
-            found += [(*pair, others) for pair in effects_of(name, fit.shifts[name])]
+            starts += [(*pair, others) for pair in effects_of(name, fit.shifts[name])]
         declared = effects_of(name, total[name])
-        found += [(*pair, rolling_only(others)) for pair in declared]
+        starts += [(*pair, rolling_only(others)) for pair in declared]
         tried += len(declared)
-    return found
+    return starts
 
 
 def told_by_record(objective: Objective, fit: Fit) -> float:

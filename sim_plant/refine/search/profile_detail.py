@@ -35,14 +35,14 @@ def joint_refit(objective: Objective, fit: Fit) -> tuple[Objective, Fit]:
     )
     if not np.isfinite(exact.cost):
         return objective, fit
-    weak = _leaves_responses(objective, exact)
-    near = relinearised_at(objective, exact.case, keep_nuisance_changes=weak)
+    keeps = _keeps_responses(objective, exact)
+    near = relinearised_at(objective, exact.case, keep_nuisance_changes=keeps)
     exact = gauss_newton_fit(
         near, fit.hypotheses, exact.values, exact.shifts, rounds=3, quick=False
     )
     better = with_profile_details(near, exact)
     if better is not exact:
-        near = relinearised_at(near, better.case, keep_nuisance_changes=weak)
+        near = relinearised_at(near, better.case, keep_nuisance_changes=keeps)
     line = near.pool.twins[0].declaration
     bodies = [line.body(better.hypotheses[k].location) for k in named_profiles(better)]
     if bodies:
@@ -53,10 +53,11 @@ def joint_refit(objective: Objective, fit: Fit) -> tuple[Objective, Fit]:
     return near, replace(better, cost=rest.cost, residual=rest.residual)
 
 
-def _leaves_responses(objective: Objective, fit: Fit) -> bool:
-    """Return whether the effects leave the responses to declared numbers as they are.
+def _keeps_responses(objective: Objective, fit: Fit) -> bool:
+    """Return whether the responses to declared numbers stay as they are with these effects.
 
-    What an effect and a shift within tolerance do together is some percent of what either does.
+    So it is with weak effects that are locked to an order: what an effect and a shift within
+    tolerance do only together is some percent of what either does alone.
     """
     locked = all(h.effect.order_locked for h in fit.hypotheses)
     return locked and chi2_without_effects(objective, fit) < PROFILE.weak
@@ -81,7 +82,7 @@ def with_profile_details(objective: Objective, fit: Fit) -> Fit:
     """Return the fit with details of its named profiles: when they were formed, and low orders.
 
     Orders are kept when numbers from either half of the record explain the other half better
-    than none, and when they pay their price: those that a roll is looked for by, then the finer.
+    than none, and when they pay their price: those that the search fits, then finer ones.
     """
     for at in named_profiles(fit):
         fit = without_unpaid_orders(objective, fit, at)
@@ -94,8 +95,8 @@ def with_profile_details(objective: Objective, fit: Fit) -> Fit:
 def without_unpaid_orders(objective: Objective, fit: Fit, at: int) -> Fit:
     """Return the fit with the profile alone, where the orders beside it do not pay their price.
 
-    They may stand for what a profile is itself (an ellipse is its second order): a share of
-    either then has no size of its own.
+    They may stand for what a profile is itself (an ellipse is its second order): no record then
+    tells how much is the profile's, how much the order's.
     """
     old = fit.hypotheses[at]
     orders = {name for pair in old.effect.quadratures for name in (pair.cos, pair.sin)}
@@ -104,12 +105,12 @@ def without_unpaid_orders(objective: Objective, fit: Fit, at: int) -> Fit:
         return fit
     line = objective.pool.twins[0].declaration
     radius_m = line.rollers[line.body(old.location)].radius_m
-    found = dict(zip(old.names, fit.values[at], strict=True))
-    whole = profiles.orders(radius_m, {**dict(old.fixed), **found}, len(old.effect.quadratures))
+    numbers = dict(zip(old.names, fit.values[at], strict=True))
+    whole = profiles.orders(radius_m, {**dict(old.fixed), **numbers}, len(old.effect.quadratures))
     nearest = profiles.nearest(radius_m, whole)
     plain = [name for name in old.names if name not in orders]
     started = [
-        (old.fixed, {name: found[name] for name in plain}),
+        (old.fixed, {name: numbers[name] for name in plain}),
         (nearest.choice, dict(zip(nearest.names, nearest.start, strict=True))),
     ]
     best = fit
@@ -126,7 +127,10 @@ def without_unpaid_orders(objective: Objective, fit: Fit, at: int) -> Fit:
 
 
 def stages_of_orders(effect: Effect) -> list[tuple[str, ...]]:
-    """Return the numbers of the orders that a roll is looked for by, then of twice as many."""
+    """Return the numbers of the orders that the search fits, then of those up to twice as many.
+
+    And so on, each order once, up to the last that the effect has.
+    """
     pairs = effect.quadratures
     ends = [sum(1 for pair in pairs if pair.cos in effect.traced)]
     while 0 < ends[-1] < len(pairs):
@@ -140,9 +144,9 @@ def stages_of_orders(effect: Effect) -> list[tuple[str, ...]]:
 def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
     """Return the fit with the profile formed at another radius, where the record says so.
 
-    A strong profile alone tells: its corners stand closer together on a larger roll. Declared
-    numbers that have imitated this (they change the length of a turn) start anew; they may have
-    done so down to the noise.
+    Only a strong profile tells: its corners stand closer together on a larger roll. Declared
+    numbers that change the length of a turn may have imitated this down to the noise: they start
+    anew.
     """
     profiles = fit.hypotheses[at].effect.profiles
     if profiles is None or profiles.age in fit.hypotheses[at].names:
@@ -186,8 +190,9 @@ def formation_starts(objective: Objective, fit: Fit, at: int, profiles: Profiles
 def likeliest_age(fit: Fit, aged: Sequence[Fit], sure_excess: float) -> Fit:
     """Return the best of ``aged`` unless ``fit`` is better by more than noise is known to.
 
-    That a profile is as old as its record is no better known than any other age, so it need not
-    pay: it is kept with its interval, and found anew where the effects are judged.
+    A profile's age is the length of web that was unwound since it was formed, 0 in ``fit``. That
+    is no better known than any other age, so another one need not pay a price: it is kept with
+    its interval, and fitted anew where the effects are judged.
     """
     best = min(aged, key=lambda there: there.cost, default=fit)
     return best if best.cost < fit.cost + sure_excess else fit

@@ -14,7 +14,13 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.projection import Inner
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress, bic_penalty
+from sim_plant.refine.search.candidate import (
+    Candidate,
+    FittedCandidate,
+    Progress,
+    bic_penalty,
+    sure_part,
+)
 from sim_plant.refine.spectra.coordinates import Travel, periodic_support
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
@@ -74,34 +80,40 @@ def _screened(
     columns = sensitivities(objective, fit, hypotheses)
     inners = objective.projector.inners(residual, columns)
     rows = zip(hypotheses, inners, strict=True)
-    found = [linear_candidate(objective, h, inner) for h, inner in rows]
-    return sure_looks(objective, residual, found, columns)
+    looks = [linear_candidate(objective, h, inner) for h, inner in rows]
+    return sure_looks(objective, residual, looks, columns)
 
 
 def sure_looks(
-    objective: Objective, residual: Array, found: Sequence[Candidate], columns: Sequence[Array]
+    objective: Objective, residual: Array, looks: Sequence[Candidate], columns: Sequence[Array]
 ) -> list[Candidate]:
     """Return first looks, best first, those that may be fitted by what they surely explain.
 
-    ``columns`` are those that each of them was made from. See ``candidate.sure_fall``.
+    ``columns`` are those that each of them was made from. See ``candidate.sure_part``.
     """
     left = objective.projector.project(residual)
-    rows = sorted(zip(found, columns, strict=True), key=lambda row: -row[0].score)
-    if objective.doubt(left) <= 0.0:
+    doubt = objective.doubt(left)
+    rows = sorted(zip(looks, columns, strict=True), key=lambda row: -row[0].score)
+    if doubt <= 0.0:
         return [c for c, _ in rows]
     top = 2 * SCREENING.shortlist_length
     sure: set[int] = set()
     while unsure := [k for k, (c, _) in enumerate(rows[:top]) if id(c) not in sure]:
         k = unsure[0]
-        looked = sure_look(objective, left, *rows[k])
+        looked = sure_look(objective, left, doubt, *rows[k])
         sure.add(id(looked))
         rows[k] = looked, rows[k][1]
         rows.sort(key=lambda row: -row[0].score)
     return [c for c, _ in rows]
 
 
-def sure_look(objective: Objective, left: Array, c: Candidate, columns: Array) -> Candidate:
-    """Return a first look by what it surely explains of ``left``, the projected residual."""
+def sure_look(
+    objective: Objective, left: Array, doubt: float, c: Candidate, columns: Array
+) -> Candidate:
+    """Return a first look by what it surely explains of ``left``, the projected residual.
+
+    ``doubt`` is that of ``left``, ``columns`` are those that the look was made from.
+    """
     h = c.hypothesis
     if not np.isfinite(columns).all() or not c.chi2_reduction > 0.0:
         return c
@@ -110,8 +122,8 @@ def sure_look(objective: Objective, left: Array, c: Candidate, columns: Array) -
         first, absent = np.array(h.start[: h.strengths]), np.array(h.absent[: h.strengths])
         sizes = (np.array(c.start[: h.strengths]) - absent) / (first - absent)
     rest = left - objective.projector.project(columns @ sizes)
-    shown = c.chi2_reduction - objective.doubt(left) + objective.doubt(rest)
-    return replace(c, chi2_reduction=min(c.chi2_reduction, shown))
+    sure = sure_part(c.chi2_reduction, before=doubt, after=objective.doubt(rest))
+    return replace(c, chi2_reduction=sure)
 
 
 def sensitivities(objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesis]) -> list[Array]:
@@ -235,20 +247,20 @@ def linear_candidate(objective: Objective, h: Hypothesis, inner: Inner) -> Candi
     use = list(range(inner.against.size))
     if len(h.effect.quadratures) > SCREENING.profile_pairs:
         use = paying_orders(objective, h, inner)
-    found = inner.of(use).fit()
+    linear = inner.of(use).fit()
     # a strength that cannot go backwards is left out where it would
     while use:
-        wrong = [k for k, at in enumerate(use) if not h.linear[at] and found.values[k] <= 0.0]
+        wrong = [k for k, at in enumerate(use) if not h.linear[at] and linear.values[k] <= 0.0]
         if not wrong:
             break
         use = [at for k, at in enumerate(use) if k not in wrong]
         if use:
-            found = inner.of(use).fit()
+            linear = inner.of(use).fit()
     return Candidate(
         hypothesis=h,
-        chi2_reduction=found.chi2_reduction if use else 0.0,
+        chi2_reduction=linear.chi2_reduction if use else 0.0,
         penalty=bic_penalty(objective, max(1, len(use))),
-        start=_start(h, use, found.values),
+        start=_start(h, use, linear.values),
     )
 
 

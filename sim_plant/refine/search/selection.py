@@ -125,10 +125,10 @@ def _wander(h: Hypothesis) -> float:
 
 def rank(fitted: Sequence[FittedCandidate]) -> list[FittedCandidate]:
     """Return the best fit of every effect and place, best score first."""
-    found = [c for c in fitted if np.isfinite(c.score)]
-    found.sort(key=lambda c: -c.score)
+    finite = [c for c in fitted if np.isfinite(c.score)]
+    finite.sort(key=lambda c: -c.score)
     best: dict[EffectAt, FittedCandidate] = {}
-    for c in found:
+    for c in finite:
         best.setdefault(c.hypothesis.key, c)
     return list(best.values())
 
@@ -262,28 +262,28 @@ def at_noise_floor(selection: Selection, expected_cost: float, sure_excess: floa
     return excess + sure_excess < ACCEPTANCE.floor_share * explained
 
 
-def imitates(found: Sequence[AcceptedEffect], excess: float, nominal_excess: float) -> bool:
+def imitates(effects: Sequence[AcceptedEffect], excess: float, nominal_excess: float) -> bool:
     """Return whether effects beside a spectral line leave too much to be more than an imitation.
 
     What is left counts against what those without a spectral line explain, once it is
     more than a small share of what there was without effects (``nominal_excess``): of a strong
     roll four hundredths are more than any delay. Both excesses are chi-squares.
     """
-    beside = [e for e in found if not is_periodic(e.hypothesis)]
-    if not beside or len(beside) == len(found):
+    beside = [e for e in effects if not is_periodic(e.hypothesis)]
+    if not beside or len(beside) == len(effects):
         return False
     most = CRITERIA.search.completeness.fair_share * (excess + sum(e.score for e in beside))
     return excess > max(most, CRITERIA.search.unexplained.imitated_share * nominal_excess)
 
 
-def standing(found: Sequence[AcceptedEffect], excess: float) -> list[int]:
+def standing(effects: Sequence[AcceptedEffect], excess: float) -> list[int]:
     """Return which effects may be claimed where ``excess`` (chi2) is left that is no line.
 
     Those at a coordinate of their own that explain a good part of it: what is irregular has a
     share at every line.
     """
     least = CRITERIA.search.completeness.fair_share * excess
-    return [k for k, e in enumerate(found) if is_periodic(e.hypothesis) and e.score > least]
+    return [k for k, e in enumerate(effects) if is_periodic(e.hypothesis) and e.score > least]
 
 
 def _others(

@@ -53,9 +53,9 @@ def noise_spectra(
     ]
 
 
-def _around(found: Sequence[SpectralLines], spectrum: SpectralLines, at: float) -> Array:
+def _around(spectra: Sequence[SpectralLines], spectrum: SpectralLines, at: float) -> Array:
     """Return the values of the same spectrum within half an octave to either side."""
-    same = [s for s in found if (s.kind, s.roll) == (spectrum.kind, spectrum.roll)]
+    same = [s for s in spectra if (s.kind, s.roll) == (spectrum.kind, spectrum.roll)]
     root = np.sqrt(2.0)
     parts = [
         s.chi2_reduction[(s.coordinate >= at / root) & (s.coordinate <= at * root)] for s in same

@@ -53,9 +53,11 @@ class Unknown:
         return f"{self.kind} ({where})"
 
 
-def strongest_peak(found: Sequence[Sequence[SpectralLines]]) -> tuple[SpectralLines, float, float]:
+def strongest_peak(
+    spectra: Sequence[Sequence[SpectralLines]],
+) -> tuple[SpectralLines, float, float]:
     """Return the strongest free line of all records: spectrum, coordinate, chi-square."""
-    best = max((s for record in found for s in record), key=lambda s: s.peak[1])
+    best = max((s for record in spectra for s in record), key=lambda s: s.peak[1])
     return best, *best.peak
 
 

@@ -17,7 +17,7 @@ SPECTRA = CRITERIA.spectra
 def with_aliases(
     library: Sequence[Hypothesis],
     travels: Sequence[Travel],
-    found: Sequence[Sequence[SpectralLines]],
+    spectra: Sequence[Sequence[SpectralLines]],
 ) -> list[Hypothesis]:
     """Return the library with effects of a frequency where the strongest lines may come from.
 
@@ -37,7 +37,7 @@ def with_aliases(
             )
             for h in library
             if (shows := _named(h))
-            for at in origins_Hz(h, shows, travels, found)
+            for at in origins_Hz(h, shows, travels, spectra)
         ),
     ]
 
@@ -46,7 +46,7 @@ def origins_Hz(
     h: Hypothesis,
     shows: Frequency,
     travels: Sequence[Travel],
-    found: Sequence[Sequence[SpectralLines]],
+    spectra: Sequence[Sequence[SpectralLines]],
 ) -> list[float]:
     """Return the frequency from which the strongest line in time of each record may come.
 
@@ -56,7 +56,7 @@ def origins_Hz(
     """
     highest = h.effect.accepts[shows.parameter].high
     origins: list[float] = []
-    for travel, record in zip(travels, found, strict=True):
+    for travel, record in zip(travels, spectra, strict=True):
         rate = 1.0 / travel.sample_time_s
         slowest = SPECTRA.alias_cycles / float(travel.time_s[-1] - travel.time_s[0])
         seen = next(s.peak_from(slowest)[0] for s in record if s.kind == "time")
@@ -71,7 +71,7 @@ def origins_Hz(
 def with_orders(
     library: Sequence[Hypothesis],
     travels: Sequence[Travel],
-    found: Sequence[Sequence[SpectralLines]],
+    spectra: Sequence[Sequence[SpectralLines]],
 ) -> list[Hypothesis]:
     """Return the library with the whole order of a body that the strongest line may be.
 
@@ -82,7 +82,7 @@ def with_orders(
         shows = h.effect.shows
         if not isinstance(shows, Orders) or not shows.parameter or shows.resonant:
             continue
-        for order in whole_orders(h, travels, found):
+        for order in whole_orders(h, travels, spectra):
             picked = dict(h.fixed) | {shows.parameter: float(order)}
             proposed = replace(h, fixed=tuple(picked.items()))
             more.setdefault((h.key, order), proposed)
@@ -91,11 +91,11 @@ def with_orders(
 
 
 def whole_orders(
-    h: Hypothesis, travels: Sequence[Travel], found: Sequence[Sequence[SpectralLines]]
+    h: Hypothesis, travels: Sequence[Travel], spectra: Sequence[Sequence[SpectralLines]]
 ) -> list[int]:
     """Return the orders of the hypothesis' body that the strongest line of a record may be."""
     orders = []
-    for travel, record in zip(travels, found, strict=True):
+    for travel, record in zip(travels, spectra, strict=True):
         known = line_at_body(h, travel, record)
         if known is None:
             continue

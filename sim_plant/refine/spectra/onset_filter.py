@@ -103,12 +103,12 @@ def onset_scores(white: Array, response: Array, onset: int, window: int) -> Arra
 def peaks(scores: Array, apart: int, most: int) -> list[int]:
     """Return the samples of the highest scores that are at least ``apart`` from each other."""
     left = scores.copy()
-    found: list[int] = []
-    while len(found) < most and left.max() > 0.0:
+    highest: list[int] = []
+    while len(highest) < most and left.max() > 0.0:
         at = int(np.argmax(left))
-        found.append(at)
+        highest.append(at)
         left[max(0, at - apart) : at + apart + 1] = 0.0
-    return found
+    return highest
 
 
 def resampled(values: Array, coordinate: Array, grid: Array) -> Array:

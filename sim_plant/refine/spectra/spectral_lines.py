@@ -14,7 +14,7 @@ OVERSAMPLING = 8
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpectralLines:
-    """What a free spectral line explains at every coordinate.
+    """What a free spectral line explains at every coordinate: a spectrum of the residual.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class SpectralLines:
 
     @property
     def extent(self) -> float:
-        """Units of the coordinate's inverse (s, m, turns) that the record is long."""
+        """How long the record is, in s, m or turns: by what the coordinate counts per."""
         return 0.5 / float(self.coordinate[1] - self.coordinate[0])
 
     @property

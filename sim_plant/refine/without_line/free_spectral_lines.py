@@ -58,7 +58,7 @@ def _spectra(item: Explained, white: Array) -> list[SpectralLines]:
     time_s: Array = np.arange(size, dtype=np.float64) * item.record.sample_time_s
     moving = item.speed_m_s if item.speed_m_s is not None else np.ones(size)
     weights = speed_weights(moving, 2)
-    found = [
+    spectra = [
         spectral_lines(
             white,
             time_s,
@@ -74,7 +74,7 @@ def _spectra(item: Explained, white: Array) -> list[SpectralLines]:
             WITHOUT_LINE.highest_travel_share * rate / float(np.mean(item.speed_m_s)),
             WITHOUT_LINE.highest_wavenumber_1_m,
         )
-        found.append(
+        spectra.append(
             spectral_lines(
                 white,
                 item.travel_m,
@@ -84,7 +84,7 @@ def _spectra(item: Explained, white: Array) -> list[SpectralLines]:
                 lowest=WITHOUT_LINE.fewest_cycles / extent,
             )
         )
-    return found
+    return spectra
 
 
 def threshold(spectrum: SpectralLines) -> float:
@@ -100,7 +100,7 @@ def find_spectral_lines(items: Sequence[Explained]) -> list[SpectralLine]:
     which it is sharper: that with the larger drop.
     """
     whites = first = [item.whitened for item in items]
-    found: list[SpectralLine] = []
+    lines: list[SpectralLine] = []
     for _ in range(WITHOUT_LINE.most_spectral_lines):
         spectra = [_spectra(item, white) for item, white in zip(items, whites, strict=True)]
         best = _best(spectra)
@@ -108,13 +108,13 @@ def find_spectral_lines(items: Sequence[Explained]) -> list[SpectralLine]:
             break
         kind, at, strength = best
         line, own = _line(items, whites, kind, at, strength)
-        if not any(_same(line, other) for other in found):
-            found.append(line)
+        if not any(_same(line, other) for other in lines):
+            lines.append(line)
         whites = [
             _without(item, white, line.kind, at)
             for item, white, at in zip(items, whites, own, strict=True)
         ]
-    return _orders(items, first, found)
+    return _orders(items, first, lines)
 
 
 def _same(line: SpectralLine, other: SpectralLine) -> bool:
@@ -148,16 +148,16 @@ def _line(
 
 
 def _orders(
-    items: Sequence[Explained], whites: Sequence[Array], found: Sequence[SpectralLine]
+    items: Sequence[Explained], whites: Sequence[Array], lines: Sequence[SpectralLine]
 ) -> list[SpectralLine]:
     """Return spectral lines, orders of a turn named; one that is an order is there in travel."""
     if items[0].travel_m is None:
-        return list(found)
-    rows = [(x.kind, x.coordinate, x.seen) for x in found if x.seen is not None and not x.clock]
+        return list(lines)
+    rows = [(x.kind, x.coordinate, x.seen) for x in lines if x.seen is not None and not x.clock]
     extents = [float(np.ptp(x.travel_m)) for x in items if x.travel_m is not None]
     named = iter(as_orders(rows, extents))
     said = []
-    for x in found:
+    for x in lines:
         if x.seen is None or x.clock:
             said.append(x)
             continue
@@ -174,7 +174,7 @@ def _orders(
 
 def clocks(items: Sequence[Explained]) -> list[SpectralLine]:
     """Return spectral lines of the raw outputs that the experiment makes, not the machine."""
-    found = []
+    lines = []
     for item in items:
         for row in item.outputs:
             white = whiten(row)[None, :]
@@ -187,7 +187,7 @@ def clocks(items: Sequence[Explained]) -> list[SpectralLine]:
                 at = sharpest(item, white, "time", at)
                 reason = _clock([item], "time", at)
                 if reason:
-                    found.append(
+                    lines.append(
                         SpectralLine(
                             kind="time",
                             coordinate=at,
@@ -196,7 +196,7 @@ def clocks(items: Sequence[Explained]) -> list[SpectralLine]:
                             clock=reason,
                         )
                     )
-    return found
+    return lines
 
 
 def _best(spectra: Sequence[Sequence[SpectralLines]]) -> tuple[str, float, float] | None:

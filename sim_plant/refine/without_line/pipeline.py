@@ -48,12 +48,12 @@ NO_INPUTS = "no inputs are declared: nothing is explained but zero, drift and li
 
 def limits_of(declaration: RecordDeclaration) -> list[str]:
     """Return what cannot be claimed without a line, as sentences."""
-    found = ["no line declaration: no place can be named, a line is named by its coordinate"]
+    sentences = ["no line declaration: no place can be named, a line is named by its coordinate"]
     if declaration.travel_speed is None:
-        found.append(NO_TRAVEL)
+        sentences.append(NO_TRAVEL)
     if not declaration.inputs:
-        found.append(NO_INPUTS)
-    return found
+        sentences.append(NO_INPUTS)
+    return sentences
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -101,14 +101,14 @@ def refine_records(
         declaration, stamped[at].record, np.stack([o.judged.explained for o in outputs])
     )
     progress("searching spectral lines in time and travel")
-    found = find_spectral_lines(items)
-    machine = [x for x in found if not x.clock]
-    for x in found:
+    lines = find_spectral_lines(items)
+    machine = [x for x in lines if not x.clock]
+    for x in lines:
         progress(f"  {line_text(x)}{': ' + x.clock if x.clock else ''}")
     left_over = without_spectral_lines(items, machine, judged, own=not held)
     verdict = RecordVerdict(
         unknown=tuple(machine),
-        clocks=(*(x for x in found if x.clock), *clocks(items)),
+        clocks=(*(x for x in lines if x.clock), *clocks(items)),
         not_claimed=(*cannot, *(text for o in outputs for text in o.refused)),
         holdout=str((plan.holdout or plan.records)[0]),
         general=tuple(x for o in outputs for x in o.found),

@@ -176,12 +176,12 @@ def _reach(base: float, order: int, width: float) -> float:
 
 def _orders_of(base: float, wavenumbers: Sequence[float], widths: Sequence[float]) -> list[int]:
     """Return the order of every spectral line, 0 where it is none."""
-    found = []
+    orders = []
     for k, width in zip(wavenumbers, widths, strict=True):
         order = round(k / base)
         good = 1 <= order <= WITHOUT_LINE.highest_order
-        found.append(order if good and abs(k / base - order) < _reach(base, order, width) else 0)
-    return found
+        orders.append(order if good and abs(k / base - order) < _reach(base, order, width) else 0)
+    return orders
 
 
 def _chance(base: float, orders: Sequence[int], widths: Sequence[float]) -> float:
@@ -209,21 +209,21 @@ def as_orders(
             waves.append(at if kind == "travel" else where.other)
             widths.append(1.0 / min(e for e, p in zip(extents_m, where.present, strict=True) if p))
             which.append(k)
-    found = list(lines)
+    named = list(lines)
     while which:
         base, orders = family(waves, widths)
         if not any(orders):
             break
         for k, wave, order in zip(which, waves, orders, strict=True):
             if order:
-                found[k] = _named(found[k], wave, order, base)
+                named[k] = _named(named[k], wave, order, base)
         left = [j for j, order in enumerate(orders) if not order]
         waves, widths, which = (
             [waves[j] for j in left],
             [widths[j] for j in left],
             [which[j] for j in left],
         )
-    return found
+    return named
 
 
 def _named(

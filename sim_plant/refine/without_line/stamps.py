@@ -61,10 +61,10 @@ def on_declared_grid(record: Recording, sample_time_s: float) -> Stamped:
         f"{UNEVEN} by up to {off:.2g} s: put on the declared grid of {sample_time_s:.6g} s by "
         "straight lines, which take part of the noise near half the sample rate away"
     )
-    found = replace(
+    even = replace(
         record,
         sample_time_s=sample_time_s,
         columns={n: np.interp(grid, apart, values) for n, values in readings.items()},
         findings=tuple(said if t.startswith(UNEVEN) else t for t in record.findings),
     )
-    return Stamped(record=found, time_s=apart, readings=dict(readings))
+    return Stamped(record=even, time_s=apart, readings=dict(readings))

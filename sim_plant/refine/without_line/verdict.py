@@ -98,7 +98,7 @@ class RecordVerdict:
 
 
 def _line_row(spectral: SpectralLine) -> dict[str, Any]:
-    found: dict[str, Any] = {
+    row: dict[str, Any] = {
         "class": spectral.kind,
         "coordinate": spectral.where,
         "per_record": spectral.per_record,
@@ -106,19 +106,19 @@ def _line_row(spectral: SpectralLine) -> dict[str, Any]:
     }
     seen = spectral.seen
     if seen is not None:
-        found["seen_at"] = seen.scope
-        found["present"] = seen.present
-        found["speeds_m_s"] = seen.speeds_m_s
+        row["seen_at"] = seen.scope
+        row["present"] = seen.present
+        row["speeds_m_s"] = seen.speeds_m_s
         if seen.other:
-            found["or_else"] = (
+            row["or_else"] = (
                 {"wavenumber_1_m": seen.other}
                 if spectral.kind == "time"
                 else {"frequency_Hz": seen.other}
             )
         if seen.order:
-            found["order"] = seen.order
-            found["fundamental_1_m"] = seen.fundamental
-    return found
+            row["order"] = seen.order
+            row["fundamental_1_m"] = seen.fundamental
+    return row
 
 
 def _finding(x: Finding) -> dict[str, Any]:

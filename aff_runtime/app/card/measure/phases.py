@@ -40,7 +40,7 @@ def phases(window: Window) -> list[Phase]:
     code = np.where(on, 1, np.where(sent, 2, 0))
     edges = np.flatnonzero(np.diff(code)) + 1
     starts, ends = np.concatenate([[0], edges]), np.concatenate([edges, [code.size]])
-    found: list[Phase] = []
+    stretches: list[Phase] = []
     for start, end in zip(starts, ends, strict=True):
         last = min(int(end), time_s.size - 1)
         phase = Phase(
@@ -48,8 +48,8 @@ def phases(window: Window) -> list[Phase]:
         )
         if code[start] == 2 or phase.to_s - phase.from_s < SHORTEST_S:
             continue
-        if found and found[-1].on == phase.on:
-            phase = Phase(on=phase.on, from_s=found[-1].from_s, to_s=phase.to_s)
-            found.pop()
-        found.append(phase)
-    return found
+        if stretches and stretches[-1].on == phase.on:
+            phase = Phase(on=phase.on, from_s=stretches[-1].from_s, to_s=phase.to_s)
+            stretches.pop()
+        stretches.append(phase)
+    return stretches

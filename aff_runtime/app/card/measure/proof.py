@@ -53,15 +53,15 @@ def default_settle_s(site: Site) -> float:
     Three settle times of the slowest block; of a shape law twice its memory, at the largest
     radius and a third of the highest speed.
     """
-    found = []
+    times_s = []
     for actuator in site.actuators.values():
         if actuator.uses_shape and actuator.drive is not None:
             radius_m = site.rolls[actuator.drive.roll].largest_radius_m
             turn_s = math.tau * radius_m / (site.speed_max_m_s / 3.0)
-            found.append(SHAPE_MEMORIES * actuator.memory_turns * turn_s)
+            times_s.append(SHAPE_MEMORIES * actuator.memory_turns * turn_s)
         else:
-            found.extend(PLAIN_SETTLES * block.settle_s for block in actuator.blocks)
-    return max(found, default=0.0)
+            times_s.extend(PLAIN_SETTLES * block.settle_s for block in actuator.blocks)
+    return max(times_s, default=0.0)
 
 
 def abab(found: Sequence[Phase], settle_s: float) -> list[Phase]:
@@ -105,8 +105,8 @@ def corrected(site: Site) -> frozenset[Key]:
     )
 
 
-def _by_key(found: Comparison, wanted: frozenset[Key]) -> Mapping[Key, OrderRow]:
-    rows = {(row.signal, row.roll, row.order): row for row in found.rows}
+def _by_key(comparison: Comparison, wanted: frozenset[Key]) -> Mapping[Key, OrderRow]:
+    rows = {(row.signal, row.roll, row.order): row for row in comparison.rows}
     return {key: row for key, row in rows.items() if key in wanted}
 
 

@@ -81,7 +81,7 @@ def repeat_sigmas(first: Response, second: Response) -> float:
     of the first, s the standard error of each; 1 where the stated errors are right.
     """
     low, high = first.band_Hz
-    found = []
+    squares = []
     for point in second.points:
         if low <= point.frequency_Hz <= high:
             one, other = first.at(point.frequency_Hz), second.at(point.frequency_Hz)
@@ -89,8 +89,8 @@ def repeat_sigmas(first: Response, second: Response) -> float:
             error = math.hypot(
                 abs(one) * near.relative_error, abs(other) * point.relative_error, 1e-12
             )
-            found.append((abs(one - other) / error) ** 2)
-    return math.sqrt(sum(found) / len(found)) if found else NAN
+            squares.append((abs(one - other) / error) ** 2)
+    return math.sqrt(sum(squares) / len(squares)) if squares else NAN
 
 
 def _alike(first: float, last: float) -> bool:

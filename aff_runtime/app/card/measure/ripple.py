@@ -26,13 +26,13 @@ KIND, COLUMNS = "course", ("time_s", "amplitude")
 def measure(evidence: Evidence) -> Finding:
     """Return the reduction once the time is over, the course of it, and the response ratio."""
     window = evidence.window
-    found = phases(window)
-    pairs = [k for k in range(len(found) - 1) if not found[k].on and found[k + 1].on]
+    stretches = phases(window)
+    pairs = [k for k in range(len(stretches) - 1) if not stretches[k].on and stretches[k + 1].on]
     if not pairs:
         return Finding(
             figures=(), missing=("no arming in the window: begin it some turns before",)
         )
-    off, on = found[pairs[-1]], found[pairs[-1] + 1]
+    off, on = stretches[pairs[-1]], stretches[pairs[-1] + 1]
     waits_s = max(_wait_s(evidence, one, window) for one in evidence.site.actuators.values())
     if not on.to_s - on.from_s > waits_s + 1.0:
         return Finding(

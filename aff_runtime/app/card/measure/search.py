@@ -204,10 +204,10 @@ def _figures(actuator: Actuator, table: Sequence[Candidate], *, is_over: bool) -
 
 
 def _orders(actuator: Actuator) -> Mapping[str, list[int]]:
-    found: dict[str, list[int]] = {}
+    orders: dict[str, list[int]] = {}
     for block in actuator.blocks:
-        found.setdefault(block.roll, []).extend(block.orders)
-    return found
+        orders.setdefault(block.roll, []).extend(block.orders)
+    return orders
 
 
 def _ending(actuator: Actuator) -> str:

@@ -64,13 +64,13 @@ def _silent(figures: list[Figure]) -> Iterator[str]:
 
 def _frequency(window: Window, roll: str, angle: RollAngle) -> Figure:
     """Return how far the clearest peak of a roll lies from its order, in percent."""
-    found = [
+    peaks = [
         peak
         for _, values in tensions(window)
         for order in orders_of(window.site, roll)
         if (peak := peak_near(angle.angle_rad, values, angle.good, order)) is not None
     ]
-    best = max(found, key=lambda peak: peak[2], default=(NAN, NAN, 0.0))
+    best = max(peaks, key=lambda peak: peak[2], default=(NAN, NAN, 0.0))
     error, half = 100.0 * best[0], 100.0 * best[1]
     return Figure(
         name=f"{roll}: frequency of the spectrum's peak over that of the roll, less 1",
@@ -91,7 +91,7 @@ def peak_near(
 
     Its place over the order less 1, half of the resolution, and how many times the median it is.
     Equation: the readings over even steps of the roll's own angle, so that a changing radius
-    moves nothing, under a Hann window; |sum x e^{-j m theta}| for m around the order.
+    moves no peak, under a Hann window; |sum x e^{-j m theta}| for m around the order.
     """
     turns = float(angle_rad[-1] - angle_rad[0]) / math.tau
     if turns < FEWEST_TURNS or not bool(np.mean(np.asarray(good)) > 0.9):

@@ -113,15 +113,15 @@ def _cause_s(window: Window, at: int, trip: str) -> float:
 
 
 def _bump(evidence: Evidence, window: Window, cause_s: float) -> float:
-    found = []
+    bumps = []
     for actuator in evidence.site.actuators.values():
         values = window.readings(actuator.error.signal)
         if values is not None:
             since = window.time_s - cause_s
             before = values[(since >= -BEFORE_S) & (since < 0.0)]
             after = values[(since >= 0.0) & (since <= AFTER_S)]
-            found.append(bump_sigmas(before.tolist(), after.tolist()))
-    finite = [one for one in found if math.isfinite(one)]
+            bumps.append(bump_sigmas(before.tolist(), after.tolist()))
+    finite = [one for one in bumps if math.isfinite(one)]
     return max(finite, default=NAN)
 
 

@@ -31,9 +31,9 @@ def _shown(text: str) -> str:
     return escape(printable(text))
 
 
-def as_json(found: Comparison) -> dict[str, Any]:
+def as_json(comparison: Comparison) -> dict[str, Any]:
     """Return the comparison for programs, SI; what is not known is null."""
-    return {"version": VERSION, **dict(_plain(asdict(found)))}
+    return {"version": VERSION, **dict(_plain(asdict(comparison)))}
 
 
 def _plain(value: Any) -> Any:
@@ -46,15 +46,15 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def page(found: Comparison) -> str:
+def page(comparison: Comparison) -> str:
     """Return a self-contained HTML page."""
-    parts = [f"<h1>{_shown(found.line)}: before and after</h1>", _warnings(found.labels)]
-    parts += [_facts(found.windows), _differences(found.differences)]
+    parts = [f"<h1>{_shown(comparison.line)}: before and after</h1>", _warnings(comparison.labels)]
+    parts += [_facts(comparison.windows), _differences(comparison.differences)]
     parts += [
         f"<h2>{_shown(signal)}, orders of {_shown(roll)}</h2>{_chart(rows)}{_table(rows)}"
-        for (signal, roll), rows in _groups(found.rows).items()
+        for (signal, roll), rows in _groups(comparison.rows).items()
     ]
-    if not found.rows:
+    if not comparison.rows:
         parts.append("<p>No roll and tension is known in both windows.</p>")
     parts.append(
         "<p>Amplitudes are means over whole turns; intervals come from how turns differ, taken "
@@ -63,40 +63,40 @@ def page(found: Comparison) -> str:
     )
     body = "\n".join(part for part in parts if part)
     return (
-        f'<!doctype html><meta charset="utf-8"><title>{_shown(found.line)}: compare</title>'
+        f'<!doctype html><meta charset="utf-8"><title>{_shown(comparison.line)}: compare</title>'
         f"<style>{STYLE}</style>\n{body}\n"
     )
 
 
-def lines(found: Comparison) -> Iterator[str]:
+def lines(comparison: Comparison) -> Iterator[str]:
     """Yield the comparison for a terminal."""
-    for label in found.labels:
+    for label in comparison.labels:
         yield f"not comparable: {label}"
-    for which, window in zip(("before", "after"), found.windows, strict=True):
+    for which, window in zip(("before", "after"), comparison.windows, strict=True):
         for label in window.labels:
             yield f"{which}: {label}"
-    for row in found.rows:
+    for row in comparison.rows:
         yield (
             f"{row.signal} {row.roll} {row.order}x: {_size(row.before)} -> {_size(row.after)} N, "
             f"{change_text(row.change)}" + "".join(f" ({label})" for label in row.labels)
         )
-    for text in found.differences:
+    for text in comparison.differences:
         yield f"site file: {text}"
 
 
-def change_text(found: Change) -> str:
+def change_text(change: Change) -> str:
     """Return a change with its interval, or the bound that it is."""
-    if found.bound == "none":
+    if change.bound == "none":
         return "both in the noise"
-    if found.bound:
-        return f"{'<=' if found.bound == 'at_most' else '>='} {found.value_dB:+.1f} dB"
-    if math.isnan(found.low_dB):
-        return f"{found.value_dB:+.1f} dB"
-    return f"{found.value_dB:+.1f} dB ({found.low_dB:+.1f} to {found.high_dB:+.1f})"
+    if change.bound:
+        return f"{'<=' if change.bound == 'at_most' else '>='} {change.value_dB:+.1f} dB"
+    if math.isnan(change.low_dB):
+        return f"{change.value_dB:+.1f} dB"
+    return f"{change.value_dB:+.1f} dB ({change.low_dB:+.1f} to {change.high_dB:+.1f})"
 
 
-def _size(found: Estimate) -> str:
-    return f"{found.amplitude:.3g}"
+def _size(estimate: Estimate) -> str:
+    return f"{estimate.amplitude:.3g}"
 
 
 def _warnings(labels: Sequence[str]) -> str:
@@ -104,10 +104,10 @@ def _warnings(labels: Sequence[str]) -> str:
 
 
 def _groups(rows: Sequence[OrderRow]) -> dict[tuple[str, str], list[OrderRow]]:
-    found: dict[tuple[str, str], list[OrderRow]] = {}
+    groups: dict[tuple[str, str], list[OrderRow]] = {}
     for row in rows:
-        found.setdefault((row.signal, row.roll), []).append(row)
-    return found
+        groups.setdefault((row.signal, row.roll), []).append(row)
+    return groups
 
 
 def _table(rows: Sequence[OrderRow]) -> str:
@@ -132,11 +132,11 @@ def _row(row: OrderRow) -> str:
     return f'<tr>{told}<td class="odd">{_shown("; ".join(row.labels))}</td></tr>'
 
 
-def _change_cells(found: Change) -> tuple[str, str]:
-    if found.bound == "none":
+def _change_cells(change: Change) -> tuple[str, str]:
+    if change.bound == "none":
         return "in the noise", ""
-    sign = {"at_most": "\u2264 ", "at_least": "\u2265 "}.get(found.bound, "")
-    return f"{sign}{found.value_dB:+.1f}", _span(found.low_dB, found.high_dB)
+    sign = {"at_most": "\u2264 ", "at_least": "\u2265 "}.get(change.bound, "")
+    return f"{sign}{change.value_dB:+.1f}", _span(change.low_dB, change.high_dB)
 
 
 def _span(low: float, high: float) -> str:

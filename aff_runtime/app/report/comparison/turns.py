@@ -73,18 +73,18 @@ def order_per_turn(
     swing = (signal - mean[turn_number(starts, signal.size)]) * width
     once = np.exp(-1j * np.mod(angle_rad, math.tau))
     samples = np.diff(np.append(starts, signal.size)).astype(np.float64)
-    found = np.empty((int(usable.sum()), len(orders)), dtype=np.complex128)
+    amplitudes = np.empty((int(usable.sum()), len(orders)), dtype=np.complex128)
     for k, order in enumerate(orders):
         whole = np.add.reduceat(swing * once**order, starts)
-        found[:, k] = (2.0 * whole / covered)[usable]
-    return found, samples[usable]
+        amplitudes[:, k] = (2.0 * whole / covered)[usable]
+    return amplitudes, samples[usable]
 
 
 def turn_number(starts: NDArray[np.intp], size: int) -> NDArray[np.intp]:
     """Return for every sample the number of its turn, from where turns start."""
-    found = np.zeros(size, dtype=np.intp)
-    found[starts[1:]] = 1
-    return np.cumsum(found)
+    begins = np.zeros(size, dtype=np.intp)
+    begins[starts[1:]] = 1
+    return np.cumsum(begins)
 
 
 def estimate(per_turn: Complex, *, encoder: bool) -> Estimate:

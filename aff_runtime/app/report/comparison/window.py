@@ -85,9 +85,9 @@ def load_window(window: RunWindow) -> Window:
     AffError
         The folder is no run, or holds no rows there.
     """
-    found = window_of(read_table(window, keep=lambda name: "." not in name or name == PROBE))
-    found.labels.extend([*found.table.lost, *_odd(found)])
-    return found
+    loaded = window_of(read_table(window, keep=lambda name: "." not in name or name == PROBE))
+    loaded.labels.extend([*loaded.table.lost, *_odd(loaded)])
+    return loaded
 
 
 def window_of(table: RunTable) -> Window:
@@ -268,12 +268,12 @@ def _counted(window: Window, values: Array, radius_m: tuple[float, float]) -> Ro
 
 def orders_of(site: Section, roll: str) -> Sequence[int]:
     """Return the orders that any block of a site file has for ``roll``, 1 at least."""
-    found = {1}
+    orders = {1}
     for actuator in site.section("actuators").sections():
         for block in _listed(actuator.get("blocks")):
             if isinstance(block, dict) and block.get("roll") == roll:
-                found |= {n for n in _listed(block.get("orders")) if isinstance(n, int) and n > 0}
-    return sorted(n for n in found if n <= 64)
+                orders |= {n for n in _listed(block.get("orders")) if isinstance(n, int) and n > 0}
+    return sorted(n for n in orders if n <= 64)
 
 
 def _listed(given: object) -> list[Any]:

@@ -56,7 +56,7 @@ CATALOGUE: tuple[Metric, ...] = (
     ),
     Metric("aff_order_remaining_ratio", GAUGE, _ORDER, "ripple now over without; dB = 20 log10"),
     Metric("aff_order_share_ratio", GAUGE, _ORDER, "share of an order that the law lets out"),
-    Metric("aff_order_loop_gain_ratio", GAUGE, _ORDER, "true response over the measured one"),
+    Metric("aff_order_response_ratio", GAUGE, _ORDER, "true response over the measured one"),
     Metric("aff_order_resting", GAUGE, (*_ORDER, "why"), "1 for an order that is held or rests"),
     Metric("aff_roll_deviation_meters", GAUGE, _ORDER, "how far a roll is from round"),
     Metric(

@@ -53,15 +53,15 @@ class _Collected:
         for sample in self._samples:
             by_name[sample.metric].append(sample)
         for metric in CATALOGUE:
-            found = by_name.get(metric.name, [])
-            if found and metric.kind == INFO:
+            samples = by_name.get(metric.name, [])
+            if samples and metric.kind == INFO:
                 info = InfoMetricFamily(metric.name.removesuffix("_info"), metric.text)
-                for sample in found:
+                for sample in samples:
                     info.add_metric([], dict(zip(metric.labels, sample.labels, strict=True)))
                 yield info
-            elif found:
+            elif samples:
                 kind = CounterMetricFamily if metric.kind == COUNTER else GaugeMetricFamily
                 family = kind(metric.name, metric.text, labels=metric.labels)
-                for sample in found:
+                for sample in samples:
                     family.add_metric(sample.labels, sample.value)
                 yield family

@@ -173,7 +173,7 @@ def _order(
     yield Sample("aff_order_remaining_ratio", of, now / before if before > 0.0 else math.nan)
     if order.law == SHAPE:
         yield Sample("aff_order_share_ratio", of, order.share)
-        yield Sample("aff_order_loop_gain_ratio", of, order.response_ratio)
+        yield Sample("aff_order_response_ratio", of, order.response_ratio)
     if order.state in RESTING:
         yield Sample("aff_order_resting", (*of, RESTING[order.state]), 1.0)
 

@@ -115,15 +115,15 @@ def _finding(readings: Readings) -> Finding:
     per_km = slope(readings.travelled_km, readings.size, readings.error)
     per_day = slope(readings.days, readings.size, readings.error)
     stands_out = all(line is not None and line.stands_out for line in (per_km, per_day))
-    found = Finding(
+    finding = Finding(
         readings=readings,
         per_km=per_km,
         per_day=per_day,
         jump=jump(readings.days, readings.size, readings.error),
         weeks=None,
     )
-    if not stands_out or found.jump is not None or per_day is None:
-        return found
+    if not stands_out or finding.jump is not None or per_day is None:
+        return finding
     return Finding(
         readings=readings,
         per_km=per_km,

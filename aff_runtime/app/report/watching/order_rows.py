@@ -51,11 +51,13 @@ def order_rows(window: Window, hour: HourRow) -> Iterator[OrderRow]:
             continue
         orders = orders_of(window.site, roll)
         for signal, values in signals.items():
-            for order, (found, frequency_Hz) in estimates(angle, values, window, orders).items():
+            for order, (estimate, frequency_Hz) in estimates(
+                angle, values, window, orders
+            ).items():
                 rows += 1
                 if rows > MOST_ROWS:
                     return
-                if found.turns < FEWEST_TURNS:
+                if estimate.turns < FEWEST_TURNS:
                     continue
                 learned = _learned(window, signal, (roll, order), frequency_Hz)
                 yield OrderRow(
@@ -71,10 +73,10 @@ def order_rows(window: Window, hour: HourRow) -> Iterator[OrderRow]:
                     speed_m_s=hour.speed_m_s,
                     radius_m=float(np.mean(angle.radius_m)),
                     frequency_Hz=frequency_Hz,
-                    turns=found.turns,
-                    ripple_N=found.amplitude,
-                    ripple_error_N=(found.high - found.amplitude) / TWO_SIDED,
-                    floor_N=found.floor,
+                    turns=estimate.turns,
+                    ripple_N=estimate.amplitude,
+                    ripple_error_N=(estimate.high - estimate.amplitude) / TWO_SIDED,
+                    floor_N=estimate.floor,
                     noise_N=_noise(values),
                     shape_m=learned.shape_m[0],
                     shape_error_m=learned.shape_m[1],

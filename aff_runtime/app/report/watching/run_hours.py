@@ -105,9 +105,9 @@ class RunHours:
         best: Window | None = None
         for place in PLACES:
             from_s = one.from_s + place * max(0.0, one.covered_s - READ_S)
-            found = self._stretch(from_s, min(from_s + READ_S, one.to_s + 1e-6))
-            if found is not None and (best is None or _seconds(found) > _seconds(best)):
-                best = found
+            stretch = self._stretch(from_s, min(from_s + READ_S, one.to_s + 1e-6))
+            if stretch is not None and (best is None or _seconds(stretch) > _seconds(best)):
+                best = stretch
             if (best is not None and _seconds(best) >= ENOUGH_S) or one.covered_s <= READ_S:
                 break
         return self._read(one, best)
@@ -194,12 +194,12 @@ def _unmapped(site: Section, row: FirstRow) -> Iterator[str]:
 
 def _rising(rows: tuple[FirstRow, ...]) -> list[FirstRow]:
     """Return the segments whose time goes on; where a clock goes back it does not."""
-    found: list[FirstRow] = []
+    rising: list[FirstRow] = []
     for row in rows:
         time_s = row.values["time_s"]
-        if 0.0 <= time_s < LONGEST_RUN_S and (not found or time_s > found[-1].values["time_s"]):
-            found.append(row)
-    return found
+        if 0.0 <= time_s < LONGEST_RUN_S and (not rising or time_s > rising[-1].values["time_s"]):
+            rising.append(row)
+    return rising
 
 
 def _segment_s(about: Section) -> float:

@@ -18,18 +18,18 @@ PER_KM = 1000.0
 A_LONG_TIME_WEEKS = 520.0
 
 
-def notes(found: Sequence[Finding]) -> Iterator[str]:
+def notes(findings: Sequence[Finding]) -> Iterator[str]:
     """Yield what somebody should know: a trend beyond 4 sigma, and a jump that may be a change."""
-    for one in found:
+    for one in findings:
         if one.jump is not None:
             yield _jumped(one)
         elif one.stands_out:
             yield _grows(one)
 
 
-def table(found: Sequence[Finding]) -> Iterator[str]:
+def table(findings: Sequence[Finding]) -> Iterator[str]:
     """Yield one line per quantity that has been read at all."""
-    for one in found:
+    for one in findings:
         readings = one.readings
         count = readings.size.size
         left = f"; {readings.left_out} hours at another speed" if readings.left_out else ""
@@ -87,9 +87,9 @@ class Said:
     jump_on: str | None
 
 
-def as_json(line: str, found: Sequence[Finding]) -> str:
+def as_json(line: str, findings: Sequence[Finding]) -> str:
     """Return findings for programs, SI; what is not known is null."""
-    said = {"version": 1, "line": line, "findings": [asdict(_said(one)) for one in found]}
+    said = {"version": 1, "line": line, "findings": [asdict(_said(one)) for one in findings]}
     return json.dumps(said, allow_nan=False)
 
 

@@ -66,13 +66,13 @@ def _disturbed(table: RunTable) -> Array:
     """Return per row whether a splice, the probe or a limit is in it."""
     columns = table.columns
     nothing = np.zeros(columns["time_s"].shape)
-    found: Flags = nothing > 0.0
+    disturbed: Flags = nothing > 0.0
     words = (("status", Status.SPLICE_ACTIVE), ("state_bits", StateBits.SATURATED))
     for name, bit in words:
         word = np.clip(np.nan_to_num(columns.get(name, nothing)), 0.0, 2.0**32).astype(np.int64)
-        found |= (word & int(bit)) != 0
-    found |= columns.get(PROBE, nothing) == EXCITING
-    return found.astype(np.float64)
+        disturbed |= (word & int(bit)) != 0
+    disturbed |= columns.get(PROBE, nothing) == EXCITING
+    return disturbed.astype(np.float64)
 
 
 def _longest(good: Flags, speed: Array, going: Flags) -> tuple[int, int]:

@@ -147,9 +147,9 @@ def _correlation(residual: Array) -> float:
     squares = float(np.sum(residual**2))
     if not squares > 0.0:
         return 0.0
-    found = float(np.sum(residual[1:] * residual[:-1])) / squares
-    found += (2.0 + 4.0 * max(0.0, found)) / residual.size
-    return min(max(0.0, found), MOST_CORRELATED)
+    correlation = float(np.sum(residual[1:] * residual[:-1])) / squares
+    correlation += (2.0 + 4.0 * max(0.0, correlation)) / residual.size
+    return min(max(0.0, correlation), MOST_CORRELATED)
 
 
 def jump(place: Array, size: Array, error: Array) -> Jump | None:

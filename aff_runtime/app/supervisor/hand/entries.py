@@ -12,10 +12,16 @@ from aff_runtime.base.signals import State
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Now:
-    """How the service stands; ``state`` None without a tick.
+    """How the service stands.
 
-    ``bypassed_ns`` : when anybody last took the correction back, by the monotonic clock.
-    ``remote`` : the line is in remote.
+    Attributes
+    ----------
+    state : of the guard; None without a tick.
+    blocked : the guard's first reason against an armed output, empty for none.
+    tick, config : number of the tick that this was read from, and the revision in force.
+    bypassed_ns : when anybody last took the correction back, by the monotonic clock.
+    probing : a probe is under way.
+    remote : the line is in remote.
     """
 
     state: State | None

@@ -240,19 +240,19 @@ class SettingsDesk:
 
     def _was_saved(self, tried: SettingsTry) -> bool:
         """Take note that the file says what is tried, as announced; then it is kept."""
-        found = self._record.announced
-        if found is None or not tried.runs or not self._edits.saved_meanwhile:
+        announced = self._record.announced
+        if announced is None or not tried.runs or not self._edits.saved_meanwhile:
             return False
-        if found.until_ns <= self._clock.now_ns():
+        if announced.until_ns <= self._clock.now_ns():
             return False
         parameters = tried.plan.parameters
         if (
-            found.sha256 != digest(parameters.site_text)
+            announced.sha256 != digest(parameters.site_text)
             or self._file_text() != parameters.site_text
         ):
             return False
         tried.kept()
-        self._record.see(parameters, found.verb)
+        self._record.see(parameters, announced.verb)
         return True
 
     def _ended(self, why: str) -> None:

@@ -84,10 +84,10 @@ class SiteHistory:
     def text(self, version: Version) -> str:
         """Return the text of a version; empty when it cannot be read, or is not what ran."""
         try:
-            found = read_plain(self._text_file(version.sha256), LONGEST_BYTES).decode("utf-8")
+            content = read_plain(self._text_file(version.sha256), LONGEST_BYTES).decode("utf-8")
         except (OSError, ValueError):
             return ""
-        return found if digest(found) == version.sha256 else ""
+        return content if digest(content) == version.sha256 else ""
 
     def _write(self, sha256: str, text: str) -> None:
         self._folder.mkdir(parents=True, exist_ok=True, mode=0o750)
@@ -108,10 +108,10 @@ class SiteHistory:
         except (OSError, ValueError) as error:
             LOG.warning("the settings' history begins anew (%s: %s)", self._folder / ROWS, error)
             return []
-        found = []
+        versions = []
         for line in text.splitlines()[-MOST:]:
             try:
-                found.append(Version.from_json(json.loads(line)))
+                versions.append(Version.from_json(json.loads(line)))
             except (ValueError, KeyError, TypeError, AttributeError):
                 LOG.warning("%s: a row cannot be read and is left out", self._folder / ROWS)
-        return sorted(found, key=lambda row: row.number)
+        return sorted(versions, key=lambda row: row.number)

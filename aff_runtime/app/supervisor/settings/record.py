@@ -68,10 +68,14 @@ class SettingsRecord:
         announcement. Any other gets ``verb`` and the owner of the site file, without a reason; one
         that says what the last version says is no new version.
         """
-        found, self.announced = self.announced, None
+        announced, self.announced = self.announced, None
         sha256 = digest(record.site_text)
-        if found is not None and found.sha256 == sha256 and found.until_ns > self._clock.now_ns():
-            self.say(found.verb, record, found.who, found.why)
+        if (
+            announced is not None
+            and announced.sha256 == sha256
+            and announced.until_ns > self._clock.now_ns()
+        ):
+            self.say(announced.verb, record, announced.who, announced.why)
             return
         last = self.versions[-1:]
         if not last or last[0].sha256 != sha256:

@@ -58,11 +58,11 @@ class RippleRise:
         """Take what was heard until now as what ripple was before."""
         for name, blocks in self._blocks.items():
             end_s = blocks[-1].start_s + BLOCK_S if blocks else 0.0
-            found = [
+            ripples = [
                 self._ripple(name, end_s - (k + 1) * NOW_S, end_s - k * NOW_S)
                 for k in range(round(BEFORE_S / NOW_S))
             ]
-            known = [ripple for ripple in found if math.isfinite(ripple)]
+            known = [ripple for ripple in ripples if math.isfinite(ripple)]
             if known:
                 self._before[name] = max(known)
             blocks.clear()

@@ -21,31 +21,31 @@ SHARES = (0.1, 0.3, 0.8, 1.6)
 
 def change(_view: View, chosen: Chosen, values: Array) -> Array:
     """Return the play operator: what follows ``values`` at no more than half the play."""
-    found: Array = np.empty(values.size)
-    _play(np.asarray(values, dtype=np.float64), 0.5 * abs(chosen.numbers[0]), found)
-    return found
+    followed: Array = np.empty(values.size)
+    _play(np.asarray(values, dtype=np.float64), 0.5 * abs(chosen.numbers[0]), followed)
+    return followed
 
 
 @compiled
-def _play(values: Array, half: float, found: Array) -> None:
-    """Write into ``found`` what follows ``values`` at no more than ``half``."""
+def _play(values: Array, half: float, followed: Array) -> None:
+    """Write into ``followed`` what follows ``values`` at no more than ``half``."""
     at = values[0]
     for k in range(values.size):
         at = min(max(at, values[k] - half), values[k] + half)
-        found[k] = at
+        followed[k] = at
 
 
 def starts(views: Sequence[View]) -> list[Chosen]:
     """Return plays by their share of the input's standard deviation."""
-    found = []
+    choices = []
     for name in views[0].inputs:
         spread = float(np.std(pooled(views, name)))
         if spread > 0.0:
-            found += [
+            choices += [
                 Chosen(effect=EFFECT.name, place=name, numbers=(share * spread,))
                 for share in SHARES
             ]
-    return found
+    return choices
 
 
 EFFECT = GeneralEffect(

@@ -26,13 +26,13 @@ def change(_view: View, chosen: Chosen, values: Array) -> Array:
 
 def starts(views: Sequence[View]) -> list[Chosen]:
     """Return widths by the share of the readings that they hold."""
-    found = []
+    choices = []
     for name in views[0].inputs:
         values = pooled(views, name)
         if values.min() < 0.0 < values.max():
             for width in np.quantile(np.abs(values), SHARES):
-                found.append(Chosen(effect=EFFECT.name, place=name, numbers=(float(width),)))
-    return found
+                choices.append(Chosen(effect=EFFECT.name, place=name, numbers=(float(width),)))
+    return choices
 
 
 EFFECT = GeneralEffect(

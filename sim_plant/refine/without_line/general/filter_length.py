@@ -16,9 +16,9 @@ def reaches(taps: int) -> list[tuple[str, int, int]]:
     taps : of the declaration, which no filter exceeds: all are judged on the same samples.
     """
     halves = sorted({min(half, taps) for half in (1, 2, 4, 10, PLAIN_HALF, taps)})
-    found = [(f"{2 * half + 1} taps, centred", half, half) for half in halves]
-    found += [(f"{back + 1} taps, causal", 0, back) for back in halves if back > 2]
-    return found
+    filters = [(f"{2 * half + 1} taps, centred", half, half) for half in halves]
+    filters += [(f"{back + 1} taps, causal", 0, back) for back in halves if back > 2]
+    return filters
 
 
 EFFECT = GeneralEffect(

@@ -87,13 +87,13 @@ def delays_of(trial: Trial, views: Sequence[View]) -> dict[str, tuple[float, flo
     ----------
     trial : a gain and a delay alone.
     """
-    found = _estimates(trial, views)
+    estimates = _estimates(trial, views)
     step_s = views[0].step_s
     said = {}
     for name, value, deviation in zip(
-        views[0].inputs, found.numbers, found.number_sd, strict=False
+        views[0].inputs, estimates.numbers, estimates.number_sd, strict=False
     ):
-        low, high = _between(float(value), float(deviation), found.blocks)
+        low, high = _between(float(value), float(deviation), estimates.blocks)
         said[name] = (float(value) * step_s, low * step_s, high * step_s)
     return said
 
@@ -130,18 +130,18 @@ def findings(
     output, fitted, held = names
     best = search.best
     estimates = _estimates(best, views)
-    found = [
+    claims = [
         _finding(best, estimates, views, (name, place), output)
         for name, place in effects_in(best.model)
         if name != SHIFT
     ]
-    found = [
+    claims = [
         replace(
             x, before_rms=_without_it(best, x, views, view, judged), after_rms=judged.chosen_rms
         )
-        for x in found
+        for x in claims
     ]
-    return [*_shift(best, estimates, judged, views, view, (output, fitted, held)), *found]
+    return [*_shift(best, estimates, judged, views, view, (output, fitted, held)), *claims]
 
 
 def _without_it(

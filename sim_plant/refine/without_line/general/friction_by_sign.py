@@ -22,15 +22,15 @@ def columns(view: View, chosen: Chosen) -> Array:
 
 def starts(views: Sequence[View]) -> list[Chosen]:
     """Return every state that has both signs."""
-    found = []
+    choices = []
     for name in views[0].states():
         state = np.concatenate([v.states()[name] for v in views])
         positive = float(np.mean(state > 0.0))
         least = GENERAL.least_side_share
         if least < positive < 1.0 - least and np.mean(state < 0.0) > least:
             soft = GENERAL.soft_sign_share * float(np.sqrt(np.mean(state**2)))
-            found.append(Chosen(effect=EFFECT.name, place=name, constants=(soft,)))
-    return found
+            choices.append(Chosen(effect=EFFECT.name, place=name, constants=(soft,)))
+    return choices
 
 
 EFFECT = GeneralEffect(

@@ -11,7 +11,7 @@ from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, 
 
 
 def columns(view: View, chosen: Chosen) -> Array:
-    """Return s |s| of a state and s itself, where no filter holds it (samples, 1 or 2)."""
+    """Return s |s| of a state s, and s itself where the filter lacks it (samples, 1 or 2)."""
     state = view.states()[chosen.place]
     square = state * np.abs(state)
     return np.stack([square, state] if view.rates else [square], axis=1)

@@ -26,12 +26,12 @@ def change(_view: View, chosen: Chosen, values: Array) -> Array:
 
 def starts(views: Sequence[View]) -> list[Chosen]:
     """Return limits by the share of the readings that they let pass."""
-    found = []
+    choices = []
     for name in views[0].inputs:
         for limit in np.quantile(np.abs(pooled(views, name)), SHARES):
             if limit > 0.0:
-                found.append(Chosen(effect=EFFECT.name, place=name, numbers=(float(limit),)))
-    return found
+                choices.append(Chosen(effect=EFFECT.name, place=name, numbers=(float(limit),)))
+    return choices
 
 
 EFFECT = GeneralEffect(

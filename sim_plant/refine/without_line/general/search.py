@@ -104,7 +104,7 @@ def _delays(views: Sequence[View]) -> tuple[float, ...]:
     """Return the delay of every input by its strongest correlation with what is left, samples."""
     reach = views[0].margin
     left = [view.judged - view.judged.mean() for view in views]
-    found: list[float] = []
+    delays: list[float] = []
     for name in views[0].inputs:
         best = (0.0, 0, 0.0)
         series = [v.rate_of(name) if v.rates else v.inputs[name] for v in views]
@@ -120,8 +120,8 @@ def _delays(views: Sequence[View]) -> tuple[float, ...]:
         _, at, gain = best
         for k, (x, v) in enumerate(zip(series, views, strict=True)):
             left[k] = left[k] - gain * (x[v.margin - at : x.size - v.margin - at] - x.mean())
-        found.append(float(at))
-    return tuple(found)
+        delays.append(float(at))
+    return tuple(delays)
 
 
 def strongest_lag(view: View, explained: Array, mask: NDArray[np.bool_] | None = None) -> float:
@@ -157,14 +157,14 @@ def _candidates(model: Model, views: Sequence[View]) -> list[tuple[str, str, lis
     Where no zero of the inputs is left, what has one (a sign, a band, a limit) is not tried: two
     levels that were mixed into other columns would pass for it.
     """
-    found: list[tuple[str, str, list[Model]]] = []
+    candidates: list[tuple[str, str, list[Model]]] = []
     for effect in CATALOGUE:
         if effect.stage == "shift" and _shiftable(model, views):
             starts = [replace(model, shifts=(0.0,) * len(views))]
             starts.append(replace(model, shifts=_shifts(model, views)))
-            found.append((effect.name, effect.text, starts))
+            candidates.append((effect.name, effect.text, starts))
         elif effect.stage == "own" and not model.own:
-            found.append((effect.name, effect.text, [replace(model, own=True)]))
+            candidates.append((effect.name, effect.text, [replace(model, own=True)]))
         elif effect.stage in ("raw", "driven", "term") and not views[0].standardised:
             here = {(x.effect, x.place) for x in model.effects}
             places: dict[str, list[Model]] = {}
@@ -172,22 +172,22 @@ def _candidates(model: Model, views: Sequence[View]) -> list[tuple[str, str, lis
                 if (chosen.effect, chosen.place) not in here:
                     places.setdefault(chosen.place, []).append(_with(model, chosen))
             for place, models in places.items():
-                found.append((effect.name, f"{effect.text} ({place})", models))
-    return found
+                candidates.append((effect.name, f"{effect.text} ({place})", models))
+    return candidates
 
 
 def _filters(views: Sequence[View]) -> list[Trial]:
     """Return every filter length, the shortest first; a constant first."""
     constant = Model(ahead=0, back=-1)
-    found = [trial_of("filter_length", CONSTANT, constant, fit(constant, views))]
+    trials = [trial_of("filter_length", CONSTANT, constant, fit(constant, views))]
     if not views[0].inputs:
-        return found
+        return trials
     gain = Model(ahead=0, back=0, delays=_delays(views))
-    found.append(trial_of("filter_length", GAIN_ALONE, *refined(gain, views)))
+    trials.append(trial_of("filter_length", GAIN_ALONE, *refined(gain, views)))
     for name, ahead, back in reaches(views[0].margin):
         model = Model(ahead=ahead, back=back)
-        found.append(trial_of("filter_length", name, model, fit(model, views)))
-    return sorted(found, key=lambda trial: trial.weights.size)
+        trials.append(trial_of("filter_length", name, model, fit(model, views)))
+    return sorted(trials, key=lambda trial: trial.weights.size)
 
 
 def _shortest(trials: Sequence[Trial], records: int) -> Trial:
@@ -205,13 +205,13 @@ def _lengthened(best: Trial, views: Sequence[View]) -> Trial:
 
     Otherwise the next effect would take the place of taps that are missing.
     """
-    found = [best]
+    trials = [best]
     for _, ahead, back in reaches(views[0].margin):
         if best.model.back < 0 or ahead + back <= best.model.ahead + best.model.back:
             continue
         longer = replace(best.model, ahead=ahead, back=back, delays=())
-        found.append(trial_of(best.effect, best.what, *refined(longer, views)))
-    return _shortest(sorted(found, key=lambda trial: trial.weights.size), len(views))
+        trials.append(trial_of(best.effect, best.what, *refined(longer, views)))
+    return _shortest(sorted(trials, key=lambda trial: trial.weights.size), len(views))
 
 
 def _grown(best: Trial, views: Sequence[View]) -> tuple[Trial, list[Trial]]:
@@ -236,9 +236,9 @@ def without(model: Model, name: str, place: str) -> Model:
 
 def effects_in(model: Model) -> list[tuple[str, str]]:
     """Return name and place of every effect of a model."""
-    found = [("channel_shift", "output")] if model.shifts else []
-    found += [("offset_drift", "output")] if model.own else []
-    return [*found, *((x.effect, x.place) for x in model.effects)]
+    places = [("channel_shift", "output")] if model.shifts else []
+    places += [("offset_drift", "output")] if model.own else []
+    return [*places, *((x.effect, x.place) for x in model.effects)]
 
 
 def _pruned(best: Trial, views: Sequence[View]) -> Trial:
@@ -253,7 +253,7 @@ def _pruned(best: Trial, views: Sequence[View]) -> Trial:
 def _past(best: Trial, views: Sequence[View]) -> list[Trial]:
     """Return the error one step ahead with past outputs of every order."""
     effect = BY_NAME["past_outputs"]
-    found = []
+    trials = []
     for chosen in effect.starts(views):
         order = int(chosen.constants[0])
         base = best.model
@@ -261,8 +261,8 @@ def _past(best: Trial, views: Sequence[View]) -> list[Trial]:
             base = replace(base, back=min(views[0].margin, base.back + order))
         model = _with(base, chosen)
         what = f"one step ahead with {order} past outputs (ARX)"
-        found.append(trial_of(effect.name, what, model, fit(model, views)))
-    return found
+        trials.append(trial_of(effect.name, what, model, fit(model, views)))
+    return trials
 
 
 def search(views: Sequence[View], progress: Progress) -> Search:

@@ -36,7 +36,7 @@ def change(view: View, chosen: Chosen, values: Array) -> Array:
 def starts(views: Sequence[View]) -> list[Chosen]:
     """Return every input with the speed, or with every input where there is none."""
     states = [SPEED] if views[0].speed_m_s is not None else list(views[0].inputs)
-    found = []
+    choices = []
     for state in states:
         values = np.concatenate([state_of(v, state) for v in views])
         spread = float(np.std(values))
@@ -44,7 +44,7 @@ def starts(views: Sequence[View]) -> list[Chosen]:
             continue
         constants = (float(np.mean(values)), float(values.min()), float(values.max()))
         for name in views[0].inputs:
-            found += [
+            choices += [
                 Chosen(
                     effect=EFFECT.name,
                     place=f"{name}{BY}{state}",
@@ -53,7 +53,7 @@ def starts(views: Sequence[View]) -> list[Chosen]:
                 )
                 for share in SHARES
             ]
-    return found
+    return choices
 
 
 EFFECT = GeneralEffect(

@@ -26,14 +26,14 @@ def change(_view: View, chosen: Chosen, values: Array) -> Array:
 
 def starts(views: Sequence[View]) -> list[Chosen]:
     """Return sizes at which the curve bends by a tenth to a third at the input's rms."""
-    found = []
+    choices = []
     for name in views[0].inputs:
         size = float(np.sqrt(np.mean(pooled(views, name) ** 2)))
         if size > 0.0:
             for share in SHARES:
                 for numbers in ((share / size, 0.0), (0.0, share / size**2)):
-                    found.append(Chosen(effect=EFFECT.name, place=name, numbers=numbers))
-    return found
+                    choices.append(Chosen(effect=EFFECT.name, place=name, numbers=numbers))
+    return choices
 
 
 EFFECT = GeneralEffect(

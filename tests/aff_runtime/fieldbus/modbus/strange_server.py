@@ -31,8 +31,10 @@ class StrangeServer:
         raise NotImplementedError
 
     def port_of(self, transport: Any) -> int:
-        """Return where the server listens."""
-        return int(transport.get_extra_info("sockname")[1])
+        """Return where the server listens, over UDP or over TCP."""
+        sockets = getattr(transport, "sockets", None)
+        name = sockets[0].getsockname() if sockets else transport.get_extra_info("sockname")
+        return int(name[1])
 
     async def _run(self) -> None:
         data = SimData(address=0, values=self._values, datatype=DataType.REGISTERS)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from functools import partial
-from typing import Any
 
 import pytest
 from pymodbus.server import ModbusTcpServer
@@ -45,9 +44,6 @@ class Peer(StrangeServer):
         else:
             current[address - start : address - start + 99] = self.registers[:99]
             self.registers[0] = (self.registers[0] + 1) & 0xFFFF
-
-    def port_of(self, transport: Any) -> int:
-        return int(transport.sockets[0].getsockname()[1])
 
 
 @pytest.mark.parametrize("function", [WireFunction.FC23, WireFunction.FC3_FC16])

@@ -9,31 +9,29 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
 from pymodbus.framer import FramerRTU, FramerType
 from pymodbus.server import ModbusTcpServer
 
-from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.signals import Outcome, State
-from aff_runtime.fieldbus.modbus.connections import modbus
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.rtu_tcp_wire import RtuTcpWire
 from aff_runtime.fieldbus.modbus.transport import ModbusTransport
 from tests.aff_runtime.app.fake_plc import Plc
-from tests.aff_runtime.fieldbus.euclid_map import euclid_map
-from tests.aff_runtime.fieldbus.modbus.strange_server import StrangeServer
+from tests.aff_runtime.fieldbus.modbus.wire_client import (
+    READ_COUNT,
+    SHORT_NS,
+    WORDS,
+    KeepingServer,
+    ask,
+    client,
+)
 from tests.aff_runtime.fieldbus.modbus_bytes import register_reply
 from tests.aff_runtime.fieldbus.runtime_at_work import ZERO_TICKS, Runtime, framed, site_on
 
 pytestmark = pytest.mark.wire
-
-READ_COUNT = 15
-GENEROUS_NS = 2_000_000_000  # for replies that must come, on a busy machine
-SHORT_NS = 15_000_000  # for replies that must not
-WORDS = [7] * 10
 
 Spoil = Callable[[bytes], Sequence[bytes]]
 
@@ -114,20 +112,6 @@ def steady(request: bytes) -> bytes:
     return register_reply(request, [5] * READ_COUNT)
 
 
-def client(port: int, function: WireFunction = WireFunction.FC23) -> ModbusTransport:
-    return modbus(
-        RtuTcpWire("127.0.0.1", port),
-        device_id=1,
-        register_map=euclid_map(),
-        clock=MonotonicClock(),
-        function=function,
-    )
-
-
-def ask(transport: ModbusTransport, wait_ns: int = GENEROUS_NS) -> tuple[Outcome, list[int]]:
-    return transport.transact(WORDS, MonotonicClock().now_ns() + wait_ns)
-
-
 def ask_until(transport: ModbusTransport, wanted: Outcome) -> None:
     until = time.monotonic() + 10.0
     while ask(transport)[0] is not wanted:
@@ -138,7 +122,7 @@ def ask_until(transport: ModbusTransport, wanted: Outcome) -> None:
 @contextlib.contextmanager
 def heard(server: DeviceServer) -> Iterator[ModbusTransport]:
     """Give a client that was answered once."""
-    transport = client(server.port)
+    transport = client(RtuTcpWire("127.0.0.1", server.port))
     ask_until(transport, Outcome.OK)
     yield transport
     transport.close()
@@ -202,7 +186,7 @@ def test_what_comes_unasked_before_a_request_is_thrown_away() -> None:
 def test_a_port_on_which_nobody_listens_is_named() -> None:
     with DeviceServer(steady) as server:
         port = server.port
-    transport = client(port)
+    transport = client(RtuTcpWire("127.0.0.1", port))
     assert {ask(transport, SHORT_NS)[0] for _ in range(3)} == {Outcome.NOT_CONNECTED}
     assert transport.trouble == f"127.0.0.1:{port}: Connection refused"
     transport.close()
@@ -233,26 +217,11 @@ def test_a_server_that_never_stops_talking_is_left() -> None:
 # --- another program ----------------------------------------------------------------------------
 
 
-class Peer(StrangeServer):
-    """A server with serial frames on TCP, of pymodbus; whatever was written stays."""
-
-    def __init__(self) -> None:
-        make = partial(ModbusTcpServer, framer=FramerType.RTU, address=("127.0.0.1", 0))
-        super().__init__(make, list(range(200)))
-        self.writes: list[list[int]] = []
-
-    def port_of(self, transport: Any) -> int:
-        return int(transport.sockets[0].getsockname()[1])
-
-    async def act(self, *said: Any) -> None:
-        if isinstance(said[-1], list):
-            self.writes.append([int(word) for word in said[-1]])
-
-
 @pytest.mark.parametrize("function", [WireFunction.FC23, WireFunction.FC3_FC16])
 def test_a_strange_server_understands_us_and_we_it(function: WireFunction) -> None:
-    with Peer() as peer:
-        transport = client(peer.port, function)
+    make = partial(ModbusTcpServer, framer=FramerType.RTU, address=("127.0.0.1", 0))
+    with KeepingServer(make) as peer:
+        transport = client(RtuTcpWire("127.0.0.1", peer.port), function)
         ask_until(transport, Outcome.OK)
         seen = [ask(transport) for _ in range(3)]
         transport.close()

@@ -9,30 +9,28 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
 from pymodbus.server import ModbusUdpServer
 
-from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.signals import Outcome, State
-from aff_runtime.fieldbus.modbus.connections import modbus
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.transport import ModbusTransport
 from aff_runtime.fieldbus.modbus.udp_wire import UdpWire
 from tests.aff_runtime.app.fake_plc import Plc
-from tests.aff_runtime.fieldbus.euclid_map import euclid_map
-from tests.aff_runtime.fieldbus.modbus.strange_server import StrangeServer
+from tests.aff_runtime.fieldbus.modbus.wire_client import (
+    READ_COUNT,
+    SHORT_NS,
+    WORDS,
+    KeepingServer,
+    ask,
+    client,
+)
 from tests.aff_runtime.fieldbus.modbus_bytes import function_of, register_reply, tid_of
 from tests.aff_runtime.fieldbus.runtime_at_work import ZERO_TICKS, Runtime, framed, site_on
 
 pytestmark = pytest.mark.wire
-
-READ_COUNT = 15
-GENEROUS_NS = 2_000_000_000  # for replies that must come, on a busy machine
-SHORT_NS = 15_000_000  # for replies that must not
-WORDS = [7] * 10
 
 Spoil = Callable[[bytes, bytes], Sequence[bytes]]
 
@@ -86,24 +84,10 @@ def naming(request: bytes) -> bytes:
     return register_reply(request, [tid_of(request)] * READ_COUNT)
 
 
-def client(port: int, function: WireFunction = WireFunction.FC23) -> ModbusTransport:
-    return modbus(
-        UdpWire("127.0.0.1", port),
-        device_id=1,
-        register_map=euclid_map(),
-        clock=MonotonicClock(),
-        function=function,
-    )
-
-
-def ask(transport: ModbusTransport, wait_ns: int = GENEROUS_NS) -> tuple[Outcome, list[int]]:
-    return transport.transact(WORDS, MonotonicClock().now_ns() + wait_ns)
-
-
 @contextlib.contextmanager
 def heard(server: Server) -> Iterator[ModbusTransport]:
     """Give a client that was answered once."""
-    transport = client(server.port)
+    transport = client(UdpWire("127.0.0.1", server.port))
     assert [ask(transport)[0] for _ in range(2)] == [Outcome.NOT_CONNECTED, Outcome.OK]
     yield transport
     transport.close()
@@ -210,7 +194,7 @@ def test_after_a_silence_a_new_socket_only_reads_until_it_is_answered() -> None:
 def test_a_port_on_which_nobody_listens_is_named() -> None:
     with Server(naming) as server:
         port = server.port
-    transport = client(port)
+    transport = client(UdpWire("127.0.0.1", port))
     outcomes = [ask(transport, SHORT_NS)[0] for _ in range(3)]
     assert set(outcomes) == {Outcome.NOT_CONNECTED}
     assert transport.trouble == f"127.0.0.1:{port}/udp: Connection refused"
@@ -231,22 +215,10 @@ def test_a_closed_wire_takes_and_gives_nothing() -> None:
 # --- another program ----------------------------------------------------------------------------
 
 
-class Peer(StrangeServer):
-    """Over UDP; whatever was written stays."""
-
-    def __init__(self) -> None:
-        super().__init__(partial(ModbusUdpServer, address=("127.0.0.1", 0)), list(range(200)))
-        self.writes: list[list[int]] = []
-
-    async def act(self, *said: Any) -> None:
-        if isinstance(said[-1], list):
-            self.writes.append([int(word) for word in said[-1]])
-
-
 @pytest.mark.parametrize("function", [WireFunction.FC23, WireFunction.FC3_FC16])
 def test_a_strange_server_understands_us_and_we_it(function: WireFunction) -> None:
-    with Peer() as peer:
-        transport = client(peer.port, function)
+    with KeepingServer(partial(ModbusUdpServer, address=("127.0.0.1", 0))) as peer:
+        transport = client(UdpWire("127.0.0.1", peer.port), function)
         seen = [ask(transport) for _ in range(4)]
         transport.close()
     assert seen[1:] == [(Outcome.OK, list(range(READ_COUNT)))] * 3

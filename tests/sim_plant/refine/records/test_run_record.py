@@ -193,7 +193,7 @@ def test_a_site_file_of_another_run_is_named_by_the_channel_that_is_not_there(ru
 def test_what_is_no_record_is_refused_with_what_was_meant(run):
     for name, said in (
         (f"{run}@20", r"times of a run are written RUN_DIR@FROM\.\.TO"),
-        (run.parent, r"a folder without run\.yaml; name one run"),
+        (run.parent, r"a folder of runs, name one of them\); name one that has run\.yaml"),
         (run / "nowhere", "is not there; give"),
         (run / "run.yaml", "unknown kind of file"),
     ):

@@ -10,7 +10,7 @@ from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.report.confidence import standard_deviations
-from sim_plant.refine.report.figures import channels_by_gain, wavenumber_map, worst_part
+from sim_plant.refine.report.figures import channels_by_error, wavenumber_map, worst_part
 from sim_plant.refine.report.page import (
     best_each,
     confidence,
@@ -65,7 +65,7 @@ def unknown(kind, where=None):
 
 
 def test_sums_are_not_what_the_figures_show():
-    assert [CHANNELS[k] for k in channels_by_gain(judged())] == [
+    assert [CHANNELS[k] for k in channels_by_error(judged())] == [
         "unwind_tension_N",
         "line_speed_m_s",
     ]

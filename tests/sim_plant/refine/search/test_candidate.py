@@ -71,7 +71,8 @@ def test_a_first_look_at_a_word_gives_way_to_one_that_a_tension_shows(worded):
     ordered = sure_looks(worded, residual, looks, list(columns))
     assert [c.hypothesis.location for c in ordered] == ["R3", "R9"]
     left = worded.projector.project(residual)
-    assert sure_look(worded, left, looks[0], columns[TENSION]).score > 0.8 * looks[0].score
+    sure = sure_look(worded, left, worded.doubt(left), looks[0], columns[TENSION])
+    assert sure.score > 0.8 * looks[0].score
 
 
 def first_look(place, column, residual):

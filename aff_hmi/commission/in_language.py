@@ -46,15 +46,32 @@ JOBS = {
     "undo": N_("take back what is tried"),
     "words": N_("find the PLC's words"),
 }
+# what a probe identifies of a drive: its words, its unit
+DRIVE_NUMBERS = {
+    "speed_gain_rad_s": (N_("speed gain"), "rad/s"),
+    "integral_time_s": (N_("integral time"), "s"),
+    "inertia_kg_m2": (N_("inertia with the web"), "kg m²"),
+    "friction_N_m_s": (N_("friction"), "N m s"),
+    "delay_s": (N_("delay to the drive"), "s"),
+    "stiffness_N_m": (N_("stiffness of the web"), "N/m"),
+}
+CHOICES = {
+    "yes": N_("yes"),
+    "no": N_("no"),
+    "none": N_("none"),
+    "skip": N_("skip"),
+    "again": N_("another moment"),
+    "find": N_("find"),
+}
 
 
-def refusal_in(told: Refusal, say: Say) -> str:
+def refusal_in(refusal: Refusal, say: Say) -> str:
     """Return why something was not done."""
-    why = Why(told.why) if told.why in tuple(Why) else Why.SILENT
+    why = Why(refusal.why) if refusal.why in tuple(Why) else Why.SILENT
     if why is Why.REFUSED:
-        return sentence(told.name, say)
+        return sentence(refusal.name, say)
     is_job = why is Why.RUNNING
-    called = say(JOBS[told.name.split(" ", maxsplit=1)[0]]) if is_job else told.name
+    called = say(JOBS[refusal.name.split(" ", maxsplit=1)[0]]) if is_job else refusal.name
     return say(WORDS[why]).replace("{name}", called)
 
 
@@ -86,17 +103,6 @@ def _step(one: StepView, say: Say) -> ShownStep:
     )
 
 
-# what a probe finds of a drive: its words, its unit
-FOUND = {
-    "speed_gain_rad_s": (N_("speed gain"), "rad/s"),
-    "integral_time_s": (N_("integral time"), "s"),
-    "inertia_kg_m2": (N_("inertia with the web"), "kg m²"),
-    "friction_N_m_s": (N_("friction"), "N m s"),
-    "delay_s": (N_("delay to the drive"), "s"),
-    "stiffness_N_m": (N_("stiffness of the web"), "N/m"),
-}
-
-
 def line_in(line: LineView, say: Say) -> LineView:
     """Return what is known of a line in the reader's language."""
     return replace(
@@ -109,7 +115,7 @@ def line_in(line: LineView, say: Say) -> LineView:
 
 
 def _drive_row(row: DriveRow, say: Say) -> ShownDriveRow:
-    words, unit = FOUND[row.name]
+    words, unit = DRIVE_NUMBERS[row.name]
     return ShownDriveRow(
         name=say(words),
         value=row.value,
@@ -120,7 +126,7 @@ def _drive_row(row: DriveRow, say: Say) -> ShownDriveRow:
     )
 
 
-def state_in(told: State, say: Say, *, sees_all: bool, is_open: bool) -> ShownState:
+def state_in(state: State, say: Say, *, sees_all: bool, is_open: bool) -> ShownState:
     """Return how the commissioner stands, for one reader.
 
     Parameters
@@ -129,13 +135,13 @@ def state_in(told: State, say: Say, *, sees_all: bool, is_open: bool) -> ShownSt
     is_open : whether his session does.
     """
     return ShownState(
-        protocol=told.protocol,
-        by=told.by,
-        site=told.site if sees_all else SiteInShort(there=told.site.there),
-        service=told.service,
-        card=told.card,
-        job=_job(told.job, say, sees_all=sees_all) if told.job is not None else None,
-        last=_last(told.last, say, sees_all=sees_all) if told.last is not None else None,
+        protocol=state.protocol,
+        by=state.by,
+        site=state.site if sees_all else SiteInShort(there=state.site.there),
+        service=state.service,
+        card=state.card,
+        job=_job(state.job, say, sees_all=sees_all) if state.job is not None else None,
+        last=_last(state.last, say, sees_all=sees_all) if state.last is not None else None,
         is_open=is_open,
         may=sees_all,
     )
@@ -168,13 +174,3 @@ def _question(asked: QuestionView, say: Say) -> ShownQuestion:
 def _last(last: LastJob, say: Say, *, sees_all: bool) -> ShownLast:
     text = sentence(last.text, say) if sees_all else ""
     return ShownLast(do=last.do, step=last.step, ok=last.ok, text=text, name=say(JOBS[last.do]))
-
-
-CHOICES = {
-    "yes": N_("yes"),
-    "no": N_("no"),
-    "none": N_("none"),
-    "skip": N_("skip"),
-    "again": N_("another moment"),
-    "find": N_("find"),
-}
