@@ -42,20 +42,45 @@ def compiled(function: F) -> F:
     return _made(function, inlined=True)
 
 
-def compiled_apart(function: F) -> F:
-    """Compile a part of the kernel that most lines never enter: as ``compiled``, not inlined.
+def compiled_inside(function: F) -> F:
+    """Compile a part of the kernel that compiled functions alone call: as ``compiled``.
 
-    The kernel compiles in less time that way.
+    Python gets a TypeError. The code that takes a line's arrays out of Python objects is not
+    made: for each such function it took longer to compile than the function.
     """
-    return _made(function, inlined=False)
+    return _without_python(_made(function, inlined=True, no_cpython_wrapper=True))
 
 
-def _made(function: F, *, inlined: bool) -> F:
+def compiled_apart(function: F) -> F:
+    """Compile what most lines never enter: as ``compiled_inside``, not inlined.
+
+    What stands in a loop that they run costs them time though they never enter it.
+    """
+    return _without_python(_made(function, inlined=False, no_cpython_wrapper=True))
+
+
+def _made(function: F, *, inlined: bool, **more: bool) -> F:
     options: dict[str, Any] = {
         "cache": _FOLDER is not None,
         "fastmath": False,
         "error_model": "numpy",
         "_nrt": False,
         "forceinline": inlined,
+        "no_cfunc_wrapper": True,  # nothing takes a function as a value
+        **more,
     }
     return cast(F, numba.njit(**options)(function))
+
+
+def _without_python(function: F) -> F:
+    """Have a call from Python refused: there is no code that would take its arguments."""
+
+    def keep(made: Any) -> None:
+        dispatcher.overloads[tuple(made.signature.args)] = made
+
+    def refuse(*_arguments: Any, **_named: Any) -> None:
+        raise TypeError(f"{dispatcher.__name__}: compiled functions alone can call it")
+
+    dispatcher = cast(Any, function)
+    dispatcher.add_overload, dispatcher._compile_for_args = keep, refuse  # noqa: SLF001
+    return function

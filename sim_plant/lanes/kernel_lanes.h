@@ -1,6 +1,6 @@
 /* Made from the compiled functions of sim_plant by sim_plant.codegen; not by hand. */
 
-#define SOURCE "a0660635e34e0d9c" /* of the files it was made from */
+#define SOURCE "777e93cc1ff7f37c" /* of the files it was made from */
 
 /* LANES lines side by side: one vector of doubles, or of integers, for each number of a line.
    Built several times, with other LANES and other instructions; see setup.py. */
@@ -1050,7 +1050,7 @@ static inline floats k_turn_by_travel(const LineArrays * p, const Layout * lay, 
     return result_;
 }
 
-static inline void k_span_contacts(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, float_lanes_1 phi, float_lanes_2 out, const integers lanes_) {
+static inline void k_span_contacts(const LineArrays * p, const Layout * lay, float_lanes_1 y, int64_t i, float_lanes_1 phi, float_lanes_2 out, bool more, const integers lanes_) {
     BODY * a = {0};
     BODY * b = {0};
     floats dx = {0};
@@ -1081,7 +1081,7 @@ static inline void k_span_contacts(const LineArrays * p, const Layout * lay, flo
     const floats t4_ = (b->centre_y_m - a->centre_y_m);
     dx = choose_floats(lanes_, t3_, dx);
     dy = choose_floats(lanes_, t4_, dy);
-    carried = each_bool(((a->carriage[0] >= INT64_C(0)) || (b->carriage[0] >= INT64_C(0))));
+    carried = each_bool((more && ((a->carriage[0] >= INT64_C(0)) || (b->carriage[0] >= INT64_C(0)))));
     const integers t5_ = carried;
     const integers on6_ = lanes_ & t5_;
     if (any(on6_)) {
@@ -1104,10 +1104,10 @@ static inline void k_span_contacts(const LineArrays * p, const Layout * lay, flo
     rho_a = choose_floats(lanes_, each_float(t10_), rho_a);
     length = choose_floats(lanes_, each_float(t10_), length);
     const int64_t t11_ = INT64_C(8);
-    integers broken64_ = each_bool(false);
+    integers broken67_ = each_bool(false);
     for (int64_t n12_ = 0; n12_ < t11_; n12_++) {
-        integers skipped64_ = each_bool(false);
-        const integers on13_ = lanes_ & ~broken64_ & ~skipped64_;
+        integers skipped67_ = each_bool(false);
+        const integers on13_ = lanes_ & ~broken67_ & ~skipped67_;
         if (!any(on13_)) break;
         const group_FFF t14_ = k_body_at(radius_a, a->sigma, a->shape_row, p->shape_h_m, p->shape_dh_m, p->shape_rho_m, theta_a, angle);
         p_a = choose_floats(on13_, t14_.part0, p_a);
@@ -1122,9 +1122,9 @@ static inline void k_span_contacts(const LineArrays * p, const Layout * lay, flo
         const integers t17_ = ((integers)(absolutes(residual) < each_float(1e-13)));
         const integers on18_ = on13_ & t17_;
         if (any(on18_)) {
-            broken64_ |= on18_;
+            broken67_ |= on18_;
         }
-        const integers on19_ = on13_ & ~broken64_ & ~skipped64_;
+        const integers on19_ = on13_ & ~broken67_ & ~skipped67_;
         if (any(on19_)) {
             angle = choose_floats(on19_, (angle - (residual / length)), angle);
         }
@@ -1398,7 +1398,7 @@ static inline group_FF k_with_branch2(const LineArrays * p, const Layout * lay, 
     return result_;
 }
 
-static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, float_lanes_1 y, float_lanes_1 moving, float_lanes_1 phi, float_lanes_2 contacts, float_lanes_1 tensions, float_lanes_1 dy) {
+static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, float_lanes_1 y, float_lanes_1 moving, float_lanes_1 phi, float_lanes_2 contacts, float_lanes_1 tensions, float_lanes_1 dy, bool more) {
     WEB * web = {0};
     int64_t spans = 0;
     integers seam = {0};
@@ -1409,7 +1409,6 @@ static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, f
     floats free_up = {0};
     floats behind = {0};
     floats upstream = {0};
-    bool more = 0;
     BODY * first = {0};
     floats share_a = {0};
     floats lift_b = {0};
@@ -1452,7 +1451,6 @@ static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, f
     if (any(on3_)) {
         upstream = choose_floats(on3_, (upstream / web->splice_EA_ratio), upstream);
     }
-    more = ((p->heats.n > INT64_C(0)) || (p->carriages.n > INT64_C(0)));
     first = (&p->bodies.at[INT64_C(0)]);
     share_a = k_web_share(first->slip_s_m, first->slip_speed_m_s, (contacts.at[INT64_C(0) * contacts.cols + INT64_C(1)] * y.at[lay->omega]));
     const int64_t t4_ = spans;
@@ -1460,7 +1458,7 @@ static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, f
         const integers t5_ = ((integers)(moving.at[i] != each_float(0.0)));
         const integers on6_ = t5_;
         if (any(on6_)) {
-            k_span_contacts(p, lay, y, i, phi, contacts, on6_);
+            k_span_contacts(p, lay, y, i, phi, contacts, more, on6_);
         }
         lift_b = each_float(0.0);
         const integers t7_ = seam;
@@ -1644,10 +1642,10 @@ static inline void k_shafts(const LineArrays * p, const Layout * lay, float_lane
     floats motor_inertia = {0};
     floats full = {0};
     const int64_t t1_ = p->drives.n;
-    integers broken279_ = each_bool(false);
+    integers broken283_ = each_bool(false);
     for (int64_t d = 0; d < t1_; d++) {
-        integers skipped279_ = each_bool(false);
-        const integers on2_ = ~broken279_ & ~skipped279_;
+        integers skipped283_ = each_bool(false);
+        const integers on2_ = ~broken283_ & ~skipped283_;
         if (!any(on2_)) break;
         drive = (&p->drives.at[d]);
         k = choose_integers(on2_, each_int(drive->body[0]), k);
@@ -1656,9 +1654,9 @@ static inline void k_shafts(const LineArrays * p, const Layout * lay, float_lane
         const integers on4_ = on2_ & t3_;
         if (any(on4_)) {
             scatter_floats(on4_, dy.at, choose_integers(on4_, (lay->omega + k), each_int(INT64_C(0))), (gather_floats(dy.at, choose_integers(on4_, (lay->omega + k), each_int(INT64_C(0)))) + motor));
-            skipped279_ |= on4_;
+            skipped283_ |= on4_;
         }
-        const integers on5_ = on2_ & ~broken279_ & ~skipped279_;
+        const integers on5_ = on2_ & ~broken283_ & ~skipped283_;
         if (any(on5_)) {
             rate = choose_floats(on5_, (y.at[(lay->motor + d)] - gather_floats(y.at, choose_integers(on5_, (lay->omega + k), each_int(INT64_C(0))))), rate);
             through = choose_floats(on5_, k_shaft_torque(drive->shaft_stiffness_N_m, drive->shaft_damping_N_m_s, drive->shaft_backlash_rad, y.at[(lay->twist + d)], rate), through);
@@ -1869,14 +1867,14 @@ static inline void k_sensor_rates(const LineArrays * p, const Layout * lay, floa
     }
 }
 
-static inline void k_derivative(const LineArrays * p, const Layout * lay, float_lanes_1 y, float_lanes_1 torques, float_lanes_1 forces, float_lanes_1 moving, float_lanes_1 phi, float_lanes_2 contacts, float_lanes_1 tensions, float_lanes_1 dy) {
+static inline void k_derivative(const LineArrays * p, const Layout * lay, const LineState * s, float_lanes_1 y, float_lanes_1 moving, float_lanes_2 contacts, float_lanes_1 tensions, float_lanes_1 dy, bool more) {
     floats behind = {0};
     WEB * web = {0};
     floats unwinding = {0};
     floats rewinding = {0};
-    const floats t1_ = k_span_tensions(p, lay, y, moving, phi, contacts, tensions, dy);
+    const floats t1_ = k_span_tensions(p, lay, y, moving, s->phi_rad, contacts, tensions, dy, more);
     behind = t1_;
-    k_body_rates(p, lay, y, contacts, tensions, torques, dy);
+    k_body_rates(p, lay, y, contacts, tensions, s->torque_N_m, dy);
     web = (&p->web.at[INT64_C(0)]);
     const floats t2_ = web->thickness_m;
     unwinding = t2_;
@@ -1902,14 +1900,22 @@ static inline void k_derivative(const LineArrays * p, const Layout * lay, float_
     if (any(on10_)) {
         k_bounce_rates(p, lay, y, tensions.at[INT64_C(0)], dy, on10_);
     }
-    if ((p->carriages.n > INT64_C(0))) {
-        k_carriage_rates(p, lay, y, forces, contacts, tensions, dy);
+    if (more) {
+        k_carriage_rates(p, lay, y, s->carriage_force_N, contacts, tensions, dy);
     }
     k_sensor_rates(p, lay, y, tensions, dy);
 }
 
+static inline void k_slope_with_more(const LineArrays * p, const Layout * lay, const LineState * s, const Work * w, float_lanes_1 y, float_lanes_1 dy) {
+    k_derivative(p, lay, s, y, w->moving, w->contacts, w->tensions, dy, true);
+}
+
 static inline void k_slope(const LineArrays * p, const Layout * lay, const LineState * s, const Work * w, float_lanes_1 y, float_lanes_1 dy) {
-    k_derivative(p, lay, y, s->torque_N_m, s->carriage_force_N, w->moving, s->phi_rad, w->contacts, w->tensions, dy);
+    if (((p->carriages.n > INT64_C(0)) || (p->heats.n > INT64_C(0)))) {
+        k_slope_with_more(p, lay, s, w, y, dy);
+    } else {
+        k_derivative(p, lay, s, y, w->moving, w->contacts, w->tensions, dy, false);
+    }
 }
 
 static inline void k_rk4(const LineArrays * p, const Layout * lay, const LineState * s, const Work * w, double dt_s) {

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from sim_plant.base.arrays import REWIND, UNWIND, Array, LineArrays
-from sim_plant.base.jit import compiled
+from sim_plant.base.arrays import REWIND, UNWIND, Array, LineArrays, LineState
+from sim_plant.base.jit import compiled, compiled_inside
 from sim_plant.elements.contact import body_at, tangent
 from sim_plant.elements.load_cell import filter_rate, resonance_rates
 from sim_plant.elements.material_roll import radius_rate, wound_inertia
@@ -45,15 +45,18 @@ def growth(kind: int, thickness_m: float, omega_rad_s: float) -> float:
     return 0.0
 
 
-@compiled
-def span_contacts(p: LineArrays, lay: Layout, y: Array, i: int, phi: Array, out: Array) -> None:
+@compiled_inside
+def span_contacts(
+    p: LineArrays, lay: Layout, y: Array, i: int, phi: Array, out: Array, more: bool
+) -> None:
     """Solve the common tangent of span ``i`` and write L, p_A, p_B, ldot_A, phidot to ``out``.
 
-    ``phi[i]`` is refined by Newton steps from its last value. ``out`` has shape (m, 8).
+    ``phi[i]`` is refined by Newton steps from its last value. ``out`` has shape (m, 8). Without
+    ``more`` no body is carried.
     """
     a, b = p.bodies[i], p.bodies[i + 1]
     dx, dy = b.centre_x_m - a.centre_x_m, b.centre_y_m - a.centre_y_m
-    carried = a.carriage >= 0 or b.carriage >= 0
+    carried = more and (a.carriage >= 0 or b.carriage >= 0)
     if carried:
         dx, dy = apart(p, lay, y, i)
     radius_a = mean_radius(lay, y, a.kind, a.radius_m)
@@ -110,7 +113,7 @@ def web_share(slip_s_m: float, threshold_m_s: float, speed_m_s: float) -> float:
     return 1.0 - slip_s_m * excess
 
 
-@compiled
+@compiled_inside
 def with_branch(
     p: LineArrays,
     lay: Layout,
@@ -135,7 +138,7 @@ def with_branch(
     return max(0.0, pull_N + EA_N * web.maxwell_ratio * branch), branch
 
 
-@compiled
+@compiled_inside
 def span_tensions(  # noqa: PLR0915 - one loop: a call per part of it hands over the whole line
     p: LineArrays,
     lay: Layout,
@@ -145,6 +148,7 @@ def span_tensions(  # noqa: PLR0915 - one loop: a call per part of it hands over
     contacts: Array,
     tensions: Array,
     dy: Array,
+    more: bool,
 ) -> float:
     """Write strain rates and material flow to ``dy`` and tensions (m,) from the state.
 
@@ -152,7 +156,8 @@ def span_tensions(  # noqa: PLR0915 - one loop: a call per part of it hands over
     lift of a seam, contacts has what it is on the body after each span. Web that is warm leaves
     a span with the strain of its end, T / EA + expansion * warming there: what passes in
     unstretched length is v / (1 + that), into the next span too [source 2.14, own derivation;
-    the mean of 1 / (1 + eps) over a span is taken as that of the mean].
+    the mean of 1 / (1 + eps) over a span is taken as that of the mean]. Without ``more`` no span
+    is warm and no body carried.
     """
     web = p.web[0]
     spans = lay.n - 1
@@ -163,12 +168,11 @@ def span_tensions(  # noqa: PLR0915 - one loop: a call per part of it hands over
     upstream = web.supply_strain
     if spliced and behind > 0.0:
         upstream /= web.splice_EA_ratio
-    more = p.heats.size > 0 or p.carriages.size > 0
     first = p.bodies[0]
     share_a = web_share(first.slip_s_m, first.slip_speed_m_s, contacts[0, 1] * y[lay.omega])
     for i in range(spans):
         if moving[i] != 0.0:
-            span_contacts(p, lay, y, i, phi, contacts)
+            span_contacts(p, lay, y, i, phi, contacts, more)
         lift_b = 0.0
         if seam:
             lift_b = contacts[i, 5] = seam_lift(
@@ -221,7 +225,7 @@ def span_tensions(  # noqa: PLR0915 - one loop: a call per part of it hands over
     return float(behind) if spliced else 0.0
 
 
-@compiled
+@compiled_inside
 def ripple_torque(p: LineArrays, d: int, theta_rad: float) -> float:
     """Return the torque ripple of drive ``d`` at this angle, N m."""
     torque = 0.0
@@ -233,7 +237,7 @@ def ripple_torque(p: LineArrays, d: int, theta_rad: float) -> float:
     return torque
 
 
-@compiled
+@compiled_inside
 def body_rates(
     p: LineArrays,
     lay: Layout,
@@ -273,7 +277,7 @@ def body_rates(
         dy[lay.omega + k] /= inertia
 
 
-@compiled
+@compiled_inside
 def shafts(p: LineArrays, lay: Layout, y: Array, torques: Array, dy: Array) -> None:
     """Add motor torques to the bodies, through their shafts where these are not rigid."""
     for d in range(p.drives.size):
@@ -302,7 +306,7 @@ def shafts(p: LineArrays, lay: Layout, y: Array, torques: Array, dy: Array) -> N
         dy[lay.twist + d] = rate
 
 
-@compiled
+@compiled_inside
 def sensor_rates(p: LineArrays, lay: Layout, y: Array, tensions: Array, dy: Array) -> None:
     """Write the load-cell filter and resonance rates."""
     for c in range(p.cells.size):
@@ -324,7 +328,7 @@ def sensor_rates(p: LineArrays, lay: Layout, y: Array, tensions: Array, dy: Arra
         dy[lay.cell + c] = filter_rate(cell.corner_Hz, pull, y[lay.cell + c])
 
 
-@compiled
+@compiled_inside
 def bounce_rates(p: LineArrays, lay: Layout, y: Array, pull_N: float, dy: Array) -> None:
     """Write m x'' = T + u(theta) omega^2 - m w^2 x - 2 zeta m w x' of the unwind on its mandrel.
 
@@ -345,25 +349,25 @@ def bounce_rates(p: LineArrays, lay: Layout, y: Array, pull_N: float, dy: Array)
     )
 
 
-@compiled
+@compiled_inside
 def derivative(
     p: LineArrays,
     lay: Layout,
+    s: LineState,
     y: Array,
-    torques: Array,
-    forces: Array,
     moving: Array,
-    phi: Array,
     contacts: Array,
     tensions: Array,
     dy: Array,
+    more: bool,
 ) -> None:
-    """Write dy/dt of the whole line; work arrays are the caller's. Never raises.
+    """Write dy/dt of the whole line at ``y``; work arrays are the caller's. Never raises.
 
-    ``torques`` of the drives, N m; ``forces`` of the carriages' own, N.
+    ``more`` is whether there are carriages or warm spans, and a constant where this is called: the
+    compiled code of a plain line has nothing of them then.
     """
-    behind = span_tensions(p, lay, y, moving, phi, contacts, tensions, dy)
-    body_rates(p, lay, y, contacts, tensions, torques, dy)
+    behind = span_tensions(p, lay, y, moving, s.phi_rad, contacts, tensions, dy, more)
+    body_rates(p, lay, y, contacts, tensions, s.torque_N_m, dy)
     web = p.web[0]
     unwinding = rewinding = web.thickness_m
     if web.splice_thickness_ratio != 1.0:
@@ -375,6 +379,6 @@ def derivative(
     dy[lay.radius + 1] = growth(REWIND, rewinding, y[lay.omega + lay.n - 1])
     if web.bounce_mass_kg > 0.0:
         bounce_rates(p, lay, y, tensions[0], dy)
-    if p.carriages.size > 0:
-        carriage_rates(p, lay, y, forces, contacts, tensions, dy)
+    if more:
+        carriage_rates(p, lay, y, s.carriage_force_N, contacts, tensions, dy)
     sensor_rates(p, lay, y, tensions, dy)

@@ -15,7 +15,7 @@ from sim_plant.base.arrays import (
     LineArrays,
     LineState,
 )
-from sim_plant.base.jit import compiled
+from sim_plant.base.jit import compiled, compiled_apart, compiled_inside
 from sim_plant.elements.drive import speed_pi
 from sim_plant.elements.load_cell import expected_quantise, quantise
 from sim_plant.elements.tension_loop import tension_pi
@@ -37,7 +37,7 @@ class Work(NamedTuple):
     trial: Array  # (size,)
 
 
-@compiled
+@compiled_inside
 def rk4(p: LineArrays, lay: Layout, s: LineState, w: Work, dt_s: float) -> None:
     """Advance the continuous state by ``dt_s`` with the classical fourth-order rule."""
     y, trial, half = s.y, w.trial, 0.5 * dt_s
@@ -57,21 +57,21 @@ def rk4(p: LineArrays, lay: Layout, s: LineState, w: Work, dt_s: float) -> None:
         y[j] += sixth * (k1[j] + 2.0 * (k2[j] + k3[j]) + k4[j])
 
 
-@compiled
+@compiled_inside
 def slope(p: LineArrays, lay: Layout, s: LineState, w: Work, y: Array, dy: Array) -> None:
-    """Write dy/dt at the trial state ``y``."""
-    derivative(
-        p,
-        lay,
-        y,
-        s.torque_N_m,
-        s.carriage_force_N,
-        w.moving,
-        s.phi_rad,
-        w.contacts,
-        w.tensions,
-        dy,
-    )
+    """Write dy/dt at the trial state ``y``; in a plain line by code of its own."""
+    if p.carriages.size > 0 or p.heats.size > 0:
+        slope_with_more(p, lay, s, w, y, dy)
+    else:
+        derivative(p, lay, s, y, w.moving, w.contacts, w.tensions, dy, False)
+
+
+@compiled_apart
+def slope_with_more(
+    p: LineArrays, lay: Layout, s: LineState, w: Work, y: Array, dy: Array
+) -> None:
+    """Write dy/dt of a line with carriages or warm spans."""
+    derivative(p, lay, s, y, w.moving, w.contacts, w.tensions, dy, True)
 
 
 @compiled
@@ -85,7 +85,7 @@ def level(time_s: float, from_s: float, rise_s: float, until_s: float) -> float:
     return 0.0 if rise_s <= 0.0 else max(0.0, risen - (time_s - until_s) / rise_s)
 
 
-@compiled
+@compiled_inside
 def keep_changes(p: LineArrays, time_s: float) -> None:
     """Bring every number that changes with time to what it is now."""
     for e in range(p.changes.size):
@@ -105,7 +105,7 @@ def keep_changes(p: LineArrays, time_s: float) -> None:
             p.carriages[change.place].speed_m_s += more
 
 
-@compiled
+@compiled_inside
 def run_loops(
     p: LineArrays, lay: Layout, s: LineState, tension_ref_N: Array, period_s: float
 ) -> None:
@@ -123,7 +123,7 @@ def run_loops(
         s.loop_integral[loop] = integral
 
 
-@compiled
+@compiled_inside
 def drive_reference(
     p: LineArrays, s: LineState, d: int, line_speed_m_s: float, aff_m_s: float
 ) -> float:
@@ -151,7 +151,7 @@ def ramped(wanted: float, last: float, step: float) -> float:
     return min(max(wanted, last - step), last + step) if step > 0.0 else wanted
 
 
-@compiled
+@compiled_inside
 def encoder_speed(p: LineArrays, lay: Layout, s: LineState, d: int, share: float) -> float:
     """Return the speed at the encoder of drive ``d``, rad/s: w (1 + share e cos(theta + a)).
 
@@ -168,7 +168,7 @@ def encoder_speed(p: LineArrays, lay: Layout, s: LineState, d: int, share: float
     return float(omega)
 
 
-@compiled
+@compiled_inside
 def drive_speed(p: LineArrays, lay: Layout, s: LineState, d: int, noise: float) -> float:
     """Return the speed that the loop of drive ``d`` reads, rad/s."""
     drive = p.drives[d]
@@ -178,7 +178,7 @@ def drive_speed(p: LineArrays, lay: Layout, s: LineState, d: int, noise: float) 
     return quantise(omega + drive.noise_rad_s * noise, drive.lsb_rad_s)
 
 
-@compiled
+@compiled_inside
 def run_drives(
     p: LineArrays, lay: Layout, s: LineState, line_speed_m_s: float, aff_m_s: Array, noise: Array
 ) -> None:
@@ -243,7 +243,7 @@ def measure(p: LineArrays, lay: Layout, s: LineState, noise: Array) -> None:
         s.measured_rad_s[d] = speed
 
 
-@compiled
+@compiled_inside
 def advance_frame(
     p: LineArrays,
     lay: Layout,

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from sim_plant.base.arrays import Array, LineArrays, LineState
-from sim_plant.base.jit import compiled, compiled_apart
+from sim_plant.base.jit import compiled, compiled_inside
 from sim_plant.elements.carriage import buffer_force, friction_force
 from sim_plant.elements.drive import speed_pi
 from sim_plant.line.layout import Layout
@@ -21,7 +21,7 @@ LEVER_A, LEVER_B = 6, 7
 """Columns of the contacts: levers of the body before a span and of the one after it."""
 
 
-@compiled
+@compiled_inside
 def moved_point(
     p: LineArrays, c: int, travel_m: float, x_m: float, y_m: float
 ) -> tuple[float, float, float, float]:
@@ -48,7 +48,7 @@ def moved_point(
     )
 
 
-@compiled
+@compiled_inside
 def centre_of(p: LineArrays, lay: Layout, y: Array, k: int) -> tuple[float, float, float, float]:
     """Return the centre of body ``k`` now, m, and what it moves per metre of its travel."""
     body = p.bodies[k]
@@ -58,14 +58,14 @@ def centre_of(p: LineArrays, lay: Layout, y: Array, k: int) -> tuple[float, floa
     return moved_point(p, body.carriage, travel_m, body.centre_x_m, body.centre_y_m)
 
 
-@compiled
+@compiled_inside
 def travel_speed(p: LineArrays, lay: Layout, y: Array, k: int) -> float:
     """Return the speed of the carriage that body ``k`` belongs to, m/s; 0 where it stands."""
     carriage = p.bodies[k].carriage
     return float(y[lay.carriage + 2 * carriage + 1]) if carriage >= 0 else 0.0
 
 
-@compiled_apart
+@compiled
 def apart(p: LineArrays, lay: Layout, y: Array, i: int) -> tuple[float, float]:
     """Return from where to where span ``i`` leads, centre to centre, m."""
     a_x, a_y, _a_sx, _a_sy = centre_of(p, lay, y, i)
@@ -73,7 +73,7 @@ def apart(p: LineArrays, lay: Layout, y: Array, i: int) -> tuple[float, float]:
     return b_x - a_x, b_y - a_y
 
 
-@compiled_apart
+@compiled_inside
 def turn_by_travel(
     p: LineArrays, lay: Layout, y: Array, i: int, phi_rad: float, out: Array
 ) -> float:
@@ -91,7 +91,7 @@ def turn_by_travel(
     return float(across - (sine * a_sx - cosine * a_sy) * travel_speed(p, lay, y, i))
 
 
-@compiled_apart
+@compiled_inside
 def lengthening(p: LineArrays, lay: Layout, y: Array, i: int, contacts: Array) -> float:
     """Return d.(C_B' - C_A') of span ``i``, m/s: what moving centres add to its balance.
 
@@ -102,7 +102,7 @@ def lengthening(p: LineArrays, lay: Layout, y: Array, i: int, contacts: Array) -
     return float(added - contacts[i, LEVER_A] * travel_speed(p, lay, y, i))
 
 
-@compiled_apart
+@compiled_inside
 def carriage_rates(
     p: LineArrays,
     lay: Layout,
@@ -139,7 +139,7 @@ def carriage_rates(
         dy[lay.carriage + 2 * c + 1] /= p.carriages[c].mass_kg
 
 
-@compiled_apart
+@compiled_inside
 def drive_carriages(p: LineArrays, lay: Layout, s: LineState) -> None:
     """Run the speed PI of every carriage that has a drive of its own, and hold its force."""
     for c in range(p.carriages.size):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from sim_plant.base.arrays import Array, LineArrays
-from sim_plant.base.jit import compiled
+from sim_plant.base.jit import compiled, compiled_inside
 from sim_plant.elements.span import two_webs
 
 SEAM_EDGE_M = 0.01
@@ -26,7 +26,7 @@ def on_wrap(piece_m: float, past_m: float, wrap_m: float) -> float:
     return come - gone
 
 
-@compiled
+@compiled_inside
 def wrapped(p: LineArrays, i: int, phi: Array, contacts: Array) -> float:
     """Return the length of web on the body after span ``i``, m; 0 on the last one."""
     if i + 1 >= phi.size:
@@ -35,7 +35,7 @@ def wrapped(p: LineArrays, i: int, phi: Array, contacts: Array) -> float:
     return float(contacts[i, 2] * (turn % (2.0 * math.pi)))
 
 
-@compiled
+@compiled_inside
 def with_two_webs(
     p: LineArrays, i: int, strain: float, free: float, free_out: float, new: float
 ) -> tuple[float, float]:
@@ -50,7 +50,7 @@ def with_two_webs(
     return EA_N, free_out + (strain - free) * EA_N / at_exit
 
 
-@compiled
+@compiled_inside
 def seam_lift(p: LineArrays, i: int, phi: Array, contacts: Array, past_m: float) -> float:
     """Return by how much a seam that reached the body after span ``i`` lifts the web there, m."""
     web = p.web[0]

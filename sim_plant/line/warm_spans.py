@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from sim_plant.base.arrays import Array, LineArrays
-from sim_plant.base.jit import compiled, compiled_apart
+from sim_plant.base.jit import compiled_inside
 from sim_plant.elements.web_climate import leaving_value
 from sim_plant.line.layout import Layout
 
 
-@compiled
+@compiled_inside
 def warm_span(
     p: LineArrays, lay: Layout, y: Array, i: int, renewal_1_s: float, entering_K: float, dy: Array
 ) -> tuple[float, float, float]:
@@ -36,7 +36,7 @@ def warm_span(
     return mean, rate, entering
 
 
-@compiled_apart
+@compiled_inside
 def free_strains(
     p: LineArrays,
     lay: Layout,
