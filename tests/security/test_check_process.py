@@ -223,14 +223,14 @@ def test_the_service_looks_at_its_file_before_the_check_reads_it(
         service._shut_down()
 
 
-def test_thousands_of_findings_do_not_fill_log_record_and_status(tmp_path: Path) -> None:
+def test_a_thousand_findings_do_not_fill_log_record_and_status(tmp_path: Path) -> None:
     path = edited(tmp_path)
-    path.write_text(path.read_text() + "".join(f"k{i}: 1\n" for i in range(5000)))
+    path.write_text(path.read_text() + "".join(f"k{i}: 1\n" for i in range(1000)))
     found = Validation(path).result(wait_s=PATIENCE_S)
     assert found is not None
     assert found.parameters is None
     assert len(found.findings) == MAX_FINDINGS + 1
-    assert found.findings[-1].endswith("4950 more; `aff-runtime check` names every one")
+    assert found.findings[-1].endswith("950 more; `aff-runtime check` names every one")
 
 
 def test_a_finding_that_quotes_without_end_is_cut(

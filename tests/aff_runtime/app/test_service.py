@@ -19,17 +19,19 @@ from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.telemetry.ring import RingReader
 from aff_runtime.telemetry.run_files import read_run
 from tests.aff_runtime.app.fake_plc import GAIN_N_PER_M_S, READY_STATUS
-from tests.aff_runtime.app.service_run import LOOP_DELAY_S, ServiceRun
+from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import is_running, kill, pause, until
 
 pytestmark = pytest.mark.wire
 WEB_INTACT = 8
+CYCLE_MS = 10
+LOOP_DELAY_S = 2e-3 * CYCLE_MS  # one cycle to the wire, one in the PLC
 
 
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceRun]:
     """One service for all that it survives; who needs it running after an end asks ``again``."""
-    run = ServiceRun(tmp_path_factory.mktemp("service"))
+    run = ServiceRun(tmp_path_factory.mktemp("service"), cycle_ms=CYCLE_MS)
     yield run
     run.close()
 

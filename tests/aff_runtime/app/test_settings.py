@@ -72,7 +72,7 @@ def verbs(service: ServiceRun) -> list[str]:
 def test_a_diff_says_what_changes_with_units_and_changes_nothing(service: ServiceRun) -> None:
     before = service.status()["config_hash"]
     assert console(service, "diff", str(other(service))) == (0, f"{LINE}\n")
-    wrong = other(service, "\n  cycle_ms: 10\n", "\n  cycle_ms: 0\n")
+    wrong = other(service, "\n  cycle_ms: 20\n", "\n  cycle_ms: 0\n")
     code, said = console(service, "diff", str(wrong))
     assert code == 2
     assert f"{service.site}:" in said
