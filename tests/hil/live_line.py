@@ -183,7 +183,8 @@ class LiveLine(Operator):
         return [row for row in rows if row[0] >= start_s]
 
     def wait_plant(self, until_s: float) -> None:
-        """Wait for a plant time."""
+        """Wait for a plant time; it passes as ours does."""
+        pause(max(0.0, until_s - self.now_s()))
         until(f"plant time {until_s}", lambda: self.now_s() >= until_s)
 
     def pauses(self) -> Pauses:

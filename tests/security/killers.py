@@ -8,6 +8,7 @@ import time
 from dataclasses import dataclass, field
 from multiprocessing.context import SpawnContext, SpawnProcess
 from pathlib import Path
+from types import SimpleNamespace
 from typing import ClassVar
 
 import numpy as np
@@ -65,6 +66,19 @@ class StoppedProcess(SpawnProcess):
 
 class StoppingContext(SpawnContext):
     Process = StoppedProcess
+
+
+_twin = []
+
+
+def adopt(twin):
+    """Keep the line that `number_of` asks."""
+    _twin[:] = [twin]
+
+
+def number_of(seed):
+    """Return what the adopted line answers: the number of the case."""
+    return float(_twin[0].simulate(SimpleNamespace(seed=seed))[0])
 
 
 @dataclass(frozen=True)

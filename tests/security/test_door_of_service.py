@@ -20,11 +20,20 @@ pytestmark = pytest.mark.wire
 KEPT = ("state", "config_hash", "control_pid", "line", "probing")
 
 
-@pytest.fixture
-def service(tmp_path: Path) -> Iterator[ServiceRun]:
-    run = ServiceRun(tmp_path)
+@pytest.fixture(scope="module")
+def _run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceRun]:
+    run = ServiceRun(tmp_path_factory.mktemp("service"))
     yield run
     run.close()
+
+
+@pytest.fixture
+def service(_run: ServiceRun) -> ServiceRun:
+    """A running service, started anew where a test has ended it and is tried again."""
+    if _run.has_ended():
+        (_run.runtime_dir / "door.sock").unlink(missing_ok=True)
+        _run.start_again()
+    return _run
 
 
 def ends_at(path: Path) -> int:

@@ -227,7 +227,7 @@ def service(tmp_path: Path) -> Iterator[ServiceRun]:
     (tmp_path / "learned").mkdir()
     for actuator in SIGNALS:
         (tmp_path / "learned" / f"euclid_{actuator}.json").write_text(response(actuator))
-    run = ServiceRun(tmp_path)
+    run = ServiceRun(tmp_path, cycle_ms=10)
     yield run
     run.close()
 

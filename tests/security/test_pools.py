@@ -28,7 +28,15 @@ from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
 from tests.orphans import begun, children
 from tests.processes import kill, until
-from tests.security.killers import MB, StoppingContext, Twin, bench_rows, campaign_row
+from tests.security.killers import (
+    MB,
+    StoppingContext,
+    Twin,
+    adopt,
+    bench_rows,
+    campaign_row,
+    number_of,
+)
 
 pytestmark = [pytest.mark.processes, pytest.mark.timeout(120)]
 CASES = [Case(seed=number) for number in range(20)]
@@ -36,6 +44,13 @@ CASES = [Case(seed=number) for number in range(20)]
 
 def answers(bench):
     return [float(run[0][0]) for run in bench.run(CASES)]
+
+
+def light_pool(twin, tell):
+    """Return two workers that import next to nothing, and answer within 2 s or are ended."""
+    return worker_pool.WorkerPool(
+        number_of, 2, limit_s=2.0, tell=tell, begin=adopt, arguments=(twin,)
+    )
 
 
 def test_twenty_jobs_and_a_killed_worker_give_twenty_answers_in_order(tmp_path):
@@ -66,24 +81,18 @@ def test_a_job_that_loses_a_third_worker_is_named(tmp_path):
 
 def test_a_worker_that_hangs_is_ended_in_time_and_its_job_done_again(tmp_path):
     said = []
-    with SimulationPool([Twin(tmp_path, "hangs")], 2, said.append, limit_s=2.0) as bench:
-        assert answers(bench) == list(range(20))
-    assert said == [
-        "simulation of record 1 with noise 7: its worker process gave no answer within 2 s; it is "
-        "done again"
-    ]
+    with light_pool(Twin(tmp_path, "hangs"), said.append) as pool:
+        assert pool.map(range(20)) == list(range(20))
+    assert said == ["7: its worker process gave no answer within 2 s; it is done again"]
     (hung,) = (int(path.name) for path in tmp_path.iterdir())
     until("the hanging worker is gone", lambda: not Path(f"/proc/{hung}").exists())
 
 
 def test_a_worker_that_stops_in_the_middle_of_its_answer_is_ended_in_time(tmp_path):
     said = []
-    twin = Twin(tmp_path, "stopped while it answers")
-    with SimulationPool([twin], 2, said.append, limit_s=2.0) as bench:
-        assert answers(bench) == list(range(20))
-    assert [text.partition("worker process ")[2] for text in said] == [
-        "gave no answer within 2 s; it is done again"
-    ]
+    with light_pool(Twin(tmp_path, "stopped while it answers"), said.append) as pool:
+        assert pool.map(range(20)) == list(range(20))
+    assert said == ["7: its worker process gave no answer within 2 s; it is done again"]
 
 
 def test_a_worker_that_stops_before_it_takes_its_orders_is_ended_in_time(monkeypatch):

@@ -90,7 +90,7 @@ def chromium() -> Iterator[object]:
 @pytest.fixture(scope="session")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceRun]:
     """A service with a PLC of its own, of which the tests may stop and start both."""
-    run = ServiceRun(tmp_path_factory.mktemp("line"), patience_s=PATIENCE_S)
+    run = ServiceRun(tmp_path_factory.mktemp("line"), patience_s=PATIENCE_S, cycle_ms=5)
     yield run
     run.close()
 

@@ -28,7 +28,9 @@ def with_hand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Screen]:
     folder = tmp_path_factory.mktemp("hand")
     (folder / "state").mkdir()
     service = ServiceRun(
-        folder, "--hand", "operate", "--state-dir", str(folder / "state"), patience_s=PATIENCE_S
+        *(folder, "--hand", "operate", "--state-dir", str(folder / "state")),
+        patience_s=PATIENCE_S,
+        cycle_ms=5,
     )
     accounts = folder / "accounts"
     secret = secret_of(PASSWORD)

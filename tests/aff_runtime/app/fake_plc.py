@@ -18,8 +18,8 @@ from collections import deque
 READY_STATUS = 1 | 2 | 8 | 32 | 64
 GAIN_N_PER_M_S = -2000.0
 TURNS_HZ = 0.9
-DELAY_S = 0.0225
-"""What was written this long ago acts: at a cycle of 5 ms, five readings later."""
+DELAY_S = 0.005
+"""What was written this long ago acts: half a cycle of 10 ms, so with the next reading."""
 
 
 class Plc:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -21,11 +20,19 @@ OLD, NEW = "settle_s: 6,", "settle_s: 12,"
 CORRECTIONS = (3, 8)
 
 
-@pytest.fixture
-def service(tmp_path: Path) -> Iterator[ServiceRun]:
-    run = ServiceRun(tmp_path, "--state-dir", "/nowhere")
+@pytest.fixture(scope="module")
+def _run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceRun]:
+    run = ServiceRun(tmp_path_factory.mktemp("service"), "--state-dir", "/nowhere")
     yield run
     run.close()
+
+
+@pytest.fixture
+def service(_run: ServiceRun) -> ServiceRun:
+    """A running service, started anew where the test before has killed it."""
+    if _run.has_ended():
+        _run.start_again()
+    return _run
 
 
 class Asked:
@@ -74,21 +81,8 @@ def test_a_control_process_killed_in_the_middle_of_a_probe_keeps_nothing(
     assert learned(service) == []
 
 
-def test_a_supervisor_killed_in_the_middle_of_a_probe_takes_it_to_zero(
-    service: ServiceRun,
-) -> None:
-    asked = Asked(service)
-    control = service.status()["control_pid"]
-    kill(service.process.pid)
-    service.process.wait()
-    until("the control process ends by itself", lambda: not is_running(control))
-    assert on_the_wire(service) == [0, 0]
-    assert asked.answer() != "done"
-    assert learned(service) == []
-
-
 def test_a_supervisor_killed_in_the_middle_of_a_try_starts_on_the_site_file(
-    service: ServiceRun, tmp_path: Path
+    service: ServiceRun,
 ) -> None:
     text, before = service.site.read_bytes(), service.status()["site_hash"]
     changed = text.replace(OLD.encode(), NEW.encode(), 1).decode()
@@ -104,3 +98,16 @@ def test_a_supervisor_killed_in_the_middle_of_a_try_starts_on_the_site_file(
     assert service.status()["site_hash"] == before
     assert service.status()["trying"] == ""
     assert service.status()["state"] == "FAULT"
+
+
+def test_a_supervisor_killed_in_the_middle_of_a_probe_takes_it_to_zero(
+    service: ServiceRun,
+) -> None:
+    asked = Asked(service)
+    control = service.status()["control_pid"]
+    kill(service.process.pid)
+    service.process.wait()
+    until("the control process ends by itself", lambda: not is_running(control))
+    assert on_the_wire(service) == [0, 0]
+    assert asked.answer() != "done"
+    assert learned(service) == []

@@ -24,22 +24,24 @@ from tests.processes import is_running, kill, pause, until
 
 pytestmark = pytest.mark.wire
 WEB_INTACT = 8
+CYCLE_MS = 10
+LOOP_DELAY_S = 2e-3 * CYCLE_MS  # one cycle to the wire, one in the PLC
 
 
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceRun]:
-    """One service for the tests that leave it running."""
-    run = ServiceRun(tmp_path_factory.mktemp("service"))
+    """One service for all that it survives; who needs it running after an end asks ``again``."""
+    run = ServiceRun(tmp_path_factory.mktemp("service"), cycle_ms=CYCLE_MS)
     yield run
     run.close()
 
 
 @pytest.fixture
-def own(tmp_path: Path) -> Iterator[ServiceRun]:
-    """A service for a test that ends it."""
-    run = ServiceRun(tmp_path)
-    yield run
-    run.close()
+def again(service: ServiceRun) -> ServiceRun:
+    """The same, started anew where the test before has ended it."""
+    if service.has_ended():
+        service.start_again()
+    return service
 
 
 def test_it_starts_in_fault_with_zero_on_the_wire(service: ServiceRun) -> None:
@@ -69,6 +71,7 @@ def test_the_watchdog_goes_hungry_when_the_control_process_hangs(service: Servic
         assert service.notifications() == []
     finally:
         os.kill(control, signal.SIGCONT)
+    until("the service sees the PLC", lambda: service.status()["comm"] == "OK")
 
 
 def test_who_looks_through_the_door_sees_every_tick_and_the_facts(service: ServiceRun) -> None:
@@ -77,7 +80,8 @@ def test_who_looks_through_the_door_sees_every_tick_and_the_facts(service: Servi
 
     def is_told() -> bool:
         heard.extend(filter(None, [door.receive()]))
-        return any(isinstance(one, Facts) and one.blocked for one in heard)
+        facts = [one for one in heard if isinstance(one, Facts)]
+        return bool(facts) and facts[-1].blocked.startswith("unwind: no measured response")
 
     until("the facts, with what blocks", is_told)
     (passed,) = [one for one in heard if isinstance(one, RingPassed)]
@@ -87,7 +91,6 @@ def test_who_looks_through_the_door_sees_every_tick_and_the_facts(service: Servi
     until("ticks", lambda: ring.signals.written_count() > first + 20)
     assert ring.writer_alive()
     assert facts.status.line == service.status()["line"]
-    assert facts.blocked.startswith("unwind: no measured response")
     assert facts.status.facts is not None
     assert facts.status.facts.outputs[0].limit == 0.05
     ring.close()
@@ -168,14 +171,6 @@ def test_a_killed_control_process_comes_back_idle(service: ServiceRun) -> None:
     assert service.said("killed by SIGKILL")
 
 
-def test_a_killed_supervisor_takes_the_control_process_along_with_zero(own: ServiceRun) -> None:
-    control = own.status()["control_pid"]
-    kill(own.process.pid)
-    until("the control process ends by itself", lambda: not is_running(control))
-    words = own.tell_plc("words")
-    assert words[3] == words[8] == 0
-
-
 def test_a_shadow_run_leaves_fault_by_itself_and_transmits_zero(tmp_path: Path) -> None:
     run = ServiceRun(tmp_path, "--shadow")
     try:
@@ -184,87 +179,6 @@ def test_a_shadow_run_leaves_fault_by_itself_and_transmits_zero(tmp_path: Path) 
         assert (words[1] & 0b1110, words[3], words[8]) == (0, 0, 0)
     finally:
         run.close()
-
-
-def test_stop_ends_everything_and_leaves_a_readable_run(own: ServiceRun) -> None:
-    control = own.status()["control_pid"]
-    assert own.ask("stop")["ok"]
-    assert own.process.wait(10) == 0
-    assert not is_running(control)
-    assert not (own.runtime_dir / "control.sock").exists()
-    (folder,) = (own.folder / "runs").iterdir()
-    run = read_run(folder)
-    assert run.summary is not None
-    assert run.summary.statistics.rows == len(run.columns["time_s"]) > 10
-    assert {event["name"] for event in run.events} >= {"POWER_UP", "OPERATOR"}
-    assert (folder / "site.yaml").read_text() == own.site.read_text()
-
-
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-@pytest.mark.sweep(every=2)
-def test_a_signal_that_ends_the_service_is_named_and_so_is_the_zero(
-    own: ServiceRun, number: signal.Signals
-) -> None:
-    own.process.send_signal(number)
-    assert own.process.wait(10) == 0
-    words = own.tell_plc("words")
-    assert words[3] == words[8] == 0
-    assert own.said(f"{number.name}")
-    assert own.said("stopped; the correction reached zero")
-    assert not own.said("bypassed, or a probe has ended")
-
-
-def known_response(actuator: str) -> str:
-    """The PLC's own response: a gain and six ticks of delay, as if it had been probed."""
-    points = [
-        ResponsePoint(
-            frequency_Hz=f,
-            gain=-GAIN_N_PER_M_S,
-            phase_rad=math.pi - math.tau * f * 0.030,
-            relative_error=0.01,
-            coherence=1.0,
-        )
-        for f in (0.3, 0.6, 1.0, 1.5, 2.5)
-    ]
-    about = Provenance(actuator=actuator, signal="pullroll_tension_N")
-    return Response(points=points, delay_s=0.030, provenance=about).to_json()
-
-
-def probed(run: ServiceRun, actuator: str) -> list[dict[str, Any]]:
-    """Probe, again when a pause of this machine made the guard end it, as an operator would."""
-    for _ in range(2):
-        with contextlib.suppress(RefusedError):
-            return list(run.ask("probe", actuators=[actuator])["results"])
-    return list(run.ask("probe", actuators=[actuator])["results"])
-
-
-def test_probe_arm_and_bypass_from_end_to_end(own: ServiceRun) -> None:
-    (own.folder / "learned").mkdir(exist_ok=True)
-    other = own.folder / "learned" / "euclid_swrap_follower.json"
-    other.write_text(known_response("swrap_follower"))
-    until("the file is applied", lambda: own.said("swrap_follower: response"))
-    (result,) = probed(own, "unwind")
-    response = Response.from_json((own.folder / "learned" / "euclid_unwind.json").read_text())
-    for point in response.points:
-        assert abs(point.gain / -GAIN_N_PER_M_S - 1.0) < 0.05
-        expected_rad = math.pi - math.tau * point.frequency_Hz * 0.030
-        assert abs(math.remainder(point.phase_rad - expected_rad, math.tau)) < 0.1
-    assert result["sign"] == -1
-    assert response.provenance.radius_m == 0.16
-    assert own.status()["state"] == "BYPASS"
-    assert own.ask("arm")["state"] in ("ARMED", "ACTIVE")
-    until("a correction on the wire", lambda: own.tell_plc("words")[3] != 0)
-    armed = own.status()
-    own.edit("radius_m: 0.15367", "radius_m: 0.154")
-    until("the edit waits", lambda: "waits for bypass" in "".join(own.status()["config_differs"]))
-    assert own.status()["config_hash"] == armed["config_hash"]
-    os.kill(own.process.pid, signal.SIGUSR1)
-    until("zero on the wire", lambda: own.tell_plc("words")[3] == 0)
-    until(
-        "the edit is applied",
-        lambda: own.status().get("config_hash") not in (None, armed["config_hash"]),
-    )
-    until("FAULT", lambda: own.status().get("state") == "FAULT")
 
 
 def test_a_bypass_while_the_control_process_starts_does_not_kill_it(service: ServiceRun) -> None:
@@ -300,3 +214,97 @@ def test_requests_without_sense_are_refused_and_the_service_lives(service: Servi
         with pytest.raises(RefusedError, match=r"a list of names|no actuator"):
             service.ask("probe", actuators=actuators)
     assert service.process.poll() is None
+
+
+def known_response(actuator: str) -> str:
+    """The PLC's own response: a gain and two ticks of delay, as if it had been probed."""
+    points = [
+        ResponsePoint(
+            frequency_Hz=f,
+            gain=-GAIN_N_PER_M_S,
+            phase_rad=math.pi - math.tau * f * LOOP_DELAY_S,
+            relative_error=0.01,
+            coherence=1.0,
+        )
+        for f in (0.3, 0.6, 1.0, 1.5, 2.5)
+    ]
+    about = Provenance(actuator=actuator, signal="pullroll_tension_N")
+    return Response(points=points, delay_s=LOOP_DELAY_S, provenance=about).to_json()
+
+
+def probed(run: ServiceRun, actuator: str) -> list[dict[str, Any]]:
+    """Probe, again when a pause of this machine made the guard end it, as an operator would."""
+    for _ in range(2):
+        with contextlib.suppress(RefusedError):
+            return list(run.ask("probe", actuators=[actuator])["results"])
+    return list(run.ask("probe", actuators=[actuator])["results"])
+
+
+def test_probe_arm_and_bypass_from_end_to_end(again: ServiceRun) -> None:
+    (again.folder / "learned").mkdir(exist_ok=True)
+    other = again.folder / "learned" / "euclid_swrap_follower.json"
+    other.write_text(known_response("swrap_follower"))
+    until("the file is applied", lambda: again.said("swrap_follower: response"))
+    (result,) = probed(again, "unwind")
+    response = Response.from_json((again.folder / "learned" / "euclid_unwind.json").read_text())
+    for point in response.points:
+        assert abs(point.gain / -GAIN_N_PER_M_S - 1.0) < 0.05
+        expected_rad = math.pi - math.tau * point.frequency_Hz * LOOP_DELAY_S
+        assert abs(math.remainder(point.phase_rad - expected_rad, math.tau)) < 0.1
+    assert result["sign"] == -1
+    assert response.provenance.radius_m == 0.16
+    assert again.status()["state"] == "BYPASS"
+    assert again.ask("arm")["state"] in ("ARMED", "ACTIVE")
+    until("a correction on the wire", lambda: again.tell_plc("words")[3] != 0)
+    armed = again.status()
+    radii = ["radius_m: 0.15367", "radius_m: 0.154"]
+    again.edit(*(radii if radii[0] in again.site.read_text() else reversed(radii)))
+    until(
+        "the edit waits", lambda: "waits for bypass" in "".join(again.status()["config_differs"])
+    )
+    assert again.status()["config_hash"] == armed["config_hash"]
+    os.kill(again.process.pid, signal.SIGUSR1)
+    until("zero on the wire", lambda: again.tell_plc("words")[3] == 0)
+    until(
+        "the edit is applied",
+        lambda: again.status().get("config_hash") not in (None, armed["config_hash"]),
+    )
+    until("FAULT", lambda: again.status().get("state") == "FAULT")
+
+
+def test_stop_ends_everything_and_leaves_a_readable_run(again: ServiceRun) -> None:
+    control = again.status()["control_pid"]
+    until("it is recorded", lambda: again.status()["recorder"].get("rows", 0) > 10)
+    folder = Path(again.status()["recorder"]["folder"])
+    assert again.ask("stop")["ok"]
+    assert again.process.wait(10) == 0
+    assert not is_running(control)
+    assert not (again.runtime_dir / "control.sock").exists()
+    run = read_run(folder)
+    assert run.summary is not None
+    assert run.summary.statistics.rows == len(run.columns["time_s"]) > 10
+    assert {event["name"] for event in run.events} >= {"POWER_UP", "OPERATOR"}
+    assert (folder / "site.yaml").read_text() == again.site.read_text()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.sweep(every=2)
+def test_a_signal_that_ends_the_service_is_named_and_so_is_the_zero(
+    again: ServiceRun, number: signal.Signals
+) -> None:
+    again.process.send_signal(number)
+    assert again.process.wait(10) == 0
+    words = again.tell_plc("words")
+    assert words[3] == words[8] == 0
+    assert again.said(f"{number.name}")
+    assert again.said("stopped; the correction reached zero")
+    assert not again.said("bypassed, or a probe has ended")
+
+
+@pytest.mark.campaign  # in the middle of a probe: test_commissioning_kills.py
+def test_a_killed_supervisor_takes_the_control_process_along_with_zero(again: ServiceRun) -> None:
+    control = again.status()["control_pid"]
+    kill(again.process.pid)
+    until("the control process ends by itself", lambda: not is_running(control))
+    words = again.tell_plc("words")
+    assert words[3] == words[8] == 0

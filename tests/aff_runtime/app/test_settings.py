@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
+import io
 import os
 import subprocess
 import sys
@@ -14,6 +16,7 @@ import pytest
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, RefusedError
+from aff_runtime.cli.main import main
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import kill, until
 
@@ -29,13 +32,22 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceRun]:
     run.close()
 
 
+def words_of(service: ServiceRun, *words: str) -> list[str]:
+    return ["settings", *words, "--runtime-dir", str(service.runtime_dir)]
+
+
 def console(service: ServiceRun, *words: str) -> tuple[int, str]:
-    """Run one command as a technician does; return its exit code and what it said."""
+    """Give one command as a technician does; return its exit code and what it said."""
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        code = main(words_of(service, *words))
+    return code, said.getvalue()
+
+
+def console_that_ends(service: ServiceRun, *words: str) -> tuple[int, str]:
+    """The same in a process of its own, which is gone afterwards."""
     done = subprocess.run(
-        [
-            *(sys.executable, "-m", "aff_runtime.cli.main", "settings", *words),
-            *("--runtime-dir", str(service.runtime_dir)),
-        ],
+        [sys.executable, "-m", "aff_runtime.cli.main", *words_of(service, *words)],
         capture_output=True,
         text=True,
         check=False,
@@ -60,7 +72,8 @@ def verbs(service: ServiceRun) -> list[str]:
 def test_a_diff_says_what_changes_with_units_and_changes_nothing(service: ServiceRun) -> None:
     before = service.status()["config_hash"]
     assert console(service, "diff", str(other(service))) == (0, f"{LINE}\n")
-    code, said = console(service, "diff", str(other(service, "cycle_ms: 5", "cycle_ms: 0")))
+    wrong = other(service, "\n  cycle_ms: 20\n", "\n  cycle_ms: 0\n")
+    code, said = console(service, "diff", str(wrong))
     assert code == 2
     assert f"{service.site}:" in said
     assert "cycle_ms" in said
@@ -70,7 +83,7 @@ def test_a_diff_says_what_changes_with_units_and_changes_nothing(service: Servic
 def test_a_try_returns_by_itself_after_its_console_is_gone(service: ServiceRun) -> None:
     before = service.status()["config_hash"]
     text = service.site.read_bytes()
-    code, said = console(
+    code, said = console_that_ends(
         service, "try", str(other(service)), "--seconds", "5", "--why", "hunting at 1x"
     )
     assert code == 0

@@ -3,10 +3,12 @@
 import pytest
 
 from sim_plant.cli.main import main
+from sim_plant.fleet import pipeline
 from sim_plant.fleet.looks import looks_in
 from sim_plant.fleet.pipeline import FleetPlan, kept_result, refine_fleet, row_file
 from sim_plant.fleet.refine_look import LookResult
 from sim_plant.refine.report.verdict import Verdict
+from tests.sim_plant.fleet import jobs
 
 pytestmark = pytest.mark.processes
 NOTHING = Verdict(
@@ -24,7 +26,8 @@ def plan(tmp_path):
             (folder / f"2026-11-20_{part}.csv").write_text("time_s\n0\n", encoding="utf-8")
         (tmp_path / "lines").mkdir(exist_ok=True)
         (tmp_path / "lines" / f"{name}.yaml").write_text("rollers: 3\n", encoding="utf-8")
-    found = FleetPlan(lines=tmp_path / "lines", runs=tmp_path / "runs", out=tmp_path / "out")
+    places = {name: tmp_path / name for name in ("lines", "runs", "out")}
+    found = FleetPlan(**places, workers=1)
     first = looks_in(found.lines, found.runs)[0]
     row = LookResult(line="film1", recorded="2026-11-20", verdict=NOTHING, error="", time_s=60.0)
     path = row_file(found.out, first.key)
@@ -49,7 +52,8 @@ def test_what_has_a_row_is_not_done_again_and_a_failure_is_a_row(plan, capsys):
     assert "film2 2026-11-20 failed" in capsys.readouterr().out
 
 
-def test_so_many_looks_as_asked_are_done_and_the_rest_waits(plan, capsys):
+def test_so_many_looks_as_asked_are_done_and_the_rest_waits(plan, capsys, monkeypatch):
+    monkeypatch.setattr(pipeline, "refine_look", jobs.failed)
     for row in (plan.out / "rows").iterdir():
         row.unlink()
     arguments = [str(plan.lines), "--runs", str(plan.runs), "--out", str(plan.out)]

@@ -67,6 +67,16 @@ def test_the_line_of_the_factory_is_the_tests_own(web_line, web_line_factory):
     other.step(10)
     assert other.status().time_s > web_line.status().time_s
 """
+WRONG = """
+def test_fault(web_line):
+    web_line.inject('melt')
+
+def test_channel(web_line):
+    web_line.value('speed')
+
+def test_words(web_line_factory):
+    web_line_factory(words=('--fault', 'melt'))
+"""
 _ONCE = ["-p", "no:web_line", "-p", "sim_plant.pytest_plugin.plugin"]  # installed or not
 
 
@@ -104,23 +114,27 @@ def test_every_fault_is_injected_by_a_test_of_the_page(page):
     assert names == set(Fault)
 
 
-def test_other_kinds_of_line_do_what_the_page_says_of_them(tmp_path):
-    (tmp_path / "test_kinds.py").write_text(KINDS)
-    done = _pytest(tmp_path)
-    assert done.returncode == 0, done.stdout + done.stderr
+@pytest.fixture(scope="module")
+def beside(tmp_path_factory):
+    """What the page says beside its tests, and what goes wrong, in one run; the folder."""
+    folder = tmp_path_factory.mktemp("beside")
+    (folder / "test_kinds.py").write_text(KINDS)
+    (folder / "test_wrong.py").write_text(WRONG)
+    return _pytest(folder, "-rp"), folder
 
 
-def test_what_goes_wrong_is_told_and_no_process_stays(tmp_path):
-    (tmp_path / "test_wrong.py").write_text(
-        "def test_fault(web_line):\n    web_line.inject('melt')\n"
-        "def test_channel(web_line):\n    web_line.value('speed')\n"
-        "def test_words(web_line_factory):\n    web_line_factory(words=('--fault', 'melt'))\n"
-    )
-    done = _pytest(tmp_path)
+def test_other_kinds_of_line_do_what_the_page_says_of_them(beside):
+    done, _ = beside
+    passed = re.findall(r"^PASSED test_kinds.py::(\w+)$", done.stdout, re.MULTILINE)
+    assert passed == re.findall(r"^def (test_\w+)", KINDS, re.MULTILINE), done.stdout + done.stderr
+
+
+def test_what_goes_wrong_is_told_and_no_process_stays(beside):
+    done, folder = beside
     assert "3 failed" in done.stdout
     for said in ("unknown name; known are", "no such channel; there are", "cannot be served"):
         assert said in done.stdout
-    assert not _processes_of(tmp_path)
+    assert not _processes_of(folder)
 
 
 def test_a_declaration_that_is_not_there_is_refused_before_any_test(tmp_path):

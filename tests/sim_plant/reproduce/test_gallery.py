@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from sim_plant.reproduce import gallery
 from sim_plant.reproduce.drawing import Panel, bars, draw
 from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, row_of_claim
 from sim_plant.reproduce.gallery import Done, chosen, markdown, run_all, write_gallery
+from tests.sim_plant.reproduce.light_work import named
 
 
 def result() -> Result:
@@ -82,9 +84,17 @@ def test_chosen_keeps_catalogue_order() -> None:
     assert [e.identity for e in chosen(["4.38", "T2.2"])] == ["T2.2", "4.38"]
 
 
-def test_two_processes_give_what_one_gives(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    "work",
+    [named, pytest.param(gallery.run_one, marks=pytest.mark.campaign)],  # that imports for 4 s
+    ids=["light", "real"],
+)
+def test_two_processes_give_what_one_gives(
+    work: Callable[[str], Result], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(gallery, "run_one", work)
     seen: list[str] = []
     both = run_all(chosen(["T2.2", "4.38"]), 2, seen.append)
-    alone = [gallery.run_one(name) for name in ("T2.2", "4.38")]
+    alone = [work(name) for name in ("T2.2", "4.38")]
     assert [d.result.rows for d in both] == [r.rows for r in alone]
     assert sorted(text.split()[0] for text in seen) == ["4.38", "T2.2"]  # told as they end

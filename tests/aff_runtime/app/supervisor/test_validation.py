@@ -50,8 +50,7 @@ def test_the_process_of_the_check_says_what_the_check_says(tmp_path: Path) -> No
 
 
 def test_the_record_of_a_good_file_carries_the_whole_site() -> None:
-    result = load_parameters(SITE)
-    parameters = result.parameters
+    parameters = check_result(SITE).parameters
     assert parameters is not None
     assert parameters.site == load_site(SITE)
     assert parameters.site_text == SITE.read_text()
@@ -92,12 +91,11 @@ def _learned(folder: Path) -> tuple[Path, Path]:
 
 
 @pytest.mark.parametrize("raw", [b"\xff\xfe\x00", b"[" * 100_000, b"{}"])
-@pytest.mark.sweep(every=3)
 def test_a_spoilt_response_file_is_a_finding_and_not_a_crash(tmp_path: Path, raw: bytes) -> None:
     path, learned = _learned(tmp_path)
     learned.write_bytes(raw)
     with pytest.raises(ConfigError, match=r"site.yaml:\d+:.*unwind.response: .*not a resp"):
-        load_parameters(path)
+        checked(path)
 
 
 def test_a_response_file_that_would_fill_the_memory_is_not_read(tmp_path: Path) -> None:
@@ -112,11 +110,11 @@ def test_a_pipe_in_place_of_a_file_is_refused_at_once(tmp_path: Path) -> None:
     path, learned = _learned(tmp_path)
     os.mkfifo(learned)
     with pytest.raises(ConfigError, match=r"euclid_unwind.json: is not a file"):
-        load_parameters(path)
+        checked(path)
     path.unlink()
     os.mkfifo(path)
     with pytest.raises(ConfigError, match=r"site.yaml:1:1 .*it is not a file"):
-        load_parameters(path)
+        checked(path)
 
 
 def test_a_response_of_another_actuator_is_refused(tmp_path: Path) -> None:
@@ -154,7 +152,7 @@ def test_a_record_that_does_not_pass_to_the_control_process_is_refused(tmp_path:
 def test_a_long_comment_does_not_keep_a_site_from_running(tmp_path: Path) -> None:
     path = tmp_path / "site.yaml"
     path.write_text(SITE.read_text() + "# " + "ü" * 100_000 + "\n")
-    parameters = load_parameters(path).parameters
+    parameters = check_result(path).parameters
     assert parameters is not None
     assert len(encode(Parameters(id=1, record=parameters.for_control()))) < MAX_PACKET_BYTES
 

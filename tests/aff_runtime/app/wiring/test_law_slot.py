@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from aff_runtime.app.supervisor.validation import load_parameters
+from aff_runtime.app.check.validate import check_result
 from aff_runtime.app.wiring.assemble import controller_of
 from aff_runtime.app.wiring.law_slot import BRIDGED_S, LawSlot
 from aff_runtime.app.wiring.site_to_law import probe_params, site_params
@@ -36,7 +36,7 @@ def permission(adapt: bool) -> Permission:
 
 
 def probing() -> tuple[LawSlot, Probe]:
-    parameters = load_parameters(SITE).parameters
+    parameters = check_result(SITE).parameters
     assert parameters is not None
     site = parameters.site
     probe = Probe(site_params(site), probe_params(site, ["unwind"]))

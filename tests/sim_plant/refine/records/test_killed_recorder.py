@@ -20,7 +20,10 @@ KEPT_ROWS, LOST_ROWS = 4096, 600
 """Rows that the ring keeps for a recorder that comes later, and those that it cannot keep."""
 
 
-@pytest.fixture(scope="module", params=("modbus", "can"))
+WIRES = ("modbus", pytest.param("can", marks=pytest.mark.campaign))  # the rows alone differ
+
+
+@pytest.fixture(scope="module", params=WIRES)
 def run(request, tmp_path_factory):
     """A whole run in virtual time, on Modbus and on CAN by DBC: armed, a tension step."""
     folder = tmp_path_factory.mktemp("whole")

@@ -7,12 +7,22 @@ import pytest
 from asammdf import MDF, Signal
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.refine.records import read
+from sim_plant.refine.records.mdf_table import mdf_table
 from sim_plant.refine.records.parquet_table import parquet_table
 from sim_plant.refine.records.read import read_record
 
 ROWS = 400
 STAMPS = np.round(0.01 * np.arange(ROWS), 4)
 FORCE = 90.0 + np.sin(STAMPS)
+
+
+@pytest.fixture
+def in_this_process(monkeypatch):
+    """Have asammdf, which is imported here anyway, read in this process and not in a child."""
+    monkeypatch.setattr(
+        read, "table_from_child", lambda path, _, payload: mdf_table(path, payload)
+    )
 
 
 def parquet(path, *fields):
@@ -93,12 +103,14 @@ def test_mdf_channels_start_at_zero_seconds_in_si(tmp_path):
     np.testing.assert_allclose(record.columns["unwind_tension_N"], 4.4482216152605 * FORCE)
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_unit_that_is_given_beats_the_one_in_the_name(tmp_path):
     path = mdf(tmp_path / "r.mf4", [signal("unwind_tension_N", "lbf")])
     found = read_record(path).columns["unwind_tension_N"]
     np.testing.assert_allclose(found, 4.4482216152605 * FORCE)
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_slower_mdf_group_is_put_on_the_stamps_of_the_fastest_and_said(tmp_path):
     slow = np.round(0.04 * np.arange(ROWS // 4), 4)
     path = mdf(
@@ -111,6 +123,7 @@ def test_a_slower_mdf_group_is_put_on_the_stamps_of_the_fastest_and_said(tmp_pat
     assert "rewind_tension_N has stamps of its own" in record.findings[0]
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_an_mdf_group_of_another_stretch_is_refused(tmp_path):
     path = mdf(
         tmp_path / "r.mf4",
@@ -121,6 +134,7 @@ def test_an_mdf_group_of_another_stretch_is_refused(tmp_path):
         read_record(path)
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_an_invalidated_mdf_sample_is_a_missing_value(tmp_path):
     bad = np.zeros(ROWS, dtype=bool)
     bad[7] = True
