@@ -145,9 +145,13 @@ class Hub:
         self.counts.sockets = len(self._viewers)
         if self.rooms is not None:
             self.rooms.look(seen, self.layout)
+        is_loud = self.kept is not None and self.kept.book.is_loud
         heads = {
             language: frames.encode(
-                view_of(seen, self.layout, say_in(language)), number=self._number, boot=self.boot
+                view_of(seen, self.layout, say_in(language)),
+                number=self._number,
+                boot=self.boot,
+                is_loud=is_loud,
             )
             for language in {viewer.language for viewer in self._viewers}
         }

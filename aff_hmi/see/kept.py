@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -91,6 +92,7 @@ class Kept:
         self.book = AlarmBook(clock, wall, can_be_seen=can_be_seen)
         self.trends = Trends(self.store, wall)
         self._columns: tuple[str, ...] = ()
+        self._ring = ""
         self._looked_ns: int | None = None
         self._seen = Seen()
         self._layout = Layout()
@@ -138,6 +140,7 @@ class Kept:
         self.book.hear(news.events)
         self.journal.listen(news)
         self._columns = news.columns
+        self._ring = news.ring or self._ring
         self.trends.listen(news)
 
     def look(self, seen: Seen, layout: Layout) -> None:
@@ -155,6 +158,8 @@ class Kept:
             (*found, NO_SERVICE) if state == GONE else found,
             is_known=is_fresh and seen.tick_age_s < FRESH_S,  # type: ignore[operator]
         )
+        for alarm in self.book.settled():
+            self.journal.first_out(alarm, self._ring)
         self.journal.look(seen)
         self.trends.look(seen, layout, self._columns)
 
@@ -180,4 +185,7 @@ class Kept:
         self.store.close()
 
     def _alarm_part(self, say: Say) -> AlarmPart:
-        return alarm_part(self.book, self.journal.number, self.store.trouble, say)
+        facts = self._seen.facts
+        site = facts.status.facts if facts is not None else None
+        cycle_s = site.cycle_s if site is not None else math.nan
+        return alarm_part(self.book, self.journal.number, self.store.trouble, cycle_s, say)

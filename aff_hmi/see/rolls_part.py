@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from aff_hmi.layout import label_of
-from aff_hmi.notices import why_it_rests
+from aff_hmi.notices import place_key, why_it_rests
 from aff_hmi.view import GOES_OUT
 from aff_hmi.watch import Seen
 from aff_hmi.words import N_, Say
@@ -134,7 +134,7 @@ def _roll(
     lines = [_order(row, roll, o, degrees[o.name], output, say) for o in orders]
     lines.sort(key=lambda line: not line.why)
     return RollPart(
-        key=f"{actuator} {roll}",
+        key=place_key(actuator, roll),
         actuator=label_of(actuator),
         roll=label_of(roll),
         radius_mm=_known(1e3 * _radius_m(row, facts), 1),

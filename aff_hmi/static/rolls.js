@@ -184,6 +184,15 @@ function section(roll) {
 }
 
 const drawn = new Map();
+let linked = placeOf(location.hash); // the roll that a link has asked for
+
+function placeOf(hash) {
+  try {
+    return decodeURIComponent(hash.slice(1));
+  } catch {
+    return ""; // typed by hand
+  }
+}
 
 /** A roll is drawn anew when it says something new; what was opened stays open. */
 onPart((page) => {
@@ -205,6 +214,12 @@ onPart((page) => {
   const isSame = next.length === list.children.length && next.every((b, n) => b === list.children[n]);
   if (!next.length) list.replaceChildren(part("p", "", page === null ? "—" : words.none));
   else if (!isSame) list.replaceChildren(...next);
+  const wanted = rolls.findIndex((roll) => roll.key === linked);
+  if (wanted >= 0) {
+    linked = "";
+    next[wanted].tabIndex = -1;
+    next[wanted].focus();
+  }
   const texts = page?.texts ?? [];
   byId("texts").replaceChildren(...(texts.length ? texts : ["—"]).map((text) => part("li", "", text)));
 });

@@ -22,6 +22,7 @@ let after = -1; // tick after which a trigger counts
 let ended = null; // last tick of a picture that stands
 let kept = null; // the window that is shown, null for what arrives
 let sure = null;
+let about = null; // the tick that a link has asked for, and its wall time
 
 // --- asking ------------------------------------------------------------------------------------
 
@@ -105,8 +106,31 @@ async function renew() {
   }
 }
 
+/** Whether these are the ticks of a link: the same numbers come again with every start. */
+function isOfLink({ head, t }) {
+  const n = about.tick - head.first;
+  return n >= 0 && n < head.n && Math.abs(head.utc_s + t[n] - about.at_s) < 1;
+}
+
+/** Show the ticks of a link, or say that they are gone; nothing else is taken for them. */
+function tookLink(found) {
+  if (found.head.n < 2 || !isOfLink(found)) {
+    put(byId("shot"), words.goneTicks);
+    about = ended = null;
+    return;
+  }
+  const n = about.tick - found.head.first;
+  byId("cursor-a").value = String(Math.round((1000 * n) / (found.head.n - 1)));
+  about = null;
+  show(found);
+}
+
 function took(found, said) {
   const { head } = found;
+  if (about !== null) {
+    tookLink(found);
+    return;
+  }
   if (head.n < 0) {
     put(byId("shot"), words.waits);
     const isAuto = byId("mode").value === "auto" && performance.now() - fired_ms > AUTO_MS;
@@ -452,6 +476,13 @@ for (const one of byId("of").options) {
   one.textContent = one.textContent.replace(`[${one.dataset.of}]`, `[${unitName(one.dataset.of)}]`);
 }
 for (const box of boxes().slice(0, 2)) box.checked = true;
+const linked = new URLSearchParams(location.search);
+if (["end", "tick", "at"].every((name) => /^[\d.]{1,15}$/.test(linked.get(name) ?? ""))) {
+  about = { tick: Number(linked.get("tick")), at_s: Number(linked.get("at")) };
+  ended = Number(linked.get("end"));
+  isRunning = false;
+  byId("seconds").value = "10";
+}
 controls();
 buttons();
 renew();
