@@ -16,6 +16,7 @@ from aff_hmi.see.alarm_book import AlarmBook
 from aff_hmi.see.alarm_part import KINDS, AlarmPart, alarm_part
 from aff_hmi.see.events import Kind
 from aff_hmi.see.journal import Journal
+from aff_hmi.see.recent_part import RecentPart, recent_part
 from aff_hmi.see.rolls_part import rolls_part
 from aff_hmi.see.store import Store
 from aff_hmi.see.trend_part import GROUPS, WINDOW_WORDS, group_name
@@ -162,6 +163,10 @@ class Kept:
             self.journal.first_out(alarm, self._ring)
         self.journal.look(seen)
         self.trends.look(seen, layout, self._columns)
+
+    def recent(self) -> RecentPart:
+        """Return the last ten minutes of what the overview shows."""
+        return recent_part(self.trends, self._layout, self.wall())
 
     def part(self, topic: str, language: str) -> str:
         """Return what a page of a topic shows of the newest moment, as JSON."""
