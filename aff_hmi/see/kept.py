@@ -18,6 +18,7 @@ from aff_hmi.see.events import Kind
 from aff_hmi.see.journal import Journal
 from aff_hmi.see.recent_part import RecentPart, recent_part
 from aff_hmi.see.rolls_part import rolls_part
+from aff_hmi.see.shape_history import ShapeHistory
 from aff_hmi.see.store import Store
 from aff_hmi.see.trend_part import GROUPS, WINDOW_WORDS, group_name
 from aff_hmi.see.trend_rows import SCHEMA as TREND_SCHEMA
@@ -92,6 +93,7 @@ class Kept:
         self._refusals = Bucket(clock, per_s=0.1, burst=10.0)
         self.book = AlarmBook(clock, wall, can_be_seen=can_be_seen)
         self.trends = Trends(self.store, wall)
+        self._shapes = ShapeHistory(self.trends, wall)
         self._columns: tuple[str, ...] = ()
         self._ring = ""
         self._looked_ns: int | None = None
@@ -99,8 +101,8 @@ class Kept:
         self._layout = Layout()
         self._texts: dict[tuple[str, str], str] = {}
         self._parts: dict[str, Callable[[Say], Part]] = {
-            ALARMS: self._alarm_part,
-            ROLLS: lambda say: rolls_part(self._seen, say),
+            ALARMS: self.alarms,
+            ROLLS: lambda say: rolls_part(self._seen, say, self._shapes),
         }
 
     def join(self, topic: str, part: Callable[[Say], Part]) -> None:
@@ -163,6 +165,7 @@ class Kept:
             self.journal.first_out(alarm, self._ring)
         self.journal.look(seen)
         self.trends.look(seen, layout, self._columns)
+        self._shapes.look(seen)
 
     def recent(self) -> RecentPart:
         """Return the last ten minutes of what the overview shows."""
@@ -189,7 +192,8 @@ class Kept:
         self.trends.flush()
         self.store.close()
 
-    def _alarm_part(self, say: Say) -> AlarmPart:
+    def alarms(self, say: Say) -> AlarmPart:
+        """Return what is shown of alarms."""
         facts = self._seen.facts
         site = facts.status.facts if facts is not None else None
         cycle_s = site.cycle_s if site is not None else math.nan

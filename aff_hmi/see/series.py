@@ -55,7 +55,9 @@ class SeriesSet:
         self._ticks = tuple(ticks)
         self._at = [columns.index(one.column) for one in ticks]
         self._factors = np.array([one.factor for one in ticks])
-        self._measured = [i for i, one in enumerate(ticks) if one.series.group in MEASURED_GROUPS]
+        self._is_measured = np.array(
+            [one.series.group in MEASURED_GROUPS for one in ticks], dtype=bool
+        )
         self._age_at = columns.index("age_s") if "age_s" in columns else None
         self._fault_after_s = site.fault_after_s
         self._states = [(i, one.state) for i, one in enumerate(ticks) if one.state is not None]
@@ -75,7 +77,7 @@ class SeriesSet:
             picked[:, at] = picked[:, at] == state
         if self._age_at is not None:
             is_silent = np.asarray(records)[:, self._age_at] > self._fault_after_s
-            picked[np.ix_(is_silent, self._measured)] = np.nan
+            picked[is_silent[:, None] & self._is_measured] = np.nan
         rows[:, : len(self._ticks)] = picked.reshape(len(records), -1) * self._factors
         return rows
 
