@@ -47,6 +47,7 @@ PEOPLE = {
     "login refused": N_("a login was refused"),
     "logout": N_("logged out"),
     "session ended": N_("the session has ended"),
+    "session ended by": N_("ended a session"),
     "hand taken": N_("took the hand"),
     "hand taken over": N_("took the hand over"),
     "hand released": N_("released the hand"),

@@ -38,6 +38,8 @@ LOGGED_OUT, MAY_NOT = 401, 403
 PRESSED: dict[str, tuple[dict[str, Any], tuple[int, int, int, int]]] = {
     "/login": ({"name": "bert", "password": PASSWORD}, (200, 200, 200, 200)),
     "/logout": ({}, (LOGGED_OUT, 200, 200, 200)),
+    "/sessions": ({}, (LOGGED_OUT, 200, 200, 200)),
+    "/sessions/end": ({"number": 10**6}, (LOGGED_OUT, 409, 409, 409)),
     "/hand": ({"do": "take"}, (LOGGED_OUT, MAY_NOT, 200, 200)),
     "/acknowledge": ({"key": "none stands"}, (LOGGED_OUT, MAY_NOT, 409, 409)),
     "/shelve": (
