@@ -528,7 +528,9 @@ byId("save").onclick = (event) => {
 byId("save-picture").onclick = () => {
   if (chart === null || shot === null) return;
   const stale = byId("picture").querySelector(".stale").textContent;
-  const above = [document.querySelector("h1").textContent, `${byId("shot").textContent} ${stale}`];
+  const ends = new Date(1000 * (shot.head.utc_s + (shot.t?.at(-1) ?? 0))).toISOString();
+  const of = `${document.querySelector("h1").textContent} … ${ends}`;
+  const above = [of, `${byId("shot").textContent} ${stale}`];
   const below = [...byId("curves").children].map((one) => one.textContent);
   savePicture(chart, above, [...below, byId("between").textContent], "aff-scope.png");
 };

@@ -8,6 +8,7 @@ from typing import Any
 
 from aff_runtime.app.report.block_status import BlockStatus
 from aff_runtime.app.report.line_facts import LineFacts
+from aff_runtime.app.report.probe_facts import ProbeFacts
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RecorderReport
@@ -84,6 +85,7 @@ class StatusAnswer:
     control_restarts : how often a control process that had died was started anew; `NOT_SAID` in
         an answer of an older service.
     audit_records : number of the newest line of the audit; `NOT_SAID` where none is kept.
+    probes : how good and how old the responses in force are.
     shapes, crossings : what became of shapes; when orders of two rolls will meet.
     meetings : the crossings as numbers. ``facts`` : what a screen needs of the site.
     live : None while there is no record yet.
@@ -102,6 +104,7 @@ class StatusAnswer:
     recorder: RecorderReport | None = None
     control_restarts: int = NOT_SAID
     audit_records: int = NOT_SAID
+    probes: tuple[ProbeFacts, ...] = ()
     shapes: tuple[str, ...] = ()
     crossings: tuple[str, ...] = ()
     meetings: tuple[Meeting, ...] = ()
@@ -138,6 +141,7 @@ def read_answer(said: Any) -> StatusAnswer:
         recorder=RecorderReport.from_json(recorder) if recorder else None,
         control_restarts=said.get("control_restarts", NOT_SAID),
         audit_records=said.get("audit_records", NOT_SAID),
+        probes=tuple(ProbeFacts(**one) for one in said.get("probes", ())),
         shapes=tuple(said.get("shapes", ())),
         crossings=tuple(said.get("crossings", ())),
         meetings=tuple(Meeting(**one) for one in said.get("meetings", ())),

@@ -81,6 +81,21 @@ OF_SERVICE: tuple[Metric, ...] = (
     Metric("aff_disk_free_bytes", GAUGE, (), "left on the disk of the runs"),
     Metric("aff_control_restarts_total", COUNTER, (), "control processes that died and came back"),
     Metric("aff_audit_records_total", COUNTER, (), "number of the newest line of the audit"),
+    Metric(
+        "aff_probe_timestamp_seconds",
+        GAUGE,
+        ("actuator",),
+        "when the response in force was measured, s since 1970",
+    ),
+    Metric(
+        "aff_probe_coherence_lowest_ratio", GAUGE, ("actuator",), "lowest coherence of its points"
+    ),
+    Metric(
+        "aff_probe_phase_error_highest_radians",
+        GAUGE,
+        ("actuator",),
+        "largest bound of its phase error at a point",
+    ),
 )
 OF_SCREEN: tuple[Metric, ...] = (
     Metric("aff_tick_duration_seconds", HISTOGRAM, (), "whole tick, every tick"),

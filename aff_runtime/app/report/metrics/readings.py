@@ -79,6 +79,12 @@ def _samples(answer: StatusAnswer | None, now_ns: int) -> Iterator[Sample]:
         yield Sample("aff_control_restarts_total", (), answer.control_restarts)
     if answer.audit_records != NOT_SAID:
         yield Sample("aff_audit_records_total", (), answer.audit_records)
+    for probe in answer.probes:
+        of = (probe.actuator,)
+        yield Sample("aff_probe_timestamp_seconds", of, _known(probe.measured_utc_s))
+        yield Sample("aff_probe_coherence_lowest_ratio", of, probe.coherence_lowest)
+        highest_rad = probe.phase_error_highest_rad
+        yield Sample("aff_probe_phase_error_highest_radians", of, highest_rad)
     yield from _recorder(answer.recorder)
     if live is None:
         return
